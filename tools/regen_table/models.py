@@ -237,7 +237,7 @@ class BatteryState:
 
 
 def battery_steady(
-    open_circuit_v: float, resistance_ohm: float, power_w: ArrayLike
+    open_circuit_v: ArrayLike, resistance_ohm: float, power_w: ArrayLike
 ) -> BatteryState:
     """Solve u_b i_b = power for a battery with R = R_s + R_t in series.
 

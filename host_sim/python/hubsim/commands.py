@@ -100,9 +100,8 @@ def run_scenario(options: argparse.Namespace) -> int:
     drive = drive_of(options.config, settings, options.strategy, chosen)
     patterns = tuple(options.signals.split(",")) if options.signals else DEFAULT_SIGNALS
     if options.signals and not wanted:
-        raise HubsimError(
-            f"--signals: accepted: with {' or '.join(f'--{kind}' for kind in cli.RECORDINGS)}"
-        )
+        kinds = " or ".join(f"--{kind}" for kind in cli.RECORDINGS)
+        raise HubsimError(f"--signals: accepted: with {kinds}")
     with progress_bar() as bar:
         task = bar.add_task(f"{name}, {drive.brake.strategy}", total=None)
         result = run.simulate(
@@ -141,7 +140,7 @@ def run_scenario(options: argparse.Namespace) -> int:
 
 def run_strategies(options: argparse.Namespace) -> int:
     """Do ``hubsim sim``: the three strategies side by side, with a page."""
-    from hubsim import comparison  # noqa: PLC0415, only here
+    from hubsim import comparison, kept  # noqa: PLC0415, only here
 
     settings = overrides.parse(options.settings)
     name, chosen, beside = scenario.load(options.scenario, settings.scenario)
@@ -149,22 +148,24 @@ def run_strategies(options: argparse.Namespace) -> int:
         raise HubsimError(f"sim: scenario {name} has no cycle, accepted: one that has")
     drives = [drive_of(options.config, settings, strategy, chosen) for strategy in run.STRATEGIES]
     comparison.check_output(options.output)
-    with progress_bar() as bar:
+    with (
+        progress_bar() as bar,
+        kept.meanwhile(drives, options.scenario, settings.plant, bar) as waiting,
+    ):
         results = comparison.simulate_all(
             name, drives, chosen, beside, settings.plant, bar, options.date
         )
         shown = comparison.extras(drives, bar)
+        shares = kept.of_results(results) | {c: f.result() for c, f in waiting.items()}
     for result in results:
         warn_of(result)
     console.print_table(results)
+    if shares:
+        print(kept.line(shares))
     for line in comparison.write(results, options.output, shown):
         print(line)
-    failed = [
-        f"{result.strategy}: {criterion['name']}"
-        for result in results
-        for criterion in result.criteria
-        if not criterion["passed"]
-    ]
+    failed = comparison.not_met(results)
+    failed += [f"{cycle}: {kept.CRITERION}" for cycle in waiting if shares[cycle] < kept.LEAST]
     if failed:
         print(f"hubsim: {name}: criteria not met: {', '.join(failed)}", file=sys.stderr)
     return 1 if failed else 0

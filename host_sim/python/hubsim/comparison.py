@@ -82,6 +82,16 @@ def simulate_all(
             raise
 
 
+def not_met(results: Sequence[RunResult]) -> list[str]:
+    """Return the criteria that were not met."""
+    return [
+        f"{result.strategy}: {criterion['name']}"
+        for result in results
+        for criterion in result.criteria
+        if not criterion["passed"]
+    ]
+
+
 def extras(drives: Sequence[Drive], bar: Progress) -> report.Extras:
     """Simulate the stops and compute the map that the page shows besides the cycle."""
     task = bar.add_task("stops", total=len(drives) * len(stops.DEMANDS_NM))

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from regen_table.schema import Drive
 
-from hubsim import engine, expression, reasons
+from hubsim import engine, expression, reasons, unguarded
 from hubsim.criteria import Criterion
 from hubsim.errors import HubsimError
 from hubsim.expression import EmptyWindow, ExpressionError, Value
@@ -57,7 +57,9 @@ RUN_FIGURES: Mapping[str, Callable[[RunResult], float]] = {
     "residual_relative": lambda r: r.residual_relative,
     "stopped": lambda r: float(bool(r.stopped)),
     "faults": lambda r: float(len(r.faults)),
+    "series_optimal": lambda r: float(r.strategy == "series_optimal"),
 }
+KEPT_SHARE = "run.kept_share"  # hubsim.unguarded; worked out where a formula names it
 
 
 def constants(scenario: Scenario, drive: Drive) -> dict[str, float]:
@@ -84,6 +86,7 @@ def scalars(scenario: Scenario, drive: Drive, known: Sequence[str]) -> set[str]:
         *constants(scenario, drive),
         *(f"plant.{name}" for name in engine.parameters()),
         *(f"run.{name}" for name in RUN_FIGURES),
+        KEPT_SHARE,
     }
     return own | {name for name in known if name.startswith(_ACCOUNTS)}
 
@@ -105,6 +108,8 @@ def signals_of(
     for place, formula in [*looked_at, *((text, expression.read(text)) for text in formulas)]:
         try:
             wanted |= {"time_s", *signals_named(formula.names, known, single)}
+            if KEPT_SHARE in formula.names:
+                wanted |= set(unguarded.SIGNALS)
         except ExpressionError as error:
             raise HubsimError(f"{scenario.source}: {place}: {error}") from error
     return [name for name in known if name in wanted]
@@ -141,15 +146,15 @@ class Evaluator:
     ----------
     result : RunResult
         Every signal used by the formulas is recorded.
-    constants : mapping
-        Further quantities that a formula may name: keys of scenario and drive, times of events.
+    scenario, drive
+        Of the run: formulas may name their keys and the times of events.
     """
 
-    def __init__(self, result: RunResult, constants: Mapping[str, float]) -> None:
-        self._result = result
+    def __init__(self, result: RunResult, scenario: Scenario, drive: Drive) -> None:
+        self._result, self._drive = result, drive
         self._time_s = result.signal("time_s") if "time_s" in result.names else np.empty(0)
         self._scalars = {
-            **constants,
+            **constants(scenario, drive),
             **{f"plant.{name}": value for name, value in result.parameters.items()},
             **result.account_j,
             **{f"run.{name}": figure(result) for name, figure in RUN_FIGURES.items()},
@@ -194,6 +199,13 @@ class Evaluator:
     def _lookup(self, name: str) -> Value:
         if name == "":
             return np.diff(self._time_s, prepend=self._time_s[:1])
+        if name == KEPT_SHARE:
+            signals = {signal: self._result.signal(signal) for signal in unguarded.SIGNALS}
+            return np.asarray(
+                unguarded.kept_share(
+                    self._drive, signals, self._result.returned_j, self._result.wheels
+                )
+            )
         if name in self._scalars:
             return np.asarray(self._scalars[name])
         rows = self._rows(name)
@@ -218,7 +230,7 @@ def evaluate(scenario: Scenario, drive: Drive, result: RunResult) -> list[Criter
         For a formula with an unknown name, or whose value is no number; one line with source
         and key.
     """
-    evaluator = Evaluator(result, constants(scenario, drive))
+    evaluator = Evaluator(result, scenario, drive)
     out = []
     for name, criterion in scenario.criteria.items():
         try:

@@ -117,7 +117,7 @@ def _row(job: Job, number: int, point: Mapping[str, Any]) -> Row:
         )
         evaluated = evaluation.evaluate(chosen, drive, result)
         row |= {
-            column: evaluation.Evaluator(result, evaluation.constants(chosen, drive)).single(text)
+            column: evaluation.Evaluator(result, chosen, drive).single(text)
             for column, text in job.collect
         }
     except (
