@@ -3,12 +3,13 @@
 
 #include "hal/serial.h"
 
-enum { STATUS, WATCH, LIMITS, CAN, BOOT, CONFIG, VERSION, INSTALL, COMMANDS_COUNT };
+enum { STATUS, WATCH, LIMITS, FAULTS, CAN, BOOT, CONFIG, VERSION, INSTALL, COMMANDS_COUNT };
 
 static const shell_command_t COMMANDS[COMMANDS_COUNT] = {
     [STATUS] = {"status", "", "mode, reason, torque, speed, bus"},
     [WATCH] = {"watch", "", "the status every second, until the next key"},
     [LIMITS] = {"limits", "", "every torque limit, which one is the tightest, and why"},
+    [FAULTS] = {"faults", "[PREFIX]", "the faults whose names begin so: times, reaction, clearing"},
     [CAN] = {"can", "", "received frames and errors of each sender"},
     [BOOT] = {"boot", "", "what the self-tests found"},
     [CONFIG] = {"config", "[PREFIX]", "the configuration's fields that begin so"},
@@ -46,6 +47,8 @@ static bool answer(console_t *console, const shell_request_t *asked, text_t *lin
         return asked->number == 0;
     case LIMITS:
         return answer_limits(console, asked->number, line);
+    case FAULTS:
+        return report_faults(console->boot, asked->argument, asked->number, line);
     case CAN:
         return report_can(&console->status, asked->number, line);
     case BOOT:

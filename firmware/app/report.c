@@ -2,9 +2,11 @@
 #include "app/report.h"
 
 #include <stddef.h>
+#include <string.h>
 
 #include "app/commit.h"
 #include "app/config_lines.h"
+#include "core/fault.h"
 #include "torque/feasible_torque.h"
 
 #if !defined(HUBFOC_VERSION) || !defined(HUBFOC_PORT_NAME)
@@ -157,6 +159,8 @@ void report_status(const report_status_t *status, text_t *line)
     text_add(line, e2e_link_text(status->node->demand.link));
 }
 
+enum { FAULT_TIME_CHARS = 47 }; /* of one configuration field's name */
+
 enum { DRIVING_COLUMN = 16, BRAKING_COLUMN = 30, REASON_COLUMN = 44 };
 
 static void add_winner(text_t *line, const char *side, const limit_t lines[TORQUE_LINE_COUNT])
@@ -276,6 +280,69 @@ bool report_can(const report_status_t *status, uint32_t number, text_t *line)
     default:
         return false;
     }
+}
+
+static const fault_t *fault_that_begins(const char *prefix, uint32_t number)
+{
+    uint32_t left = number;
+    const fault_t *row = fault_row(0);
+    for (unsigned i = 0; row != NULL; row = fault_row(++i)) {
+        if (strncmp(row->name, prefix, strlen(prefix)) != 0) {
+            continue;
+        }
+        if (left == 0) {
+            return row;
+        }
+        left--;
+    }
+    return NULL;
+}
+
+/* A configuration field is followed by its value, as `config` shows it. */
+static void add_time(const boot_report_t *boot, const char *time, text_t *line)
+{
+    const bool accepted = boot->config_result.code == CONFIG_RESULT_OK;
+    while (*time != '\0') {
+        const char *plus = strstr(time, " + ");
+        const size_t length = plus == NULL ? strlen(time) : (size_t)(plus - time);
+        char word[FAULT_TIME_CHARS + 1] = {0};
+        memcpy(word, time, length < FAULT_TIME_CHARS ? length : FAULT_TIME_CHARS);
+        if (!accepted || strchr(word, '.') == NULL ||
+            !config_lines_get(boot->config, word, 0, line)) {
+            text_add(line, word);
+        }
+        text_add(line, plus == NULL ? "" : " + ");
+        time += plus == NULL ? length : length + 3U;
+    }
+}
+
+bool report_faults(const boot_report_t *boot, const char *prefix, uint32_t number, text_t *line)
+{
+    const fault_t *row = fault_that_begins(prefix, number / 2U);
+    if (row == NULL) {
+        return false;
+    }
+    if (number % 2U == 0) {
+        text_add_integer(line, (int32_t)row->reason);
+        text_add(line, " ");
+        text_add(line, row->name);
+        text_add(line, ": ");
+        text_add(line, reason_text(row->reason));
+        text_add(line, "; ");
+        text_add(line, fault_driver_text(row->driver));
+        return true;
+    }
+    text_add(line, "   after ");
+    add_time(boot, row->qualify, line);
+    text_add(line, ": ");
+    text_add(line, fault_reaction_text(row->reaction));
+    text_add(line, "; ends ");
+    text_add(line, fault_clearing_text(row->clearing));
+    if (row->clearing == FAULT_CLEARING_HEALS) {
+        text_add(line, ", ");
+        add_time(boot, row->heal, line);
+    }
+    return true;
 }
 
 bool report_config(const boot_report_t *boot, const char *prefix, uint32_t number, text_t *line)

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Write what is made from hubfoc.dbc.
 
-generated/hubfoc.h, generated/hubfoc.c and the message table of README.md.
+generated/hubfoc.h, generated/hubfoc.c and the message table of README.md; and, before that, the
+DBC's own value tables of reasons and of ``waits_for`` from the lists in firmware/core.
 
 cantools' code, with two changes: without the date, so that equal protocols make equal files, and
 without the range checks of physical values, which are the only floating point in it and which
@@ -26,6 +27,7 @@ from cantools.database.can.c_source import generate
 MODULE = Path(__file__).resolve().parent
 DBC = MODULE / "hubfoc.dbc"
 README = MODULE / "README.md"
+CORE = MODULE.parent / "core" / "include" / "core"
 BEGIN = "<!-- from hubfoc.dbc by generate.py -->\n"
 END = "<!-- end -->\n"
 
@@ -46,20 +48,43 @@ def longest_frame_bits(length_bytes: int) -> int:
     return OVERHEAD_BITS + 8 * length_bytes + (stuffable - 1) // 4
 
 
-def load(path: Path = DBC) -> Database:
+def load_text(dbc: str) -> Database:
     """Load the protocol, strictly."""
-    database = cantools.database.load_file(str(path), strict=True)
+    database = cantools.database.load_string(dbc, "dbc", strict=True)
     assert isinstance(database, Database)
     return database
+
+
+def listed(header: str) -> str:
+    """Return the numbers and names of a list in firmware/core as a DBC value table has them."""
+    text = (CORE / header).read_text(encoding="utf-8")
+    rows = re.findall(r"^\s*X\((\d+), (\w+), \"", text, re.MULTILINE)
+    if not rows:
+        raise ValueError(f"{header}: no list was found")
+    pairs = sorted((int(number), name) for number, name in rows)
+    return " ".join(f'{number} "{name}"' for number, name in pairs)
+
+
+def with_value_tables(dbc: str) -> str:
+    """Return the DBC with the value tables of its reasons made new."""
+    for signal, header in ((r"\w*reason", "reason.h"), ("waits_for", "waits_for.h")):
+        table = listed(header)
+        dbc = re.sub(rf"^(VAL_ \d+ {signal}) [^;]*;", rf"\1 {table};", dbc, flags=re.MULTILINE)
+    return dbc
 
 
 def without_phys_range(text: str) -> str:
     """Take out what the checks that compute in floating point are, with their comments."""
     text = re.sub(
-        r"/\*\*\n(?: \*[^\n]*\n)*? \*/\nbool \w+_is_in_phys_range\(double value\);\n\n", "", text
+        r"/\*\*\n(?: \*[^\n]*\n)*? \*/\nbool \w+_is_in_phys_range\(double value\);\n\n",
+        "",
+        text,
     )
     return re.sub(
-        r"bool \w+_is_in_phys_range\(double value\)\n\{\n.*?\n\}\n\n?", "", text, flags=re.DOTALL
+        r"bool \w+_is_in_phys_range\(double value\)\n\{\n.*?\n\}\n\n?",
+        "",
+        text,
+        flags=re.DOTALL,
     )
 
 
@@ -166,12 +191,16 @@ def main() -> int:
     """Write or check everything."""
     parser = argparse.ArgumentParser(description="C code and message table from hubfoc.dbc")
     parser.add_argument(
-        "--check", action="store_true", help="write nothing; fail if something is out of date"
+        "--check",
+        action="store_true",
+        help="write nothing; fail if something is out of date",
     )
     only_check = parser.parse_args().check
     try:
-        database = load()
-        wanted = {MODULE / "generated" / name: text for name, text in c_code(database).items()}
+        dbc = with_value_tables(DBC.read_text(encoding="utf-8"))
+        database = load_text(dbc)
+        wanted = {DBC: dbc}
+        wanted |= {MODULE / "generated" / name: text for name, text in c_code(database).items()}
         wanted[README] = readme(database, README.read_text(encoding="utf-8"))
     except (OSError, ValueError, cantools.Error) as error:
         print(f"{DBC.name}: {' '.join(str(error).split())}", file=sys.stderr)

@@ -136,9 +136,12 @@ static bool answer_reasons(uint32_t number, text_t *line)
         reason_t reason;
         const char *name;
     } ALL[] = {
-#define SHELL_REASON_LINE(number, identifier, text) {REASON_##identifier, #identifier},
-        REASON_LIST(SHELL_REASON_LINE)
-#undef SHELL_REASON_LINE
+#define LIMIT_LINE(number, identifier, text) {REASON_##identifier, #identifier},
+#define FAULT_LINE(number, identifier, text, qualify, heal, reaction, clearing, driver)            \
+    {REASON_##identifier, #identifier},
+        LIMIT_LIST(LIMIT_LINE) FAULT_LIST(FAULT_LINE)
+#undef LIMIT_LINE
+#undef FAULT_LINE
     };
     if (number >= sizeof ALL / sizeof ALL[0]) {
         return false;

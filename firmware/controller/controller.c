@@ -122,7 +122,7 @@ static bool drive_demanded(const wheel_demand_t *demand)
 
 static modes_output_t decide_mode(controller_slow_t *slow, const config_t *config,
                                   const fast_report_t *report, const slow_input_t *in,
-                                  const monitor_output_t *watch, int32_t speed_mrad_s)
+                                  const monitor_output_t *watch)
 {
     const wheel_demand_t *demand = &in->demand;
     const reason_t demand_warning =
@@ -138,7 +138,8 @@ static modes_output_t decide_mode(controller_slow_t *slow, const config_t *confi
         .offsets_done = report->offsets_done,
         .offsets_plausible = watch->offsets_plausible,
         .rotor_valid = report->rotor_valid,
-        .rolling = q_abs(speed_mrad_s) > config->brake.blend_out_end_mrad_s,
+        .rolling = watch->speed_bound_mrad_s > config->brake.blend_out_end_mrad_s,
+        .at_rest = watch->at_rest,
         .enable = demand->enable,
         .demand_lost = demand_is_lost(config, in->demand_age_ms),
         .lost_reason = demand_warning == REASON_NONE ? REASON_DEMAND_TIMEOUT : demand_warning,
@@ -204,7 +205,7 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
         operating_point_of(&slow->operating_point, config, report, in->temperature.winding_cC);
     const monitor_slow_input_t watched = monitor_input(slow, config, report, in, &at);
     const monitor_output_t watch = monitor_slow_step(&slow->monitor, config, &watched);
-    const modes_output_t modes = decide_mode(slow, config, report, in, &watch, at.speed_mrad_s);
+    const modes_output_t modes = decide_mode(slow, config, report, in, &watch);
     if (report->bridge != BRIDGE_PWM && watch.charging_mA > 0 &&
         torque_enable_any(modes.torque_enable)) {
         at.phase_voltage_mV = bridge_choice_phase_mV(config, at.phase_voltage_mV, at.bus_voltage_mV,
@@ -268,7 +269,7 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
         .direction = torque.engaged,
         .hydraulic_valid = torque.hydraulic_valid,
         .stop_lamp = torque.stop_lamp,
-        .standstill = watch.standstill,
+        .standstill = watch.at_rest,
     };
     return out;
 }

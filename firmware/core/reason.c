@@ -4,11 +4,15 @@
 const char *reason_text(reason_t reason)
 {
     switch (reason) {
-#define REASON_TEXT_LINE(number, identifier, text)                                                 \
+#define LIMIT_TEXT(number, identifier, text)                                                       \
     case REASON_##identifier:                                                                      \
         return text;
-        REASON_LIST(REASON_TEXT_LINE)
-#undef REASON_TEXT_LINE
+#define FAULT_TEXT(number, identifier, text, qualify, heal, reaction, clearing, driver)            \
+    LIMIT_TEXT(number, identifier, text)
+        LIMIT_LIST(LIMIT_TEXT)
+        FAULT_LIST(FAULT_TEXT)
+#undef LIMIT_TEXT
+#undef FAULT_TEXT
     }
     return "unknown reason";
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "modes/modes.h"
 
+#include "core/fault.h"
 #include "core/q15.h"
 
 void modes_init(modes_state_t *state)
@@ -31,15 +32,16 @@ static void fail(modes_state_t *state, reason_t fault)
     enter(state, MODE_FAULT);
 }
 
-/* A rising edge of fault_reset is accepted only at standstill and without a torque demand. It stays
- * pending for some steps, because the fast loop must clear its trip and check again before the
- * monitor reports no fault. */
+/* A rising edge of fault_reset is accepted only at rest and without a torque demand, and never for
+ * a fault that only a restart clears. It stays pending for some steps, because the fast loop must
+ * clear its trip and check again before the monitor reports no fault. */
 static bool acknowledgement_pending(modes_state_t *state, const modes_input_t *in)
 {
     const bool edge = in->fault_reset && !state->reset_before;
     state->reset_before = in->fault_reset;
-    const bool quiet = !in->torque_demanded && !in->rolling;
-    const bool allowed = state->mode == MODE_FAULT && quiet;
+    const bool quiet = !in->torque_demanded && in->at_rest;
+    const bool allowed = state->mode == MODE_FAULT && quiet &&
+                         fault_clearing(state->fault) != FAULT_CLEARING_RESTART;
     if (edge && quiet) {
         state->warning = REASON_NONE;
     }
@@ -120,17 +122,19 @@ static void advance(modes_state_t *state, const config_modes_t *config, const mo
             enter(state, MODE_READY); /* never while rolling: switching off must not take the
                                          electric brake away */
         } else {
-            const bool warning = in->warning || state->offsets_stored;
+            const bool warning =
+                (in->warning && fault_reaction(in->warning_reason) != FAULT_REACTION_NONE) ||
+                state->offsets_stored;
             if (warning != (state->mode == MODE_LIMP)) {
                 enter(state, warning ? MODE_LIMP : MODE_RUN);
             }
         }
         break;
     case MODE_FAULT:
-        if (acknowledged && in->fault == REASON_NONE) {
+        if (acknowledged) { /* and no fault is present: modes_step() */
             state->fault = REASON_NONE;
             state->acknowledge_steps = 0;
-            enter(state, in->config_accepted ? MODE_SELFTEST : MODE_BOOT);
+            enter(state, MODE_SELFTEST);
         }
         break;
     }
@@ -211,7 +215,10 @@ static waits_for_t waits_for(const modes_state_t *state, const modes_input_t *in
         out = in->battery_lost ? WAITS_FOR_BATTERY : of_the_driver(in);
         return out == WAITS_FOR_NONE && in->neutral ? WAITS_FOR_DIRECTION : out;
     case MODE_FAULT:
-        if (in->torque_demanded || in->rolling) {
+        if (fault_clearing(state->fault) == FAULT_CLEARING_RESTART) {
+            return WAITS_FOR_RESTART;
+        }
+        if (in->torque_demanded || !in->at_rest) {
             return WAITS_FOR_REST;
         }
         return state->fault_persists ? WAITS_FOR_FAULT_CAUSE : WAITS_FOR_ACKNOWLEDGEMENT;
@@ -227,6 +234,17 @@ static bool calibrates_offsets(const modes_state_t *state, const modes_input_t *
     return (state->mode == MODE_OFFSET_CAL || coasts) && !in->emf_conducts;
 }
 
+/* The monitor's fault, or what was good at the start and is withdrawn. */
+static reason_t present_fault(const modes_state_t *state, const modes_input_t *in)
+{
+    if (in->fault == REASON_NONE && !in->config_accepted) {
+        return REASON_CONFIG_INVALID;
+    }
+    const bool was_passed = state->mode != MODE_SELFTEST;
+    return in->fault == REASON_NONE && was_passed && !in->selftest_passed ? REASON_SELFTEST_FAILED
+                                                                          : in->fault;
+}
+
 modes_output_t modes_step(modes_state_t *state, const config_t *config, const modes_input_t *in)
 {
     const bool acknowledged = acknowledgement_pending(state, in);
@@ -234,8 +252,9 @@ modes_output_t modes_step(modes_state_t *state, const config_t *config, const mo
     if (state->offsets_stored && in->offsets_done && in->offsets_plausible) {
         state->offsets_stored = false;
     }
-    if (in->fault != REASON_NONE && state->mode != MODE_BOOT) {
-        fail(state, in->fault);
+    const reason_t fault = present_fault(state, in);
+    if (fault != REASON_NONE && state->mode != MODE_BOOT) {
+        fail(state, fault);
     } else {
         advance(state, &config->modes, in, acknowledged);
     }

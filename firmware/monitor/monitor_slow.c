@@ -266,6 +266,8 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
         .release_trip = state->release_trip,
         .offsets_plausible = offsets_plausible(config, in->offset_q4),
         .standstill = speed_mrad_s < config->monitor.standstill_mrad_s,
+        .at_rest = state->speed.rest_urad_s < INT64_C(1000) * config->monitor.standstill_mrad_s,
+        .speed_bound_mrad_s = speed_mrad_s,
     };
     state->safe_bridge = out.safe_bridge;
     state->steps++;

@@ -149,6 +149,38 @@ static int64_t speed_of_bus_urad_s(const config_t *config, int32_t bus_voltage_m
     return w_mrad_s * 1000 / config->motor.pole_pairs;
 }
 
+/* A sensor that falls by the hand-over speed below what tyre grip allows has stopped counting, or
+ * its wheel is locked; below the hand-over speed a sensor may fall to zero at once. */
+static void watch_sensor(monitor_speed_state_t *state, const config_t *config,
+                         const monitor_speed_input_t *in, int64_t sensor_urad_s)
+{
+    const int64_t low_urad_s = INT64_C(1000) * config->brake.blend_out_end_mrad_s;
+    const int64_t grip_urad_s = fall_urad_s(config, config->monitor.tyre_grip_mm_s2);
+    const bool moves = in->rotor_valid && sensor_urad_s > low_urad_s;
+    state->moving_steps = (uint16_t)(moves ? q_min(state->moving_steps + 1, UINT16_MAX) : 0);
+    if (sensor_urad_s >= state->rest_urad_s || state->moving_steps >= MONITOR_SPEED_MOVING_STEPS) {
+        state->stopped = false;
+    } else if (in->rotor_valid && sensor_urad_s < state->rest_urad_s - grip_urad_s - low_urad_s) {
+        state->stopped = true;
+    }
+}
+
+/* The bound again, without the trust in a sensor that has stopped. */
+static void hold_rest(monitor_speed_state_t *state, const config_t *config,
+                      const monitor_speed_input_t *in, int64_t sensor_urad_s)
+{
+    watch_sensor(state, config, in, sensor_urad_s);
+    const bool measuring = measured(state) != MONITOR_SPEED_UNKNOWN;
+    const bool too_early = in->bridge == BRIDGE_SHORT && state->windows < 2;
+    if (measuring || !state->stopped) {
+        state->rest_urad_s = state->bound_urad_s;
+    } else if (!too_early) {
+        state->rest_urad_s =
+            larger(state->rest_urad_s - fall_urad_s(config, config->monitor.coasting_mm_s2),
+                   state->bound_urad_s);
+    }
+}
+
 int32_t monitor_speed_step(monitor_speed_state_t *state, const config_t *config,
                            const monitor_speed_input_t *in)
 {
@@ -173,5 +205,6 @@ int32_t monitor_speed_step(monitor_speed_state_t *state, const config_t *config,
         state->bound_urad_s =
             larger(state->bound_urad_s, speed_of_bus_urad_s(config, in->bus_voltage_mV));
     }
+    hold_rest(state, config, in, sensor_urad_s);
     return q_saturate64(divide_by_thousand(state->bound_urad_s));
 }

@@ -552,6 +552,7 @@ extern "C" {
 #define HUBFOC_WHEEL_AVAILABLE_WAITS_FOR_FAULT_CAUSE_CHOICE (11u)
 #define HUBFOC_WHEEL_AVAILABLE_WAITS_FOR_REST_CHOICE (12u)
 #define HUBFOC_WHEEL_AVAILABLE_WAITS_FOR_ACKNOWLEDGEMENT_CHOICE (13u)
+#define HUBFOC_WHEEL_AVAILABLE_WAITS_FOR_RESTART_CHOICE (14u)
 
 /* Frame Names. */
 #define HUBFOC_DEMAND_NAME "Demand"
@@ -679,7 +680,7 @@ struct hubfoc_demand_t {
     uint8_t abs_active;
 
     /**
-     * A change from 0 to 1 acknowledges a latched fault or warning; honoured only without torque demand and below the hand-over speed.
+     * A change from 0 to 1 acknowledges a latched fault or warning; honoured only without torque demand and with the wheel known to be at rest.
      *
      * Range: 0..1 (0..1 -)
      * Scale: 1

@@ -5,6 +5,7 @@
  *     status            mode, reason, torque, speed, bus, once
  *     watch             the same every second, until a key is typed
  *     limits            every torque limit, which one is the tightest, and why
+ *     faults [PREFIX]   the table of faults: times, reaction, clearing, driver
  *     can               received frames and errors of each sender
  *     boot              what the self-tests found
  *     config [PREFIX]   the configuration's fields

@@ -1,19 +1,24 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * reason.h: codes of limits and faults.
+ * reason.h: codes of limits, warnings and faults, and the one table of faults.
  *
  * The code of the limit that determines a torque, or of the fault that switched the bridge off.
  * CAN, shell, log and report show it unchanged, so the numbers are part of the protocol: append,
- * never renumber, never reuse. Codes below 64 are limits of a healthy controller, codes from 64 are
- * faults.
+ * never renumber, never reuse. Codes below 64 are limits and warnings of a healthy controller,
+ * codes from 64 are faults.
+ *
+ * fault.h explains the columns of a fault and gives them to the program. A new row is all that a
+ * new code needs; then firmware/monitor/generate.py and firmware/comms/generate.py write it into
+ * README and DBC.
  */
 #ifndef CORE_REASON_H
 #define CORE_REASON_H
 
 #include <stdint.h>
 
-/* X(number, identifier, text) */
-#define REASON_LIST(X)                                                                             \
+/* clang-format off */
+/* What bounds a healthy controller. X(number, identifier, text) */
+#define LIMIT_LIST(X)                                                                              \
     X(0, NONE, "no limit")                                                                         \
     X(1, LOSS_OPTIMUM, "more torque would return less energy")                                     \
     X(2, MAX_TORQUE, "motor torque limit")                                                         \
@@ -33,40 +38,75 @@
     X(16, ABS, "anti-lock intervention")                                                           \
     X(17, TORQUE_ENABLE, "torque not enabled in this mode")                                        \
     X(18, MAX_SPEED, "speed limit")                                                                \
-    X(19, ROTOR_UNCERTAIN, "rotor angle not known well enough")                                    \
     X(20, HYDRAULIC_LIMIT, "hydraulic brake at its limit")                                         \
     X(21, BRAKE_PRIORITY, "a braking demand overrides the driving demand")                         \
     X(22, DRIVE_DIRECTION, "drive direction neutral or refused at this speed")                     \
     X(23, HILL_HOLD, "held at standstill until it drives off")                                     \
-    X(26, HYDRAULIC_FEEDBACK, "measured hydraulic torque missing or implausible")                  \
-    X(27, OVERSPEED, "too fast for the bus voltage: no torque can be controlled")                  \
-    X(28, BATTERY_DISCONNECTED, "no battery on the bus")                                           \
-    X(29, OFFSETS_STORED, "current sensors: stored offsets, none measured yet")                    \
-    X(30, ACCELERATOR_LOCKED, "accelerator must be released before it drives")                     \
-    X(64, CONFIG_INVALID, "configuration refused")                                                 \
-    X(65, SELFTEST_FAILED, "self-test failed")                                                     \
-    X(66, OFFSET_IMPLAUSIBLE, "current sensor offset out of range")                                \
-    X(67, OVERCURRENT, "phase over-current")                                                       \
-    X(68, BUS_OVERVOLTAGE, "bus over-voltage")                                                     \
-    X(69, BUS_UNDERVOLTAGE, "bus under-voltage")                                                   \
-    X(70, WINDING_OVERTEMPERATURE, "winding over-temperature")                                     \
-    X(71, SWITCH_OVERTEMPERATURE, "inverter over-temperature")                                     \
-    X(72, CURRENT_SUM, "phase currents do not add up to zero")                                     \
-    X(73, ROTOR_LOST, "rotor position lost")                                                       \
-    X(74, TORQUE_IMPLAUSIBLE, "torque differs from what is permitted")                             \
-    X(75, PROGRAM_FLOW, "control steps missed or out of order")                                    \
-    X(76, DEMAND_TIMEOUT, "torque demand timed out")                                               \
-    X(77, HARDWARE_BREAK, "power stage reported a fault")                                          \
-    X(78, CURRENT_SENSOR, "current sensor saturated or stuck")                                     \
-    X(79, ROTOR_IMPLAUSIBLE, "rotor angle contradicts the back-EMF")                               \
-    X(80, WINDING_SENSOR, "winding temperature sensor broken")                                     \
-    X(81, SWITCH_SENSOR, "inverter temperature sensor broken")                                     \
-    X(82, ACCELERATOR_SENSOR, "accelerator channels implausible or out of range")                  \
-    X(83, BRAKE_PEDAL_SENSOR, "brake pedal channels implausible or out of range")
+    X(30, ACCELERATOR_LOCKED, "accelerator must be released before it drives")
 
-#define REASON_ENUM_LINE(number, identifier, text) REASON_##identifier = (number),
-typedef enum { REASON_LIST(REASON_ENUM_LINE) } reason_t;
-#undef REASON_ENUM_LINE
+/* What is detected, qualified and answered.
+ * X(number, identifier, text, qualify time, heal time, reaction, clearing, driver)
+ * A time is a configuration field, a sum of two, or words. */
+#define FAULT_LIST(X)                                                                              \
+    X(19, ROTOR_UNCERTAIN, "rotor angle not known well enough",                                    \
+      "at once", "monitor.rotor_warning_time_ms", LIMIT, HEALS, REDUCED)                           \
+    X(26, HYDRAULIC_FEEDBACK, "measured hydraulic torque missing or implausible",                  \
+      "brake.hydraulic_timeout_ms", "1000 ms", NONE, HEALS, SERVICE)                               \
+    X(27, OVERSPEED, "too fast for the bus voltage: no torque can be controlled",                  \
+      "2 ms", "1000 ms", FREEWHEEL, HEALS, REDUCED)                                                \
+    X(28, BATTERY_DISCONNECTED, "no battery on the bus",                                           \
+      "at once", "100 ms", FREEWHEEL, HEALS, NO_MOTOR)                                             \
+    X(29, OFFSETS_STORED, "current sensors: stored offsets, none measured yet",                    \
+      "modes.offset_wait_ms", "at calibration", LIMIT, HEALS, REDUCED)                             \
+    X(64, CONFIG_INVALID, "configuration refused",                                                 \
+      "at once", "never", FREEWHEEL, RESTART, SERVICE)                                             \
+    X(65, SELFTEST_FAILED, "self-test failed",                                                     \
+      "modes.selftest_timeout_ms", "never", FREEWHEEL, RESTART, SERVICE)                           \
+    X(66, OFFSET_IMPLAUSIBLE, "current sensor offset out of range",                                \
+      "at calibration", "never", FREEWHEEL, ACKNOWLEDGED, SERVICE)                                 \
+    X(67, OVERCURRENT, "phase over-current",                                                       \
+      "monitor.overcurrent_periods", "never", FREEWHEEL, ACKNOWLEDGED, NO_MOTOR)                   \
+    X(68, BUS_OVERVOLTAGE, "bus over-voltage",                                                     \
+      "monitor.battery_message_time_ms", "never", FREEWHEEL, ACKNOWLEDGED, NO_MOTOR)               \
+    X(69, BUS_UNDERVOLTAGE, "bus under-voltage",                                                   \
+      "monitor.battery_message_time_ms + monitor.voltage_fault_time_ms", "never",                  \
+      FREEWHEEL, ACKNOWLEDGED, NO_MOTOR)                                                           \
+    X(70, WINDING_OVERTEMPERATURE, "winding over-temperature",                                     \
+      "monitor.sensor_fault_time_ms", "never", FREEWHEEL, ACKNOWLEDGED, NO_MOTOR)                  \
+    X(71, SWITCH_OVERTEMPERATURE, "inverter over-temperature",                                     \
+      "monitor.sensor_fault_time_ms", "never", FREEWHEEL, ACKNOWLEDGED, NO_MOTOR)                  \
+    X(72, CURRENT_SUM, "phase currents do not add up to zero",                                     \
+      "monitor.sensor_fault_time_ms", "never", FREEWHEEL, ACKNOWLEDGED, SERVICE)                   \
+    X(73, ROTOR_LOST, "rotor position lost",                                                       \
+      "monitor.rotor_fault_time_ms", "never", RAMP, ACKNOWLEDGED, SERVICE)                         \
+    X(74, TORQUE_IMPLAUSIBLE, "torque differs from what is permitted",                             \
+      "monitor.torque_fault_time_ms", "never", FREEWHEEL, ACKNOWLEDGED, NO_MOTOR)                  \
+    X(75, PROGRAM_FLOW, "control steps missed or out of order",                                    \
+      "4 ms", "never", FREEWHEEL, ACKNOWLEDGED, SERVICE)                                           \
+    X(76, DEMAND_TIMEOUT, "torque demand timed out",                                               \
+      "brake.demand_timeout_ms", "at once", RAMP, SHOWN, NO_MOTOR)                                 \
+    X(77, HARDWARE_BREAK, "power stage reported a fault",                                          \
+      "1 PWM period", "never", FREEWHEEL, ACKNOWLEDGED, SERVICE)                                   \
+    X(78, CURRENT_SENSOR, "current sensor saturated or stuck",                                     \
+      "monitor.sensor_fault_time_ms", "never", FREEWHEEL, ACKNOWLEDGED, SERVICE)                   \
+    X(79, ROTOR_IMPLAUSIBLE, "rotor angle contradicts the back-EMF",                               \
+      "monitor.angle_fault_time_ms", "never", FREEWHEEL, ACKNOWLEDGED, SERVICE)                    \
+    X(80, WINDING_SENSOR, "winding temperature sensor broken",                                     \
+      "monitor.sensor_fault_time_ms", "never", FREEWHEEL, ACKNOWLEDGED, SERVICE)                   \
+    X(81, SWITCH_SENSOR, "inverter temperature sensor broken",                                     \
+      "monitor.sensor_fault_time_ms", "never", FREEWHEEL, ACKNOWLEDGED, SERVICE)                   \
+    X(82, ACCELERATOR_SENSOR, "accelerator channels implausible or out of range",                  \
+      "pedals.fault_time_ms", "pedals.fault_time_ms", LIMIT, SHOWN, SERVICE)                       \
+    X(83, BRAKE_PEDAL_SENSOR, "brake pedal channels implausible or out of range",                  \
+      "pedals.fault_time_ms", "pedals.fault_time_ms", LIMIT, SHOWN, SERVICE)
+/* clang-format on */
+
+#define REASON_LIMIT_ENUM(number, identifier, text) REASON_##identifier = (number),
+#define REASON_FAULT_ENUM(number, identifier, text, qualify, heal, reaction, clearing, driver)     \
+    REASON_##identifier = (number),
+typedef enum { LIMIT_LIST(REASON_LIMIT_ENUM) FAULT_LIST(REASON_FAULT_ENUM) } reason_t;
+#undef REASON_LIMIT_ENUM
+#undef REASON_FAULT_ENUM
 
 enum { REASON_FIRST_FAULT = 64 };
 

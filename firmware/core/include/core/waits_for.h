@@ -23,7 +23,8 @@
     X(10, DIRECTION, "a permitted drive direction")                                                \
     X(11, FAULT_CAUSE, "the fault's cause to go")                                                  \
     X(12, REST, "standstill without demand")                                                       \
-    X(13, ACKNOWLEDGEMENT, "an acknowledgement")
+    X(13, ACKNOWLEDGEMENT, "an acknowledgement")                                                   \
+    X(14, RESTART, "a restart of the controller")
 
 #define WAITS_FOR_ENUM_LINE(number, identifier, text) WAITS_FOR_##identifier = (number),
 typedef enum { WAITS_FOR_LIST(WAITS_FOR_ENUM_LINE) } waits_for_t;

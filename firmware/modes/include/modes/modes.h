@@ -8,8 +8,10 @@
  *
  * BOOT is left only with an accepted configuration, READY only with a known rotor angle, FAULT only
  * on a rising edge of `fault_reset` while no torque is demanded, the monitor reports no fault and
- * the wheel is below the hand-over speed. A fault never clears itself. A demand that was lost while
- * torque was enabled leaves a warning, which the same acknowledgement clears.
+ * knows that the wheel is at rest, and never after a fault that only a restart clears
+ * (core/fault.h). A fault never clears itself. A self-test or configuration that is withdrawn later
+ * is a fault. A demand that was lost while torque was enabled leaves a warning, which the same
+ * acknowledgement clears.
  */
 #ifndef MODES_MODES_H
 #define MODES_MODES_H
@@ -38,7 +40,8 @@ typedef struct {
     bool offsets_done;      /* the fast loop has finished averaging */
     bool offsets_plausible; /* the monitor's check of the offsets */
     bool rotor_valid;       /* the rotor's angle may be used for torque */
-    bool rolling;           /* faster than the hand-over speed */
+    bool rolling;           /* the monitor's speed upper bound is above the hand-over speed */
+    bool at_rest; /* the monitor knows that the wheel stands, whatever the rotor sensor says */
     bool enable;
     bool demand_lost;     /* older than its timeout */
     reason_t lost_reason; /* REASON_DEMAND_TIMEOUT, or the sensor that made it be lost */

@@ -120,6 +120,8 @@ typedef struct {
     bool release_trip;       /* the bus is back: the fast loop forgets its over-voltage trip */
     bool offsets_plausible;
     bool standstill; /* the speed upper bound is below monitor.standstill */
+    bool at_rest;    /* likewise, and no sensor has shown it by stopping (monitor_speed.h) */
+    int32_t speed_bound_mrad_s; /* the speed upper bound, mechanical, magnitude */
 } monitor_output_t;
 
 void monitor_slow_init(monitor_slow_state_t *state);

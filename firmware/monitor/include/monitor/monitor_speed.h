@@ -26,6 +26,9 @@ enum { MONITOR_SPEED_WINDOW_QUARTERS = 16, MONITOR_SPEED_WINDOW_STEPS = 100 };
 
 typedef struct {
     int64_t bound_urad_s;
+    int64_t rest_urad_s; /* the bound that a stopped sensor does not lower: rest, below */
+    bool stopped;        /* the sensor's speed has fallen faster than a tyre can slow the wheel */
+    uint16_t moving_steps;
     int32_t window_mrad_s[2]; /* speeds of the latest two windows of this short circuit;
                                  MONITOR_SPEED_UNKNOWN for an invalid one */
     int64_t peak_square_mA2;  /* of the current in this window */
@@ -37,7 +40,11 @@ typedef struct {
     bool overvoltage_used; /* this overvoltage has already raised the bound */
 } monitor_speed_state_t;
 
-enum { MONITOR_SPEED_UNKNOWN = -1 };
+enum {
+    MONITOR_SPEED_UNKNOWN = -1,
+    /* A stopped sensor counts again after it has shown movement for so many steps in a row. */
+    MONITOR_SPEED_MOVING_STEPS = 100
+};
 
 typedef struct {
     int32_t speed_mrad_s; /* the rotor sensor's, mechanical, signed */
@@ -51,7 +58,9 @@ typedef struct {
     int32_t bus_voltage_mV;
 } monitor_speed_input_t;
 
-/* Returns the bound: mechanical, magnitude, mrad/s. */
+/* Returns the bound: mechanical, magnitude, mrad/s. state->rest_urad_s is never below it: it
+ * follows a valid sensor only while that falls no faster than monitor.tyre_grip, so that a frozen
+ * one does not show standstill; otherwise it falls by monitor.coasting. README, Standstill. */
 int32_t monitor_speed_step(monitor_speed_state_t *state, const config_t *config,
                            const monitor_speed_input_t *in);
 

@@ -168,7 +168,7 @@
     X(stop_lamp, stop_lamp, stop_lamp, FLAG, PLAIN, 0, 1, 0, "", \
       "1: the stop lamp is lit") \
     X(standstill, standstill, standstill, FLAG, PLAIN, 0, 1, 0, "", \
-      "the upper bound of the wheel speed is below monitor.standstill")
+      "the wheel is known to be at rest (firmware/monitor, Standstill)")
 /* clang-format on */
 
 #define EXCHANGE_COUNT_LINE(...) +1

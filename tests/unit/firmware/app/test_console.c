@@ -100,7 +100,7 @@ void test_greeting_is_the_banner_and_the_result_of_the_self_tests(void)
 void test_every_command_that_help_lists_has_an_answer(void)
 {
     type_and_wait("help\r");
-    static const char *const NAMES[] = {"help", "reasons", "status", "watch",   "limits",
+    static const char *const NAMES[] = {"help", "reasons", "status", "watch",   "limits", "faults",
                                         "can",  "boot",    "config", "version", "install"};
     for (size_t i = 0; i < sizeof NAMES / sizeof NAMES[0]; i++) {
         text_t line_begin;
@@ -114,6 +114,8 @@ void test_every_command_that_help_lists_has_an_answer(void)
     assert_shows("READY, torque not enabled in this mode; ");
     type_and_wait("can\r");
     assert_shows("demand NO_DATA; ");
+    type_and_wait("faults ROTOR_LOST\r");
+    assert_shows("\r\n73 ROTOR_LOST: rotor position lost; ");
     type_and_wait("boot\r");
     assert_shows("self-test RAM: good\r\n");
     type_and_wait("version\r");

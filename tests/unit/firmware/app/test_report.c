@@ -3,6 +3,7 @@
 
 #include "app/report.h"
 #include "boot_fixture.h"
+#include "core/fault.h"
 #include "torque/feasible_torque.h"
 #include "unity.h"
 
@@ -327,6 +328,36 @@ void test_every_kind_of_frame_error_has_its_count(void)
     assert_on_page("battery peak NO_DATA; used 0, ");
     assert_on_page("hydraulic NO_DATA; used 0, ");
     assert_on_page("bus on, foreign frames 0\n");
+}
+
+void test_faults_are_printed_with_the_configured_times(void)
+{
+    for (uint32_t i = 0; report_faults(&boot, "BUS_", i, &line); i++) {
+        keep();
+    }
+    assert_on_page("68 BUS_OVERVOLTAGE: bus over-voltage; motor off, brakes work; stop and "
+                   "acknowledge\n   after monitor.battery_message_time_ms 300: freewheel at once");
+    assert_on_page("69 BUS_UNDERVOLTAGE: bus under-voltage; ");
+    assert_on_page("after monitor.battery_message_time_ms 300 + monitor.voltage_fault_time_ms 5: ");
+    assert_on_page("ends latched until acknowledged at standstill without a torque demand\n");
+    TEST_ASSERT_FALSE(report_faults(&boot, "BUS_", 4, &line));
+}
+
+void test_every_fault_has_two_lines_that_fit_and_a_refused_configuration_shows_no_values(void)
+{
+    boot.config_result.code = CONFIG_RESULT_CRC;
+    uint32_t lines = 0;
+    for (; report_faults(&boot, "", lines, &line); lines++) {
+        TEST_ASSERT_LESS_THAN_UINT32(TEXT_CAPACITY - 1, line.length);
+        text_clear(&line);
+    }
+    uint32_t rows = 0;
+    while (fault_row(rows) != NULL) {
+        rows++;
+    }
+    TEST_ASSERT_EQUAL_UINT32(2U * rows, lines);
+    TEST_ASSERT_TRUE(report_faults(&boot, "DEMAND_TIMEOUT", 1, &line));
+    assert_in_line("after brake.demand_timeout_ms: ");
 }
 
 void test_bus_off_is_printed(void)

@@ -58,7 +58,32 @@ def copy(tmp_path: Path) -> Path:
         "generated/hubfoc.c",
     ):
         shutil.copy(MODULE / name, module / name)
+    core = Path("core", "include", "core")
+    (tmp_path / core).mkdir(parents=True)
+    for name in ("reason.h", "waits_for.h"):
+        shutil.copy(MODULE.parent / core / name, tmp_path / core / name)
     return module
+
+
+def test_a_new_reason_is_detected_and_written_into_the_value_tables_of_the_dbc(
+    copy: Path,
+) -> None:
+    header = copy.parent / "core" / "include" / "core" / "reason.h"
+    text = header.read_text(encoding="utf-8")
+    header.write_text(
+        text.replace('X(16, ABS, "', 'X(31, INVENTED, "invented") X(16, ABS, "').replace(
+            "X(31, ", "\n    X(31, "
+        ),
+        encoding="utf-8",
+    )
+    stale = run_generator(copy, "--check")
+    assert stale.returncode == 1
+    assert "hubfoc.dbc" in stale.stderr
+    assert run_generator(copy).returncode == 0
+    dbc = (copy / "hubfoc.dbc").read_text(encoding="utf-8")
+    tables = [line for line in dbc.splitlines() if re.match(r"VAL_ \d+ \w*reason ", line)]
+    assert len(tables) >= 8
+    assert all('30 "ACCELERATOR_LOCKED" 31 "INVENTED" 64 ' in line for line in tables)
 
 
 def test_a_changed_message_is_detected_in_code_and_tables_and_updated_by_one_run(
@@ -83,7 +108,8 @@ def test_overlapping_signals_are_refused_in_one_line_without_output(copy: Path) 
     before = {path: path.read_bytes() for path in copy.rglob("*.[ch]")}
     dbc = copy / "hubfoc.dbc"
     dbc.write_text(
-        dbc.read_text(encoding="utf-8").replace("40|18@1+", "30|18@1+", 1), encoding="utf-8"
+        dbc.read_text(encoding="utf-8").replace("40|18@1+", "30|18@1+", 1),
+        encoding="utf-8",
     )
     refused = run_generator(copy)
     assert refused.returncode == 1
@@ -107,7 +133,15 @@ def test_the_generated_code_compiles_without_a_warning_and_without_floating_poin
     compiler = shutil.which("cc") or shutil.which("gcc")
     assert compiler is not None
     source = MODULE / "generated/hubfoc.c"
-    command = [compiler, *WARNINGS, "-O2", "-c", str(source), "-o", str(tmp_path / "hubfoc.o")]
+    command = [
+        compiler,
+        *WARNINGS,
+        "-O2",
+        "-c",
+        str(source),
+        "-o",
+        str(tmp_path / "hubfoc.o"),
+    ]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stderr
     for path in (source, source.with_suffix(".h")):
@@ -117,7 +151,8 @@ def test_the_generated_code_compiles_without_a_warning_and_without_floating_poin
 def test_the_generated_code_does_not_depend_on_the_date() -> None:
     for path in (MODULE / "generated").iterdir():
         assert not re.search(
-            r"\b(?:Mon|Tue|Wed|Thu|Fri|Sat|Sun) \w{3} +\d", path.read_text(encoding="utf-8")
+            r"\b(?:Mon|Tue|Wed|Thu|Fri|Sat|Sun) \w{3} +\d",
+            path.read_text(encoding="utf-8"),
         ), path.name
 
 
@@ -166,7 +201,9 @@ def test_the_readme_lists_every_message_and_signal(database: Database) -> None:
     readme = (MODULE / "README.md").read_text(encoding="utf-8")
     for message in database.messages:
         assert re.search(
-            rf"^\| `0x{message.frame_id:03X}`[^|]*\| {message.name} \|", readme, re.MULTILINE
+            rf"^\| `0x{message.frame_id:03X}`[^|]*\| {message.name} \|",
+            readme,
+            re.MULTILINE,
         )
         for signal in message.signals:
             assert f"`{signal.name}`" in readme, signal.name
@@ -176,7 +213,9 @@ def test_the_example_of_the_readme_decodes_every_wheel(tmp_path: Path) -> None:
     """The command is run unchanged, with a recorded line in place of the bus."""
     readme = (MODULE / "README.md").read_text(encoding="utf-8")
     line = re.search(
-        r"^ +candump can0 \| \./tools/dev python (-m cantools decode .*)$", readme, re.MULTILINE
+        r"^ +candump can0 \| \./tools/dev python (-m cantools decode .*)$",
+        readme,
+        re.MULTILINE,
     )
     assert line is not None
     arguments = line.group(1).replace("firmware/comms/hubfoc.dbc", str(DBC)).split()
@@ -185,7 +224,12 @@ def test_the_example_of_the_readme_decodes_every_wheel(tmp_path: Path) -> None:
         recorded = f"  can0  {0x180 + wheel:03X}   [8]  00 40 00 00 00 00 00 00\n"
         command = [sys.executable, *arguments]
         decoded = subprocess.run(
-            command, input=recorded, capture_output=True, text=True, check=True, cwd=tmp_path
+            command,
+            input=recorded,
+            capture_output=True,
+            text=True,
+            check=True,
+            cwd=tmp_path,
         ).stdout
         assert "WheelState(" in decoded
         assert "mode: RUN" in decoded

@@ -138,8 +138,11 @@ void test_reasons_lists_each_reason_once_with_number_name_and_text(void)
 {
     static const char *const LINES[] = {
 #define LINE_OF(number, identifier, text) "\n" #number " ", " " #identifier " ", " " text "\r\n",
-        REASON_LIST(LINE_OF)
+#define FAULT_LINE_OF(number, identifier, text, qualify, heal, reaction, clearing, driver)         \
+    LINE_OF(number, identifier, text)
+        LIMIT_LIST(LINE_OF) FAULT_LIST(FAULT_LINE_OF)
 #undef LINE_OF
+#undef FAULT_LINE_OF
     };
     enum { PARTS = sizeof LINES / sizeof LINES[0] };
     type("reasons\r");

@@ -4,11 +4,13 @@
 
 static rig_t rig;
 
+static const double TRIP_SPEED_RPM = 300.0;
+
 /* Braking with 20 Nm at 300 r/min, in RUN. */
 void setUp(void)
 {
     rig_start_running(&rig);
-    rig_set_speed_rpm(&rig, 300.0);
+    rig_set_speed_rpm(&rig, TRIP_SPEED_RPM);
     rig_run(&rig, 300);
     rig.slow_in.demand.brake_torque_mNm = 20000;
     rig_run(&rig, 20);
@@ -174,7 +176,7 @@ void test_trip_selects_active_short_circuit_above_the_freewheel_limit(void)
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, rig.pwm.bridge);
     rig_run(&rig, 100);
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, rig.pwm.bridge);
-    rig_set_speed_rpm(&rig, 300.0);
+    rig_set_speed_rpm(&rig, TRIP_SPEED_RPM);
     rig_run(&rig, 500);
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, rig.pwm.bridge);
     TEST_ASSERT_EQUAL_INT(MODE_FAULT, rig.out.mode);
@@ -264,10 +266,15 @@ static void trip(void)
     assert_fault(REASON_OVERCURRENT);
 }
 
-/* Standstill and zero demand, the conditions of an acknowledgement. */
+/* Standstill and zero demand, the conditions of an acknowledgement. A wheel of 0.25 m slows down by
+ * 0.4 rpm a millisecond at 10.5 m/s^2, within the tyre's grip. */
 static void come_to_rest(void)
 {
     rig.slow_in.demand.brake_torque_mNm = 0;
+    for (double speed_rpm = TRIP_SPEED_RPM; speed_rpm > 0.0; speed_rpm -= 0.4) {
+        rig_set_speed_rpm(&rig, speed_rpm);
+        rig_run(&rig, 1);
+    }
     rig_set_speed_rpm(&rig, 0.0);
     rig_run(&rig, 500);
 }
@@ -297,6 +304,21 @@ void test_acknowledgement_clears_the_trip_in_both_loops_and_recalibrates(void)
     TEST_ASSERT_EQUAL_INT32(2060 * 16, rig.to_slow.offset_q4[0]);
     TEST_ASSERT_EQUAL_INT32(2050 * 16, rig.to_slow.offset_q4[1]);
     TEST_ASSERT_EQUAL_INT32(2040 * 16, rig.to_slow.offset_q4[2]);
+}
+
+/* The sensor freezes at TRIP_SPEED_RPM: valid, and its speed falls to zero within milliseconds. */
+void test_acknowledgement_is_ignored_while_a_frozen_sensor_alone_shows_standstill(void)
+{
+    trip();
+    rig.slow_in.demand.brake_torque_mNm = 0;
+    rig_set_speed_rpm(&rig, 0.0);
+    for (int n = 0; n < 100; n++) { /* 10 s: the bound by tyre grip has long been zero */
+        rig.slow_in.demand.fault_reset = n % 2 == 0;
+        rig_run(&rig, 100);
+        TEST_ASSERT_EQUAL_INT(MODE_FAULT, rig.out.mode);
+        TEST_ASSERT_EQUAL_INT(WAITS_FOR_REST, rig.out.waits_for);
+        TEST_ASSERT_FALSE(rig.out.standstill);
+    }
 }
 
 void test_acknowledgement_while_rolling_or_with_a_demand_is_ignored(void)

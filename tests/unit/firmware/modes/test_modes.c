@@ -319,11 +319,11 @@ void test_warning_is_acknowledged_at_rest_without_demand_once_the_demand_is_back
     TEST_ASSERT_EQUAL_INT(REASON_DEMAND_TIMEOUT, step().warning); /* not the edge */
     in.fault_reset = false;
     step();
-    in.rolling = true;
+    in.at_rest = false;
     in.fault_reset = true;
     TEST_ASSERT_EQUAL_INT(REASON_DEMAND_TIMEOUT, step().warning);
     in.fault_reset = false;
-    in.rolling = false;
+    in.at_rest = true;
     in.torque_demanded = true;
     step();
     in.fault_reset = true;
@@ -419,9 +419,9 @@ void test_a_fault_waits_for_rest_then_for_an_acknowledgement_or_for_its_cause(vo
 {
     start_in(MODE_RUN);
     in.fault = REASON_WINDING_OVERTEMPERATURE;
-    in.rolling = true;
+    in.at_rest = false;
     assert_waits_for(WAITS_FOR_REST);
-    in.rolling = false;
+    in.at_rest = true;
     assert_waits_for(WAITS_FOR_ACKNOWLEDGEMENT);
     in.fault_reset = true;
     (void)run(MODES_ACKNOWLEDGE_STEPS + 1);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include <string.h>
 
+#include "core/fault.h"
 #include "modes_rig.h"
 #include "random_values.h"
 
@@ -54,12 +55,59 @@ void test_acknowledgement_at_standstill_restarts_from_the_self_test(void)
     assert_mode(MODE_READY, run(10));
 }
 
-void test_an_acknowledgement_with_a_refused_configuration_leads_back_to_boot(void)
+void test_a_withdrawn_configuration_or_self_test_ends_every_mode_that_needed_it(void)
+{
+    for (operating_mode_t mode = MODE_SELFTEST; mode <= MODE_LIMP; mode++) {
+        start_in(mode);
+        in.config_accepted = false;
+        const modes_output_t refused = step();
+        assert_mode(MODE_FAULT, refused);
+        TEST_ASSERT_EQUAL_INT(REASON_CONFIG_INVALID, refused.fault);
+        TEST_ASSERT_FALSE(torque_enable_any(refused.torque_enable));
+        start_in(mode);
+        if (mode != MODE_SELFTEST) { /* which waits for it */
+            in.selftest_passed = false;
+            const modes_output_t failed = step();
+            assert_mode(MODE_FAULT, failed);
+            TEST_ASSERT_EQUAL_INT(REASON_SELFTEST_FAILED, failed.fault);
+        }
+    }
+}
+
+void test_a_fault_that_only_a_restart_clears_cannot_be_acknowledged(void)
+{
+    start_in(MODE_RUN);
+    in.selftest_passed = false;
+    step();
+    in.selftest_passed = true;
+    in.fault_reset = true;
+    const modes_output_t out = run(1000);
+    assert_mode(MODE_FAULT, out);
+    TEST_ASSERT_FALSE(out.clear_trip);
+    TEST_ASSERT_EQUAL_INT(WAITS_FOR_RESTART, out.waits_for);
+}
+
+void test_an_acknowledgement_with_a_withdrawn_configuration_waits_for_it(void)
 {
     start_in(MODE_FAULT);
     in.config_accepted = false;
     in.fault_reset = true;
-    assert_mode(MODE_BOOT, step());
+    assert_mode(MODE_FAULT, step());
+    in.config_accepted = true;
+    assert_mode(MODE_SELFTEST, step());
+}
+
+void test_acknowledgement_is_ignored_while_the_monitor_does_not_know_rest(void)
+{
+    start_in(MODE_FAULT);
+    in.rolling = false;
+    in.at_rest = false;
+    in.fault_reset = true;
+    const modes_output_t out = run(10);
+    assert_mode(MODE_FAULT, out);
+    TEST_ASSERT_EQUAL_INT(WAITS_FOR_REST, out.waits_for);
+    in.at_rest = true;
+    assert_mode(MODE_FAULT, run(1000));
 }
 
 void test_fault_reset_needs_a_rising_edge(void)
@@ -80,9 +128,11 @@ void test_acknowledgement_while_rolling_is_ignored(void)
 {
     start_in(MODE_FAULT);
     in.rolling = true;
+    in.at_rest = false;
     in.fault_reset = true;
     assert_mode(MODE_FAULT, run(10));
     in.rolling = false;
+    in.at_rest = true;
     assert_mode(MODE_FAULT, run(1000));
 }
 
@@ -148,11 +198,12 @@ void test_next_fault_after_an_acknowledgement_has_its_own_reason(void)
 
 static void random_input(random_t *random)
 {
-    in.config_accepted = random_chance(random, 0.95);
-    in.selftest_passed = random_chance(random, 0.9);
+    in.config_accepted = random_chance(random, 0.999);
+    in.selftest_passed = random_chance(random, 0.999);
     in.offsets_done = random_chance(random, 0.9);
     in.offsets_plausible = random_chance(random, 0.99);
     in.rolling = random_chance(random, 0.3);
+    in.at_rest = !in.rolling && random_chance(random, 0.9);
     in.enable = random_chance(random, 0.8);
     in.torque_demanded = random_chance(random, 0.3);
     in.fault_reset = random_chance(random, 0.3);
@@ -186,30 +237,59 @@ void test_bridge_switches_only_in_run_and_limp_under_random_inputs(void)
             out.torque_enable.drive_q15 == Q15_ONE && out.torque_enable.brake_q15 == Q15_ONE;
         TEST_ASSERT_EQUAL(full, out.torque_enable.reason == REASON_NONE);
         TEST_ASSERT_EQUAL(out.mode == MODE_FAULT, out.fault != REASON_NONE);
+        if (out.waits_for == WAITS_FOR_RESTART) {
+            modes_init(&state);
+        }
     }
     TEST_ASSERT_GREATER_THAN_INT(10000, running);
 }
 
-void test_fault_ends_only_at_standstill_without_demand_after_a_rising_edge(void)
+/* One of the table's faults, each as likely. */
+static reason_t random_latched(random_t *random)
+{
+    for (;;) {
+        const fault_t *row = fault_row((unsigned)random_between(random, 0, 63));
+        if (row != NULL && fault_latches(row->reason)) {
+            return row->reason;
+        }
+    }
+}
+
+void test_fault_ends_only_at_rest_without_demand_after_a_rising_edge_and_never_of_itself(void)
 {
     random_t random = random_seeded(2);
     int since_edge = 1000;
     int left = 0;
-    for (int n = 0; n < 200000; n++) {
+    int restarts = 0;
+    for (int n = 0; n < 400000; n++) {
         const operating_mode_t before = state.mode;
+        const reason_t fault_before = state.fault;
         const bool reset_before = in.fault_reset;
         random_input(&random);
+        in.fault = in.fault != REASON_NONE ? random_latched(&random) : REASON_NONE;
         since_edge = in.fault_reset && !reset_before ? 0 : since_edge + 1;
         const modes_output_t out = step();
         if (before == MODE_FAULT && out.mode != MODE_FAULT) {
             left++;
-            TEST_ASSERT_FALSE(in.rolling);
+            TEST_ASSERT_TRUE(in.at_rest);
             TEST_ASSERT_FALSE(in.torque_demanded);
             TEST_ASSERT_EQUAL_INT(REASON_NONE, in.fault);
             TEST_ASSERT_LESS_THAN_INT(MODES_ACKNOWLEDGE_STEPS, since_edge);
+            TEST_ASSERT_EQUAL_INT(FAULT_CLEARING_ACKNOWLEDGED, fault_clearing(fault_before));
+        } else if (before == MODE_FAULT) {
+            TEST_ASSERT_EQUAL_INT(fault_before, out.fault);
+        }
+        if (out.mode == MODE_RUN || out.mode == MODE_LIMP) {
+            TEST_ASSERT_EQUAL_INT(REASON_NONE, out.fault);
+            TEST_ASSERT_TRUE(in.config_accepted && in.selftest_passed);
+        }
+        if (out.waits_for == WAITS_FOR_RESTART && random_chance(&random, 0.01)) {
+            modes_init(&state);
+            restarts++;
         }
     }
     TEST_ASSERT_GREATER_THAN_INT(100, left);
+    TEST_ASSERT_GREATER_THAN_INT(100, restarts);
 }
 
 void test_init_clears_the_fault(void)

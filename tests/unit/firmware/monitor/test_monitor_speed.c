@@ -28,6 +28,7 @@ void setUp(void)
     config = paper_vehicle();
     state = initial;
     in = rest;
+    bound_mrad_s = 0;
     theta = 0.3;
     quadrant = 0;
 }
@@ -124,6 +125,58 @@ void test_bound_falls_at_1_2_g_with_a_valid_sensor_and_at_0_01_g_without(void)
         const double expected = 70.0 - rates_m_s2[1 - valid] / radius_m() * 0.5;
         TEST_ASSERT_DOUBLE_WITHIN(0.02, expected, run(500) * 1e-3);
     }
+}
+
+/* At 44 rad/s (40 km/h) the sensor freezes: valid, zero. The bound is zero after 44 / 47.1 s; rest
+ * is known when coasting at 0.01 g would have stopped the vehicle, 44 / 0.392 s later. */
+void test_a_sensor_that_stops_faster_than_a_tyre_does_not_show_rest(void)
+{
+    const double seconds = 44.0 * radius_m() / (config.monitor.coasting_mm_s2 * 1e-3);
+    in.speed_mrad_s = 44000;
+    (void)run(10);
+    TEST_ASSERT_EQUAL_INT64(44000000, state.rest_urad_s);
+    in.speed_mrad_s = 0;
+    TEST_ASSERT_EQUAL_INT32(0, run(1000));
+    TEST_ASSERT_GREATER_THAN_INT64(43000000, state.rest_urad_s);
+    (void)run((int)(seconds * 990.0) - 1000);
+    TEST_ASSERT_GREATER_THAN_INT64(0, state.rest_urad_s);
+    (void)run((int)(seconds * 20.0));
+    TEST_ASSERT_EQUAL_INT64(0, state.rest_urad_s);
+}
+
+void test_a_sensor_that_slows_down_as_a_tyre_can_shows_rest_with_its_speed(void)
+{
+    for (int32_t mrad_s = 44000; mrad_s > 0; mrad_s -= 45) {
+        in.speed_mrad_s = mrad_s;
+        (void)run(1);
+        TEST_ASSERT_EQUAL_INT64(INT64_C(1000) * bound_mrad_s, state.rest_urad_s);
+    }
+    in.speed_mrad_s = 0;
+    (void)run(200);
+    TEST_ASSERT_EQUAL_INT64(0, state.rest_urad_s);
+}
+
+/* A hall sensor's speed ends at once when its next edge is overdue. */
+void test_a_sensor_may_fall_to_zero_from_the_hand_over_speed(void)
+{
+    in.speed_mrad_s = config.brake.blend_out_end_mrad_s;
+    (void)run(10);
+    in.speed_mrad_s = 0;
+    (void)run(1000);
+    TEST_ASSERT_EQUAL_INT64(0, state.rest_urad_s);
+}
+
+void test_a_sensor_that_moves_again_counts_again_after_100_ms(void)
+{
+    in.speed_mrad_s = 44000;
+    (void)run(10);
+    in.speed_mrad_s = 0;
+    (void)run(1000);
+    in.speed_mrad_s = 2 * config.brake.blend_out_end_mrad_s; /* a locked wheel that turns again */
+    (void)run(MONITOR_SPEED_MOVING_STEPS - 1);
+    TEST_ASSERT_GREATER_THAN_INT64(43000000, state.rest_urad_s);
+    (void)run(1);
+    TEST_ASSERT_EQUAL_INT64(INT64_C(1000) * in.speed_mrad_s, state.rest_urad_s);
 }
 
 void test_bound_is_zero_before_any_sensor_has_measured_a_speed(void)

@@ -24,6 +24,7 @@ static const modes_input_t CALM = {
     .offsets_plausible = true,
     .rotor_valid = true,
     .rolling = false,
+    .at_rest = true,
     .enable = false,
     .torque_demanded = false,
     .fault_reset = false,
