@@ -1,53 +1,79 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "comms/e2e.h"
 
-enum { POLYNOMIAL = 0x2F, CRC_INITIAL = 0xFF, CRC_FINAL = 0xFF };
+#include "comms/generated/protection.h"
 
-/*
- * The list of data ids. It is linear over exclusive-or (entry [a ^ b] = entry [a] ^ entry [b]) and
- * every entry has an even number of bits, so the code stays a linear one in which, as in the CRC
- * alone, words differ in an even number of places; 0x90, 0xAA, 0xC0 and 0x60 at 1, 2, 4 and 8 were
- * found by search to leave no two equal syndromes (distance 4) and no burst of eight or fewer
- * undetected.
- */
-static const uint8_t DATA_ID[E2E_COUNTER_MASK + 1] = {
-    0x00, 0x90, 0xAA, 0x3A, 0xC0, 0x50, 0x6A, 0xFA, 0x60, 0xF0, 0xCA, 0x5A, 0xA0, 0x30, 0x0A, 0x9A};
+static const uint8_t DATA_ID[PROTECTION_P2_COUNTER_MASK + 1] = PROTECTION_P2_DATA_IDS;
 
-static uint8_t crc8_add(uint8_t crc, uint8_t byte)
+/* One byte more of a CRC of 8 or 16 bits, the highest bit first. */
+static uint32_t crc_add(uint32_t crc, uint32_t byte, uint32_t polynomial, uint32_t bits)
 {
-    uint32_t value = (uint32_t)crc ^ byte;
+    uint32_t value = crc ^ (byte << (bits - 8U));
     for (int bit = 0; bit < 8; bit++) {
-        value = (value << 1) ^ ((value & 0x80U) != 0 ? (uint32_t)POLYNOMIAL : 0U);
+        const bool leaves = (value >> (bits - 1U) & 1U) != 0;
+        value = (value << 1) ^ (leaves ? polynomial : 0U);
     }
-    return (uint8_t)(value & 0xFFU);
+    return value & ((UINT32_C(1) << bits) - 1U);
 }
 
-static uint8_t crc_of(const uint8_t data[E2E_FRAME_BYTES], uint16_t identifier)
+static uint32_t crc8_of(const uint8_t data[E2E_FRAME_BYTES], uint32_t identifier)
 {
-    uint8_t crc = CRC_INITIAL;
+    uint32_t crc = PROTECTION_P2_INITIAL;
     for (uint32_t i = 1; i < E2E_FRAME_BYTES; i++) {
-        crc = crc8_add(crc, data[i]);
+        crc = crc_add(crc, data[i], PROTECTION_P2_POLYNOMIAL, 8);
     }
-    const uint32_t data_id = DATA_ID[data[1] & E2E_COUNTER_MASK] ^ (identifier & 0xFFU);
-    return (uint8_t)(crc8_add(crc, (uint8_t)data_id) ^ CRC_FINAL);
+    const uint32_t data_id = DATA_ID[data[1] & PROTECTION_P2_COUNTER_MASK] ^ (identifier & 0xFFU);
+    return crc_add(crc, data_id, PROTECTION_P2_POLYNOMIAL, 8) ^ PROTECTION_P2_FINAL;
 }
 
-void e2e_protect(uint8_t data[E2E_FRAME_BYTES], uint16_t identifier, uint8_t counter)
+static uint32_t crc16_of(const uint8_t data[E2E_FRAME_BYTES], uint32_t identifier)
 {
-    data[1] =
-        (uint8_t)((data[1] & ~(uint32_t)E2E_COUNTER_MASK) | (counter & (uint32_t)E2E_COUNTER_MASK));
-    data[0] = crc_of(data, identifier);
+    uint32_t crc = PROTECTION_P5_INITIAL;
+    for (uint32_t i = 2; i < E2E_FRAME_BYTES; i++) {
+        crc = crc_add(crc, data[i], PROTECTION_P5_POLYNOMIAL, 16);
+    }
+    crc = crc_add(crc, identifier & 0xFFU, PROTECTION_P5_POLYNOMIAL, 16);
+    return crc_add(crc, identifier >> 8 & 0xFFU, PROTECTION_P5_POLYNOMIAL, 16);
 }
 
-bool e2e_intact(const uint8_t data[E2E_FRAME_BYTES], uint16_t identifier)
+void e2e_protect(e2e_profile_t profile, uint8_t data[E2E_FRAME_BYTES], uint16_t identifier,
+                 uint8_t counter)
 {
-    return data[0] == crc_of(data, identifier);
+    if (profile == E2E_PROFILE_5) {
+        data[2] = counter;
+        const uint32_t crc = crc16_of(data, identifier);
+        data[0] = (uint8_t)(crc & 0xFFU);
+        data[1] = (uint8_t)(crc >> 8);
+        return;
+    }
+    const uint32_t mask = PROTECTION_P2_COUNTER_MASK;
+    data[1] = (uint8_t)((data[1] & ~mask) | (counter & mask));
+    data[0] = (uint8_t)crc8_of(data, identifier);
 }
 
-void e2e_receiver_init(e2e_receiver_t *receiver, uint32_t timeout_ms)
+bool e2e_intact(e2e_profile_t profile, const uint8_t data[E2E_FRAME_BYTES], uint16_t identifier)
+{
+    if (profile == E2E_PROFILE_5) {
+        return ((uint32_t)data[0] | (uint32_t)data[1] << 8) == crc16_of(data, identifier);
+    }
+    return data[0] == crc8_of(data, identifier);
+}
+
+uint8_t e2e_counter(e2e_profile_t profile, const uint8_t data[E2E_FRAME_BYTES])
+{
+    return profile == E2E_PROFILE_5 ? data[2] : (uint8_t)(data[1] & PROTECTION_P2_COUNTER_MASK);
+}
+
+static uint32_t counter_mask(e2e_profile_t profile)
+{
+    return profile == E2E_PROFILE_5 ? PROTECTION_P5_COUNTER_MASK : PROTECTION_P2_COUNTER_MASK;
+}
+
+void e2e_receiver_init(e2e_receiver_t *receiver, e2e_profile_t profile, uint32_t timeout_ms)
 {
     const e2e_receiver_t zero = {.link = E2E_NO_DATA};
     *receiver = zero;
+    receiver->profile = profile;
     receiver->timeout_ms = timeout_ms;
 }
 
@@ -75,7 +101,7 @@ static void begin(e2e_receiver_t *receiver, uint8_t counter)
 
 static e2e_status_t continues(e2e_receiver_t *receiver, uint32_t step, uint32_t now_ms)
 {
-    receiver->counter = (uint8_t)((receiver->counter + step) & E2E_COUNTER_MASK);
+    receiver->counter = (uint8_t)((receiver->counter + step) & counter_mask(receiver->profile));
     receiver->counts.lost += step - 1U;
     if (receiver->link == E2E_QUALIFYING) {
         receiver->in_order++;
@@ -93,7 +119,7 @@ e2e_status_t e2e_receive(e2e_receiver_t *receiver, const uint8_t data[E2E_FRAME_
                          uint16_t identifier, bool plausible, uint32_t now_ms)
 {
     (void)e2e_timed_out(receiver, now_ms);
-    if (!e2e_intact(data, identifier)) {
+    if (!e2e_intact(receiver->profile, data, identifier)) {
         receiver->counts.damaged++;
         return E2E_DAMAGED;
     }
@@ -101,13 +127,13 @@ e2e_status_t e2e_receive(e2e_receiver_t *receiver, const uint8_t data[E2E_FRAME_
         receiver->counts.implausible++;
         return E2E_IMPLAUSIBLE;
     }
-    const uint8_t counter = data[1] & E2E_COUNTER_MASK;
+    const uint8_t counter = e2e_counter(receiver->profile, data);
     if (!started(receiver)) {
         begin(receiver, counter);
         receiver->refreshed_ms = now_ms;
         return E2E_NOT_QUALIFIED;
     }
-    const uint32_t step = ((uint32_t)counter - receiver->counter) & E2E_COUNTER_MASK;
+    const uint32_t step = ((uint32_t)counter - receiver->counter) & counter_mask(receiver->profile);
     if (step == 0) {
         receiver->counts.repeated++;
         return E2E_REPEATED;

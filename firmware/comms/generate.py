@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Write what is made from hubfoc.dbc.
 
-generated/hubfoc.h, generated/hubfoc.c and the message table of README.md; and, before that, the
-DBC's own value tables of reasons and of ``waits_for`` from the lists in firmware/core.
+generated/hubfoc.h, generated/hubfoc.c and the message table of README.md; with the numbers of the
+end-to-end protection (protection.py) generated/protection.h and the Python module
+host_sim/python/hubsim/can_protocol.py; and, before that, the DBC's own value tables of reasons and
+of ``waits_for`` from the lists in firmware/core.
 
 cantools' code, with two changes: without the date, so that equal protocols make equal files, and
 without the range checks of physical values, which are the only floating point in it and which
@@ -21,6 +23,7 @@ import textwrap
 from pathlib import Path
 
 import cantools
+import protection
 from cantools.database.can import Database, Message, Signal
 from cantools.database.can.c_source import generate
 
@@ -28,6 +31,7 @@ MODULE = Path(__file__).resolve().parent
 DBC = MODULE / "hubfoc.dbc"
 README = MODULE / "README.md"
 CORE = MODULE.parent / "core" / "include" / "core"
+PYTHON = MODULE.parents[1] / "host_sim/python/hubsim/can_protocol.py"
 BEGIN = "<!-- from hubfoc.dbc by generate.py -->\n"
 END = "<!-- end -->\n"
 
@@ -201,6 +205,8 @@ def main() -> int:
         database = load_text(dbc)
         wanted = {DBC: dbc}
         wanted |= {MODULE / "generated" / name: text for name, text in c_code(database).items()}
+        wanted[MODULE / "generated/protection.h"] = protection.header()
+        wanted[PYTHON] = protection.python_module(database, MODULE)
         wanted[README] = readme(database, README.read_text(encoding="utf-8"))
     except (OSError, ValueError, cantools.Error) as error:
         print(f"{DBC.name}: {' '.join(str(error).split())}", file=sys.stderr)
@@ -213,14 +219,14 @@ def main() -> int:
     if only_check:
         for path in stale:
             print(
-                f"{path.relative_to(MODULE)} is not what hubfoc.dbc makes; run tools/dev python"
-                " firmware/comms/generate.py",
+                f"{path.relative_to(MODULE.parents[1])} is not what hubfoc.dbc makes; run tools/dev"
+                " python firmware/comms/generate.py",
                 file=sys.stderr,
             )
         return 1 if stale else 0
     for path in stale:
         write(path, wanted[path])
-        print(f"wrote {path.relative_to(MODULE)}")
+        print(f"wrote {path.relative_to(MODULE.parents[1])}")
     return 0
 
 

@@ -6,12 +6,18 @@
 
 enum {
     TORQUE_STEP_mNm = 100,
+    DEMAND_STEP_mNm = 200,
     CURRENT_STEP_mA = 100,
     VOLTAGE_STEP_mV = 100,
     SPEED_STEP_mrad_s = 10,
     TEMPERATURE_STEP_cC = 10,
     /* Ends of what is sent, in steps. */
     TORQUE_MAX = 200000,
+    DEMAND_DRIVE_MAX = 8191,
+    DEMAND_BRAKE_MAX = 16383,
+    SHARE_MAX = 100,
+    BRAKE_MAX = 32767,
+    COMMAND_MAX = 65535,
     SPEED_MAX = 520000,
     CURRENT_MAX = 60000,
     BATTERY_CURRENT_MAX = 320000,
@@ -19,8 +25,7 @@ enum {
     TEMPERATURE_MIN = -1000,
     TEMPERATURE_MAX = 3000,
     MODE_MASK = 0x0F,
-    DIRECTION_MASK = 0x03,
-    HYDRAULIC_REASON_MASK = 0x7F
+    DIRECTION_MASK = 0x03
 };
 
 typedef struct {
@@ -74,6 +79,12 @@ uint32_t messages_cycle_ms(messages_kind_t kind)
     return KINDS[kind].cycle_ms;
 }
 
+e2e_profile_t messages_profile(messages_kind_t kind)
+{
+    const bool commands = kind < MESSAGES_WHEEL_STATE || kind == MESSAGES_WHEEL_BRAKE;
+    return commands ? E2E_PROFILE_5 : E2E_PROFILE_2;
+}
+
 /* Nearest step, halves away from zero, between the ends. */
 static int32_t steps(int32_t milli, int32_t step, int32_t lowest, int32_t highest)
 {
@@ -93,9 +104,9 @@ static uint32_t magnitude_steps(int32_t milli, int32_t step, int32_t highest)
 }
 
 /* Of an available torque: whole steps, rounded down. */
-static uint32_t available_steps(int32_t torque_mNm)
+static uint32_t available_steps(int32_t torque_mNm, int32_t highest)
 {
-    return (uint32_t)q_clamp(torque_mNm / TORQUE_STEP_mNm, 0, TORQUE_MAX);
+    return (uint32_t)q_clamp(torque_mNm / TORQUE_STEP_mNm, 0, highest);
 }
 
 bool messages_read_demand(const messages_frame_t *frame, wheel_demand_t *demand)
@@ -105,11 +116,13 @@ bool messages_read_demand(const messages_frame_t *frame, wheel_demand_t *demand)
         hubfoc_demand_unpack(&raw, frame->data, frame->length) != 0 ||
         !hubfoc_demand_drive_torque_nm_is_in_range(raw.drive_torque_nm) ||
         !hubfoc_demand_direction_is_in_range(raw.direction) ||
+        !hubfoc_demand_abs_motor_share_percent_is_in_range(raw.abs_motor_share_percent) ||
         !hubfoc_demand_brake_torque_nm_is_in_range(raw.brake_torque_nm)) {
         return false;
     }
-    demand->drive_torque_mNm = raw.drive_torque_nm * TORQUE_STEP_mNm;
-    demand->brake_torque_mNm = (int32_t)raw.brake_torque_nm * TORQUE_STEP_mNm;
+    demand->drive_torque_mNm = raw.drive_torque_nm * DEMAND_STEP_mNm;
+    demand->brake_torque_mNm = (int32_t)raw.brake_torque_nm * DEMAND_STEP_mNm;
+    demand->abs_motor_share_percent = raw.abs_motor_share_percent;
     demand->direction = (drive_direction_t)raw.direction;
     demand->enable = raw.enable != 0;
     demand->abs_active = raw.abs_active != 0;
@@ -182,8 +195,6 @@ static bool read_brake(const messages_frame_t *frame, slow_output_t *o)
     o->hydraulic_torque_mNm = (int32_t)raw.hydraulic_torque_nm * TORQUE_STEP_mNm;
     o->electric_brake_available_mNm = (int32_t)raw.electric_brake_available_nm * TORQUE_STEP_mNm;
     o->hydraulic_valid = raw.hydraulic_valid != 0;
-    o->hydraulic_reason = (reason_t)raw.hydraulic_reason;
-    o->available_reason = (reason_t)raw.available_reason;
     return true;
 }
 
@@ -198,6 +209,11 @@ bool messages_read_output(const messages_frame_t *frame, messages_wheel_t wheel,
     }
     return frame->identifier == messages_identifier(MESSAGES_WHEEL_BRAKE, wheel) &&
            read_brake(frame, output);
+}
+
+static void protect(messages_frame_t *frame, messages_kind_t kind, uint8_t counter)
+{
+    e2e_protect(messages_profile(kind), frame->data, frame->identifier, counter);
 }
 
 static messages_frame_t new_frame(messages_kind_t kind, messages_wheel_t wheel)
@@ -215,12 +231,15 @@ messages_frame_t messages_demand(const wheel_demand_t *demand, messages_wheel_t 
         .abs_active = demand->abs_active ? 1 : 0,
         .fault_reset = demand->fault_reset ? 1 : 0,
         .direction = (uint8_t)((uint32_t)demand->direction & DIRECTION_MASK),
-        .drive_torque_nm = signed_steps(demand->drive_torque_mNm, TORQUE_STEP_mNm, TORQUE_MAX),
-        .brake_torque_nm = magnitude_steps(demand->brake_torque_mNm, TORQUE_STEP_mNm, TORQUE_MAX),
+        .abs_motor_share_percent = (uint8_t)q_min(demand->abs_motor_share_percent, SHARE_MAX),
+        .drive_torque_nm =
+            (int16_t)signed_steps(demand->drive_torque_mNm, DEMAND_STEP_mNm, DEMAND_DRIVE_MAX),
+        .brake_torque_nm =
+            (uint16_t)magnitude_steps(demand->brake_torque_mNm, DEMAND_STEP_mNm, DEMAND_BRAKE_MAX),
     };
     messages_frame_t frame = new_frame(MESSAGES_DEMAND, wheel);
     (void)hubfoc_demand_pack(frame.data, &raw, sizeof frame.data);
-    e2e_protect(frame.data, frame.identifier, counter);
+    protect(&frame, MESSAGES_DEMAND, counter);
     return frame;
 }
 
@@ -235,7 +254,7 @@ messages_frame_t messages_battery(const battery_limits_t *limits, uint8_t counte
     };
     messages_frame_t frame = new_frame(MESSAGES_BATTERY_LIMITS, MESSAGES_FRONT_LEFT);
     (void)hubfoc_battery_limits_pack(frame.data, &raw, sizeof frame.data);
-    e2e_protect(frame.data, frame.identifier, counter);
+    protect(&frame, MESSAGES_BATTERY_LIMITS, counter);
     return frame;
 }
 
@@ -247,7 +266,7 @@ messages_frame_t messages_peak(const battery_limits_t *limits, uint8_t counter)
     };
     messages_frame_t frame = new_frame(MESSAGES_BATTERY_PEAK, MESSAGES_FRONT_LEFT);
     (void)hubfoc_battery_peak_pack(frame.data, &raw, sizeof frame.data);
-    e2e_protect(frame.data, frame.identifier, counter);
+    protect(&frame, MESSAGES_BATTERY_PEAK, counter);
     return frame;
 }
 
@@ -260,7 +279,7 @@ messages_frame_t messages_hydraulic(const hydraulic_feedback_t *feedback, messag
     };
     messages_frame_t frame = new_frame(MESSAGES_HYDRAULIC_FEEDBACK, wheel);
     (void)hubfoc_hydraulic_feedback_pack(frame.data, &raw, sizeof frame.data);
-    e2e_protect(frame.data, frame.identifier, counter);
+    protect(&frame, MESSAGES_HYDRAULIC_FEEDBACK, counter);
     return frame;
 }
 
@@ -277,15 +296,15 @@ static void put_state(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o)
     (void)hubfoc_wheel_state_pack(data, &raw, E2E_FRAME_BYTES);
 }
 
-static void put_brake(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o)
+static void put_brake(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o, uint8_t demand_counter)
 {
     const struct hubfoc_wheel_brake_t raw = {
-        .hydraulic_torque_nm =
-            magnitude_steps(o->hydraulic_torque_mNm, TORQUE_STEP_mNm, TORQUE_MAX),
-        .electric_brake_available_nm = available_steps(o->electric_brake_available_mNm),
-        .hydraulic_reason = (uint8_t)((uint32_t)o->hydraulic_reason & HYDRAULIC_REASON_MASK),
         .hydraulic_valid = o->hydraulic_valid ? 1 : 0,
-        .available_reason = (uint8_t)o->available_reason,
+        .hydraulic_torque_nm =
+            (uint16_t)magnitude_steps(o->hydraulic_torque_mNm, TORQUE_STEP_mNm, BRAKE_MAX),
+        .electric_brake_available_nm =
+            (uint16_t)available_steps(o->electric_brake_available_mNm, BRAKE_MAX),
+        .demand_counter = demand_counter,
     };
     (void)hubfoc_wheel_brake_pack(data, &raw, E2E_FRAME_BYTES);
 }
@@ -295,8 +314,9 @@ static void put_drive(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o)
     const struct hubfoc_wheel_drive_t raw = {
         .direction = (uint8_t)((uint32_t)o->direction & DIRECTION_MASK),
         .torque_reason = (uint8_t)o->torque_reason,
+        .hydraulic_reason = (uint8_t)o->hydraulic_reason,
         .motor_torque_command_nm =
-            signed_steps(o->motor_torque_command_mNm, TORQUE_STEP_mNm, TORQUE_MAX),
+            signed_steps(o->motor_torque_command_mNm, TORQUE_STEP_mNm, COMMAND_MAX),
         .current_q_a = signed_steps(o->i_q_mA, CURRENT_STEP_mA, CURRENT_MAX),
     };
     (void)hubfoc_wheel_drive_pack(data, &raw, E2E_FRAME_BYTES);
@@ -336,9 +356,9 @@ static void put_health(uint8_t data[E2E_FRAME_BYTES], const wheel_temperatures_t
 static void put_ahead(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o)
 {
     const struct hubfoc_wheel_ahead_t raw = {
-        .electric_brake_ahead_nm = available_steps(o->electric_brake_ahead_mNm),
+        .electric_brake_ahead_nm = available_steps(o->electric_brake_ahead_mNm, TORQUE_MAX),
         .ahead_reason = (uint8_t)o->ahead_reason,
-        .drive_ahead_nm = available_steps(o->drive_ahead_mNm),
+        .drive_ahead_nm = available_steps(o->drive_ahead_mNm, TORQUE_MAX),
         .drive_ahead_reason = (uint8_t)o->drive_ahead_reason,
     };
     (void)hubfoc_wheel_ahead_pack(data, &raw, E2E_FRAME_BYTES);
@@ -347,9 +367,10 @@ static void put_ahead(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o)
 static void put_available(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o)
 {
     const struct hubfoc_wheel_available_t raw = {
-        .drive_available_nm = available_steps(o->drive_available_mNm),
+        .drive_available_nm = available_steps(o->drive_available_mNm, TORQUE_MAX),
         .drive_available_reason = (uint8_t)o->drive_available_reason,
         .waits_for = (uint8_t)o->waits_for,
+        .electric_brake_available_reason = (uint8_t)o->available_reason,
     };
     (void)hubfoc_wheel_available_pack(data, &raw, E2E_FRAME_BYTES);
 }
@@ -367,7 +388,7 @@ messages_frame_t messages_output(messages_kind_t kind, const messages_values_t *
         put_state(frame.data, values->output);
         break;
     case MESSAGES_WHEEL_BRAKE:
-        put_brake(frame.data, values->output);
+        put_brake(frame.data, values->output, values->links.demand_counter);
         break;
     case MESSAGES_WHEEL_DRIVE:
         put_drive(frame.data, values->output);
@@ -391,6 +412,6 @@ messages_frame_t messages_output(messages_kind_t kind, const messages_values_t *
     case MESSAGES_KINDS:
         break; /* received kinds, excluded above */
     }
-    e2e_protect(frame.data, frame.identifier, counter);
+    protect(&frame, kind, counter);
     return frame;
 }

@@ -15,17 +15,21 @@ static messages_kind_t sent_kind(uint32_t index)
     return (messages_kind_t)(MESSAGES_RECEIVED + index);
 }
 
+static void init_receiver(e2e_receiver_t *receiver, messages_kind_t kind)
+{
+    e2e_receiver_init(receiver, messages_profile(kind),
+                      NODE_TIMEOUT_CYCLES * messages_cycle_ms(kind));
+}
+
 void node_init(node_t *node, messages_wheel_t wheel, battery_limits_t pack, uint32_t now_ms)
 {
     const node_t zero = {
         .wheel = wheel, .pack = pack, .command = {.bms = pack}, .offered = MESSAGES_KINDS};
     *node = zero;
-    e2e_receiver_init(&node->demand, NODE_TIMEOUT_CYCLES * messages_cycle_ms(MESSAGES_DEMAND));
-    e2e_receiver_init(&node->battery,
-                      NODE_TIMEOUT_CYCLES * messages_cycle_ms(MESSAGES_BATTERY_LIMITS));
-    e2e_receiver_init(&node->hydraulic,
-                      NODE_TIMEOUT_CYCLES * messages_cycle_ms(MESSAGES_HYDRAULIC_FEEDBACK));
-    e2e_receiver_init(&node->peak, NODE_TIMEOUT_CYCLES * messages_cycle_ms(MESSAGES_BATTERY_PEAK));
+    init_receiver(&node->demand, MESSAGES_DEMAND);
+    init_receiver(&node->battery, MESSAGES_BATTERY_LIMITS);
+    init_receiver(&node->hydraulic, MESSAGES_HYDRAULIC_FEEDBACK);
+    init_receiver(&node->peak, MESSAGES_BATTERY_PEAK);
     for (uint32_t i = 0; i < MESSAGES_SENT; i++) {
         node->due_ms[i] = now_ms + messages_cycle_ms(sent_kind(i));
     }
@@ -77,6 +81,7 @@ static bool receive_demand(node_t *node, const messages_frame_t *frame, uint32_t
     node->command.demand = demand;
     node->command.demand_time_ms = now_ms;
     node->command.demand_known = true;
+    node->demand_counter = node->demand.counter;
     return true;
 }
 
@@ -157,7 +162,8 @@ bool node_next(node_t *node, uint32_t now_ms, const slow_output_t *output,
                       .hydraulic = node->hydraulic.link,
                       .peak = node->peak.link,
                       .demand_errors = e2e_errors(&node->demand.counts),
-                      .battery_errors = e2e_errors(&node->battery.counts)},
+                      .battery_errors = e2e_errors(&node->battery.counts),
+                      .demand_counter = node->demand_counter},
         };
         node->offered = sent_kind(i);
         *frame = messages_output(node->offered, &values, node->wheel, node->counter[i]);

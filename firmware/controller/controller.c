@@ -169,6 +169,7 @@ static torque_output_t step_torque(controller_slow_t *slow, const config_t *conf
         .demand_reason = in->demand.reason,
         .direction = in->demand.direction,
         .abs_active = in->demand.abs_active,
+        .abs_share_percent = in->demand.abs_motor_share_percent,
         .standstill = standstill,
         .speed_mrad_s = at->speed_mrad_s,
         .current = {.d_mA = at->i_d_mA, .q_mA = at->i_q_mA},

@@ -143,7 +143,10 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
     const int32_t independent_mNm = q_min(bounds.hard_mNm, bounds.deferrable_mNm);
     const limit_t available =
         torque_limits_at_most(limits->braking, q_min(independent_mNm, share_mNm));
-    const int32_t fall_mNm = expected_fall_mNm(state, brake, independent_mNm);
+    /* The anti-lock system's bound steps, so its slope says nothing. */
+    const bool anti_lock = limits->braking[TORQUE_LINE_ABS].torque_mNm <= independent_mNm;
+    const int32_t slope_mNm = expected_fall_mNm(state, brake, independent_mNm);
+    const int32_t fall_mNm = anti_lock ? 0 : slope_mNm;
     const int32_t expected_limit_mNm =
         q_min(q_min(demand_mNm, available.torque_mNm), q_max(independent_mNm - fall_mNm, 0));
     const motor_share_t motor = motor_share(config, in, expected_limit_mNm);

@@ -80,6 +80,7 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
         .switch_temperature_cC = in->switch_temperature_cC,
         .rotor_valid = in->rotor_valid,
         .abs_active = in->abs_active,
+        .abs_share_percent = in->abs_share_percent,
         .torque_enable = in->torque_enable,
     };
     torque_limits_step(&state->limits, &set, &limited_by, &state->table);

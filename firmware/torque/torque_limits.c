@@ -5,6 +5,8 @@
 #include "core/scaled.h"
 #include "torque/loss_maps.h"
 
+enum { WHOLE_PERCENT = 100 };
+
 void torque_limits_init(torque_limits_state_t *state, torque_limits_t *table)
 {
     const torque_limits_state_t fresh = {.charge = {.allowed_q24 = SCALED_ONE},
@@ -297,15 +299,18 @@ void torque_limits_strategy(limit_t line[TORQUE_LINE_COUNT], const config_t *con
 }
 
 limit_t torque_limits_anti_lock(torque_limits_state_t *state, const config_t *config,
-                                bool abs_active)
+                                const torque_limits_input_t *in)
 {
-    if (abs_active) {
+    if (in->abs_active) {
         state->abs_hold_steps = config->brake.abs_hold_ms;
+        state->abs_share_percent = q_min(in->abs_share_percent, WHOLE_PERCENT);
     } else if (state->abs_hold_steps > 0) {
         state->abs_hold_steps--;
     }
-    const bool away = abs_active || state->abs_hold_steps > 0;
-    return limit_init(away ? 0 : FEASIBLE_UNBOUNDED, REASON_ABS);
+    const bool bound = in->abs_active || state->abs_hold_steps > 0;
+    const int32_t left_mNm =
+        q_scale(q_max(in->brake_demand_mNm, 0), state->abs_share_percent, WHOLE_PERCENT);
+    return limit_init(bound ? left_mNm : FEASIBLE_UNBOUNDED, REASON_ABS);
 }
 
 void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
@@ -339,5 +344,5 @@ void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
         scaled_shift(model->friction_b, -model->constants->torque_shift);
     torque_limits_strategy(table->braking, config, model->speed_mrad_s, optimum_mNm,
                            q_max(in->brake_demand_mNm, 0));
-    table->braking[TORQUE_LINE_ABS] = torque_limits_anti_lock(state, config, in->abs_active);
+    table->braking[TORQUE_LINE_ABS] = torque_limits_anti_lock(state, config, in);
 }

@@ -247,6 +247,7 @@ static void slow_step(bench_t *bench)
         .enable = bench->speed_prescribed || params->driver.enable > 0.5,
         .abs_active = !bench->speed_prescribed &&
                       (params->driver.abs_active > 0.5 || bench->abs_unit.anti_lock.at_work),
+        .abs_motor_share = params->driver.abs_motor_share,
     };
     for (int k = 0; k < bench->wheels; k++) {
         const wheel_order_t own = order_of(bench, &order, k);

@@ -32,8 +32,10 @@ void board_start(board_t *board, const config_t *config)
         .received = {.mode = MODE_BOOT},
     };
     *board = at_rest;
-    e2e_receiver_init(&board->state_link, TIMEOUT_CYCLES * messages_cycle_ms(MESSAGES_WHEEL_STATE));
-    e2e_receiver_init(&board->brake_link, TIMEOUT_CYCLES * messages_cycle_ms(MESSAGES_WHEEL_BRAKE));
+    e2e_receiver_init(&board->state_link, messages_profile(MESSAGES_WHEEL_STATE),
+                      TIMEOUT_CYCLES * messages_cycle_ms(MESSAGES_WHEEL_STATE));
+    e2e_receiver_init(&board->brake_link, messages_profile(MESSAGES_WHEEL_BRAKE),
+                      TIMEOUT_CYCLES * messages_cycle_ms(MESSAGES_WHEEL_BRAKE));
     const host_plant_t plant = {.context = board, .sample = sample, .drive = drive};
     host_connect(&plant, config, sizeof *config);
     app_boot();

@@ -7,7 +7,7 @@
 #include "bench/feed.h"
 #include "plant/numbers.h"
 
-enum { MILLI = 1000, CENTI = 100 };
+enum { MILLI = 1000, CENTI = 100, PERCENT = 100 };
 static const double SLOW_STEP_S = 1.0 / CONTROLLER_SLOW_RATE_HZ;
 
 wheel_world_t wheel_world(const bench_params_t *params, const config_t *config)
@@ -145,6 +145,7 @@ void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t 
                    .direction = order->direction,
                    .enable = order->enable,
                    .abs_active = order->abs_active,
+                   .abs_motor_share_percent = (uint8_t)rounded(order->abs_motor_share, PERCENT),
                    .reason = order->demand_reason},
         .demand_age_ms = (uint32_t)rounded(order->demand_age_s, MILLI),
         .bms = {.charge_current_mA = rounded(order->charge_limit_a, MILLI),

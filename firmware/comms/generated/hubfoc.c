@@ -135,7 +135,7 @@ int hubfoc_demand_pack(
     const struct hubfoc_demand_t *src_p,
     size_t size)
 {
-    uint32_t drive_torque_nm;
+    uint16_t drive_torque_nm;
 
     if (size < 8u) {
         return (-EINVAL);
@@ -143,19 +143,21 @@ int hubfoc_demand_pack(
 
     memset(&dst_p[0], 0, 8);
 
-    dst_p[0] |= pack_left_shift_u8(src_p->crc, 0u, 0xffu);
-    dst_p[1] |= pack_left_shift_u8(src_p->counter, 0u, 0x0fu);
-    dst_p[1] |= pack_left_shift_u8(src_p->enable, 4u, 0x10u);
-    dst_p[1] |= pack_left_shift_u8(src_p->abs_active, 5u, 0x20u);
-    dst_p[1] |= pack_left_shift_u8(src_p->fault_reset, 6u, 0x40u);
-    drive_torque_nm = (uint32_t)src_p->drive_torque_nm;
-    dst_p[2] |= pack_left_shift_u32(drive_torque_nm, 0u, 0xffu);
-    dst_p[3] |= pack_right_shift_u32(drive_torque_nm, 8u, 0xffu);
-    dst_p[4] |= pack_right_shift_u32(drive_torque_nm, 16u, 0x07u);
-    dst_p[4] |= pack_left_shift_u8(src_p->direction, 4u, 0x30u);
-    dst_p[5] |= pack_left_shift_u32(src_p->brake_torque_nm, 0u, 0xffu);
-    dst_p[6] |= pack_right_shift_u32(src_p->brake_torque_nm, 8u, 0xffu);
-    dst_p[7] |= pack_right_shift_u32(src_p->brake_torque_nm, 16u, 0x03u);
+    dst_p[0] |= pack_left_shift_u16(src_p->crc, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u16(src_p->crc, 8u, 0xffu);
+    dst_p[2] |= pack_left_shift_u8(src_p->counter, 0u, 0xffu);
+    dst_p[3] |= pack_left_shift_u8(src_p->enable, 0u, 0x01u);
+    dst_p[3] |= pack_left_shift_u8(src_p->fault_reset, 1u, 0x02u);
+    dst_p[3] |= pack_left_shift_u8(src_p->abs_active, 2u, 0x04u);
+    dst_p[3] |= pack_left_shift_u8(src_p->direction, 3u, 0x18u);
+    dst_p[3] |= pack_left_shift_u8(src_p->abs_motor_share_percent, 5u, 0xe0u);
+    dst_p[4] |= pack_right_shift_u8(src_p->abs_motor_share_percent, 3u, 0x0fu);
+    drive_torque_nm = (uint16_t)src_p->drive_torque_nm;
+    dst_p[4] |= pack_left_shift_u16(drive_torque_nm, 4u, 0xf0u);
+    dst_p[5] |= pack_right_shift_u16(drive_torque_nm, 4u, 0xffu);
+    dst_p[6] |= pack_right_shift_u16(drive_torque_nm, 12u, 0x03u);
+    dst_p[6] |= pack_left_shift_u16(src_p->brake_torque_nm, 2u, 0xfcu);
+    dst_p[7] |= pack_right_shift_u16(src_p->brake_torque_nm, 6u, 0xffu);
 
     return (8);
 }
@@ -165,30 +167,32 @@ int hubfoc_demand_unpack(
     const uint8_t *src_p,
     size_t size)
 {
-    uint32_t drive_torque_nm;
+    uint16_t drive_torque_nm;
 
     if (size < 8u) {
         return (-EINVAL);
     }
 
-    dst_p->crc = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
-    dst_p->counter = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
-    dst_p->enable = unpack_right_shift_u8(src_p[1], 4u, 0x10u);
-    dst_p->abs_active = unpack_right_shift_u8(src_p[1], 5u, 0x20u);
-    dst_p->fault_reset = unpack_right_shift_u8(src_p[1], 6u, 0x40u);
-    drive_torque_nm = unpack_right_shift_u32(src_p[2], 0u, 0xffu);
-    drive_torque_nm |= unpack_left_shift_u32(src_p[3], 8u, 0xffu);
-    drive_torque_nm |= unpack_left_shift_u32(src_p[4], 16u, 0x07u);
+    dst_p->crc = unpack_right_shift_u16(src_p[0], 0u, 0xffu);
+    dst_p->crc |= unpack_left_shift_u16(src_p[1], 8u, 0xffu);
+    dst_p->counter = unpack_right_shift_u8(src_p[2], 0u, 0xffu);
+    dst_p->enable = unpack_right_shift_u8(src_p[3], 0u, 0x01u);
+    dst_p->fault_reset = unpack_right_shift_u8(src_p[3], 1u, 0x02u);
+    dst_p->abs_active = unpack_right_shift_u8(src_p[3], 2u, 0x04u);
+    dst_p->direction = unpack_right_shift_u8(src_p[3], 3u, 0x18u);
+    dst_p->abs_motor_share_percent = unpack_right_shift_u8(src_p[3], 5u, 0xe0u);
+    dst_p->abs_motor_share_percent |= unpack_left_shift_u8(src_p[4], 3u, 0x0fu);
+    drive_torque_nm = unpack_right_shift_u16(src_p[4], 4u, 0xf0u);
+    drive_torque_nm |= unpack_left_shift_u16(src_p[5], 4u, 0xffu);
+    drive_torque_nm |= unpack_left_shift_u16(src_p[6], 12u, 0x03u);
 
-    if ((drive_torque_nm & (1u << 18)) != 0u) {
-        drive_torque_nm |= 0xfff80000u;
+    if ((drive_torque_nm & (1u << 13)) != 0u) {
+        drive_torque_nm |= 0xc000u;
     }
 
-    dst_p->drive_torque_nm = (int32_t)drive_torque_nm;
-    dst_p->direction = unpack_right_shift_u8(src_p[4], 4u, 0x30u);
-    dst_p->brake_torque_nm = unpack_right_shift_u32(src_p[5], 0u, 0xffu);
-    dst_p->brake_torque_nm |= unpack_left_shift_u32(src_p[6], 8u, 0xffu);
-    dst_p->brake_torque_nm |= unpack_left_shift_u32(src_p[7], 16u, 0x03u);
+    dst_p->drive_torque_nm = (int16_t)drive_torque_nm;
+    dst_p->brake_torque_nm = unpack_right_shift_u16(src_p[6], 2u, 0xfcu);
+    dst_p->brake_torque_nm |= unpack_left_shift_u16(src_p[7], 6u, 0xffu);
 
     return (0);
 }
@@ -202,7 +206,7 @@ int hubfoc_demand_init(struct hubfoc_demand_t *msg_p)
     return 0;
 }
 
-bool hubfoc_demand_crc_is_in_range(uint8_t value)
+bool hubfoc_demand_crc_is_in_range(uint16_t value)
 {
     (void)value;
 
@@ -211,15 +215,12 @@ bool hubfoc_demand_crc_is_in_range(uint8_t value)
 
 bool hubfoc_demand_counter_is_in_range(uint8_t value)
 {
-    return (value <= 15u);
+    (void)value;
+
+    return (true);
 }
 
 bool hubfoc_demand_enable_is_in_range(uint8_t value)
-{
-    return (value <= 1u);
-}
-
-bool hubfoc_demand_abs_active_is_in_range(uint8_t value)
 {
     return (value <= 1u);
 }
@@ -229,9 +230,9 @@ bool hubfoc_demand_fault_reset_is_in_range(uint8_t value)
     return (value <= 1u);
 }
 
-bool hubfoc_demand_drive_torque_nm_is_in_range(int32_t value)
+bool hubfoc_demand_abs_active_is_in_range(uint8_t value)
 {
-    return ((value >= -200000) && (value <= 200000));
+    return (value <= 1u);
 }
 
 bool hubfoc_demand_direction_is_in_range(uint8_t value)
@@ -239,9 +240,19 @@ bool hubfoc_demand_direction_is_in_range(uint8_t value)
     return (value <= 2u);
 }
 
-bool hubfoc_demand_brake_torque_nm_is_in_range(uint32_t value)
+bool hubfoc_demand_abs_motor_share_percent_is_in_range(uint8_t value)
 {
-    return (value <= 200000u);
+    return (value <= 100u);
+}
+
+bool hubfoc_demand_drive_torque_nm_is_in_range(int16_t value)
+{
+    return ((value >= -8191) && (value <= 8191));
+}
+
+bool hubfoc_demand_brake_torque_nm_is_in_range(uint16_t value)
+{
+    return (value <= 16383u);
 }
 
 int hubfoc_hydraulic_feedback_pack(
@@ -255,12 +266,13 @@ int hubfoc_hydraulic_feedback_pack(
 
     memset(&dst_p[0], 0, 8);
 
-    dst_p[0] |= pack_left_shift_u8(src_p->crc, 0u, 0xffu);
-    dst_p[1] |= pack_left_shift_u8(src_p->counter, 0u, 0x0fu);
-    dst_p[1] |= pack_left_shift_u8(src_p->torque_valid, 4u, 0x10u);
-    dst_p[2] |= pack_left_shift_u32(src_p->measured_torque_nm, 0u, 0xffu);
-    dst_p[3] |= pack_right_shift_u32(src_p->measured_torque_nm, 8u, 0xffu);
-    dst_p[4] |= pack_right_shift_u32(src_p->measured_torque_nm, 16u, 0x03u);
+    dst_p[0] |= pack_left_shift_u16(src_p->crc, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u16(src_p->crc, 8u, 0xffu);
+    dst_p[2] |= pack_left_shift_u8(src_p->counter, 0u, 0xffu);
+    dst_p[3] |= pack_left_shift_u8(src_p->torque_valid, 0u, 0x01u);
+    dst_p[4] |= pack_left_shift_u32(src_p->measured_torque_nm, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(src_p->measured_torque_nm, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(src_p->measured_torque_nm, 16u, 0x03u);
 
     return (8);
 }
@@ -274,12 +286,13 @@ int hubfoc_hydraulic_feedback_unpack(
         return (-EINVAL);
     }
 
-    dst_p->crc = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
-    dst_p->counter = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
-    dst_p->torque_valid = unpack_right_shift_u8(src_p[1], 4u, 0x10u);
-    dst_p->measured_torque_nm = unpack_right_shift_u32(src_p[2], 0u, 0xffu);
-    dst_p->measured_torque_nm |= unpack_left_shift_u32(src_p[3], 8u, 0xffu);
-    dst_p->measured_torque_nm |= unpack_left_shift_u32(src_p[4], 16u, 0x03u);
+    dst_p->crc = unpack_right_shift_u16(src_p[0], 0u, 0xffu);
+    dst_p->crc |= unpack_left_shift_u16(src_p[1], 8u, 0xffu);
+    dst_p->counter = unpack_right_shift_u8(src_p[2], 0u, 0xffu);
+    dst_p->torque_valid = unpack_right_shift_u8(src_p[3], 0u, 0x01u);
+    dst_p->measured_torque_nm = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    dst_p->measured_torque_nm |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    dst_p->measured_torque_nm |= unpack_left_shift_u32(src_p[6], 16u, 0x03u);
 
     return (0);
 }
@@ -293,7 +306,7 @@ int hubfoc_hydraulic_feedback_init(struct hubfoc_hydraulic_feedback_t *msg_p)
     return 0;
 }
 
-bool hubfoc_hydraulic_feedback_crc_is_in_range(uint8_t value)
+bool hubfoc_hydraulic_feedback_crc_is_in_range(uint16_t value)
 {
     (void)value;
 
@@ -302,7 +315,9 @@ bool hubfoc_hydraulic_feedback_crc_is_in_range(uint8_t value)
 
 bool hubfoc_hydraulic_feedback_counter_is_in_range(uint8_t value)
 {
-    return (value <= 15u);
+    (void)value;
+
+    return (true);
 }
 
 bool hubfoc_hydraulic_feedback_torque_valid_is_in_range(uint8_t value)
@@ -326,15 +341,16 @@ int hubfoc_battery_limits_pack(
 
     memset(&dst_p[0], 0, 8);
 
-    dst_p[0] |= pack_left_shift_u8(src_p->crc, 0u, 0xffu);
-    dst_p[1] |= pack_left_shift_u8(src_p->counter, 0u, 0x0fu);
-    dst_p[1] |= pack_left_shift_u8(src_p->contactor, 4u, 0x30u);
-    dst_p[2] |= pack_left_shift_u32(src_p->charge_current_a, 0u, 0xffu);
-    dst_p[3] |= pack_right_shift_u32(src_p->charge_current_a, 8u, 0xffu);
-    dst_p[4] |= pack_right_shift_u32(src_p->charge_current_a, 16u, 0x07u);
-    dst_p[5] |= pack_left_shift_u32(src_p->discharge_current_a, 0u, 0xffu);
-    dst_p[6] |= pack_right_shift_u32(src_p->discharge_current_a, 8u, 0xffu);
-    dst_p[7] |= pack_right_shift_u32(src_p->discharge_current_a, 16u, 0x07u);
+    dst_p[0] |= pack_left_shift_u16(src_p->crc, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u16(src_p->crc, 8u, 0xffu);
+    dst_p[2] |= pack_left_shift_u8(src_p->counter, 0u, 0xffu);
+    dst_p[3] |= pack_left_shift_u8(src_p->contactor, 0u, 0x03u);
+    dst_p[3] |= pack_left_shift_u32(src_p->charge_current_a, 2u, 0xfcu);
+    dst_p[4] |= pack_right_shift_u32(src_p->charge_current_a, 6u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(src_p->charge_current_a, 14u, 0x1fu);
+    dst_p[5] |= pack_left_shift_u32(src_p->discharge_current_a, 5u, 0xe0u);
+    dst_p[6] |= pack_right_shift_u32(src_p->discharge_current_a, 3u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(src_p->discharge_current_a, 11u, 0xffu);
 
     return (8);
 }
@@ -348,15 +364,16 @@ int hubfoc_battery_limits_unpack(
         return (-EINVAL);
     }
 
-    dst_p->crc = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
-    dst_p->counter = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
-    dst_p->contactor = unpack_right_shift_u8(src_p[1], 4u, 0x30u);
-    dst_p->charge_current_a = unpack_right_shift_u32(src_p[2], 0u, 0xffu);
-    dst_p->charge_current_a |= unpack_left_shift_u32(src_p[3], 8u, 0xffu);
-    dst_p->charge_current_a |= unpack_left_shift_u32(src_p[4], 16u, 0x07u);
-    dst_p->discharge_current_a = unpack_right_shift_u32(src_p[5], 0u, 0xffu);
-    dst_p->discharge_current_a |= unpack_left_shift_u32(src_p[6], 8u, 0xffu);
-    dst_p->discharge_current_a |= unpack_left_shift_u32(src_p[7], 16u, 0x07u);
+    dst_p->crc = unpack_right_shift_u16(src_p[0], 0u, 0xffu);
+    dst_p->crc |= unpack_left_shift_u16(src_p[1], 8u, 0xffu);
+    dst_p->counter = unpack_right_shift_u8(src_p[2], 0u, 0xffu);
+    dst_p->contactor = unpack_right_shift_u8(src_p[3], 0u, 0x03u);
+    dst_p->charge_current_a = unpack_right_shift_u32(src_p[3], 2u, 0xfcu);
+    dst_p->charge_current_a |= unpack_left_shift_u32(src_p[4], 6u, 0xffu);
+    dst_p->charge_current_a |= unpack_left_shift_u32(src_p[5], 14u, 0x1fu);
+    dst_p->discharge_current_a = unpack_right_shift_u32(src_p[5], 5u, 0xe0u);
+    dst_p->discharge_current_a |= unpack_left_shift_u32(src_p[6], 3u, 0xffu);
+    dst_p->discharge_current_a |= unpack_left_shift_u32(src_p[7], 11u, 0xffu);
 
     return (0);
 }
@@ -370,7 +387,7 @@ int hubfoc_battery_limits_init(struct hubfoc_battery_limits_t *msg_p)
     return 0;
 }
 
-bool hubfoc_battery_limits_crc_is_in_range(uint8_t value)
+bool hubfoc_battery_limits_crc_is_in_range(uint16_t value)
 {
     (void)value;
 
@@ -379,7 +396,9 @@ bool hubfoc_battery_limits_crc_is_in_range(uint8_t value)
 
 bool hubfoc_battery_limits_counter_is_in_range(uint8_t value)
 {
-    return (value <= 15u);
+    (void)value;
+
+    return (true);
 }
 
 bool hubfoc_battery_limits_contactor_is_in_range(uint8_t value)
@@ -408,11 +427,12 @@ int hubfoc_battery_peak_pack(
 
     memset(&dst_p[0], 0, 8);
 
-    dst_p[0] |= pack_left_shift_u8(src_p->crc, 0u, 0xffu);
-    dst_p[1] |= pack_left_shift_u8(src_p->counter, 0u, 0x0fu);
-    dst_p[2] |= pack_left_shift_u32(src_p->charge_peak_current_a, 0u, 0xffu);
-    dst_p[3] |= pack_right_shift_u32(src_p->charge_peak_current_a, 8u, 0xffu);
-    dst_p[4] |= pack_right_shift_u32(src_p->charge_peak_current_a, 16u, 0x07u);
+    dst_p[0] |= pack_left_shift_u16(src_p->crc, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u16(src_p->crc, 8u, 0xffu);
+    dst_p[2] |= pack_left_shift_u8(src_p->counter, 0u, 0xffu);
+    dst_p[3] |= pack_left_shift_u32(src_p->charge_peak_current_a, 0u, 0xffu);
+    dst_p[4] |= pack_right_shift_u32(src_p->charge_peak_current_a, 8u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(src_p->charge_peak_current_a, 16u, 0x07u);
 
     return (8);
 }
@@ -426,11 +446,12 @@ int hubfoc_battery_peak_unpack(
         return (-EINVAL);
     }
 
-    dst_p->crc = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
-    dst_p->counter = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
-    dst_p->charge_peak_current_a = unpack_right_shift_u32(src_p[2], 0u, 0xffu);
-    dst_p->charge_peak_current_a |= unpack_left_shift_u32(src_p[3], 8u, 0xffu);
-    dst_p->charge_peak_current_a |= unpack_left_shift_u32(src_p[4], 16u, 0x07u);
+    dst_p->crc = unpack_right_shift_u16(src_p[0], 0u, 0xffu);
+    dst_p->crc |= unpack_left_shift_u16(src_p[1], 8u, 0xffu);
+    dst_p->counter = unpack_right_shift_u8(src_p[2], 0u, 0xffu);
+    dst_p->charge_peak_current_a = unpack_right_shift_u32(src_p[3], 0u, 0xffu);
+    dst_p->charge_peak_current_a |= unpack_left_shift_u32(src_p[4], 8u, 0xffu);
+    dst_p->charge_peak_current_a |= unpack_left_shift_u32(src_p[5], 16u, 0x07u);
 
     return (0);
 }
@@ -444,7 +465,7 @@ int hubfoc_battery_peak_init(struct hubfoc_battery_peak_t *msg_p)
     return 0;
 }
 
-bool hubfoc_battery_peak_crc_is_in_range(uint8_t value)
+bool hubfoc_battery_peak_crc_is_in_range(uint16_t value)
 {
     (void)value;
 
@@ -453,7 +474,9 @@ bool hubfoc_battery_peak_crc_is_in_range(uint8_t value)
 
 bool hubfoc_battery_peak_counter_is_in_range(uint8_t value)
 {
-    return (value <= 15u);
+    (void)value;
+
+    return (true);
 }
 
 bool hubfoc_battery_peak_charge_peak_current_a_is_in_range(uint32_t value)
@@ -590,17 +613,15 @@ int hubfoc_wheel_brake_pack(
 
     memset(&dst_p[0], 0, 8);
 
-    dst_p[0] |= pack_left_shift_u8(src_p->crc, 0u, 0xffu);
-    dst_p[1] |= pack_left_shift_u8(src_p->counter, 0u, 0x0fu);
-    dst_p[1] |= pack_left_shift_u32(src_p->hydraulic_torque_nm, 4u, 0xf0u);
-    dst_p[2] |= pack_right_shift_u32(src_p->hydraulic_torque_nm, 4u, 0xffu);
-    dst_p[3] |= pack_right_shift_u32(src_p->hydraulic_torque_nm, 12u, 0x3fu);
-    dst_p[3] |= pack_left_shift_u32(src_p->electric_brake_available_nm, 6u, 0xc0u);
-    dst_p[4] |= pack_right_shift_u32(src_p->electric_brake_available_nm, 2u, 0xffu);
-    dst_p[5] |= pack_right_shift_u32(src_p->electric_brake_available_nm, 10u, 0xffu);
-    dst_p[6] |= pack_left_shift_u8(src_p->hydraulic_reason, 0u, 0x7fu);
-    dst_p[6] |= pack_left_shift_u8(src_p->hydraulic_valid, 7u, 0x80u);
-    dst_p[7] |= pack_left_shift_u8(src_p->available_reason, 0u, 0xffu);
+    dst_p[0] |= pack_left_shift_u16(src_p->crc, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u16(src_p->crc, 8u, 0xffu);
+    dst_p[2] |= pack_left_shift_u8(src_p->counter, 0u, 0xffu);
+    dst_p[3] |= pack_left_shift_u8(src_p->hydraulic_valid, 0u, 0x01u);
+    dst_p[3] |= pack_left_shift_u16(src_p->hydraulic_torque_nm, 1u, 0xfeu);
+    dst_p[4] |= pack_right_shift_u16(src_p->hydraulic_torque_nm, 7u, 0xffu);
+    dst_p[5] |= pack_left_shift_u16(src_p->electric_brake_available_nm, 0u, 0xffu);
+    dst_p[6] |= pack_right_shift_u16(src_p->electric_brake_available_nm, 8u, 0x7fu);
+    dst_p[7] |= pack_left_shift_u8(src_p->demand_counter, 0u, 0xffu);
 
     return (8);
 }
@@ -614,17 +635,15 @@ int hubfoc_wheel_brake_unpack(
         return (-EINVAL);
     }
 
-    dst_p->crc = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
-    dst_p->counter = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
-    dst_p->hydraulic_torque_nm = unpack_right_shift_u32(src_p[1], 4u, 0xf0u);
-    dst_p->hydraulic_torque_nm |= unpack_left_shift_u32(src_p[2], 4u, 0xffu);
-    dst_p->hydraulic_torque_nm |= unpack_left_shift_u32(src_p[3], 12u, 0x3fu);
-    dst_p->electric_brake_available_nm = unpack_right_shift_u32(src_p[3], 6u, 0xc0u);
-    dst_p->electric_brake_available_nm |= unpack_left_shift_u32(src_p[4], 2u, 0xffu);
-    dst_p->electric_brake_available_nm |= unpack_left_shift_u32(src_p[5], 10u, 0xffu);
-    dst_p->hydraulic_reason = unpack_right_shift_u8(src_p[6], 0u, 0x7fu);
-    dst_p->hydraulic_valid = unpack_right_shift_u8(src_p[6], 7u, 0x80u);
-    dst_p->available_reason = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
+    dst_p->crc = unpack_right_shift_u16(src_p[0], 0u, 0xffu);
+    dst_p->crc |= unpack_left_shift_u16(src_p[1], 8u, 0xffu);
+    dst_p->counter = unpack_right_shift_u8(src_p[2], 0u, 0xffu);
+    dst_p->hydraulic_valid = unpack_right_shift_u8(src_p[3], 0u, 0x01u);
+    dst_p->hydraulic_torque_nm = unpack_right_shift_u16(src_p[3], 1u, 0xfeu);
+    dst_p->hydraulic_torque_nm |= unpack_left_shift_u16(src_p[4], 7u, 0xffu);
+    dst_p->electric_brake_available_nm = unpack_right_shift_u16(src_p[5], 0u, 0xffu);
+    dst_p->electric_brake_available_nm |= unpack_left_shift_u16(src_p[6], 8u, 0x7fu);
+    dst_p->demand_counter = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
 
     return (0);
 }
@@ -638,7 +657,7 @@ int hubfoc_wheel_brake_init(struct hubfoc_wheel_brake_t *msg_p)
     return 0;
 }
 
-bool hubfoc_wheel_brake_crc_is_in_range(uint8_t value)
+bool hubfoc_wheel_brake_crc_is_in_range(uint16_t value)
 {
     (void)value;
 
@@ -647,22 +666,9 @@ bool hubfoc_wheel_brake_crc_is_in_range(uint8_t value)
 
 bool hubfoc_wheel_brake_counter_is_in_range(uint8_t value)
 {
-    return (value <= 15u);
-}
+    (void)value;
 
-bool hubfoc_wheel_brake_hydraulic_torque_nm_is_in_range(uint32_t value)
-{
-    return (value <= 200000u);
-}
-
-bool hubfoc_wheel_brake_electric_brake_available_nm_is_in_range(uint32_t value)
-{
-    return (value <= 200000u);
-}
-
-bool hubfoc_wheel_brake_hydraulic_reason_is_in_range(uint8_t value)
-{
-    return (value <= 127u);
+    return (true);
 }
 
 bool hubfoc_wheel_brake_hydraulic_valid_is_in_range(uint8_t value)
@@ -670,7 +676,17 @@ bool hubfoc_wheel_brake_hydraulic_valid_is_in_range(uint8_t value)
     return (value <= 1u);
 }
 
-bool hubfoc_wheel_brake_available_reason_is_in_range(uint8_t value)
+bool hubfoc_wheel_brake_hydraulic_torque_nm_is_in_range(uint16_t value)
+{
+    return (value <= 32767u);
+}
+
+bool hubfoc_wheel_brake_electric_brake_available_nm_is_in_range(uint16_t value)
+{
+    return (value <= 32767u);
+}
+
+bool hubfoc_wheel_brake_demand_counter_is_in_range(uint8_t value)
 {
     (void)value;
 
@@ -694,15 +710,16 @@ int hubfoc_wheel_drive_pack(
     dst_p[0] |= pack_left_shift_u8(src_p->crc, 0u, 0xffu);
     dst_p[1] |= pack_left_shift_u8(src_p->counter, 0u, 0x0fu);
     dst_p[1] |= pack_left_shift_u8(src_p->direction, 4u, 0x30u);
-    dst_p[2] |= pack_left_shift_u8(src_p->torque_reason, 0u, 0xffu);
-    motor_torque_command_nm = (uint32_t)src_p->motor_torque_command_nm;
-    dst_p[3] |= pack_left_shift_u32(motor_torque_command_nm, 0u, 0xffu);
-    dst_p[4] |= pack_right_shift_u32(motor_torque_command_nm, 8u, 0xffu);
-    dst_p[5] |= pack_right_shift_u32(motor_torque_command_nm, 16u, 0x07u);
     current_q_a = (uint32_t)src_p->current_q_a;
-    dst_p[5] |= pack_left_shift_u32(current_q_a, 7u, 0x80u);
-    dst_p[6] |= pack_right_shift_u32(current_q_a, 1u, 0xffu);
-    dst_p[7] |= pack_right_shift_u32(current_q_a, 9u, 0xffu);
+    dst_p[1] |= pack_left_shift_u32(current_q_a, 6u, 0xc0u);
+    dst_p[2] |= pack_right_shift_u32(current_q_a, 2u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(current_q_a, 10u, 0x7fu);
+    motor_torque_command_nm = (uint32_t)src_p->motor_torque_command_nm;
+    dst_p[3] |= pack_left_shift_u32(motor_torque_command_nm, 7u, 0x80u);
+    dst_p[4] |= pack_right_shift_u32(motor_torque_command_nm, 1u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(motor_torque_command_nm, 9u, 0xffu);
+    dst_p[6] |= pack_left_shift_u8(src_p->torque_reason, 0u, 0xffu);
+    dst_p[7] |= pack_left_shift_u8(src_p->hydraulic_reason, 0u, 0xffu);
 
     return (8);
 }
@@ -722,25 +739,26 @@ int hubfoc_wheel_drive_unpack(
     dst_p->crc = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
     dst_p->counter = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
     dst_p->direction = unpack_right_shift_u8(src_p[1], 4u, 0x30u);
-    dst_p->torque_reason = unpack_right_shift_u8(src_p[2], 0u, 0xffu);
-    motor_torque_command_nm = unpack_right_shift_u32(src_p[3], 0u, 0xffu);
-    motor_torque_command_nm |= unpack_left_shift_u32(src_p[4], 8u, 0xffu);
-    motor_torque_command_nm |= unpack_left_shift_u32(src_p[5], 16u, 0x07u);
-
-    if ((motor_torque_command_nm & (1u << 18)) != 0u) {
-        motor_torque_command_nm |= 0xfff80000u;
-    }
-
-    dst_p->motor_torque_command_nm = (int32_t)motor_torque_command_nm;
-    current_q_a = unpack_right_shift_u32(src_p[5], 7u, 0x80u);
-    current_q_a |= unpack_left_shift_u32(src_p[6], 1u, 0xffu);
-    current_q_a |= unpack_left_shift_u32(src_p[7], 9u, 0xffu);
+    current_q_a = unpack_right_shift_u32(src_p[1], 6u, 0xc0u);
+    current_q_a |= unpack_left_shift_u32(src_p[2], 2u, 0xffu);
+    current_q_a |= unpack_left_shift_u32(src_p[3], 10u, 0x7fu);
 
     if ((current_q_a & (1u << 16)) != 0u) {
         current_q_a |= 0xfffe0000u;
     }
 
     dst_p->current_q_a = (int32_t)current_q_a;
+    motor_torque_command_nm = unpack_right_shift_u32(src_p[3], 7u, 0x80u);
+    motor_torque_command_nm |= unpack_left_shift_u32(src_p[4], 1u, 0xffu);
+    motor_torque_command_nm |= unpack_left_shift_u32(src_p[5], 9u, 0xffu);
+
+    if ((motor_torque_command_nm & (1u << 16)) != 0u) {
+        motor_torque_command_nm |= 0xfffe0000u;
+    }
+
+    dst_p->motor_torque_command_nm = (int32_t)motor_torque_command_nm;
+    dst_p->torque_reason = unpack_right_shift_u8(src_p[6], 0u, 0xffu);
+    dst_p->hydraulic_reason = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
 
     return (0);
 }
@@ -771,6 +789,16 @@ bool hubfoc_wheel_drive_direction_is_in_range(uint8_t value)
     return (value <= 2u);
 }
 
+bool hubfoc_wheel_drive_current_q_a_is_in_range(int32_t value)
+{
+    return ((value >= -60000) && (value <= 60000));
+}
+
+bool hubfoc_wheel_drive_motor_torque_command_nm_is_in_range(int32_t value)
+{
+    return ((value >= -65535) && (value <= 65535));
+}
+
 bool hubfoc_wheel_drive_torque_reason_is_in_range(uint8_t value)
 {
     (void)value;
@@ -778,14 +806,11 @@ bool hubfoc_wheel_drive_torque_reason_is_in_range(uint8_t value)
     return (true);
 }
 
-bool hubfoc_wheel_drive_motor_torque_command_nm_is_in_range(int32_t value)
+bool hubfoc_wheel_drive_hydraulic_reason_is_in_range(uint8_t value)
 {
-    return ((value >= -200000) && (value <= 200000));
-}
+    (void)value;
 
-bool hubfoc_wheel_drive_current_q_a_is_in_range(int32_t value)
-{
-    return ((value >= -60000) && (value <= 60000));
+    return (true);
 }
 
 int hubfoc_wheel_power_pack(
@@ -1133,6 +1158,8 @@ int hubfoc_wheel_available_pack(
     dst_p[4] |= pack_right_shift_u8(src_p->drive_available_reason, 2u, 0x3fu);
     dst_p[4] |= pack_left_shift_u8(src_p->waits_for, 6u, 0xc0u);
     dst_p[5] |= pack_right_shift_u8(src_p->waits_for, 2u, 0x3fu);
+    dst_p[5] |= pack_left_shift_u8(src_p->electric_brake_available_reason, 6u, 0xc0u);
+    dst_p[6] |= pack_right_shift_u8(src_p->electric_brake_available_reason, 2u, 0x3fu);
 
     return (8);
 }
@@ -1155,6 +1182,8 @@ int hubfoc_wheel_available_unpack(
     dst_p->drive_available_reason |= unpack_left_shift_u8(src_p[4], 2u, 0x3fu);
     dst_p->waits_for = unpack_right_shift_u8(src_p[4], 6u, 0xc0u);
     dst_p->waits_for |= unpack_left_shift_u8(src_p[5], 2u, 0x3fu);
+    dst_p->electric_brake_available_reason = unpack_right_shift_u8(src_p[5], 6u, 0xc0u);
+    dst_p->electric_brake_available_reason |= unpack_left_shift_u8(src_p[6], 2u, 0x3fu);
 
     return (0);
 }
@@ -1193,6 +1222,13 @@ bool hubfoc_wheel_available_drive_available_reason_is_in_range(uint8_t value)
 }
 
 bool hubfoc_wheel_available_waits_for_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool hubfoc_wheel_available_electric_brake_available_reason_is_in_range(uint8_t value)
 {
     (void)value;
 

@@ -164,106 +164,6 @@ extern "C" {
 #define HUBFOC_WHEEL_STATE_FAULT_REASON_ACCELERATOR_SENSOR_CHOICE (82u)
 #define HUBFOC_WHEEL_STATE_FAULT_REASON_BRAKE_PEDAL_SENSOR_CHOICE (83u)
 
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_NONE_CHOICE (0u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_LOSS_OPTIMUM_CHOICE (1u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_MAX_TORQUE_CHOICE (2u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_MAX_POWER_CHOICE (3u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_PHASE_CURRENT_CHOICE (4u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_CHARGE_CURRENT_CHOICE (5u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_DISCHARGE_CURRENT_CHOICE (6u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_BUS_VOLTAGE_HIGH_CHOICE (7u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_BUS_VOLTAGE_LOW_CHOICE (8u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_WINDING_TEMPERATURE_CHOICE (9u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_SWITCH_TEMPERATURE_CHOICE (10u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_BLEND_OUT_CHOICE (11u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_TORQUE_RATE_CHOICE (12u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_VOLTAGE_CHOICE (13u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_ELECTRIC_SHARE_CHOICE (14u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_ELECTRIC_RATED_CHOICE (15u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_ABS_CHOICE (16u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_TORQUE_ENABLE_CHOICE (17u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_MAX_SPEED_CHOICE (18u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_ROTOR_UNCERTAIN_CHOICE (19u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_HYDRAULIC_LIMIT_CHOICE (20u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_BRAKE_PRIORITY_CHOICE (21u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_DRIVE_DIRECTION_CHOICE (22u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_HILL_HOLD_CHOICE (23u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_HYDRAULIC_FEEDBACK_CHOICE (26u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_OVERSPEED_CHOICE (27u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_BATTERY_DISCONNECTED_CHOICE (28u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_OFFSETS_STORED_CHOICE (29u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_ACCELERATOR_LOCKED_CHOICE (30u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_CONFIG_INVALID_CHOICE (64u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_SELFTEST_FAILED_CHOICE (65u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_OFFSET_IMPLAUSIBLE_CHOICE (66u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_OVERCURRENT_CHOICE (67u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_BUS_OVERVOLTAGE_CHOICE (68u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_BUS_UNDERVOLTAGE_CHOICE (69u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_WINDING_OVERTEMPERATURE_CHOICE (70u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_SWITCH_OVERTEMPERATURE_CHOICE (71u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_CURRENT_SUM_CHOICE (72u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_ROTOR_LOST_CHOICE (73u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_TORQUE_IMPLAUSIBLE_CHOICE (74u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_PROGRAM_FLOW_CHOICE (75u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_DEMAND_TIMEOUT_CHOICE (76u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_HARDWARE_BREAK_CHOICE (77u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_CURRENT_SENSOR_CHOICE (78u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_ROTOR_IMPLAUSIBLE_CHOICE (79u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_WINDING_SENSOR_CHOICE (80u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_SWITCH_SENSOR_CHOICE (81u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_ACCELERATOR_SENSOR_CHOICE (82u)
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_BRAKE_PEDAL_SENSOR_CHOICE (83u)
-
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_NONE_CHOICE (0u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_LOSS_OPTIMUM_CHOICE (1u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_MAX_TORQUE_CHOICE (2u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_MAX_POWER_CHOICE (3u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_PHASE_CURRENT_CHOICE (4u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_CHARGE_CURRENT_CHOICE (5u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_DISCHARGE_CURRENT_CHOICE (6u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_BUS_VOLTAGE_HIGH_CHOICE (7u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_BUS_VOLTAGE_LOW_CHOICE (8u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_WINDING_TEMPERATURE_CHOICE (9u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_SWITCH_TEMPERATURE_CHOICE (10u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_BLEND_OUT_CHOICE (11u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_TORQUE_RATE_CHOICE (12u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_VOLTAGE_CHOICE (13u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_ELECTRIC_SHARE_CHOICE (14u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_ELECTRIC_RATED_CHOICE (15u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_ABS_CHOICE (16u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_TORQUE_ENABLE_CHOICE (17u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_MAX_SPEED_CHOICE (18u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_ROTOR_UNCERTAIN_CHOICE (19u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_HYDRAULIC_LIMIT_CHOICE (20u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_BRAKE_PRIORITY_CHOICE (21u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_DRIVE_DIRECTION_CHOICE (22u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_HILL_HOLD_CHOICE (23u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_HYDRAULIC_FEEDBACK_CHOICE (26u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_OVERSPEED_CHOICE (27u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_BATTERY_DISCONNECTED_CHOICE (28u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_OFFSETS_STORED_CHOICE (29u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_ACCELERATOR_LOCKED_CHOICE (30u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_CONFIG_INVALID_CHOICE (64u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_SELFTEST_FAILED_CHOICE (65u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_OFFSET_IMPLAUSIBLE_CHOICE (66u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_OVERCURRENT_CHOICE (67u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_BUS_OVERVOLTAGE_CHOICE (68u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_BUS_UNDERVOLTAGE_CHOICE (69u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_WINDING_OVERTEMPERATURE_CHOICE (70u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_SWITCH_OVERTEMPERATURE_CHOICE (71u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_CURRENT_SUM_CHOICE (72u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_ROTOR_LOST_CHOICE (73u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_TORQUE_IMPLAUSIBLE_CHOICE (74u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_PROGRAM_FLOW_CHOICE (75u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_DEMAND_TIMEOUT_CHOICE (76u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_HARDWARE_BREAK_CHOICE (77u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_CURRENT_SENSOR_CHOICE (78u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_ROTOR_IMPLAUSIBLE_CHOICE (79u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_WINDING_SENSOR_CHOICE (80u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_SWITCH_SENSOR_CHOICE (81u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_ACCELERATOR_SENSOR_CHOICE (82u)
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_BRAKE_PEDAL_SENSOR_CHOICE (83u)
-
 #define HUBFOC_WHEEL_DRIVE_DIRECTION_FORWARD_CHOICE (0u)
 #define HUBFOC_WHEEL_DRIVE_DIRECTION_REVERSE_CHOICE (1u)
 #define HUBFOC_WHEEL_DRIVE_DIRECTION_NEUTRAL_CHOICE (2u)
@@ -317,6 +217,56 @@ extern "C" {
 #define HUBFOC_WHEEL_DRIVE_TORQUE_REASON_SWITCH_SENSOR_CHOICE (81u)
 #define HUBFOC_WHEEL_DRIVE_TORQUE_REASON_ACCELERATOR_SENSOR_CHOICE (82u)
 #define HUBFOC_WHEEL_DRIVE_TORQUE_REASON_BRAKE_PEDAL_SENSOR_CHOICE (83u)
+
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_NONE_CHOICE (0u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_LOSS_OPTIMUM_CHOICE (1u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_MAX_TORQUE_CHOICE (2u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_MAX_POWER_CHOICE (3u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_PHASE_CURRENT_CHOICE (4u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_CHARGE_CURRENT_CHOICE (5u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_DISCHARGE_CURRENT_CHOICE (6u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_BUS_VOLTAGE_HIGH_CHOICE (7u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_BUS_VOLTAGE_LOW_CHOICE (8u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_WINDING_TEMPERATURE_CHOICE (9u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_SWITCH_TEMPERATURE_CHOICE (10u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_BLEND_OUT_CHOICE (11u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_TORQUE_RATE_CHOICE (12u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_VOLTAGE_CHOICE (13u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_ELECTRIC_SHARE_CHOICE (14u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_ELECTRIC_RATED_CHOICE (15u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_ABS_CHOICE (16u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_TORQUE_ENABLE_CHOICE (17u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_MAX_SPEED_CHOICE (18u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_ROTOR_UNCERTAIN_CHOICE (19u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_HYDRAULIC_LIMIT_CHOICE (20u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_BRAKE_PRIORITY_CHOICE (21u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_DRIVE_DIRECTION_CHOICE (22u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_HILL_HOLD_CHOICE (23u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_HYDRAULIC_FEEDBACK_CHOICE (26u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_OVERSPEED_CHOICE (27u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_BATTERY_DISCONNECTED_CHOICE (28u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_OFFSETS_STORED_CHOICE (29u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_ACCELERATOR_LOCKED_CHOICE (30u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_CONFIG_INVALID_CHOICE (64u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_SELFTEST_FAILED_CHOICE (65u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_OFFSET_IMPLAUSIBLE_CHOICE (66u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_OVERCURRENT_CHOICE (67u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_BUS_OVERVOLTAGE_CHOICE (68u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_BUS_UNDERVOLTAGE_CHOICE (69u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_WINDING_OVERTEMPERATURE_CHOICE (70u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_SWITCH_OVERTEMPERATURE_CHOICE (71u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_CURRENT_SUM_CHOICE (72u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_ROTOR_LOST_CHOICE (73u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_TORQUE_IMPLAUSIBLE_CHOICE (74u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_PROGRAM_FLOW_CHOICE (75u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_DEMAND_TIMEOUT_CHOICE (76u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_HARDWARE_BREAK_CHOICE (77u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_CURRENT_SENSOR_CHOICE (78u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_ROTOR_IMPLAUSIBLE_CHOICE (79u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_WINDING_SENSOR_CHOICE (80u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_SWITCH_SENSOR_CHOICE (81u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_ACCELERATOR_SENSOR_CHOICE (82u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_BRAKE_PEDAL_SENSOR_CHOICE (83u)
 
 #define HUBFOC_WHEEL_POWER_WARNING_REASON_NONE_CHOICE (0u)
 #define HUBFOC_WHEEL_POWER_WARNING_REASON_LOSS_OPTIMUM_CHOICE (1u)
@@ -554,6 +504,56 @@ extern "C" {
 #define HUBFOC_WHEEL_AVAILABLE_WAITS_FOR_ACKNOWLEDGEMENT_CHOICE (13u)
 #define HUBFOC_WHEEL_AVAILABLE_WAITS_FOR_RESTART_CHOICE (14u)
 
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_NONE_CHOICE (0u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_LOSS_OPTIMUM_CHOICE (1u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_MAX_TORQUE_CHOICE (2u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_MAX_POWER_CHOICE (3u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_PHASE_CURRENT_CHOICE (4u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_CHARGE_CURRENT_CHOICE (5u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_DISCHARGE_CURRENT_CHOICE (6u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_BUS_VOLTAGE_HIGH_CHOICE (7u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_BUS_VOLTAGE_LOW_CHOICE (8u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_WINDING_TEMPERATURE_CHOICE (9u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_SWITCH_TEMPERATURE_CHOICE (10u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_BLEND_OUT_CHOICE (11u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_TORQUE_RATE_CHOICE (12u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_VOLTAGE_CHOICE (13u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_ELECTRIC_SHARE_CHOICE (14u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_ELECTRIC_RATED_CHOICE (15u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_ABS_CHOICE (16u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_TORQUE_ENABLE_CHOICE (17u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_MAX_SPEED_CHOICE (18u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_ROTOR_UNCERTAIN_CHOICE (19u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_HYDRAULIC_LIMIT_CHOICE (20u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_BRAKE_PRIORITY_CHOICE (21u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_DRIVE_DIRECTION_CHOICE (22u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_HILL_HOLD_CHOICE (23u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_HYDRAULIC_FEEDBACK_CHOICE (26u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_OVERSPEED_CHOICE (27u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_BATTERY_DISCONNECTED_CHOICE (28u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_OFFSETS_STORED_CHOICE (29u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_ACCELERATOR_LOCKED_CHOICE (30u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_CONFIG_INVALID_CHOICE (64u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_SELFTEST_FAILED_CHOICE (65u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_OFFSET_IMPLAUSIBLE_CHOICE (66u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_OVERCURRENT_CHOICE (67u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_BUS_OVERVOLTAGE_CHOICE (68u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_BUS_UNDERVOLTAGE_CHOICE (69u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_WINDING_OVERTEMPERATURE_CHOICE (70u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_SWITCH_OVERTEMPERATURE_CHOICE (71u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_CURRENT_SUM_CHOICE (72u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_ROTOR_LOST_CHOICE (73u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_TORQUE_IMPLAUSIBLE_CHOICE (74u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_PROGRAM_FLOW_CHOICE (75u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_DEMAND_TIMEOUT_CHOICE (76u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_HARDWARE_BREAK_CHOICE (77u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_CURRENT_SENSOR_CHOICE (78u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_ROTOR_IMPLAUSIBLE_CHOICE (79u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_WINDING_SENSOR_CHOICE (80u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_SWITCH_SENSOR_CHOICE (81u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_ACCELERATOR_SENSOR_CHOICE (82u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_BRAKE_PEDAL_SENSOR_CHOICE (83u)
+
 /* Frame Names. */
 #define HUBFOC_DEMAND_NAME "Demand"
 #define HUBFOC_HYDRAULIC_FEEDBACK_NAME "HydraulicFeedback"
@@ -571,10 +571,11 @@ extern "C" {
 #define HUBFOC_DEMAND_CRC_NAME "crc"
 #define HUBFOC_DEMAND_COUNTER_NAME "counter"
 #define HUBFOC_DEMAND_ENABLE_NAME "enable"
-#define HUBFOC_DEMAND_ABS_ACTIVE_NAME "abs_active"
 #define HUBFOC_DEMAND_FAULT_RESET_NAME "fault_reset"
-#define HUBFOC_DEMAND_DRIVE_TORQUE_NM_NAME "drive_torque_nm"
+#define HUBFOC_DEMAND_ABS_ACTIVE_NAME "abs_active"
 #define HUBFOC_DEMAND_DIRECTION_NAME "direction"
+#define HUBFOC_DEMAND_ABS_MOTOR_SHARE_PERCENT_NAME "abs_motor_share_percent"
+#define HUBFOC_DEMAND_DRIVE_TORQUE_NM_NAME "drive_torque_nm"
 #define HUBFOC_DEMAND_BRAKE_TORQUE_NM_NAME "brake_torque_nm"
 #define HUBFOC_HYDRAULIC_FEEDBACK_CRC_NAME "crc"
 #define HUBFOC_HYDRAULIC_FEEDBACK_COUNTER_NAME "counter"
@@ -597,17 +598,17 @@ extern "C" {
 #define HUBFOC_WHEEL_STATE_SPEED_RAD_S_NAME "speed_rad_s"
 #define HUBFOC_WHEEL_BRAKE_CRC_NAME "crc"
 #define HUBFOC_WHEEL_BRAKE_COUNTER_NAME "counter"
+#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_VALID_NAME "hydraulic_valid"
 #define HUBFOC_WHEEL_BRAKE_HYDRAULIC_TORQUE_NM_NAME "hydraulic_torque_nm"
 #define HUBFOC_WHEEL_BRAKE_ELECTRIC_BRAKE_AVAILABLE_NM_NAME "electric_brake_available_nm"
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_NAME "hydraulic_reason"
-#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_VALID_NAME "hydraulic_valid"
-#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_NAME "available_reason"
+#define HUBFOC_WHEEL_BRAKE_DEMAND_COUNTER_NAME "demand_counter"
 #define HUBFOC_WHEEL_DRIVE_CRC_NAME "crc"
 #define HUBFOC_WHEEL_DRIVE_COUNTER_NAME "counter"
 #define HUBFOC_WHEEL_DRIVE_DIRECTION_NAME "direction"
-#define HUBFOC_WHEEL_DRIVE_TORQUE_REASON_NAME "torque_reason"
-#define HUBFOC_WHEEL_DRIVE_MOTOR_TORQUE_COMMAND_NM_NAME "motor_torque_command_nm"
 #define HUBFOC_WHEEL_DRIVE_CURRENT_Q_A_NAME "current_q_a"
+#define HUBFOC_WHEEL_DRIVE_MOTOR_TORQUE_COMMAND_NM_NAME "motor_torque_command_nm"
+#define HUBFOC_WHEEL_DRIVE_TORQUE_REASON_NAME "torque_reason"
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_NAME "hydraulic_reason"
 #define HUBFOC_WHEEL_POWER_CRC_NAME "crc"
 #define HUBFOC_WHEEL_POWER_COUNTER_NAME "counter"
 #define HUBFOC_WHEEL_POWER_BUS_VOLTAGE_V_NAME "bus_voltage_v"
@@ -634,6 +635,7 @@ extern "C" {
 #define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_NM_NAME "drive_available_nm"
 #define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_NAME "drive_available_reason"
 #define HUBFOC_WHEEL_AVAILABLE_WAITS_FOR_NAME "waits_for"
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_NAME "electric_brake_available_reason"
 
 /**
  * Signals in message Demand.
@@ -644,18 +646,18 @@ extern "C" {
  */
 struct hubfoc_demand_t {
     /**
-     * CRC-8, polynomial 0x2F, initial and final 0xFF, over bytes 1 to 7 and the data id.
+     * AUTOSAR profile 5: CRC-16, polynomial 0x1021, initial 0xFFFF, over bytes 2 to 7 and the identifier, low byte first.
      *
-     * Range: 0..255 (0..255 -)
+     * Range: 0..65535 (0..65535 -)
      * Scale: 1
      * Offset: 0
      */
-    uint8_t crc;
+    uint16_t crc;
 
     /**
-     * One more with every frame, 15 is followed by 0.
+     * One more with every frame, 255 is followed by 0.
      *
-     * Range: 0..15 (0..15 -)
+     * Range: 0..255 (0..255 -)
      * Scale: 1
      * Offset: 0
      */
@@ -671,15 +673,6 @@ struct hubfoc_demand_t {
     uint8_t enable;
 
     /**
-     * 1: anti-lock intervention; the electric braking torque goes to zero.
-     *
-     * Range: 0..1 (0..1 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint8_t abs_active;
-
-    /**
      * A change from 0 to 1 acknowledges a latched fault or warning; honoured only without torque demand and with the wheel known to be at rest.
      *
      * Range: 0..1 (0..1 -)
@@ -689,13 +682,13 @@ struct hubfoc_demand_t {
     uint8_t fault_reset;
 
     /**
-     * Driving torque at this wheel, positive forward; against the direction it is lift-off braking. Driving torque is zero while braking torque is demanded.
+     * 1: anti-lock intervention; the motor brakes with at most abs_motor_share_percent of brake_torque_nm, lift-off braking ends.
      *
-     * Range: -200000..200000 (-20000..20000 Nm)
-     * Scale: 0.1
+     * Range: 0..1 (0..1 -)
+     * Scale: 1
      * Offset: 0
      */
-    int32_t drive_torque_nm;
+    uint8_t abs_active;
 
     /**
      * Drive direction. Refused, as if NEUTRAL, while the wheel turns against it faster than driver.direction_change_mrad_s.
@@ -707,13 +700,31 @@ struct hubfoc_demand_t {
     uint8_t direction;
 
     /**
-     * Braking torque at this wheel, motor and hydraulic brake together; a magnitude.
+     * Largest share of brake_torque_nm that the motor makes while abs_active is 1; 0: none. Not looked at otherwise.
      *
-     * Range: 0..200000 (0..20000 Nm)
-     * Scale: 0.1
+     * Range: 0..100 (0..100 %)
+     * Scale: 1
      * Offset: 0
      */
-    uint32_t brake_torque_nm;
+    uint8_t abs_motor_share_percent;
+
+    /**
+     * Driving torque at this wheel, positive forward; against the direction it is lift-off braking. Driving torque is zero while braking torque is demanded.
+     *
+     * Range: -8191..8191 (-1638.2..1638.2 Nm)
+     * Scale: 0.2
+     * Offset: 0
+     */
+    int16_t drive_torque_nm;
+
+    /**
+     * Braking torque at this wheel, motor and hydraulic brake together; a magnitude.
+     *
+     * Range: 0..16383 (0..3276.6 Nm)
+     * Scale: 0.2
+     * Offset: 0
+     */
+    uint16_t brake_torque_nm;
 };
 
 /**
@@ -725,18 +736,18 @@ struct hubfoc_demand_t {
  */
 struct hubfoc_hydraulic_feedback_t {
     /**
-     * CRC-8, polynomial 0x2F, initial and final 0xFF, over bytes 1 to 7 and the data id.
+     * AUTOSAR profile 5: CRC-16, polynomial 0x1021, initial 0xFFFF, over bytes 2 to 7 and the identifier, low byte first.
      *
-     * Range: 0..255 (0..255 -)
+     * Range: 0..65535 (0..65535 -)
      * Scale: 1
      * Offset: 0
      */
-    uint8_t crc;
+    uint16_t crc;
 
     /**
-     * One more with every frame, 15 is followed by 0.
+     * One more with every frame, 255 is followed by 0.
      *
-     * Range: 0..15 (0..15 -)
+     * Range: 0..255 (0..255 -)
      * Scale: 1
      * Offset: 0
      */
@@ -770,18 +781,18 @@ struct hubfoc_hydraulic_feedback_t {
  */
 struct hubfoc_battery_limits_t {
     /**
-     * CRC-8, polynomial 0x2F, initial and final 0xFF, over bytes 1 to 7 and the data id.
+     * AUTOSAR profile 5: CRC-16, polynomial 0x1021, initial 0xFFFF, over bytes 2 to 7 and the identifier, low byte first.
      *
-     * Range: 0..255 (0..255 -)
+     * Range: 0..65535 (0..65535 -)
      * Scale: 1
      * Offset: 0
      */
-    uint8_t crc;
+    uint16_t crc;
 
     /**
-     * One more with every frame, 15 is followed by 0.
+     * One more with every frame, 255 is followed by 0.
      *
-     * Range: 0..15 (0..15 -)
+     * Range: 0..255 (0..255 -)
      * Scale: 1
      * Offset: 0
      */
@@ -824,18 +835,18 @@ struct hubfoc_battery_limits_t {
  */
 struct hubfoc_battery_peak_t {
     /**
-     * CRC-8, polynomial 0x2F, initial and final 0xFF, over bytes 1 to 7 and the data id.
+     * AUTOSAR profile 5: CRC-16, polynomial 0x1021, initial 0xFFFF, over bytes 2 to 7 and the identifier, low byte first.
      *
-     * Range: 0..255 (0..255 -)
+     * Range: 0..65535 (0..65535 -)
      * Scale: 1
      * Offset: 0
      */
-    uint8_t crc;
+    uint16_t crc;
 
     /**
-     * One more with every frame, 15 is followed by 0.
+     * One more with every frame, 255 is followed by 0.
      *
-     * Range: 0..15 (0..15 -)
+     * Range: 0..255 (0..255 -)
      * Scale: 1
      * Offset: 0
      */
@@ -932,49 +943,22 @@ struct hubfoc_wheel_state_t {
  */
 struct hubfoc_wheel_brake_t {
     /**
-     * CRC-8, polynomial 0x2F, initial and final 0xFF, over bytes 1 to 7 and the data id.
+     * AUTOSAR profile 5: CRC-16, polynomial 0x1021, initial 0xFFFF, over bytes 2 to 7 and the identifier, low byte first.
+     *
+     * Range: 0..65535 (0..65535 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint16_t crc;
+
+    /**
+     * One more with every frame, 255 is followed by 0.
      *
      * Range: 0..255 (0..255 -)
      * Scale: 1
      * Offset: 0
      */
-    uint8_t crc;
-
-    /**
-     * One more with every frame, 15 is followed by 0.
-     *
-     * Range: 0..15 (0..15 -)
-     * Scale: 1
-     * Offset: 0
-     */
     uint8_t counter;
-
-    /**
-     * Command to the hydraulic brake of this wheel; a magnitude.
-     *
-     * Range: 0..200000 (0..20000 Nm)
-     * Scale: 0.1
-     * Offset: 0
-     */
-    uint32_t hydraulic_torque_nm;
-
-    /**
-     * Available electric braking torque; a magnitude, rounded down.
-     *
-     * Range: 0..200000 (0..20000 Nm)
-     * Scale: 0.1
-     * Offset: 0
-     */
-    uint32_t electric_brake_available_nm;
-
-    /**
-     * HYDRAULIC_LIMIT: motor and hydraulic brake together cannot meet the demand. HILL_HOLD: the command holds the vehicle at standstill.
-     *
-     * Range: 0..127 (0..127 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint8_t hydraulic_reason;
 
     /**
      * 0: the demand is lost or none came yet; the brake system must use its own path instead of hydraulic_torque_nm.
@@ -986,13 +970,31 @@ struct hubfoc_wheel_brake_t {
     uint8_t hydraulic_valid;
 
     /**
-     * What limits electric_brake_available_nm.
+     * Command to the hydraulic brake of this wheel; a magnitude.
+     *
+     * Range: 0..32767 (0..3276.7 Nm)
+     * Scale: 0.1
+     * Offset: 0
+     */
+    uint16_t hydraulic_torque_nm;
+
+    /**
+     * Available electric braking torque; a magnitude, rounded down.
+     *
+     * Range: 0..32767 (0..3276.7 Nm)
+     * Scale: 0.1
+     * Offset: 0
+     */
+    uint16_t electric_brake_available_nm;
+
+    /**
+     * Counter of the newest Demand in use. The sender compares it with its own: a difference that stays is a delay. Not to be looked at while hydraulic_valid is 0.
      *
      * Range: 0..255 (0..255 -)
      * Scale: 1
      * Offset: 0
      */
-    uint8_t available_reason;
+    uint8_t demand_counter;
 };
 
 /**
@@ -1031,6 +1033,24 @@ struct hubfoc_wheel_drive_t {
     uint8_t direction;
 
     /**
+     * Torque-producing current, peak phase value, mean of a slow step.
+     *
+     * Range: -60000..60000 (-6000..6000 A)
+     * Scale: 0.1
+     * Offset: 0
+     */
+    int32_t current_q_a;
+
+    /**
+     * Torque of the current setpoint, positive forward.
+     *
+     * Range: -65535..65535 (-6553.5..6553.5 Nm)
+     * Scale: 0.1
+     * Offset: 0
+     */
+    int32_t motor_torque_command_nm;
+
+    /**
      * What limits the motor torque in the demanded direction.
      *
      * Range: 0..255 (0..255 -)
@@ -1040,22 +1060,13 @@ struct hubfoc_wheel_drive_t {
     uint8_t torque_reason;
 
     /**
-     * Torque of the current setpoint, positive forward.
+     * HYDRAULIC_LIMIT: motor and hydraulic brake together cannot meet the demand. HILL_HOLD: the command holds the vehicle at standstill.
      *
-     * Range: -200000..200000 (-20000..20000 Nm)
-     * Scale: 0.1
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
      * Offset: 0
      */
-    int32_t motor_torque_command_nm;
-
-    /**
-     * Torque-producing current, peak phase value, mean of a slow step.
-     *
-     * Range: -60000..60000 (-6000..6000 A)
-     * Scale: 0.1
-     * Offset: 0
-     */
-    int32_t current_q_a;
+    uint8_t hydraulic_reason;
 };
 
 /**
@@ -1326,6 +1337,15 @@ struct hubfoc_wheel_available_t {
      * Offset: 0
      */
     uint8_t waits_for;
+
+    /**
+     * What limits electric_brake_available_nm.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t electric_brake_available_reason;
 };
 
 /**
@@ -1372,7 +1392,7 @@ int hubfoc_demand_init(struct hubfoc_demand_t *msg_p);
  *
  * @return true if in range, false otherwise.
  */
-bool hubfoc_demand_crc_is_in_range(uint8_t value);
+bool hubfoc_demand_crc_is_in_range(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1399,15 +1419,6 @@ bool hubfoc_demand_enable_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool hubfoc_demand_abs_active_is_in_range(uint8_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
 bool hubfoc_demand_fault_reset_is_in_range(uint8_t value);
 
 /**
@@ -1417,7 +1428,7 @@ bool hubfoc_demand_fault_reset_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool hubfoc_demand_drive_torque_nm_is_in_range(int32_t value);
+bool hubfoc_demand_abs_active_is_in_range(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1435,7 +1446,25 @@ bool hubfoc_demand_direction_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool hubfoc_demand_brake_torque_nm_is_in_range(uint32_t value);
+bool hubfoc_demand_abs_motor_share_percent_is_in_range(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_demand_drive_torque_nm_is_in_range(int16_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_demand_brake_torque_nm_is_in_range(uint16_t value);
 
 /**
  * Pack message HydraulicFeedback.
@@ -1481,7 +1510,7 @@ int hubfoc_hydraulic_feedback_init(struct hubfoc_hydraulic_feedback_t *msg_p);
  *
  * @return true if in range, false otherwise.
  */
-bool hubfoc_hydraulic_feedback_crc_is_in_range(uint8_t value);
+bool hubfoc_hydraulic_feedback_crc_is_in_range(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1554,7 +1583,7 @@ int hubfoc_battery_limits_init(struct hubfoc_battery_limits_t *msg_p);
  *
  * @return true if in range, false otherwise.
  */
-bool hubfoc_battery_limits_crc_is_in_range(uint8_t value);
+bool hubfoc_battery_limits_crc_is_in_range(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1636,7 +1665,7 @@ int hubfoc_battery_peak_init(struct hubfoc_battery_peak_t *msg_p);
  *
  * @return true if in range, false otherwise.
  */
-bool hubfoc_battery_peak_crc_is_in_range(uint8_t value);
+bool hubfoc_battery_peak_crc_is_in_range(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1800,7 +1829,7 @@ int hubfoc_wheel_brake_init(struct hubfoc_wheel_brake_t *msg_p);
  *
  * @return true if in range, false otherwise.
  */
-bool hubfoc_wheel_brake_crc_is_in_range(uint8_t value);
+bool hubfoc_wheel_brake_crc_is_in_range(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1818,33 +1847,6 @@ bool hubfoc_wheel_brake_counter_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool hubfoc_wheel_brake_hydraulic_torque_nm_is_in_range(uint32_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool hubfoc_wheel_brake_electric_brake_available_nm_is_in_range(uint32_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool hubfoc_wheel_brake_hydraulic_reason_is_in_range(uint8_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
 bool hubfoc_wheel_brake_hydraulic_valid_is_in_range(uint8_t value);
 
 /**
@@ -1854,7 +1856,25 @@ bool hubfoc_wheel_brake_hydraulic_valid_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool hubfoc_wheel_brake_available_reason_is_in_range(uint8_t value);
+bool hubfoc_wheel_brake_hydraulic_torque_nm_is_in_range(uint16_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_wheel_brake_electric_brake_available_nm_is_in_range(uint16_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_wheel_brake_demand_counter_is_in_range(uint8_t value);
 
 /**
  * Pack message WheelDrive.
@@ -1927,7 +1947,7 @@ bool hubfoc_wheel_drive_direction_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool hubfoc_wheel_drive_torque_reason_is_in_range(uint8_t value);
+bool hubfoc_wheel_drive_current_q_a_is_in_range(int32_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1945,7 +1965,16 @@ bool hubfoc_wheel_drive_motor_torque_command_nm_is_in_range(int32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool hubfoc_wheel_drive_current_q_a_is_in_range(int32_t value);
+bool hubfoc_wheel_drive_torque_reason_is_in_range(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_wheel_drive_hydraulic_reason_is_in_range(uint8_t value);
 
 /**
  * Pack message WheelPower.
@@ -2328,6 +2357,15 @@ bool hubfoc_wheel_available_drive_available_reason_is_in_range(uint8_t value);
  * @return true if in range, false otherwise.
  */
 bool hubfoc_wheel_available_waits_for_is_in_range(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_wheel_available_electric_brake_available_reason_is_in_range(uint8_t value);
 
 
 #ifdef __cplusplus

@@ -1,16 +1,24 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * e2e.h: end-to-end protection of eight-byte frames, in the manner of AUTOSAR E2E profile 2.
+ * e2e.h: end-to-end protection of eight-byte frames, as AUTOSAR's profiles 5 and 2.
  *
- *     byte 0           CRC-8, polynomial 0x2F (x^8+x^5+x^3+x^2+x+1), initial and final 0xFF,
- *                      of bytes 1 .. 7 and one data id
- *     byte 1, bit 0-3  counter, one more with every frame, 15 is followed by 0
+ * Profile 5, of every message to the wheel and of its command to the hydraulic brake:
  *
- * The data id is never sent. It is entry [counter] of a list of sixteen, exclusive-or the low byte
- * of the identifier, so that a frame under another message's or another wheel's identifier is
- * refused. The list was chosen so that, a wrong counter and therefore a wrong data id included,
- * every one, two or three wrong bits of the 64 and every burst of up to eight wrong bits are
- * detected. Profile 2 alone does not guarantee this; the tests check every such error.
+ *     byte 0, 1        CRC-16, polynomial 0x1021, initial 0xFFFF, of bytes 2 .. 7 and the data id,
+ *                      which is the identifier; low byte first
+ *
+ *     byte 2           counter, one more with every frame, 255 is followed by 0
+ *
+ * Profile 2, of what the wheel only reports:
+ *
+ *     byte 0           CRC-8, polynomial 0x2F, initial and final 0xFF, of bytes 1 .. 7 and one
+ *                      data id
+ *
+ *     byte 1, bit 0-3  counter, 15 is followed by 0
+ *
+ * The data id is never sent, so a frame under another message's or another wheel's identifier is
+ * refused. Numbers of both: generated/protection.h. What they detect: README, End-to-end
+ * protection.
  *
  * The receiver, one for each received message:
  *
@@ -22,7 +30,7 @@
  * Only frames received in VALID may be used. A repeated counter does not restart the timeout, so a
  * sender whose counter is stuck times out like one that sends no frames. Time comes from the
  * caller, wraps, and only differences count. The specification is AUTOSAR FO "E2E Protocol
- * Specification" (PRS_E2EProtocol), profile 2; the numbers of frames are ours.
+ * Specification" (PRS_E2EProtocol); the numbers of frames are ours.
  */
 #ifndef COMMS_E2E_H
 #define COMMS_E2E_H
@@ -32,10 +40,11 @@
 
 enum {
     E2E_FRAME_BYTES = 8,
-    E2E_COUNTER_MASK = 0x0F,
     E2E_STEP_MAX = 3,         /* of the counter: two frames in a row may be lost */
     E2E_QUALIFYING_FRAMES = 3 /* in order, the last of them is the first to be used */
 };
+
+typedef enum { E2E_PROFILE_2, E2E_PROFILE_5 } e2e_profile_t;
 
 /* On CAN and in the shell; the numbers are part of the protocol. */
 typedef enum { E2E_NO_DATA = 0, E2E_QUALIFYING = 1, E2E_VALID = 2, E2E_TIMED_OUT = 3 } e2e_link_t;
@@ -62,6 +71,7 @@ typedef struct {
 } e2e_counts_t;
 
 typedef struct {
+    e2e_profile_t profile;
     e2e_link_t link;
     uint32_t timeout_ms;
     /* Time of the last frame that was used, or of the first one after a timeout. */
@@ -72,14 +82,18 @@ typedef struct {
 } e2e_receiver_t;
 
 /* Writes counter and CRC into a frame whose other content is complete. */
-void e2e_protect(uint8_t data[E2E_FRAME_BYTES], uint16_t identifier, uint8_t counter);
+void e2e_protect(e2e_profile_t profile, uint8_t data[E2E_FRAME_BYTES], uint16_t identifier,
+                 uint8_t counter);
 
 /* True if the CRC matches this content and identifier. */
-bool e2e_intact(const uint8_t data[E2E_FRAME_BYTES], uint16_t identifier);
+bool e2e_intact(e2e_profile_t profile, const uint8_t data[E2E_FRAME_BYTES], uint16_t identifier);
+
+/* The counter in a frame. */
+uint8_t e2e_counter(e2e_profile_t profile, const uint8_t data[E2E_FRAME_BYTES]);
 
 /* timeout_ms: at most ten cycle times, because after sixteen the counter has wrapped and shows no
  * gap. */
-void e2e_receiver_init(e2e_receiver_t *receiver, uint32_t timeout_ms);
+void e2e_receiver_init(e2e_receiver_t *receiver, e2e_profile_t profile, uint32_t timeout_ms);
 
 /* Background context, for each received frame. plausible: the caller's check of length and
  * content; true where there is none. */

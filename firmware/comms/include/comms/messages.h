@@ -5,9 +5,10 @@
  *
  * One wheel's messages differ from another's in two bits of the identifier (and in the data id,
  * e2e.h), so one DBC is for all of them. The structures are the controller's own
- * (core/slow_messages.h), in SI milli-units; a frame holds whole steps of 0.1 N m, 0.1 A, 0.1 V,
- * 0.1 degrees and 0.01 rad/s. What is sent is rounded to the nearest step and kept within the DBC's
- * range, except that available torques are rounded down, so that they are never overstated.
+ * (core/slow_messages.h), in SI milli-units; a frame holds whole steps of 0.1 N m (demands 0.2 N
+ * m), 0.1 A, 0.1 V, 0.1 degrees and 0.01 rad/s. What is sent is rounded to the nearest step and
+ * kept within the DBC's range, except that available torques are rounded down, so that they are
+ * never overstated.
  *
  * Signs: torque, speed and current are positive when they drive forward; braking torques are
  * magnitudes >= 0; the bus current is positive out of the battery. Pure; any context.
@@ -58,7 +59,8 @@ typedef struct {
     uint8_t data[E2E_FRAME_BYTES];
 } messages_frame_t;
 
-/* State of the receivers, for WheelHealth: what comms adds to the controller's values. */
+/* State of the receivers, for WheelHealth and WheelBrake: what comms adds to the controller's
+ * values. */
 typedef struct {
     e2e_link_t demand;
     e2e_link_t battery;
@@ -66,6 +68,7 @@ typedef struct {
     e2e_link_t peak;
     uint32_t demand_errors;
     uint32_t battery_errors;
+    uint8_t demand_counter; /* of the newest demand in use, for WheelBrake */
 } messages_links_t;
 
 /* Everything that one wheel sends. Out-of-range values are sent as the end of the range. */
@@ -83,9 +86,13 @@ uint16_t messages_identifier(messages_kind_t kind, messages_wheel_t wheel);
 /* The DBC's GenMsgCycleTime. */
 uint32_t messages_cycle_ms(messages_kind_t kind);
 
+/* How a message is protected: profile 5 what commands a torque or limits one. */
+e2e_profile_t messages_profile(messages_kind_t kind);
+
 /* Decodes a frame; its protection is checked by e2e_receive(). False, and the structure
- * untouched, if the length is wrong or a value is outside the DBC's range: torques up to
- * 20 000 N m, currents up to 32 000 A. */
+ * untouched, if the length is wrong or a value is outside the DBC's range: driving torque
+ * 1638.2 N m, braking torque 3276.6 N m in steps of 0.2 N m, measured torque 20 000 N m, currents
+ * 32 000 A. */
 bool messages_read_demand(const messages_frame_t *frame, wheel_demand_t *demand);
 bool messages_read_battery(const messages_frame_t *frame, battery_limits_t *limits);
 

@@ -50,7 +50,8 @@ typedef struct {
     e2e_receiver_t battery;
     e2e_receiver_t hydraulic;
     e2e_receiver_t peak;
-    uint32_t foreign; /* received frames with other identifiers */
+    uint8_t demand_counter; /* of the newest demand in use */
+    uint32_t foreign;       /* received frames with other identifiers */
     uint32_t due_ms[MESSAGES_SENT];
     uint8_t counter[MESSAGES_SENT];
     messages_kind_t offered; /* by the last node_next() */

@@ -26,9 +26,11 @@ typedef struct {
     int32_t brake_torque_mNm; /* magnitude >= 0, motor and hydraulic brake together */
     drive_direction_t direction;
     bool enable;      /* the driver has switched the vehicle on */
-    bool abs_active;  /* the anti-lock system intervenes: electric braking must stop */
+    bool abs_active;  /* the anti-lock system intervenes: electric braking only as it permits */
     bool fault_reset; /* rising edge acknowledges a latched fault; honoured only without
                          torque demand */
+    uint8_t abs_motor_share_percent; /* largest share of brake_torque_mNm that the motor makes while
+                                        abs_active, 0 .. 100; more counts as 100 */
     /* Why a torque is not what the pedal says, REASON_NONE: it is. From REASON_FIRST_FAULT on it is
      * a warning. */
     reason_t reason;

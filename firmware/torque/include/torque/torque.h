@@ -32,7 +32,8 @@ typedef struct {
     reason_t demand_reason; /* why a demand is not what the pedal says; REASON_NONE: it is */
     drive_direction_t direction;
     bool abs_active;
-    bool standstill; /* by the monitor's speed upper bound */
+    uint8_t abs_share_percent; /* of the demand, for the motor meanwhile */
+    bool standstill;           /* by the monitor's speed upper bound */
     /* Measured by the fast loop */
     int32_t speed_mrad_s; /* mechanical, signed */
     motor_current_t current;

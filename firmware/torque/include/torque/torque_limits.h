@@ -54,12 +54,14 @@ typedef struct {
     int32_t switch_temperature_cC;
     bool rotor_valid;
     bool abs_active;
+    uint8_t abs_share_percent; /* of the demand, for the motor meanwhile */
     torque_enable_t torque_enable;
 } torque_limits_input_t;
 
 typedef struct {
     foldback_state_t charge, discharge;
-    int32_t abs_hold_steps; /* remaining slow steps without electric braking */
+    int32_t abs_hold_steps; /* remaining slow steps with the bound of the intervention */
+    int32_t abs_share_percent;
 } torque_limits_state_t;
 
 typedef struct {
@@ -88,10 +90,11 @@ limit_t torque_limits_winding(const config_t *config, int32_t temperature_cC);
 limit_t torque_limits_switch(const config_t *config, int32_t temperature_cC);
 limit_t torque_limits_max_speed(const config_t *config, int32_t speed_mrad_s);
 
-/* The line ABS: zero while the anti-lock system intervenes and for brake.abs_hold_ms afterwards.
- * Slow loop, once per step. */
+/* The line ABS: while the anti-lock system intervenes and for brake.abs_hold_ms afterwards, the
+ * share of in->brake_demand_mNm that it leaves to the motor, in the end its last one. Slow loop,
+ * once per step. */
 limit_t torque_limits_anti_lock(torque_limits_state_t *state, const config_t *config,
-                                bool abs_active);
+                                const torque_limits_input_t *in);
 
 /* The tightest of the lines from `begin` to the one before `end`; on a tie the first. */
 limit_t torque_limits_tightest(const limit_t *lines, torque_line_t begin, torque_line_t end);

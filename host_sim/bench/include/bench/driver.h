@@ -47,7 +47,8 @@
     X(own_brake_path,       0.0,  1.0,   "", \
       "1: the brakes follow the brake pedal where the controllers' command is not valid") \
     X(enable,               0.0,  1.0,   "",      "1: the vehicle is switched on") \
-    X(abs_active,           0.0,  1.0,   "",      "1: anti-lock intervention")
+    X(abs_active,           0.0,  1.0,   "",      "1: anti-lock intervention") \
+    X(abs_motor_share,      0.0,  1.0,   "",      "of the braking torque, that it leaves the motor")
 /* clang-format on */
 
 typedef struct {

@@ -132,6 +132,7 @@ typedef struct {
     double time_s;
     drive_direction_t direction;
     bool enable, abs_active;
+    double abs_motor_share; /* 0 .. 1, that the anti-lock system leaves the motor */
     reason_t demand_reason; /* of the pedals */
     double pedal_nm;        /* what the brake system makes of the pedal without a valid command */
 } wheel_order_t;

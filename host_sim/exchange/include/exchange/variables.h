@@ -98,7 +98,10 @@
     X(direction, direction, demand.direction, CODE, PLAIN, 0, 2, 0, "", \
       "drive direction selected: 0 forward, 1 reverse, 2 neutral") \
     X(abs_active, abs_active, demand.abs_active, FLAG, PLAIN, 0, 1, 0, "", \
-      "the anti-lock system intervenes: electric braking stops") \
+      "the anti-lock system intervenes: electric braking only as it permits") \
+    X(abs_motor_share_percent, abs_motor_share_percent, demand.abs_motor_share_percent, \
+      CODE, PLAIN, 0, 100, 0, "", \
+      "largest share of the braking demand that the motor makes meanwhile, per cent") \
     X(fault_reset, fault_reset, demand.fault_reset, FLAG, PLAIN, 0, 1, 0, "", \
       "its rising edge acknowledges a latched fault") \
     X(selftest_passed, selftest_passed, selftest_passed, FLAG, PLAIN, 0, 1, 1, "", \

@@ -279,7 +279,7 @@ void test_wired_pedals_give_the_demand_of_this_wheel_and_of_the_others(void)
     TEST_ASSERT_EQUAL_INT(MODE_RUN, mode_on_can());
     TEST_ASSERT_INT_WITHIN(1, 40, board.demand_count); /* every 10 ms, to wheel 1 */
     e2e_receiver_t receiver;
-    e2e_receiver_init(&receiver, 50);
+    e2e_receiver_init(&receiver, E2E_PROFILE_5, 50);
     for (int k = 0; k < 8; k++) {
         const can_frame_t *sent = &board.demands[(board.demand_count + k) % 8];
         messages_frame_t frame = {.identifier = sent->identifier, .length = sent->length};

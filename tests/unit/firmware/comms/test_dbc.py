@@ -9,7 +9,7 @@ from cantools.database.can import Database, Message, Signal
 from protocol import DBC, WHEELS, enumerators, listed_in, reasons
 
 # Suffix of a name and its unit.
-UNITS = {"_nm": "Nm", "_rad_s": "rad/s", "_v": "V", "_a": "A", "_c": "degC"}
+UNITS = {"_nm": "Nm", "_rad_s": "rad/s", "_v": "V", "_a": "A", "_c": "degC", "_percent": "%"}
 
 # Sections that every tool reads (no VAL_TABLE_, SIG_GROUP_, EV_ and so on).
 SECTIONS = {"VERSION", "NS_", "BS_", "BU_", "BO_", "CM_", "BA_DEF_", "BA_DEF_DEF_", "BA_", "VAL_"}
@@ -57,7 +57,7 @@ def test_every_signal_required_by_a_brake_system_exists(database: Database) -> N
         *(
             "mode",
             "torque_reason",
-            "available_reason",
+            "electric_brake_available_reason",
             "hydraulic_reason",
             "fault_reason",
             "stop_lamp",
@@ -130,24 +130,38 @@ def test_signals_do_not_overlap_and_lie_inside_the_frame(database: Database) -> 
         assert max(max(bits_of(signal)) for signal in message.signals) < 8 * message.length
 
 
-def test_checksum_and_counter_are_at_the_positions_of_profile_2(database: Database) -> None:
+# AUTOSAR's profile 5: what commands a torque, or limits one. The rest only reports.
+PROFILE_5 = {"Demand", "HydraulicFeedback", "BatteryLimits", "BatteryPeak", "WheelBrake"}
+
+
+def test_checksum_and_counter_are_at_the_positions_of_their_profile(database: Database) -> None:
     for message in database.messages:
         crc, counter = message.get_signal_by_name("crc"), message.get_signal_by_name("counter")
-        assert (crc.start, crc.length) == (0, 8), message.name
-        assert (counter.start, counter.length) == (8, 4), message.name
+        where = (crc.start, crc.length, counter.start, counter.length)
+        assert where == ((0, 16, 16, 8) if message.name in PROFILE_5 else (0, 8, 8, 4)), (
+            message.name
+        )
 
 
-def test_ranges_of_limits_and_demands_cover_the_largest_accepted_drive(
-    database: Database,
-) -> None:
-    """20 kN m and 5000 rad/s are the ends of config.h's ranges.
+def test_the_demand_fills_its_forty_bits(database: Database) -> None:
+    signals = database.get_message_by_name("Demand").signals
+    assert sum(s.length for s in signals if s.name not in ("crc", "counter")) == 40
+    assert max(bit for s in signals for bit in bits_of(s)) == 63
+
+
+def test_ranges_of_limits_and_demands_are_those_of_the_readme(database: Database) -> None:
+    """1638 and 3276 N m a wheel are for cars; 5000 rad/s is the end of config.h's range.
 
     16 wheels of 2000 A share a pack.
     """
     demand = database.get_message_by_name("Demand")
-    for name, needed in (("drive_torque_nm", 20_000), ("brake_torque_nm", 20_000)):
+    for name, needed in (("drive_torque_nm", 1638), ("brake_torque_nm", 3276)):
         assert (demand.get_signal_by_name(name).maximum or 0) >= needed
-        assert demand.get_signal_by_name(name).conversion.scale == 0.1
+        assert demand.get_signal_by_name(name).conversion.scale == 0.2
+    brake = database.get_message_by_name("WheelBrake")
+    for name in ("hydraulic_torque_nm", "electric_brake_available_nm"):
+        assert (brake.get_signal_by_name(name).maximum or 0) >= 3276.6
+        assert brake.get_signal_by_name(name).conversion.scale == 0.1
     state = database.get_message_by_name("WheelState")
     assert (state.get_signal_by_name("speed_rad_s").maximum or 0) >= 5000
     limits = database.get_message_by_name("BatteryLimits")
@@ -164,8 +178,8 @@ def choices(message: str, signal: str, database: Database) -> dict[int, str]:
     ("message", "signal"),
     [
         ("WheelState", "fault_reason"),
-        ("WheelBrake", "hydraulic_reason"),
-        ("WheelBrake", "available_reason"),
+        ("WheelDrive", "hydraulic_reason"),
+        ("WheelAvailable", "electric_brake_available_reason"),
         ("WheelDrive", "torque_reason"),
         ("WheelAhead", "ahead_reason"),
         ("WheelAhead", "drive_ahead_reason"),

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* End-to-end protection: errors that the CRC detects, and the receiver's states. test_frames.py
- * compares the CRC with another implementation of AUTOSAR's profile 2. */
+/* End-to-end protection: errors that the CRC of profile 2 detects, and the receiver's states. Those
+ * of profile 5: test_e2e_profile_5.c. test_frames.py compares both with another implementation. */
 #include <string.h>
 
 #include "comms/e2e.h"
@@ -13,7 +13,7 @@ static e2e_receiver_t receiver;
 void setUp(void)
 {
     memset(&receiver, 0xA5, sizeof receiver); /* uninitialised fields are visible */
-    e2e_receiver_init(&receiver, TIMEOUT_ms);
+    e2e_receiver_init(&receiver, E2E_PROFILE_2, TIMEOUT_ms);
 }
 
 void tearDown(void) {}
@@ -28,14 +28,14 @@ static void flip(uint8_t *data, uint32_t bit)
 
 static void assert_found(const uint8_t *data)
 {
-    TEST_ASSERT_FALSE(e2e_intact(data, IDENTIFIER));
+    TEST_ASSERT_FALSE(e2e_intact(E2E_PROFILE_2, data, IDENTIFIER));
 }
 
 static void begin(uint8_t *data, uint8_t counter)
 {
     static const uint8_t CONTENT[E2E_FRAME_BYTES] = {0, 0x50, 0x39, 0x30, 0xFF, 0x00, 0xA5, 0x01};
     memcpy(data, CONTENT, sizeof CONTENT);
-    e2e_protect(data, IDENTIFIER, counter);
+    e2e_protect(E2E_PROFILE_2, data, IDENTIFIER, counter);
 }
 
 void test_protected_frame_passes_the_check_with_its_content(void)
@@ -43,7 +43,7 @@ void test_protected_frame_passes_the_check_with_its_content(void)
     for (uint8_t counter = 0; counter < 16; counter++) {
         uint8_t data[E2E_FRAME_BYTES];
         begin(data, counter);
-        TEST_ASSERT_TRUE(e2e_intact(data, IDENTIFIER));
+        TEST_ASSERT_TRUE(e2e_intact(E2E_PROFILE_2, data, IDENTIFIER));
         TEST_ASSERT_EQUAL_HEX8(0x50 | counter, data[1]);
         TEST_ASSERT_EQUAL_HEX8(0x39, data[2]);
         TEST_ASSERT_EQUAL_HEX8(0x01, data[7]);
@@ -77,7 +77,7 @@ void test_crc_detects_every_one_two_or_three_bit_errors(void)
         }
         flip(data, a);
     }
-    TEST_ASSERT_TRUE(e2e_intact(data, IDENTIFIER));
+    TEST_ASSERT_TRUE(e2e_intact(E2E_PROFILE_2, data, IDENTIFIER));
 }
 
 void test_crc_detects_every_odd_number_of_bit_errors(void)
@@ -123,7 +123,8 @@ void test_frame_with_another_low_byte_of_the_identifier_is_refused(void)
         uint8_t data[E2E_FRAME_BYTES];
         begin(data, counter);
         for (uint16_t other = 0; other < 0x800; other++) {
-            TEST_ASSERT_EQUAL((other & 0xFF) == (IDENTIFIER & 0xFF), e2e_intact(data, other));
+            TEST_ASSERT_EQUAL((other & 0xFF) == (IDENTIFIER & 0xFF),
+                              e2e_intact(E2E_PROFILE_2, data, other));
         }
     }
 }

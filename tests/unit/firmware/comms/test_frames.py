@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Frames packed by the firmware and decoded by cantools with the DBC, and vice versa.
 
-cantools computes CRC-8 AUTOSAR and profile 2 by itself, so checksum and layout have two independent
+cantools computes AUTOSAR's profiles 2 and 5 by itself, so checksum and layout have two independent
 implementations.
 """
 
@@ -9,7 +9,12 @@ import random
 from collections.abc import Iterator
 
 import pytest
-from cantools.autosar.end_to_end import apply_profile2_crc, check_profile2_crc, compute_profile2_crc
+from cantools.autosar.end_to_end import (
+    apply_profile2_crc,
+    apply_profile5_crc,
+    compute_profile2_crc,
+    compute_profile5_crc,
+)
 from cantools.database.can import Database, Message, Signal
 from protocol import DBC, MODULE, WHEELS, Comms, CValue
 
@@ -58,8 +63,8 @@ ROUNDED_DOWN = {
 }
 NUMBERS = {
     "torque_reason": ("WheelDrive", "torque_reason"),
-    "available_reason": ("WheelBrake", "available_reason"),
-    "hydraulic_reason": ("WheelBrake", "hydraulic_reason"),
+    "available_reason": ("WheelAvailable", "electric_brake_available_reason"),
+    "hydraulic_reason": ("WheelDrive", "hydraulic_reason"),
     "ahead_reason": ("WheelAhead", "ahead_reason"),
     "drive_ahead_reason": ("WheelAhead", "drive_ahead_reason"),
     "drive_available_reason": ("WheelAvailable", "drive_available_reason"),
@@ -76,6 +81,7 @@ NUMBERS = {
     "links.peak": ("WheelHealth", "peak_link"),
     "links.demand_errors": ("WheelHealth", "demand_errors"),
     "links.battery_errors": ("WheelHealth", "battery_errors"),
+    "links.demand_counter": ("WheelBrake", "demand_counter"),
 }
 
 
@@ -85,6 +91,19 @@ def data_id(identifier: int, counter: int) -> int:
     for bit, value in BASIS.items():
         entry ^= value if counter & bit else 0
     return entry ^ (identifier & 0xFF)
+
+
+PROFILE_5 = {"Demand", "HydraulicFeedback", "BatteryLimits", "BatteryPeak", "WheelBrake"}
+
+
+def expected_bytes(name: str, data: bytes, identifier: int) -> bytes:
+    """Return the frame as the independent implementation protects this content."""
+    if name in PROFILE_5:
+        protected = apply_profile5_crc(data, identifier)
+    else:
+        protected = apply_profile2_crc(data, data_id(identifier, data[1] & 0x0F))
+    assert protected is not None
+    return bytes(protected)
 
 
 def content(frame: CValue) -> bytes:
@@ -155,39 +174,40 @@ def frames(comms: Comms) -> Iterator[tuple[str, int, int, CValue]]:
 # ---- end-to-end protection ----
 
 
-def test_every_message_of_every_wheel_passes_an_independent_profile_2_check(comms: Comms) -> None:
+def test_every_message_of_every_wheel_is_as_an_independent_implementation_protects_it(
+    comms: Comms,
+) -> None:
     count = 0
     for name, _, counter, frame in frames(comms):
         data = content(frame)
-        assert data[1] & 0x0F == counter, name
-        assert check_profile2_crc(data, data_id(frame.identifier, counter)), (name, counter)
+        assert (data[2] if name in PROFILE_5 else data[1] & 0x0F) == counter, name
+        assert data == expected_bytes(name, data, frame.identifier), (name, counter)
+        profile = comms.lib.messages_profile(comms.number(KINDS[name]))
+        assert profile == comms.number(f"E2E_PROFILE_{5 if name in PROFILE_5 else 2}"), name
         count += 1
     assert count == 16 * (2 + 4 * 9)
 
 
-def test_checksums_of_random_content_equal_an_independent_implementation(comms: Comms) -> None:
-    dice = random.Random(1)
-    for _ in range(2000):
-        identifier, counter = dice.randrange(0x800), dice.randrange(16)
-        data = comms.ffi.new("uint8_t[8]", dice.randbytes(8))
-        comms.lib.e2e_protect(data, identifier, counter)
-        made = bytes(data)
-        assert made[0] == compute_profile2_crc(made, data_id(identifier, counter))
-
-
-def test_frames_protected_by_the_independent_implementation_are_accepted_and_no_others(
-    comms: Comms,
+@pytest.mark.parametrize("profile", [2, 5])
+def test_checksums_of_random_content_equal_an_independent_implementation(
+    profile: int, comms: Comms
 ) -> None:
-    dice = random.Random(2)
-    for _ in range(500):
-        identifier, counter = dice.randrange(0x800), dice.randrange(16)
-        payload = bytearray(dice.randbytes(8))
-        payload[1] = (payload[1] & 0xF0) | counter
-        protected = apply_profile2_crc(bytes(payload), data_id(identifier, counter))
-        assert protected is not None
-        assert comms.lib.e2e_intact(comms.ffi.new("uint8_t[8]", bytes(protected)), identifier)
-        wrong = bytes([protected[0] ^ dice.randrange(1, 256), *protected[1:]])
-        assert not comms.lib.e2e_intact(comms.ffi.new("uint8_t[8]", wrong), identifier)
+    dice = random.Random(profile)
+    kind = comms.number(f"E2E_PROFILE_{profile}")
+    for _ in range(2000):
+        identifier, counter = dice.randrange(0x800), dice.randrange(16 if profile == 2 else 256)
+        data = comms.ffi.new("uint8_t[8]", dice.randbytes(8))
+        comms.lib.e2e_protect(kind, data, identifier, counter)
+        made = bytes(data)
+        if profile == 5:
+            assert made[2] == counter
+            assert int.from_bytes(made[:2], "little") == compute_profile5_crc(made, identifier)
+        else:
+            assert made[1] & 0x0F == counter
+            assert made[0] == compute_profile2_crc(made, data_id(identifier, counter))
+        assert comms.lib.e2e_intact(kind, data, identifier)
+        data[0] ^= dice.randrange(1, 256)
+        assert not comms.lib.e2e_intact(kind, data, identifier)
 
 
 def test_the_sixteen_data_ids_of_a_message_differ(comms: Comms) -> None:
@@ -348,18 +368,19 @@ def received(comms: Comms, database: Database, message: str, values: dict[str, f
 def test_a_demand_made_by_another_tool_is_read_exactly(comms: Comms, database: Database) -> None:
     dice = random.Random(3)
     for _ in range(1000):
-        drive, brake = dice.randint(-200_000, 200_000), dice.randint(0, 200_000)
+        drive, brake = dice.randint(-8191, 8191), dice.randint(0, 16383)
         flags = {name: dice.randint(0, 1) for name in ("enable", "abs_active", "fault_reset")}
         flags["direction"] = dice.randint(0, 2)
+        flags["abs_motor_share_percent"] = dice.randint(0, 100)
         frame = received(
             comms,
             database,
             "Demand",
-            {"drive_torque_nm": drive / 10, "brake_torque_nm": brake / 10, **flags},
+            {"drive_torque_nm": drive / 5, "brake_torque_nm": brake / 5, **flags},
         )
         demand = comms.struct("wheel_demand_t")
         assert comms.lib.messages_read_demand(frame, demand)
-        assert (demand.drive_torque_mNm, demand.brake_torque_mNm) == (100 * drive, 100 * brake)
+        assert (demand.drive_torque_mNm, demand.brake_torque_mNm) == (200 * drive, 200 * brake)
         assert {name: int(getattr(demand, name)) for name in flags} == flags
 
 
@@ -393,8 +414,8 @@ def test_battery_limits_made_by_another_tool_are_read_exactly(
     ("message", "signal"),
     [
         ("Demand", "drive_torque_nm"),
-        ("Demand", "brake_torque_nm"),
         ("Demand", "direction"),
+        ("Demand", "abs_motor_share_percent"),
         ("BatteryLimits", "charge_current_a"),
         ("BatteryLimits", "discharge_current_a"),
     ],
@@ -423,5 +444,7 @@ def test_the_accepted_range_equals_that_of_the_dbc(
     ):
         if value < 0 and not described.is_signed:
             continue  # cannot be sent at all
+        if round(value / step) >= 2 ** (described.length - described.is_signed):
+            continue  # the field ends with the range
         frame = received(comms, database, message, {**others, signal: value})
         assert bool(read(frame, comms.struct(kind))) == accepted, value

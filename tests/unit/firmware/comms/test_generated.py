@@ -13,9 +13,9 @@ from pathlib import Path
 
 import pytest
 from cantools.database.can import Database
-from protocol import DBC, MODULE
+from protocol import DBC, MODULE, ROOT
 
-GENERATOR = MODULE / "generate.py"
+PYTHON = Path("host_sim/python/hubsim/can_protocol.py")
 WARNINGS = [
     *(
         "-Wall",
@@ -48,20 +48,27 @@ def test_code_and_tables_equal_those_generated_from_the_dbc() -> None:
 @pytest.fixture
 def copy(tmp_path: Path) -> Path:
     """Return a copy of the module that a test may change."""
-    module = tmp_path / "comms"
-    (module / "generated").mkdir(parents=True)
+    module = tmp_path / "firmware/comms"
+    for folder in (module / "generated", module / "include/comms", tmp_path / PYTHON.parent):
+        folder.mkdir(parents=True)
+    shutil.copy(ROOT / PYTHON, tmp_path / PYTHON)
     for name in (
         "generate.py",
+        "protection.py",
+        "can_protocol.py.in",
+        "include/comms/e2e.h",
+        "include/comms/node.h",
+        "generated/protection.h",
         "hubfoc.dbc",
         "README.md",
         "generated/hubfoc.h",
         "generated/hubfoc.c",
     ):
         shutil.copy(MODULE / name, module / name)
-    core = Path("core", "include", "core")
+    core = Path("firmware", "core", "include", "core")
     (tmp_path / core).mkdir(parents=True)
     for name in ("reason.h", "waits_for.h"):
-        shutil.copy(MODULE.parent / core / name, tmp_path / core / name)
+        shutil.copy(ROOT / core / name, tmp_path / core / name)
     return module
 
 
@@ -91,14 +98,15 @@ def test_a_changed_message_is_detected_in_code_and_tables_and_updated_by_one_run
 ) -> None:
     dbc = copy / "hubfoc.dbc"
     dbc.write_text(
-        dbc.read_text(encoding="utf-8").replace("16|19@1- (0.1,0)", "17|19@1- (0.1,0)", 1),
+        dbc.read_text(encoding="utf-8").replace("46|8@1+ (1,0)", "47|8@1+ (1,0)", 1),
         encoding="utf-8",
     )
     stale = run_generator(copy, "--check")
     assert stale.returncode == 1
     assert [line.split(" ")[0] for line in stale.stderr.splitlines()] == [
-        "generated/hubfoc.c",
-        "README.md",
+        "firmware/comms/generated/hubfoc.c",
+        "host_sim/python/hubsim/can_protocol.py",
+        "firmware/comms/README.md",
     ]
     assert run_generator(copy).returncode == 0
     assert run_generator(copy, "--check").returncode == 0
@@ -108,7 +116,7 @@ def test_overlapping_signals_are_refused_in_one_line_without_output(copy: Path) 
     before = {path: path.read_bytes() for path in copy.rglob("*.[ch]")}
     dbc = copy / "hubfoc.dbc"
     dbc.write_text(
-        dbc.read_text(encoding="utf-8").replace("40|18@1+", "30|18@1+", 1),
+        dbc.read_text(encoding="utf-8").replace("50|14@1+", "40|14@1+", 1),
         encoding="utf-8",
     )
     refused = run_generator(copy)

@@ -2,6 +2,7 @@
 /* Packing and unpacking of messages in C. test_frames.py compares the layout with the DBC. */
 #include "comms/generated/hubfoc.h"
 #include "comms/messages.h"
+#include "core/q15.h"
 #include "unity.h"
 
 void setUp(void) {}
@@ -72,8 +73,6 @@ void test_wheel_state_and_brake_unpack_to_the_packed_values(void)
         .hydraulic_torque_mNm = 123400,
         .electric_brake_available_mNm = 40000,
         .speed_mrad_s = -12340,
-        .available_reason = (reason_t)3,
-        .hydraulic_reason = (reason_t)100,
         .fault_reason = (reason_t)7,
         .mode = MODE_LIMP,
         .hydraulic_valid = true,
@@ -91,8 +90,6 @@ void test_wheel_state_and_brake_unpack_to_the_packed_values(void)
         TEST_ASSERT_EQUAL_INT(meant.electric_brake_available_mNm,
                               back.electric_brake_available_mNm);
         TEST_ASSERT_EQUAL_INT(meant.speed_mrad_s, back.speed_mrad_s);
-        TEST_ASSERT_EQUAL_INT(meant.available_reason, back.available_reason);
-        TEST_ASSERT_EQUAL_INT(meant.hydraulic_reason, back.hydraulic_reason);
         TEST_ASSERT_EQUAL_INT(meant.fault_reason, back.fault_reason);
         TEST_ASSERT_EQUAL_UINT8(meant.mode, back.mode);
         TEST_ASSERT_TRUE(back.hydraulic_valid);
@@ -117,8 +114,8 @@ void test_state_and_brake_of_other_wheels_or_messages_are_refused(void)
 
 void test_demand_unpacks_to_the_packed_values(void)
 {
-    static const int32_t DRIVE_mNm[] = {-20000000, -12300, -100, 0, 100, 40000, 20000000};
-    static const int32_t BRAKE_mNm[] = {0, 100, 12300, 20000000};
+    static const int32_t DRIVE_mNm[] = {-1638200, -12400, -200, 0, 200, 40000, 1638200};
+    static const int32_t BRAKE_mNm[] = {0, 200, 12400, 3276600};
     for (uint32_t d = 0; d < 7; d++) {
         for (uint32_t b = 0; b < 4; b++) {
             for (uint32_t flags = 0; flags < 8; flags++) {
@@ -128,16 +125,19 @@ void test_demand_unpacks_to_the_packed_values(void)
                     .brake_torque_mNm = BRAKE_mNm[b],
                     .enable = (flags & 1U) != 0,
                     .abs_active = (flags & 2U) != 0,
+                    .abs_motor_share_percent = (uint8_t)(25 * b + flags),
                     .fault_reset = (flags & 4U) != 0,
                 };
                 const messages_frame_t frame = messages_demand(&meant, MESSAGES_FRONT_RIGHT, 5);
                 wheel_demand_t read;
-                TEST_ASSERT_TRUE(e2e_intact(frame.data, frame.identifier));
+                TEST_ASSERT_TRUE(e2e_intact(E2E_PROFILE_5, frame.data, frame.identifier));
                 TEST_ASSERT_TRUE(messages_read_demand(&frame, &read));
                 TEST_ASSERT_EQUAL_INT32(meant.drive_torque_mNm, read.drive_torque_mNm);
                 TEST_ASSERT_EQUAL_INT32(meant.brake_torque_mNm, read.brake_torque_mNm);
                 TEST_ASSERT_EQUAL_INT(meant.direction, read.direction);
                 TEST_ASSERT_EQUAL(meant.enable, read.enable);
+                TEST_ASSERT_EQUAL_UINT8(q_min(meant.abs_motor_share_percent, 100),
+                                        read.abs_motor_share_percent);
                 TEST_ASSERT_EQUAL(meant.abs_active, read.abs_active);
                 TEST_ASSERT_EQUAL(meant.fault_reset, read.fault_reset);
             }
@@ -155,7 +155,7 @@ void test_battery_limits_unpack_to_the_packed_values(void)
                                             .contactor = (contactor_t)(d % 3)};
             const messages_frame_t frame = messages_battery(&meant, 15);
             battery_limits_t read;
-            TEST_ASSERT_TRUE(e2e_intact(frame.data, frame.identifier));
+            TEST_ASSERT_TRUE(e2e_intact(E2E_PROFILE_5, frame.data, frame.identifier));
             TEST_ASSERT_TRUE(messages_read_battery(&frame, &read));
             TEST_ASSERT_EQUAL_INT32(meant.charge_current_mA, read.charge_current_mA);
             TEST_ASSERT_EQUAL_INT32(meant.discharge_current_mA, read.discharge_current_mA);
@@ -164,10 +164,12 @@ void test_battery_limits_unpack_to_the_packed_values(void)
     }
 }
 
-static bool demand_is_read(int32_t drive_steps, uint32_t brake_steps)
+static bool demand_is_read(int16_t drive_steps, uint8_t share_percent, uint8_t direction)
 {
     const struct hubfoc_demand_t raw = {.drive_torque_nm = drive_steps,
-                                        .brake_torque_nm = brake_steps};
+                                        .brake_torque_nm = 16383,
+                                        .abs_motor_share_percent = share_percent,
+                                        .direction = direction};
     messages_frame_t frame = {.length = 8};
     (void)hubfoc_demand_pack(frame.data, &raw, sizeof frame.data);
     wheel_demand_t demand = {.drive_torque_mNm = 7};
@@ -177,17 +179,29 @@ static bool demand_is_read(int32_t drive_steps, uint32_t brake_steps)
     return read;
 }
 
-/* 200 000 steps of 0.1 N m are the DBC's 20 000 N m; the field could hold more. */
+/* 8191 steps of 0.2 N m are the DBC's 1638.2 N m; the field could hold -8192. */
 void test_demand_above_its_range_is_refused(void)
 {
-    TEST_ASSERT_TRUE(demand_is_read(200000, 200000));
-    TEST_ASSERT_TRUE(demand_is_read(-200000, 0));
-    TEST_ASSERT_FALSE(demand_is_read(200001, 0));
-    TEST_ASSERT_FALSE(demand_is_read(-200001, 0));
-    TEST_ASSERT_FALSE(demand_is_read(0, 200001));
-    TEST_ASSERT_FALSE(demand_is_read(262143, 0));
-    TEST_ASSERT_FALSE(demand_is_read(-262144, 0));
-    TEST_ASSERT_FALSE(demand_is_read(0, 262143));
+    TEST_ASSERT_TRUE(demand_is_read(8191, 100, 2));
+    TEST_ASSERT_TRUE(demand_is_read(-8191, 0, 0));
+    TEST_ASSERT_FALSE(demand_is_read(-8192, 0, 0));
+    TEST_ASSERT_FALSE(demand_is_read(0, 101, 0));
+    TEST_ASSERT_FALSE(demand_is_read(0, 127, 0));
+    TEST_ASSERT_FALSE(demand_is_read(0, 0, 3));
+}
+
+/* What does not fit is sent as the end of its range, never wrapped. */
+void test_demand_beyond_its_range_is_sent_as_its_end(void)
+{
+    const wheel_demand_t meant = {.drive_torque_mNm = INT32_MIN,
+                                  .brake_torque_mNm = INT32_MAX,
+                                  .abs_motor_share_percent = 255};
+    const messages_frame_t frame = messages_demand(&meant, MESSAGES_FRONT_LEFT, 0);
+    wheel_demand_t read;
+    TEST_ASSERT_TRUE(messages_read_demand(&frame, &read));
+    TEST_ASSERT_EQUAL_INT32(-1638200, read.drive_torque_mNm);
+    TEST_ASSERT_EQUAL_INT32(3276600, read.brake_torque_mNm);
+    TEST_ASSERT_EQUAL_UINT8(100, read.abs_motor_share_percent);
 }
 
 static bool battery_is_read(uint32_t charge_steps, uint32_t discharge_steps)

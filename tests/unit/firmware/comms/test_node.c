@@ -96,7 +96,7 @@ void test_jumping_counter_does_not_reset_the_age(void)
     qualify_demand();
     uint8_t counter = 2;
     for (uint32_t ms = 30; ms < 1000; ms += DEMAND_CYCLE_ms) {
-        counter = (uint8_t)((counter + 7U) & 15U);
+        counter = (uint8_t)(counter + 7U);
         TEST_ASSERT_FALSE(receive_demand(counter, 9000, ms));
         assert_demand_is_still_of(20, ms);
     }
@@ -128,11 +128,9 @@ void test_demand_above_its_range_is_an_error_and_does_not_reset_the_age(void)
 {
     qualify_demand();
     messages_frame_t frame = demand_frame(3, 0);
-    frame.data[2] =
-        0xFF; /* drive torque 0x3FFFF = 26 214.3 N m, more than the 20 000 N m of the DBC */
-    frame.data[3] = 0xFF;
-    frame.data[4] = 0x03;
-    e2e_protect(frame.data, frame.identifier, 3);
+    frame.data[3] |= 0xE0; /* a motor share of 127 %, more than the 100 % of the DBC */
+    frame.data[4] |= 0x0F;
+    e2e_protect(E2E_PROFILE_5, frame.data, frame.identifier, 3);
     TEST_ASSERT_FALSE(node_receive(&node, &frame, 30));
     assert_demand_is_still_of(20, 30);
     TEST_ASSERT_EQUAL_UINT32(1, node.demand.counts.implausible);
@@ -211,11 +209,11 @@ void test_battery_limits_above_their_range_count_as_missing(void)
     }
     const battery_limits_t battery = {.charge_current_mA = 0, .discharge_current_mA = 0};
     for (uint32_t k = 3; k < 20; k++) {
-        messages_frame_t frame = messages_battery(&battery, (uint8_t)(k & 15U));
-        frame.data[2] = 0xFF; /* 0x7FFFF = 52 428.7 A, more than the 32 000 A of the DBC */
-        frame.data[3] = 0xFF;
-        frame.data[4] = 0x07;
-        e2e_protect(frame.data, frame.identifier, (uint8_t)(k & 15U));
+        messages_frame_t frame = messages_battery(&battery, (uint8_t)k);
+        frame.data[3] |= 0xFC; /* 0x7FFFF = 52 428.7 A, more than the 32 000 A of the DBC */
+        frame.data[4] = 0xFF;
+        frame.data[5] |= 0x1F;
+        e2e_protect(E2E_PROFILE_5, frame.data, frame.identifier, (uint8_t)k);
         (void)node_receive(&node, &frame, k * BATTERY_CYCLE_ms);
     }
     TEST_ASSERT_EQUAL_INT32(0, node.command.bms.charge_current_mA);
@@ -236,8 +234,8 @@ static bool next_is(messages_kind_t kind, uint8_t counter, uint32_t now_ms,
     messages_frame_t frame;
     return next_frame(now_ms, output, &frame) &&
            frame.identifier == messages_identifier(kind, MESSAGES_REAR_RIGHT) &&
-           (frame.data[1] & E2E_COUNTER_MASK) == counter &&
-           e2e_intact(frame.data, frame.identifier);
+           e2e_counter(messages_profile(kind), frame.data) == counter &&
+           e2e_intact(messages_profile(kind), frame.data, frame.identifier);
 }
 
 void test_messages_are_sent_in_their_cycle_and_in_order_of_urgency(void)
@@ -361,6 +359,35 @@ void test_a_receive_filter_needs_four_identifiers(void)
     TEST_ASSERT_EQUAL_HEX16(0x121, identifiers[1]);
     TEST_ASSERT_EQUAL_HEX16(0x140, identifiers[2]);
     TEST_ASSERT_EQUAL_HEX16(0x144, identifiers[3]);
+}
+
+static uint8_t echoed_counter(uint32_t now_ms)
+{
+    const slow_output_t output = {.mode = MODE_READY};
+    messages_frame_t frame = {.length = 0};
+    while (next_frame(now_ms, &output, &frame) && node.offered != MESSAGES_WHEEL_BRAKE) {
+        node_sent(&node, now_ms);
+    }
+    TEST_ASSERT_EQUAL_HEX16(0x187, frame.identifier);
+    node_sent(&node, now_ms);
+    return frame.data[7];
+}
+
+/* WheelBrake.demand_counter is byte 7. A sender that compares it with its own sees every delay. */
+void test_wheel_brake_echoes_the_counter_of_the_newest_demand_in_use(void)
+{
+    TEST_ASSERT_EQUAL_UINT8(0, echoed_counter(10));
+    for (uint8_t k = 0; k < 3; k++) {
+        (void)receive_demand((uint8_t)(253 + k), 1000, 10U * k);
+        TEST_ASSERT_EQUAL_UINT8(k < 2 ? 0 : 255, echoed_counter(20U + 10U * k));
+    }
+    TEST_ASSERT_TRUE(receive_demand(1, 1000, 50));
+    TEST_ASSERT_EQUAL_UINT8(1, echoed_counter(50));
+    messages_frame_t damaged = demand_frame(2, 1000);
+    damaged.data[6] ^= 1;
+    TEST_ASSERT_FALSE(node_receive(&node, &damaged, 60));
+    TEST_ASSERT_FALSE(receive_demand(1, 1000, 60)); /* repeated */
+    TEST_ASSERT_EQUAL_UINT8(1, echoed_counter(60));
 }
 
 /* ---- the optional messages ---- */

@@ -18,6 +18,7 @@ static brake_blending_state_t state;
 static torque_limits_t limits;
 static torque_limits_state_t limits_state;
 static bool abs_active;
+static uint8_t abs_share_percent;
 static struct {
     limit_t regenerating; /* braking torque without the lines of a strategy */
     limit_t optimal;      /* braking torque at the loss optimum */
@@ -42,6 +43,7 @@ static inline void rig_up(void)
     config.motor.max_torque_mNm = 50000;
     torque_limits_init(&limits_state, &limits);
     abs_active = false;
+    abs_share_percent = 0;
     capability.regenerating = limit_init(50000, REASON_MAX_TORQUE);
     capability.optimal = limit_init(24000, REASON_LOSS_OPTIMUM);
     in.demand_mNm = 0;
@@ -68,7 +70,10 @@ static inline void write_limits(void)
     line[TORQUE_LINE_ENABLE] = limit_init(
         in.torque_enable.brake_q15 < Q15_ONE ? (int32_t)(enabled_mNm / 32768) : INT32_MAX,
         in.torque_enable.reason);
-    line[TORQUE_LINE_ABS] = torque_limits_anti_lock(&limits_state, &config, abs_active);
+    const torque_limits_input_t anti_lock = {.brake_demand_mNm = demand_mNm,
+                                             .abs_active = abs_active,
+                                             .abs_share_percent = abs_share_percent};
+    line[TORQUE_LINE_ABS] = torque_limits_anti_lock(&limits_state, &config, &anti_lock);
 }
 
 static inline brake_blending_out_t step(void)

@@ -275,6 +275,25 @@ void test_electric_torque_is_zero_during_anti_lock_and_300_ms_after(void)
     assert_split(20000, 0, REASON_NONE, step());
 }
 
+/* The hydraulic command is the rest in the same step: the bound steps, so no slope is expected of
+ * it. After the intervention its last share holds. */
+void test_motor_keeps_the_share_that_the_anti_lock_system_leaves_it(void)
+{
+    in.demand_mNm = 20000;
+    for (int32_t percent = 0; percent <= 100; percent += 5) {
+        abs_active = true;
+        abs_share_percent = (uint8_t)percent;
+        assert_split(200 * percent, 20000 - 200 * percent, percent < 100 ? REASON_ABS : REASON_NONE,
+                     step());
+        abs_active = false;
+        abs_share_percent = 77;
+        for (int n = 1; n < 300; n++) {
+            (void)step();
+        }
+        assert_split(20000, 0, REASON_NONE, step());
+    }
+}
+
 void test_motor_returns_abs_hold_ms_after_anti_lock(void)
 {
     in.demand_mNm = 20000;

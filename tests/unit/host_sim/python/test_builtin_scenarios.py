@@ -17,6 +17,7 @@ Hubsim = Callable[..., subprocess.CompletedProcess[str]]
 # Change of the plant or the events, and the criterion that must fail.
 SABOTAGE = {
     "abs_flag": ("plant.driver.demand_age_s=1", "before"),
+    "abs_share": ("plant.driver.abs_motor_share=0.6", "half"),
     "accelerator_faults": ("events.shorted.at_s=0.79", "gone"),
     "brake_onset": ("plant.driver.demand_age_s=1", "comes"),
     "brake_pedal_unplugged": ("plant.driver.own_brake_path=0", "taken_over"),

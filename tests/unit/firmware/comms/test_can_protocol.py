@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+"""hubsim.can_protocol against the firmware's C: frames, what is refused, and the receiver."""
+
+import random
+
+import pytest
+from cantools.database.can import Database
+from hubsim import can_protocol
+from protocol import WHEELS, Comms
+
+KINDS = {
+    "Demand": "MESSAGES_DEMAND",
+    "BatteryLimits": "MESSAGES_BATTERY_LIMITS",
+    "WheelState": "MESSAGES_WHEEL_STATE",
+    "WheelBrake": "MESSAGES_WHEEL_BRAKE",
+}
+# Of e2e_status_t.
+STATUS = {
+    "E2E_OK": "used",
+    "E2E_SOME_LOST": "used",
+    "E2E_NOT_QUALIFIED": "not_qualified",
+    "E2E_REPEATED": "repeated",
+    "E2E_WRONG_SEQUENCE": "wrong_sequence",
+    "E2E_IMPLAUSIBLE": "implausible",
+    "E2E_DAMAGED": "damaged",
+}
+
+
+def random_values(name: str, dice: random.Random) -> dict[str, float]:
+    """Return whole steps of every signal, within its range."""
+    values = {}
+    for key, signal in can_protocol.MESSAGES[name].signals.items():
+        if key not in ("crc", "counter"):
+            least, most = round(signal.least / signal.step), round(signal.most / signal.step)
+            values[key] = dice.randint(least, most) * signal.step
+    return values
+
+
+def test_every_message_is_encoded_as_cantools_and_protected_as_the_firmware_does(
+    comms: Comms, database: Database
+) -> None:
+    dice = random.Random(1)
+    for message in database.messages:
+        profile = can_protocol.MESSAGES[message.name].profile
+        kind = comms.number(f"E2E_PROFILE_{profile}")
+        for _ in range(50):
+            wheel, counter = dice.choice(list(WHEELS.values())), dice.randrange(256)
+            values = random_values(message.name, dice)
+            identifier, data = can_protocol.encode(
+                message.name, values, wheel=wheel, counter=counter
+            )
+            plain = message.encode({"crc": 0, "counter": 0, **values}, strict=False)
+            expected = comms.ffi.new("uint8_t[8]", plain)
+            comms.lib.e2e_protect(kind, expected, identifier, counter)
+            assert data == bytes(expected), message.name
+            assert can_protocol.message_of(identifier) == message.name
+            assert comms.lib.e2e_intact(kind, expected, identifier)
+            decoded = can_protocol.decode(message.name, data)
+            assert decoded is not None
+            assert {key: decoded[key] for key in values} == pytest.approx(values)
+
+
+def test_a_demand_of_the_module_is_read_by_the_firmware(comms: Comms) -> None:
+    dice = random.Random(2)
+    for _ in range(300):
+        values = random_values("Demand", dice)
+        identifier, data = can_protocol.encode("Demand", values, wheel=3, counter=7)
+        frame = comms.struct("messages_frame_t", identifier=identifier, length=8)
+        frame.data[0:8] = list(data)
+        demand = comms.struct("wheel_demand_t")
+        assert comms.lib.messages_read_demand(frame, demand)
+        assert demand.drive_torque_mNm == round(1000 * values["drive_torque_nm"])
+        assert demand.brake_torque_mNm == round(1000 * values["brake_torque_nm"])
+        assert demand.abs_motor_share_percent == values["abs_motor_share_percent"]
+
+
+def test_values_beyond_their_range_are_refused_in_both_directions() -> None:
+    with pytest.raises(ValueError, match=r"Demand\.brake_torque_nm: 3300 is not in 0"):
+        can_protocol.encode("Demand", {"brake_torque_nm": 3300.0})
+    assert can_protocol.decode("Demand", bytes([0, 0, 0, 0xE0, 0x0F, 0, 0, 0])) is None
+    assert can_protocol.decode("Demand", bytes(7)) is None
+    assert not can_protocol.intact(5, bytes(7), 0x100)
+    assert can_protocol.message_of(0x7FF) is None
+
+
+@pytest.mark.parametrize("name", ["Demand", "WheelState"])
+def test_the_receiver_answers_as_the_firmware_to_any_sequence(name: str, comms: Comms) -> None:
+    """Frames lost, repeated, damaged, late, out of order, of another wheel, implausible."""
+    dice = random.Random(name)
+    message = can_protocol.MESSAGES[name]
+    texts = {comms.number(key): value for key, value in STATUS.items()}
+    seen: dict[str, int] = {}
+    for _ in range(60):
+        receiver = comms.struct("e2e_receiver_t")
+        profile = comms.number(f"E2E_PROFILE_{message.profile}")
+        cycles = comms.number("E2E_QUALIFYING_FRAMES")
+        assert cycles == can_protocol.QUALIFYING_FRAMES
+        timeout_ms = can_protocol.TIMEOUT_CYCLES * message.cycle_ms
+        comms.lib.e2e_receiver_init(receiver, profile, timeout_ms)
+        own = can_protocol.Receiver(name)
+        counter, now_ms = dice.randrange(256), 0
+        for _ in range(100):
+            counter += dice.choice([1] * 12 + [0, 2, 3, 4, 250])
+            now_ms += dice.choice([10] * 12 + [0, 30, 49, 50])
+            wheel = dice.choice([0] * 15 + [1])
+            _, data = can_protocol.encode(
+                name, random_values(name, dice), wheel=wheel, counter=counter
+            )
+            if dice.random() < 0.08:
+                at = dice.randrange(64)
+                data = bytes(
+                    byte ^ (1 << at % 8 if i == at // 8 else 0) for i, byte in enumerate(data)
+                )
+            if name == "Demand" and dice.random() < 0.05:
+                broken = bytes([*data[:3], data[3] | 0xE0, data[4] | 0x0F, *data[5:]])
+                data = can_protocol.protect(5, broken, message.identifier, counter)
+            sent = comms.ffi.new("uint8_t[8]", data)
+            plausible = can_protocol.decode(name, data) is not None
+            expected = comms.lib.e2e_receive(receiver, sent, message.identifier, plausible, now_ms)
+            got = own.receive(message.identifier, data, now_ms)
+            assert got == texts[expected]
+            assert receiver.link == comms.number(f"E2E_{own.link}")
+            seen[got] = seen.get(got, 0) + 1
+        assert own.counts.get("timeouts", 0) == receiver.counts.timeouts
+        assert own.counts.get("lost", 0) == receiver.counts.lost
+    expected_kinds = set(STATUS.values()) - ({"implausible"} if name != "Demand" else set())
+    assert set(seen) == expected_kinds
