@@ -42,6 +42,9 @@ typedef struct {
     LINE(wheel_speed, name, lowest, highest, unit, text)
 #define ANTI_LOCK(name, lowest, highest, unit, text)                                               \
     LINE(anti_lock, name, lowest, highest, unit, text)
+#define SWITCH_SENSOR(name, lowest, highest, unit, text)                                           \
+    LINE(switch_sensor, name, lowest, highest, unit, text)
+#define FAULT(name, lowest, highest, unit, text) LINE(fault, name, lowest, highest, unit, text)
 #define BUS(name, lowest, highest, unit, text) LINE(bus, name, lowest, highest, unit, text)
 
 #define ONE_WHEEL(k, field, least, most, what, meaning)                                            \
@@ -61,6 +64,7 @@ static const line_t LINES[] = {
                     DRIVER_PARAMETERS(DRIVER) RUN_PARAMETERS(RUN) BUS_PARAMETERS(BUS)
                         BMS_PARAMETERS(BMS) CHASSIS_PARAMETERS(CHASSIS) TYRE_PARAMETERS(TYRE)
                             WINDING_SENSOR_PARAMETERS(WINDING_SENSOR)
+ FAULT_PARAMETERS(FAULT) WINDING_SENSOR_PARAMETERS(SWITCH_SENSOR)
                                 WHEEL_SPEED_PARAMETERS(WHEEL_SPEED) ANTI_LOCK_PARAMETERS(ANTI_LOCK)
                                     WHEEL(0) WHEEL(1) WHEEL(2) WHEEL(3) WHEEL(4) WHEEL(5) WHEEL(6)
                                         WHEEL(7) WHEEL(8) WHEEL(9) WHEEL(10) WHEEL(11) WHEEL(12)

@@ -75,6 +75,7 @@ void wheel_begin(wheel_t *wheel, const wheel_world_t *world)
         thermal->winding_temperature_c + params->wheel[wheel->index].winding_rise_k;
     wheel->winding = thermal_init(&motor, winding_c, SLOW_STEP_S);
     wheel->winding_sensor = temperature_sensor_at(winding_c);
+    wheel->switch_sensor = temperature_sensor_at(thermal->switch_temperature_c);
     wheel->switches = thermal_init(&bridge, thermal->switch_temperature_c, SLOW_STEP_S);
     wheel_refresh(wheel, world);
 }
@@ -84,6 +85,12 @@ static void at_temperature(wheel_t *wheel, const wheel_world_t *world)
     wheel->machine = pmsm_at_temperature(&world->params->motor, wheel->winding.temperature_c);
     wheel->inverter = inverter_model(&world->params->inverter, wheel->switches.temperature_c);
     wheel->switching = switching_model(&world->params->inverter, wheel->switches.temperature_c);
+}
+
+static bool is_concerned(const wheel_t *wheel, const fault_params_t *fault)
+{
+    const unsigned wheels = (unsigned)fault->wheels;
+    return wheels == 0U || (wheels >> (unsigned)wheel->index & 1U) != 0U;
 }
 
 void wheel_refresh(wheel_t *wheel, const wheel_world_t *world)
@@ -99,6 +106,13 @@ void wheel_refresh(wheel_t *wheel, const wheel_world_t *world)
     wheel->friction = own->road_friction > 0.0 ? own->road_friction : params->road.friction;
     at_temperature(wheel, world);
     hydraulic_brake_refresh(&params->brake, &wheel->brake, own->brake_torque_loss, world->step_s);
+    const bool had_broken_sensors = wheel->has_broken_sensors;
+    wheel->has_broken_sensors =
+        is_concerned(wheel, &params->fault) && sensor_fault_present(&params->fault);
+    if (!had_broken_sensors) {
+        const sensor_fault_t healthy = {.has_codes = false};
+        wheel->broken_sensors = healthy;
+    }
     wheel->fault.hall_stuck_low =
         (uint8_t)((unsigned)params->sensors.hall_stuck_low | (unsigned)own->hall_stuck_low);
     wheel->fault.hall_stuck_high =
@@ -132,6 +146,12 @@ static double measured_winding_c(wheel_t *wheel, const bench_params_t *params)
                                    wheel->winding.temperature_c, broken, SLOW_STEP_S);
 }
 
+static double measured_switches_c(wheel_t *wheel, const bench_params_t *params)
+{
+    return temperature_sensor_step(&params->switch_sensor, &wheel->switch_sensor,
+                                   wheel->switches.temperature_c, false, SLOW_STEP_S);
+}
+
 void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t *order)
 {
     warm(wheel, world);
@@ -156,7 +176,7 @@ void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t 
                       .age_ms = (uint32_t)brake.age_ms,
                       .valid = brake.valid},
         .temperature = {.winding_cC = rounded(measured_winding_c(wheel, world->params), CENTI),
-                        .switch_cC = rounded(wheel->switches.temperature_c, CENTI)},
+                        .switch_cC = rounded(measured_switches_c(wheel, world->params), CENTI)},
         .selftest_passed = true,
         .config_accepted = true,
     };
@@ -192,11 +212,22 @@ void wheel_sample(wheel_t *wheel, const wheel_world_t *world, double bus_voltage
         wheel->active = wheel->next;
     }
     wheel->sampled_a = feed_sampled(wheel, world, bus_voltage_v);
-    const sensors_sample_t sample =
-        sensors_sample(&world->sensors, &wheel->fault, &wheel->random, wheel->sampled_a,
-                       bus_voltage_v, wheel->rotor.theta_turn);
-    const encoder_sample_t counted = encoder_read(&params->encoder, params->motor.pole_pairs,
-                                                  &wheel->shaft, wheel->rotor.theta_turn);
+    sensor_view_t view = {.current_a = wheel->sampled_a,
+                          .bus_voltage_v = bus_voltage_v,
+                          .theta_turn = wheel->rotor.theta_turn};
+    if (wheel->has_broken_sensors) {
+        view = sensor_fault_before(&params->fault, &wheel->broken_sensors, &view,
+                                   params->sensors.current_full_scale_a,
+                                   1.0 / params->inverter.pwm_frequency_hz);
+    }
+    sensors_sample_t sample =
+        sensors_sample(&world->sensors, &wheel->fault, &wheel->random, view.current_a,
+                       view.bus_voltage_v, view.theta_turn);
+    if (wheel->has_broken_sensors) {
+        sensor_fault_after(&params->fault, &wheel->broken_sensors, &wheel->random, &sample);
+    }
+    const encoder_sample_t counted =
+        encoder_read(&params->encoder, params->motor.pole_pairs, &wheel->shaft, view.theta_turn);
     const fast_input_t in = {
         .phase_current_code = {sample.phase_current_code[0], sample.phase_current_code[1],
                                sample.phase_current_code[2]},
@@ -204,7 +235,7 @@ void wheel_sample(wheel_t *wheel, const wheel_world_t *world, double bus_voltage
         .rotor_angle_turn = sample.rotor_angle_turn,
         .encoder = {.count = counted.count,
                     .index_count = counted.index_count,
-                    .index = counted.index},
+                    .index = counted.index && params->fault.index_lost < 0.5},
         .hall_state = sample.hall_state,
         .power_stage_fault = false,
     };

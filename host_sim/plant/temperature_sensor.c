@@ -19,6 +19,9 @@ double temperature_sensor_step(const winding_sensor_params_t *params, temperatur
     } else {
         sensor->sensor_c = temperature_c;
     }
+    if (params->stuck > 0.5) {
+        return sensor->reported_c;
+    }
     const bool lost = broken || params->open > 0.5 || params->shorted > 0.5;
     sensor->reported_c = lost ? TEMPERATURE_SENSOR_BROKEN_C
                               : sensor->sensor_c * (1.0 + params->gain_error) + params->offset_k;

@@ -20,6 +20,7 @@
 #include "plant/bus.h"
 #include "plant/chassis.h"
 #include "plant/encoder.h"
+#include "plant/fault.h"
 #include "plant/hydraulic_brake.h"
 #include "plant/inverter.h"
 #include "plant/pedal_sensors.h"
@@ -92,10 +93,12 @@ typedef struct {
     encoder_params_t encoder;
     thermal_params_t thermal;
     winding_sensor_params_t winding_sensor;
+    winding_sensor_params_t switch_sensor; /* of the switches */
     wheel_speed_params_t wheel_speed;
     anti_lock_params_t anti_lock;
     driver_params_t driver;
     run_params_t run;
+    fault_params_t fault;
     one_wheel_params_t wheel[PARAMETERS_WHEELS_MAX];
 } bench_params_t;
 

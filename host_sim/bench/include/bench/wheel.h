@@ -22,6 +22,7 @@
 #include "controller/controller.h"
 #include "plant/bms.h"
 #include "plant/random.h"
+#include "plant/sensor_fault.h"
 #include "plant/switching.h"
 #include "plant/temperature_sensor.h"
 #include "plant/wheel_speed.h"
@@ -86,10 +87,12 @@ typedef struct {
     double friction; /* of tyre and road */
     random_t random;
     sensors_fault_t fault;
+    sensor_fault_t broken_sensors;
+    bool has_broken_sensors; /* of fault.h */
     plant_abc_t sampled_a; /* what stood in front of the current converters at the last sample */
     shunts_t shunts;
     plant_ab_t at_top; /* A, at the last top of the count */
-    temperature_sensor_t winding_sensor;
+    temperature_sensor_t winding_sensor, switch_sensor;
     wheel_speed_t ring;
     double zone_a;
     int index;

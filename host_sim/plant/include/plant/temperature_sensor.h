@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * temperature_sensor.h: a thermistor on the winding: late, a little wrong, or broken.
+ * temperature_sensor.h: a thermistor on winding or switches: late, a little wrong, or broken.
  *
  *     tau dT_s/dt = T - T_s          reported = T_s (1 + gain error) + offset,  degrees Celsius
  *
  * An open or shorted line is outside the thermistor's range; a port then reports
- * TEMPERATURE_SENSOR_BROKEN_C, above any limit (as in hal/analog.h). All parameters 0: the
- * temperature itself.
+ * TEMPERATURE_SENSOR_BROKEN_C, above any limit (as in hal/analog.h). A stuck sensor goes on
+ * with its last plausible value. All parameters 0: the temperature itself.
  */
 #ifndef PLANT_TEMPERATURE_SENSOR_H
 #define PLANT_TEMPERATURE_SENSOR_H
@@ -22,7 +22,8 @@
     X(gain_error, -0.5,   0.5,   "1", \
       "share of the temperature in degrees Celsius reported too much") \
     X(open,        0.0,   1.0,   "",  "1: the sensor's line is broken") \
-    X(shorted,     0.0,   1.0,   "",  "1: the sensor's line is shorted")
+    X(shorted,     0.0,   1.0,   "",  "1: the sensor's line is shorted") \
+    X(stuck,       0.0,   1.0,   "",  "1: reports for ever what it reported last")
 /* clang-format on */
 
 typedef struct {

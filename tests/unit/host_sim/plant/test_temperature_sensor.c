@@ -59,3 +59,13 @@ void test_open_or_shorted_line_reads_above_every_limit_until_repaired(void)
     TEST_ASSERT_EQUAL_DOUBLE(299.99, temperature_sensor_step(&params, &sensor, 60.0, true, 1e-3));
     TEST_ASSERT_EQUAL_DOUBLE(60.0, temperature_sensor_step(&params, &sensor, 60.0, false, 1e-3));
 }
+
+void test_a_stuck_sensor_goes_on_with_its_last_reading_also_without_its_line(void)
+{
+    temperature_sensor_t sensor = temperature_sensor_at(25.0);
+    temperature_sensor_step(&params, &sensor, 60.0, false, 1e-3);
+    params.stuck = 1.0;
+    TEST_ASSERT_EQUAL_DOUBLE(60.0, temperature_sensor_step(&params, &sensor, 90.0, false, 1e-3));
+    params.stuck = 0.0;
+    TEST_ASSERT_EQUAL_DOUBLE(90.0, temperature_sensor_step(&params, &sensor, 90.0, false, 1e-3));
+}

@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * fault.h: every fault that can be injected, by name, as parameters "fault.name"; all 0: healthy.
+ *
+ * Currents are shares of the full scale of the current converters and bus voltages shares of that
+ * of the bus converter, so that one number suits every drive. A fault begins when its parameter
+ * leaves 0 and, where the physics allows, ends when it returns. The names people use, with meaning
+ * and values, are in python/hubsim/faults.toml. Further faults are parameters of their own models:
+ * sensors.hall_stuck_low, brake.torque_loss, winding_sensor.open and so on.
+ */
+#ifndef PLANT_FAULT_H
+#define PLANT_FAULT_H
+
+#include "plant/parameter.h"
+
+/* clang-format off */
+#define SENSOR_FAULT_PARAMETERS(X) \
+    X(current_sensors,       0.0,   7.0,    "", \
+      "current sensors concerned: 1 = a, 2 = b, 4 = c, sums") \
+    X(current_stuck,         0.0,   1.0,    "",    "1: they show current_shown") \
+    X(current_shown,        -1.0,   1.0,    "1",   "of the full scale; 0: no current") \
+    X(current_frozen,        0.0,   1.0,    "",    "1: they show the last code for ever") \
+    X(current_offset,       -2.0,   2.0,    "1",   "of the full scale, added") \
+    X(current_drift_per_s,  -2.0,   2.0,    "1/s", "of the full scale, growth of an offset") \
+    X(current_gain_error,   -1.0,   2.0,    "1",   "share of the current shown too much") \
+    X(bus_stuck,             0.0,   1.0,    "",    "1: the bus sensor shows bus_shown") \
+    X(bus_shown,             0.0,   1.0,    "1",   "of the full scale") \
+    X(bus_frozen,            0.0,   1.0,    "",    "1: the bus sensor shows the last code for ever") \
+    X(bus_gain_error,       -1.0,   1.0,    "1",   "share of the bus voltage shown too much") \
+    X(rotor_frozen,          0.0,   1.0,    "", \
+      "1: halls, encoder and angle show where the rotor was") \
+    X(rotor_jump_deg,       -180.0, 180.0,  "deg", "electrical, what they show too much") \
+    X(rotor_slip_deg_per_s, -1e4,   1e4,    "deg/s", "electrical, growth of a further error") \
+    X(rotor_reversed,        0.0,   1.0,    "", \
+      "1: from now on they count against the rotor's turning") \
+    X(hall_floating,         0.0,   7.0,    "", \
+      "hall lines broken without a pull-up, each sample at random: 1 = A, 2 = B, 4 = C, sums") \
+    X(hall_bouncing,         0.0,   7.0,    "", \
+      "hall lines with a loose contact: half the time at their pull-up; likewise") \
+    X(hall_bounce_s,         0.0,   1.0,    "s",   "of one contact and of one interruption") \
+    X(index_lost,            0.0,   1.0,    "",    "1: the encoder's index never comes")
+
+#define FAULT_PARAMETERS(X) \
+    X(wheels,                0.0,   65535.0, "", \
+      "wheels with the faults of this section: 1 = first, 2 = second, 4 = third ..., sums; " \
+      "0: all") \
+    SENSOR_FAULT_PARAMETERS(X)
+/* clang-format on */
+
+typedef struct {
+    FAULT_PARAMETERS(PLANT_PARAMETER_MEMBER)
+} fault_params_t;
+
+#endif
