@@ -89,6 +89,7 @@ static void begin_accounts(bench_t *bench)
     bench->is_braking = false;
     bench->battery = battery_init(&bench->params.battery, bench->world.step_s);
     bench->bus = bus_init(&bench->battery);
+    bench->bus_peak_v = bench->bus.voltage_v;
     bench->bus_before_j = bus_stored_j(&bench->params.bus, &bench->bus);
     bench->driver = driver_init();
     bench->demand_age_s = 0.0;
@@ -298,6 +299,7 @@ static void advance(bench_t *bench)
     }
     const bus_flow_t bus =
         bus_step(&bench->params.bus, &bench->bus, &bench->params.battery, &bench->battery, dc_j);
+    bench->bus_peak_v = plant_max(bench->bus_peak_v, bench->bus.voltage_v);
     const double kinetic_j = kinetic_energy_j(bench);
     const motion_flow_t moved = bench->speed_prescribed
                                     ? carry(bench, flow)

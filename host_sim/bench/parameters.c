@@ -63,12 +63,13 @@ static const line_t LINES[] = {
                 SENSORS_PARAMETERS(SENSORS) ENCODER_PARAMETERS(ENCODER) THERMAL_PARAMETERS(THERMAL)
                     DRIVER_PARAMETERS(DRIVER) RUN_PARAMETERS(RUN) BUS_PARAMETERS(BUS)
                         BMS_PARAMETERS(BMS) CHASSIS_PARAMETERS(CHASSIS) TYRE_PARAMETERS(TYRE)
-                            WINDING_SENSOR_PARAMETERS(WINDING_SENSOR)
- FAULT_PARAMETERS(FAULT) WINDING_SENSOR_PARAMETERS(SWITCH_SENSOR)
-                                WHEEL_SPEED_PARAMETERS(WHEEL_SPEED) ANTI_LOCK_PARAMETERS(ANTI_LOCK)
-                                    WHEEL(0) WHEEL(1) WHEEL(2) WHEEL(3) WHEEL(4) WHEEL(5) WHEEL(6)
-                                        WHEEL(7) WHEEL(8) WHEEL(9) WHEEL(10) WHEEL(11) WHEEL(12)
-                                            WHEEL(13) WHEEL(14) WHEEL(15)};
+                            WINDING_SENSOR_PARAMETERS(WINDING_SENSOR) FAULT_PARAMETERS(FAULT)
+                                WINDING_SENSOR_PARAMETERS(SWITCH_SENSOR)
+                                    WHEEL_SPEED_PARAMETERS(WHEEL_SPEED)
+                                        ANTI_LOCK_PARAMETERS(ANTI_LOCK) WHEEL(0) WHEEL(1) WHEEL(2)
+                                            WHEEL(3) WHEEL(4) WHEEL(5) WHEEL(6) WHEEL(7) WHEEL(8)
+                                                WHEEL(9) WHEEL(10) WHEEL(11) WHEEL(12) WHEEL(13)
+                                                    WHEEL(14) WHEEL(15)};
 
 int parameters_count(void)
 {

@@ -2,6 +2,7 @@
 #include "bench/signals.h"
 
 #include <ctype.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -46,6 +47,8 @@ static const struct {
     X("battery.collapsed", VALUE, "", \
       "1: more power was drawn than the battery can give", b->battery.collapsed ? 1.0 : 0.0) \
     X("bus.voltage_v", VALUE, "V", "at the bridges", b->bus.voltage_v) \
+    X("bus.peak_v", VALUE, "V", "highest voltage at the bridges since the run began", \
+      b->bus_peak_v) \
     X("driver.message_age_s", VALUE, "s", \
       "age of the demand the controllers have", b->demand_age_s) \
     X("bms.charge_a", VALUE, "A", "charge limit sent to the controllers", b->limits.sent.charge_a) \
@@ -107,6 +110,9 @@ static const struct {
       (double)w->brake.valve) \
     X("winding_sensor_c", VALUE, "degC", \
       "of the winding by its sensor", w->winding_sensor.reported_c) \
+    X("peak_current_a", VALUE, "A", \
+      "longest current vector since the run began, active short circuits apart", \
+      sqrt(w->peak_a2)) \
     X("speed_rad_per_s", VALUE, "rad/s", "of the wheel", w->motion.speed_rad_s) \
     X("load_n", VALUE, "N", "of the wheel on the road", w->motion.load_n) \
     X("tyre_n", VALUE, "N", \

@@ -53,6 +53,7 @@ void wheel_begin(wheel_t *wheel, const wheel_world_t *world)
     const thermal_params_t *thermal = &params->thermal;
     const wheel_totals_t empty = {.copper_j = 0.0};
     wheel->totals = empty;
+    wheel->peak_a2 = 0.0;
     wheel->heat_winding_j = 0.0;
     wheel->heat_iron_j = 0.0;
     wheel->heat_switches_j = 0.0;
@@ -220,9 +221,8 @@ void wheel_sample(wheel_t *wheel, const wheel_world_t *world, double bus_voltage
                                    params->sensors.current_full_scale_a,
                                    1.0 / params->inverter.pwm_frequency_hz);
     }
-    sensors_sample_t sample =
-        sensors_sample(&world->sensors, &wheel->fault, &wheel->random, view.current_a,
-                       view.bus_voltage_v, view.theta_turn);
+    sensors_sample_t sample = sensors_sample(&world->sensors, &wheel->fault, &wheel->random,
+                                             view.current_a, view.bus_voltage_v, view.theta_turn);
     if (wheel->has_broken_sensors) {
         sensor_fault_after(&params->fault, &wheel->broken_sensors, &wheel->random, &sample);
     }
@@ -256,6 +256,10 @@ wheel_flow_t wheel_step(wheel_t *wheel, const wheel_world_t *world, double speed
     const inverter_flow_t *bridge = &fed.bridge;
     wheel->brake_capacity_nm = hydraulic_brake_step(&wheel->brake);
 
+    if (wheel->active.bridge != BRIDGE_SHORT) {
+        const plant_ab_t i = wheel->rotor.terminal;
+        wheel->peak_a2 = plant_max(wheel->peak_a2, i.alpha * i.alpha + i.beta * i.beta);
+    }
     wheel_totals_t *totals = &wheel->totals;
     const double bridge_heat_j = bridge->conduction_j + bridge->diode_j + bridge->switching_j;
     totals->copper_j += flow->copper_j;

@@ -26,7 +26,7 @@ static double seen_turn(const fault_params_t *p, sensor_fault_t *state, double t
 {
     const bool holds = p->rotor_frozen > ON || p->rotor_reversed > ON;
     if (holds && !state->has_angle) {
-        state->held_theta_turn = theta_turn;
+        state->kept_theta_turn = theta_turn;
     }
     state->has_angle = holds;
     state->slip_turn += p->rotor_slip_deg_per_s * period_s / TURN_DEG;
@@ -35,9 +35,9 @@ static double seen_turn(const fault_params_t *p, sensor_fault_t *state, double t
     }
     double seen = theta_turn;
     if (p->rotor_frozen > ON) {
-        seen = state->held_theta_turn;
+        seen = state->kept_theta_turn;
     } else if (p->rotor_reversed > ON) {
-        seen = 2.0 * state->held_theta_turn - theta_turn;
+        seen = 2.0 * state->kept_theta_turn - theta_turn;
     }
     return within_turn(seen + p->rotor_jump_deg / TURN_DEG + state->slip_turn);
 }
@@ -46,9 +46,9 @@ sensor_view_t sensor_fault_before(const fault_params_t *p, sensor_fault_t *state
                                   const sensor_view_t *truth, double full_scale_a, double period_s)
 {
     const unsigned mask = (unsigned)p->current_sensors;
-    state->offset_share =
-        p->current_drift_per_s != 0.0 ? state->offset_share + p->current_drift_per_s * period_s
-                                      : 0.0;
+    state->offset_share = p->current_drift_per_s != 0.0
+                              ? state->offset_share + p->current_drift_per_s * period_s
+                              : 0.0;
     const double added_a = (p->current_offset + state->offset_share) * full_scale_a;
     double i_a[PHASES_MEASURED] = {truth->current_a.a, truth->current_a.b, truth->current_a.c};
     for (unsigned x = 0; x < PHASES_MEASURED; x++) {
@@ -80,24 +80,23 @@ void sensor_fault_after(const fault_params_t *p, sensor_fault_t *state, random_t
     const bool holds = p->current_frozen > ON || p->bus_frozen > ON;
     if (holds && !state->has_codes) {
         for (int x = 0; x < PHASES_MEASURED; x++) {
-            state->held_current_code[x] = sample->phase_current_code[x];
+            state->kept_current_code[x] = sample->phase_current_code[x];
         }
-        state->held_bus_code = sample->bus_voltage_code;
+        state->kept_bus_code = sample->bus_voltage_code;
     }
     state->has_codes = holds;
     const unsigned mask = (unsigned)p->current_sensors;
     for (unsigned x = 0; x < PHASES_MEASURED; x++) {
         if ((mask >> x & 1U) != 0U && p->current_stuck > ON) {
-            sample->phase_current_code[x] =
-                code_of_share(p->current_shown, HALF_CODES, HALF_CODES);
+            sample->phase_current_code[x] = code_of_share(p->current_shown, HALF_CODES, HALF_CODES);
         } else if ((mask >> x & 1U) != 0U && p->current_frozen > ON) {
-            sample->phase_current_code[x] = state->held_current_code[x];
+            sample->phase_current_code[x] = state->kept_current_code[x];
         }
     }
     if (p->bus_stuck > ON) {
         sample->bus_voltage_code = code_of_share(p->bus_shown, 0.0, 2.0 * HALF_CODES);
     } else if (p->bus_frozen > ON) {
-        sample->bus_voltage_code = state->held_bus_code;
+        sample->bus_voltage_code = state->kept_bus_code;
     }
     unsigned lines = sample->hall_state;
     if (p->hall_floating > 0.0) {

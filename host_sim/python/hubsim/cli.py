@@ -19,6 +19,7 @@ from regen_table import installation
 from regen_table.cli import Parser, ShowVersion
 from regen_table.errors import ConfigurationError
 
+from hubsim import cli_sweeps
 from hubsim.errors import HubsimError
 
 DEFAULT_CONFIG = installation.ROOT / "tools" / "motors" / "lu2013.toml"
@@ -43,6 +44,7 @@ EXAMPLES = (
     ),
     "hubsim stops --count 40 --output stops",
     "hubsim coast --count 40 --output coast",
+    "hubsim faults --reduced --output faults",
     (
         "hubsim sweep stop --vary 'plant.vehicle.mass_kg=normal(660,30)' --runs 1000 --output "
         "draws.csv"
@@ -95,7 +97,7 @@ def parser() -> Parser:
         title="commands", required=True, metavar="COMMAND", parser_class=Parser, dest="command"
     )
     for add in (
-        *(_add_run, _add_sim, _add_sweep, _add_stops, _add_envelope, _add_coast),
+        *(_add_run, _add_sim, _add_sweep, *cli_sweeps.COMMANDS),
         *(_add_compare, _add_list, _add_report),
     ):
         add(commands)
@@ -133,14 +135,6 @@ def _add_strategy(command: Parser) -> None:
     )
 
 
-def _add_date(command: Parser) -> None:
-    command.add_argument(
-        "--date",
-        metavar="ISO-8601",
-        help="that outputs hold as their origin; default: SOURCE_DATE_EPOCH, or else the clock",
-    )
-
-
 def _add_run(commands: Commands) -> None:
     command = commands.add_parser(
         "run",
@@ -163,7 +157,7 @@ def _add_run(commands: Commands) -> None:
     command.add_argument(
         "--json", type=Path, metavar="FILE", help="write energies, shares and criteria"
     )
-    _add_date(command)
+    cli_sweeps.add_date(command)
 
 
 def _add_sim(commands: Commands) -> None:
@@ -179,7 +173,7 @@ def _add_sim(commands: Commands) -> None:
     command.add_argument(
         "--output", type=Path, default=_REPORT, metavar="DIR", help=f"default: {_SHOWN_REPORT}"
     )
-    _add_date(command)
+    cli_sweeps.add_date(command)
 
 
 def _add_sweep(commands: Commands) -> None:
@@ -241,102 +235,7 @@ def _add_sweep(commands: Commands) -> None:
         action="store_true",
         help="begin anew instead of going on with what an interrupted sweep left",
     )
-    _add_date(command)
-
-
-def _add_stops(commands: Commands) -> None:
-    text = "stops of the drives that come along beside the ideal inside the same limits"
-    command = commands.add_parser(
-        "stops",
-        help=text,
-        description=(
-            f"{text[0].upper()}{text[1:]}: state of charge, demand, speed and winding temperature "
-            "in a Latin hypercube for each drive. Exit status 1 if a stop stores more or less than "
-            "it should, or has a fault."
-        ),
-    )
-    command.add_argument(
-        "--count", type=int, default=1040, metavar="N", help="of all drives; default: 1040"
-    )
-    command.add_argument("--seed", type=int, default=1, metavar="N", help="default: 1")
-    command.add_argument(
-        "--workers",
-        type=int,
-        metavar="N",
-        help="processes on this machine; default: one for each core",
-    )
-    command.add_argument(
-        "--output",
-        type=Path,
-        required=True,
-        metavar="DIR",
-        help="for stops.csv, its origin stops.json, stops.svg and stops.png",
-    )
-    _add_date(command)
-
-
-def _add_envelope(commands: Commands) -> None:
-    text = "the drives that come along at the edges of their envelope"
-    command = commands.add_parser(
-        "envelope",
-        help=text,
-        description=(
-            f"{text[0].upper()}{text[1:]}: speed to 110 %, driving and braking demand, battery, "
-            "charge limit and temperatures in a Latin hypercube for each drive, from every start: "
-            "standing, rolling, full, cold, rotor sensor dead. Exit status 1 if a run with a good "
-            "sensor has a fault."
-        ),
-    )
-    command.add_argument(
-        "--count", type=int, default=480, metavar="N", help="of all drives; default: 480"
-    )
-    command.add_argument("--seed", type=int, default=1, metavar="N", help="default: 1")
-    command.add_argument(
-        "--workers",
-        type=int,
-        metavar="N",
-        help="processes on this machine; default: one for each core",
-    )
-    command.add_argument(
-        "--output",
-        type=Path,
-        required=True,
-        metavar="DIR",
-        help="for envelope.csv, its origin envelope.json, envelope.svg, envelope.png",
-    )
-    _add_date(command)
-
-
-def _add_coast(commands: Commands) -> None:
-    text = "motor torque without a demand beside the least that physics allows"
-    command = commands.add_parser(
-        "coast",
-        help=text,
-        description=(
-            f"{text[0].upper()}{text[1:]}: speed up to 110 % of the largest, battery and slope in "
-            "a Latin hypercube for each drive that comes along, the battery connected or "
-            "disconnecting while the vehicle coasts, brakes or drives. Exit status 1 if a case "
-            "has more torque or bus voltage than it should, or a fault."
-        ),
-    )
-    command.add_argument(
-        "--count", type=int, default=2000, metavar="N", help="of all drives; default: 2000"
-    )
-    command.add_argument("--seed", type=int, default=1, metavar="N", help="default: 1")
-    command.add_argument(
-        "--workers",
-        type=int,
-        metavar="N",
-        help="processes on this machine; default: one for each core",
-    )
-    command.add_argument(
-        "--output",
-        type=Path,
-        required=True,
-        metavar="DIR",
-        help="for coast.csv, its origin coast.json, coast.svg and coast.png",
-    )
-    _add_date(command)
+    cli_sweeps.add_date(command)
 
 
 def _add_compare(commands: Commands) -> None:
@@ -385,7 +284,7 @@ def _add_compare(commands: Commands) -> None:
         "--all", action="store_true", help="show also what is within the tolerances"
     )
     command.add_argument("--json", type=Path, metavar="FILE", help="write the differences")
-    _add_date(command)
+    cli_sweeps.add_date(command)
 
 
 def _add_list(commands: Commands) -> None:

@@ -6,6 +6,7 @@ Loaded when a command runs; what is big and serves few commands is imported insi
 
 import argparse
 import hashlib
+import importlib
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -227,17 +228,12 @@ def sweep_runs(options: argparse.Namespace) -> int:
 
 
 def measure_many(options: argparse.Namespace) -> int:
-    """Do ``hubsim stops``, ``envelope`` and ``coast``: many runs of every drive."""
+    """Do ``hubsim stops``, ``envelope``, ``coast`` and ``faults``: many runs of every drive."""
     # Matplotlib takes longer to load than most commands take.
-    from hubsim import coast_report, envelope_report, stored_share_report  # noqa: PLC0415
-
-    conclude = {
-        "stops": stored_share_report.conclude,
-        "envelope": envelope_report.conclude,
-        "coast": coast_report.conclude,
-    }[options.command]
+    report = {"stops": "stored_share"}.get(options.command, options.command)
+    module = importlib.import_module(f"hubsim.{report}_report")
     with progress_bar(options.command) as bar:
-        lines, passed = conclude(options, bar)
+        lines, passed = module.conclude(options, bar)
     print(*lines, sep="\n")
     return 0 if passed else 1
 
@@ -473,7 +469,7 @@ COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "run": run_scenario,
     "sim": run_strategies,
     "sweep": sweep_runs,
-    **dict.fromkeys(("stops", "envelope", "coast"), measure_many),
+    **dict.fromkeys(("stops", "envelope", "coast", "faults"), measure_many),
     "compare": compare_runs,
     "list": list_names,
     "report": write_report,

@@ -17,7 +17,7 @@ from typing import Annotated
 
 from pydantic import Field, model_validator
 
-from hubsim import engine
+from hubsim import engine, faults
 from hubsim.engine import Engine, Parameter
 from hubsim.keys import Section, listed, number
 
@@ -29,42 +29,26 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True)
 class Injection:
-    """A disturbance with a name: the parameters it sets, and its description."""
+    """A disturbance with a name: the parameters it sets, and its description.
+
+    ``amount`` is the one of them that an event may set to another value.
+    """
 
     sets: Mapping[str, float]
     text: str
+    amount: str = ""
 
 
 INJECTIONS: Mapping[str, Injection] = {
     "abs": Injection({"driver.abs_active": 1.0}, "anti-lock intervention"),
     "vehicle_off": Injection({"driver.enable": 0.0}, "the driver switches the vehicle off"),
-    "can_silence": Injection(
-        {"driver.silent": 1.0}, "no demand arrives any more; the last one stays and grows old"
-    ),
-    "contactor_opens": Injection(
-        {"bus.contactor_open": 1.0},
-        "the battery is cut off the bus (which needs bus.capacitance_f)",
-    ),
-    "hall_unplugged": Injection(
-        {"sensors.hall_stuck_high": 7.0},
-        "the hall sensors' plugs are off: all lines at their pull-ups",
-    ),
-    "hydraulic_dead": Injection(
-        {"brake.torque_loss": 1.0}, "hydraulic torque is zero at any command"
-    ),
-    "winding_sensor_open": Injection(
-        {"winding_sensor.open": 1.0}, "the lines of the windings' temperature sensors are broken"
-    ),
-    "winding_sensor_shorted": Injection({"winding_sensor.shorted": 1.0}, "they are shorted"),
-    "wheel_speed_lost": Injection(
-        {"wheel_speed.dead": 1.0}, "all wheel speed signals of the anti-lock system are zero"
-    ),
     "no_charging": Injection(
         {"battery.max_charge_current_a": 0.0}, "the battery management allows no charging"
     ),
     "no_discharging": Injection(
         {"battery.max_discharge_current_a": 0.0}, "the battery management allows no discharging"
     ),
+    **{name: Injection(f.sets, f.text, f.amount) for name, f in faults.table().items()},
 }
 
 
@@ -79,7 +63,14 @@ class Event(Section):
             "a section of parameters and numbers",
         ),
     ] = Field(default_factory=dict)
-    inject: Annotated[str | None, listed("a disturbance by name", " or ".join(INJECTIONS))] = None
+    inject: Annotated[
+        str | None,
+        listed("a disturbance by name", "a name of 'hubsim list' or 'hubsim faults --list'"),
+    ] = None
+    amount: Annotated[
+        float | None,
+        number(-1e6, 1e6, "how much of the disturbance, instead of its own value"),
+    ] = None
     over_s: Annotated[
         float, number(0.0, 1e6, "parameters move to their values in a straight line for so long, s")
     ] = 0.0
@@ -92,8 +83,12 @@ class Event(Section):
         if bool(self.set) == (self.inject is not None):
             raise ValueError("accepted: either set or inject")
         if self.inject is not None and self.inject not in INJECTIONS:
+            near = difflib.get_close_matches(self.inject, INJECTIONS, n=1, cutoff=0.5)
+            hint = f"did you mean {near[0]}?" if near else "'hubsim faults --list' shows all"
+            raise ValueError(f"inject: {self.inject!r} is not accepted, {hint}")
+        if self.amount is not None and not (self.inject and INJECTIONS[self.inject].amount):
             raise ValueError(
-                f"inject: {self.inject!r} is not accepted, accepted: {', '.join(INJECTIONS)}"
+                "amount: accepted with an injection that has one (hubsim faults --list)"
             )
         if self.until_s is not None and self.until_s < self.at_s + self.over_s:
             raise ValueError(
@@ -107,7 +102,12 @@ class Event(Section):
     @property
     def values(self) -> Mapping[str, float]:
         """The parameters that the event sets."""
-        return self.set if self.inject is None else INJECTIONS[self.inject].sets
+        if self.inject is None:
+            return self.set
+        injection = INJECTIONS[self.inject]
+        if self.amount is None:
+            return injection.sets
+        return {**injection.sets, injection.amount: self.amount}
 
 
 def range_of(parameter: Parameter) -> str:

@@ -63,6 +63,7 @@ typedef struct {
     int64_t period; /* since the start of the run */
     int64_t slow_steps;
     double time_s;
+    double bus_peak_v;     /* since the run began */
     bool speed_prescribed; /* the vehicle's speed is set from outside */
 } bench_t;
 

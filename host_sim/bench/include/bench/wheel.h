@@ -89,12 +89,13 @@ typedef struct {
     sensors_fault_t fault;
     sensor_fault_t broken_sensors;
     bool has_broken_sensors; /* of fault.h */
-    plant_abc_t sampled_a; /* what stood in front of the current converters at the last sample */
+    plant_abc_t sampled_a;   /* what stood in front of the current converters at the last sample */
     shunts_t shunts;
     plant_ab_t at_top; /* A, at the last top of the count */
     temperature_sensor_t winding_sensor, switch_sensor;
     wheel_speed_t ring;
     double zone_a;
+    double peak_a2; /* square of the longest current vector, active short circuits apart */
     int index;
     /* The accounts. */
     wheel_totals_t totals;

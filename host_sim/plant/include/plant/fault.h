@@ -25,7 +25,7 @@
     X(current_gain_error,   -1.0,   2.0,    "1",   "share of the current shown too much") \
     X(bus_stuck,             0.0,   1.0,    "",    "1: the bus sensor shows bus_shown") \
     X(bus_shown,             0.0,   1.0,    "1",   "of the full scale") \
-    X(bus_frozen,            0.0,   1.0,    "",    "1: the bus sensor shows the last code for ever") \
+    X(bus_frozen,            0.0,   1.0,    "",    "1: it shows the last code for ever") \
     X(bus_gain_error,       -1.0,   1.0,    "1",   "share of the bus voltage shown too much") \
     X(rotor_frozen,          0.0,   1.0,    "", \
       "1: halls, encoder and angle show where the rotor was") \

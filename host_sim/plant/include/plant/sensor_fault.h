@@ -22,9 +22,9 @@
 
 /* What a fault remembers of its beginning. All zero: no fault yet. */
 typedef struct {
-    bool has_codes, has_angle; /* the held values are those of the beginning */
-    uint16_t held_current_code[3], held_bus_code;
-    double held_theta_turn;
+    bool has_codes, has_angle; /* the kept values are those of the beginning */
+    uint16_t kept_current_code[3], kept_bus_code;
+    double kept_theta_turn;
     double offset_share; /* of the full scale, drifted so far */
     double slip_turn;    /* slipped so far, electrical */
     double bounce_s;     /* since the last change of a loose contact */

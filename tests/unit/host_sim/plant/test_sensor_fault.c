@@ -101,7 +101,7 @@ void test_the_bus_sensor_sticks_freezes_and_has_a_gain(void)
     params.bus_stuck = 0.0;
     params.bus_frozen = 1.0;
     TEST_ASSERT_EQUAL_UINT16(3000U, shown(2048U, 5U).bus_voltage_code);
-    state.held_bus_code = 1U;
+    state.kept_bus_code = 1U;
     TEST_ASSERT_EQUAL_UINT16(1U, shown(2048U, 5U).bus_voltage_code);
 }
 

@@ -343,7 +343,8 @@ def test_help_and_usage_errors_import_only_the_standard_library(call: tuple[str,
     )
     loaded = done.stdout.partition("modules:")[2]
     assert HEAVY & set(loaded.split()) == set()
-    assert loaded.partition("own:")[2].split() == ["hubsim", "hubsim.cli", "hubsim.errors"]
+    own = ["hubsim", "hubsim.cli", "hubsim.cli_sweeps", "hubsim.errors"]
+    assert loaded.partition("own:")[2].split() == own
 
 
 def test_names_in_the_help_equal_those_of_the_modules() -> None:

@@ -187,7 +187,7 @@ def test_an_unknown_key_in_a_section_is_an_error_in_one_line(
         ),
         (
             '[events.x]\nat_s = 1.0\ninject = "abd"\n',
-            "events.x: inject: 'abd' is not accepted, accepted: abs, vehicle_off",
+            "events.x: inject: 'abd' is not accepted, did you mean abs?",
         ),
         (
             '[events.x]\nat_s = 1.0\nuntil_s = 0.5\ninject = "abs"\n',

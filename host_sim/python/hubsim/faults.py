@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The faults that can be injected, by name (``faults.toml``), and what a controller should say.
+
+``expected_reasons.toml`` holds, for every fault, the reasons that are right by physics, at most
+two; it was written by hand before the runs and is not made from them.
+"""
+
+import difflib
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from hubsim.errors import HubsimError
+
+TABLE = Path(__file__).with_name("faults.toml")
+EXPECTED = Path(__file__).with_name("expected_reasons.toml")
+SENSORS = ("hall", "encoder", "angle")
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One fault.
+
+    Attributes
+    ----------
+    sets : mapping
+        The parameters of the simulated world that make it, by name.
+    needs : mapping
+        Parameters that must be set before the run begins.
+    amount : str
+        The parameter that says how much of it there is; empty: none.
+    sensors : tuple of str
+        Rotor sensors with which it exists.
+    at_start : bool
+        It is there when the wheel begins to turn, a mistake of assembly.
+    in_sweep : bool
+        ``hubsim faults`` runs it.
+    """
+
+    name: str
+    group: str
+    text: str
+    sets: Mapping[str, float]
+    needs: Mapping[str, float]
+    amount: str
+    sensors: tuple[str, ...]
+    at_start: bool
+    in_sweep: bool
+
+
+@cache
+def table() -> dict[str, Fault]:
+    """Return all faults by name, in the order of the file."""
+    data = tomllib.loads(TABLE.read_text(encoding="utf-8"))
+    return {
+        name: Fault(
+            name,
+            line["group"],
+            line["text"],
+            _numbers(line["set"]),
+            _numbers(line.get("needs", {})),
+            line.get("amount", ""),
+            tuple(line.get("sensors", SENSORS)),
+            line.get("at_start", False),
+            line.get("sweep", True),
+        )
+        for name, line in data.items()
+    }
+
+
+def _numbers(section: Mapping[str, float]) -> dict[str, float]:
+    return {name: float(value) for name, value in section.items()}
+
+
+def named(names: Sequence[str]) -> list[Fault]:
+    """Return the faults with these names or of these groups; none: all of the sweep."""
+    known = table()
+    groups = {fault.group for fault in known.values()}
+    found: dict[str, Fault] = {}
+    for name in names:
+        if name in groups:
+            found |= {f.name: f for f in known.values() if f.group == name and f.in_sweep}
+        elif name in known:
+            found[name] = known[name]
+        else:
+            near = difflib.get_close_matches(name, [*known, *groups], n=1, cutoff=0.5)
+            hint = f"did you mean {near[0]}?" if near else "'hubsim faults --list' shows all"
+            raise HubsimError(f"no fault {name!r}, {hint}")
+    return list(found.values()) if names else [f for f in known.values() if f.in_sweep]
+
+
+@cache
+def expected() -> dict[str, tuple[str, ...]]:
+    """Return the reasons that are right for each fault."""
+    data = tomllib.loads(EXPECTED.read_text(encoding="utf-8"))
+    return {name: tuple(line["right"]) for name, line in data["reasons"].items()}
+
+
+@cache
+def planned() -> frozenset[str]:
+    """Return the names of reasons that the firmware does not have yet."""
+    data = tomllib.loads(EXPECTED.read_text(encoding="utf-8"))
+    return frozenset(data["planned"])
+
+
+def lines() -> list[str]:
+    """Return the list of all faults, for people: name, meaning, how much."""
+    out: list[str] = []
+    group = ""
+    for fault in table().values():
+        if fault.group != group:
+            group = fault.group
+            out.append(f"{group}:")
+        amount = f" (amount: {fault.sets[fault.amount]:g})" if fault.amount else ""
+        only = "" if fault.sensors == SENSORS else f" [{', '.join(fault.sensors)}]"
+        out.append(f"  {fault.name:24s} {fault.text}{amount}{only}")
+    return out

@@ -1,0 +1,419 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every fault at instants of a stop, beside the same stop without it (``hubsim faults``).
+
+One wheel with its share of mass and battery stands for the vehicle (stops), so that a fault of one
+wheel shows in full. A run drives, coasts and brakes to standstill, or rolls back on a slope and
+brakes; the fault comes in any of these. Runs of one vehicle, sensor, demand and situation share
+their beginning, which is simulated once.
+"""
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from regen_table import loops
+from regen_table.schema import Drive
+
+from hubsim import faults, overrides, reasons, run, stops
+from hubsim.engine import Engine, Rows
+from hubsim.faults import Fault
+from hubsim.scenario import Scenario
+from hubsim.stored_share import drive_named
+
+STOP, ROLL_BACK = "stop", "roll back"
+# Configuration, rotor sensor: every sensor with the paper's vehicle, each other with its own.
+VEHICLES = (
+    ("lu2013", "hall"),
+    ("lu2013", "encoder"),
+    ("lu2013", "angle"),
+    ("ebike36v", "hall"),
+    ("scooter48v", "hall"),
+    ("ipm400v", "angle"),
+)
+SPEED_KMH, SPEED_SHARE = 40.0, 0.7  # the slower one; share of the largest
+DEMAND_SHARES = (0.8, 2.5)  # of the rated torque
+DRIVE_SHARE = 0.5
+COAST_S, BRAKE_S = 0.4, 0.8  # the driver lets go, and brakes
+BEFORE_S = (0.2, 0.6)  # while driving, while coasting
+STOP_SHARES = (
+    0.01,
+    0.1,
+    0.3,
+    0.55,
+    0.75,
+    0.9,
+)  # of the time that mass and demand alone would take
+BACK_KMH, BACK_SLOPE_PERCENT, BACK_SHARE, BACK_BRAKE_S = -8.0, 3.0, 1.2, 0.3
+BACK_BEFORE_S, BACK_STOP_SHARE = 0.1, 0.3
+LONGEST = 1.6  # times the stop without the fault
+RECORD_S = 0.001
+MEAN_ROWS = 20
+WRONG_NM = 2.0
+MOVING_M_PER_S = 0.05
+HARMLESS_DISTANCE, HARMLESS_TORQUE = 0.02, 0.05
+ENCODER = {"encoder_counts": 4096, "encoder_index_deg": 90.0}
+SIGNALS = (
+    "time_s",
+    "vehicle.speed_m_per_s",
+    "vehicle.distance_m",
+    "driver.brake_nm",
+    "wheel0.motor_torque_nm",
+    "wheel0.hydraulic_torque_nm",
+    "wheel0.fault_reason",
+    "wheel0.warning_reason",
+    "wheel0.mode",
+)
+TIME, SPEED, DISTANCE, BRAKE, MOTOR, HYDRAULIC, FAULT, WARNING, MODE = range(len(SIGNALS))
+
+
+@dataclass(frozen=True)
+class Group:
+    """Runs that differ in the fault and its instant only; demand in N m at the wheel."""
+
+    config: str
+    rotor_sensor: str
+    situation: str
+    demand_nm: float
+    needs: tuple[tuple[str, float], ...] = ()
+
+
+@dataclass(frozen=True)
+class Case:
+    """One run."""
+
+    group: Group
+    fault: str
+    instant_s: float
+
+    @property
+    def key(self) -> tuple[str, str, str, str, float, float]:
+        """What tells it from all others."""
+        g = self.group
+        return (
+            self.fault,
+            g.config,
+            g.rotor_sensor,
+            g.situation,
+            g.demand_nm,
+            self.instant_s,
+        )
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a run did. Times in s but where the name says otherwise; NaN: never.
+
+    Attributes
+    ----------
+    distance_ratio : float
+        Distance from the first braking demand to standstill over that without the fault.
+    wrong_sign_ms : float
+        Longest time with more than 2 N m of driving torque while the driver brakes.
+    wrong_nm : float
+        Largest driving torque then.
+    excess_nm : float
+        Largest mean of 100 ms by which motor and brake together exceed the demand.
+    error_share : float
+        Largest mean of 20 ms of the torque's difference to the run without the fault, at the same
+        time or speed, whichever is nearer; share of the rated torque.
+    current_ratio : float
+        Longest current vector over the over-current limit, active short circuits apart.
+    healed_under_braking : int
+        1: a fault that was latched went away while the driver braked.
+    """
+
+    fault: str
+    config: str
+    rotor_sensor: str
+    situation: str
+    demand_nm: float
+    instant_s: float
+    distance_ratio: float
+    wrong_sign_ms: float
+    wrong_nm: float
+    excess_nm: float
+    error_share: float
+    current_ratio: float
+    bus_peak_v: float
+    bus_limit_v: float
+    first_reason: str
+    reason_expected: int
+    time_to_reason_ms: float
+    harmless: int
+    final_mode: str
+    healed_under_braking: int
+
+    @property
+    def key(self) -> tuple[str, str, str, str, float, float]:
+        """As of its case."""
+        return (
+            self.fault,
+            self.config,
+            self.rotor_sensor,
+            self.situation,
+            self.demand_nm,
+            self.instant_s,
+        )
+
+    def misses(self) -> list[str]:
+        """Return what this run does not hold, by the limits that every fault has to hold."""
+        hydraulic = faults.table()[self.fault].group == "hydraulic"
+        found = {
+            "distance": not self.distance_ratio <= (1.25 if hydraulic else 1.10),
+            "wrong sign": self.wrong_sign_ms > 5.0,
+            "excess": self.excess_nm > max(5.0, 0.1 * self.demand_nm) and not hydraulic,
+            "current": self.current_ratio > 1.3,
+            "bus": self.bus_peak_v > self.bus_limit_v,
+            "reason": not (self.harmless or self.reason_expected),
+            "healed": bool(self.healed_under_braking),
+        }
+        return [name for name, missed in found.items() if missed]
+
+
+@lru_cache
+def drive_of(config: str, sensor: str) -> Drive:
+    """Return a drive that comes along, with this rotor sensor."""
+    drive = drive_named(config)
+    changes: dict[tuple[str, str], object] = {("rotor", "sensor"): sensor}
+    if sensor == "encoder" and drive.rotor.encoder_counts is None:
+        changes |= {("rotor", key): value for key, value in ENCODER.items()}
+    return overrides.changed(drive, changes, f"{config} with {sensor}")
+
+
+def initial_kmh(drive: Drive, situation: str) -> float:
+    """Return the speed at which a run begins."""
+    if situation == ROLL_BACK:
+        return BACK_KMH
+    top = 3.6 * drive.motor.max_speed_rpm * math.pi / 30.0 * drive.vehicle.wheel_radius_m
+    return round(min(SPEED_KMH, SPEED_SHARE * top), 3)
+
+
+def stop_s(group: Group) -> float:
+    """Return how long mass and demand alone would take to stand."""
+    drive = drive_of(group.config, group.rotor_sensor)
+    wheel_kg = drive.vehicle.mass_kg / drive.vehicle.driven_wheels
+    speed = abs(initial_kmh(drive, group.situation)) / 3.6
+    return wheel_kg * speed * drive.vehicle.wheel_radius_m / group.demand_nm
+
+
+def instants(group: Group) -> list[float]:
+    """Return when faults come, s after the run began."""
+    whole = stop_s(group)
+    if group.situation == ROLL_BACK:
+        return [BACK_BEFORE_S, round(BACK_BRAKE_S + BACK_STOP_SHARE * whole, 3)]
+    return [*BEFORE_S, *(round(BRAKE_S + share * whole, 3) for share in STOP_SHARES)]
+
+
+def plan(
+    chosen: Sequence[Fault],
+    vehicles: Sequence[tuple[str, str]] = VEHICLES,
+    demand_shares: Sequence[float] = DEMAND_SHARES,
+) -> list[Case]:
+    """Return all runs of these faults, in the order in which they are made."""
+    found: list[Case] = []
+    for config, sensor in vehicles:
+        rated = drive_named(config).motor.rated_torque_nm
+        groups = [Group(config, sensor, STOP, share * rated) for share in demand_shares]
+        groups.append(Group(config, sensor, ROLL_BACK, BACK_SHARE * rated))
+        for group in groups:
+            for fault in chosen:
+                if sensor in fault.sensors:
+                    own = replace(group, needs=tuple(sorted(fault.needs.items())))
+                    times = [0.0] if fault.at_start else instants(own)
+                    found.extend(Case(own, fault.name, at_s) for at_s in times)
+    return found
+
+
+def reduced() -> list[Case]:
+    """Return a few runs of every fault: the paper's vehicle, the sensors in turn, a hard stop."""
+    found: list[Case] = []
+    for k, fault in enumerate(faults.named(())):
+        sensors = [sensor for sensor in ("hall", "angle") if sensor in fault.sensors]
+        sensor = sensors[k % len(sensors)] if sensors else fault.sensors[0]
+        several = plan([fault], [("lu2013", sensor)], [DEMAND_SHARES[1]])
+        wanted = (2 + k % 3, 4 + k % 3) if len(several) > 7 else range(len(several))
+        found.extend(several[j] for j in wanted)
+        found.extend(case for case in several[-2 + k % 2 :][:1] if k % 4 == 0)
+    return list(dict.fromkeys(found))
+
+
+class _Vehicle:
+    """The vehicle of one group, and its run without a fault."""
+
+    def __init__(self, group: Group, times: Sequence[float]) -> None:
+        self.group = group
+        self.drive = drive_of(group.config, group.rotor_sensor)
+        back = group.situation == ROLL_BACK
+        rated = self.drive.motor.rated_torque_nm
+        self.changes = (
+            [(BACK_BRAKE_S, 0.0, group.demand_nm)]
+            if back
+            else [
+                (0.0, DRIVE_SHARE * rated, 0.0),
+                (COAST_S, 0.0, 0.0),
+                (BRAKE_S, 0.0, group.demand_nm),
+            ]
+        )
+        self.brake_s = self.changes[-1][0]
+        self.engine = self._started(back)
+        self.states: dict[float, bytes] = {}
+        parts = []
+        for at_s in sorted(times):
+            parts.append(self._until(at_s, math.inf))
+            self.states[at_s] = self.engine.save()
+        longest_s = self.brake_s + 2.0 * stop_s(group) + 2.0
+        parts.append(self._until(longest_s, math.inf))
+        self.rows = np.concatenate(parts)
+        self.ended = self.engine.ended
+        self.end_s = float(self.rows[-1, TIME])
+        self.distance_m = self._stopping_m(self.rows)
+
+    def _started(self, back: bool) -> Engine:
+        scenario = Scenario(
+            initial_speed_kmh=initial_kmh(self.drive, self.group.situation),
+            stop_at_standstill=True,
+            slope_percent=BACK_SLOPE_PERCENT if back else 0.0,
+            record_interval_s=RECORD_S,
+            plant={
+                "bus.capacitance_f": self.drive.vehicle.driven_wheels
+                * self.drive.inverter.bus_capacitance_f
+            },
+        )
+        engine, _ = run.prepare(self.drive, scenario, Path(), {})
+        stops.as_one_wheel(engine, self.drive)
+        for name, value in self.group.needs:
+            engine.set(name, value)
+        engine.start()
+        engine.choose(SIGNALS)
+        return engine
+
+    def _until(self, end_s: float, limit_s: float) -> Rows:
+        """Go on to a time, the driver's demands at their own times."""
+        parts = []
+        now_s = self.engine.value("time_s")
+        until_s = min(end_s, limit_s)
+        while not self.engine.ended and now_s < until_s - 1e-6:
+            for at_s, drive_nm, brake_nm in self.changes:
+                if abs(at_s - now_s) < 1e-6:
+                    self.engine.set("driver.drive_demand_nm", drive_nm)
+                    self.engine.set("driver.brake_demand_nm", brake_nm)
+            later = [at_s for at_s, _, _ in self.changes if at_s > now_s + 1e-6]
+            parts.append(self.engine.run(min([until_s, *later]) - now_s))
+            now_s = self.engine.value("time_s")
+        return np.concatenate(parts) if parts else np.empty((0, len(SIGNALS)))
+
+    def _stopping_m(self, rows: Rows) -> float:
+        braking = rows[rows[:, TIME] >= self.brake_s - 1e-9]
+        return abs(float(braking[-1, DISTANCE] - braking[0, DISTANCE]))
+
+    def measure(self, case: Case) -> Outcome:
+        """Run with the fault from its instant on."""
+        fault = faults.table()[case.fault]
+        self.engine.restore(self.states[case.instant_s])
+        for name, value in fault.sets.items():
+            self.engine.set(name, value)
+        before = self.rows[self.rows[:, TIME] < case.instant_s - 1e-9]
+        longest_s = self.brake_s + LONGEST * (self.end_s - self.brake_s) + 1.0
+        after = self._until(longest_s, math.inf)
+        return self._outcome(case, np.concatenate([before, after]), len(before))
+
+    def _outcome(self, case: Case, rows: Rows, begins: int) -> Outcome:
+        engine, group, drive = self.engine, case.group, self.drive
+        rated = drive.motor.rated_torque_nm
+        brakes = (rows[:, BRAKE] > 0.0) & (np.abs(rows[:, SPEED]) > MOVING_M_PER_S)
+        driving = np.where(brakes, rows[:, MOTOR] * np.sign(rows[:, SPEED]), 0.0)[begins:]
+        total = _total(rows)
+        excess = _means(np.where(brakes, total - rows[:, BRAKE], 0.0)[begins:], 5 * MEAN_ROWS)
+        reason, at_s = _first_reason(rows, begins)
+        distance = self._stopping_m(rows) / self.distance_m if engine.ended else math.nan
+        error = self._error(rows, begins) / rated
+        tripped = bool(np.any(rows[begins:, FAULT] > 0.0))
+        harmless = (
+            abs(distance - 1.0) <= HARMLESS_DISTANCE and error < HARMLESS_TORQUE and not tripped
+        )
+        latched = rows[:, FAULT] > 0.0
+        healed = np.any(latched[:-1] & ~latched[1:] & (rows[1:, BRAKE] > 0.0))
+        trip_a = loops.overcurrent_pu(drive) * drive.inverter.current_full_scale_a
+        return Outcome(
+            fault=case.fault,
+            config=group.config,
+            rotor_sensor=group.rotor_sensor,
+            situation=group.situation,
+            demand_nm=group.demand_nm,
+            instant_s=case.instant_s,
+            distance_ratio=distance,
+            wrong_sign_ms=1e3 * RECORD_S * _longest((driving > WRONG_NM).tolist()),
+            wrong_nm=float(np.max(driving, initial=0.0)),
+            excess_nm=float(np.max(excess, initial=0.0)),
+            error_share=error,
+            current_ratio=engine.value("wheel0.peak_current_a") / trip_a,
+            bus_peak_v=engine.value("bus.peak_v"),
+            bus_limit_v=drive.inverter.device_voltage_v or math.inf,
+            first_reason=reason,
+            reason_expected=int(reason in faults.expected()[case.fault]),
+            time_to_reason_ms=1e3 * (at_s - case.instant_s),
+            harmless=int(harmless),
+            final_mode=engine.mode_text(rows[-1, MODE]),
+            healed_under_braking=int(healed),
+        )
+
+    def _error(self, rows: Rows, begins: int) -> float:
+        """Return the largest difference of the torque, signed as motion has it, N m."""
+        plain, torque = _means(_total(self.rows)), _means(_total(rows))
+        speeds = np.abs(self.rows[: len(plain), SPEED])
+        falling = np.flatnonzero(self.rows[: len(plain), BRAKE] > 0.0)[::-1]
+        moving = np.abs(rows[: len(torque), SPEED])
+        at_speed = np.interp(moving, np.maximum.accumulate(speeds[falling]), plain[falling])
+        at_time = plain[np.minimum(np.arange(len(torque)), len(plain) - 1)]
+        apart = np.minimum(np.abs(torque - at_time), np.abs(torque - at_speed))
+        counted = apart[begins:][moving[begins:] > 5.0 * MOVING_M_PER_S]
+        return float(np.max(counted, initial=0.0))
+
+
+def _total(rows: Rows) -> Rows:
+    """Return the torque of motor and brake against the motion, N m."""
+    total: Rows = rows[:, HYDRAULIC] - rows[:, MOTOR] * np.sign(rows[:, SPEED])
+    return total
+
+
+def _means(values: Rows, count: int = MEAN_ROWS) -> Rows:
+    sums = np.concatenate([[0.0], np.cumsum(values)])
+    return (sums[count:] - sums[:-count]) / count if len(values) >= count else values[:0]
+
+
+def _longest(flags: Iterable[bool]) -> int:
+    longest = length = 0
+    for flag in flags:
+        length = length + 1 if flag else 0
+        longest = max(longest, length)
+    return longest
+
+
+def _first_reason(rows: Rows, begins: int) -> tuple[str, float]:
+    """Return the first fault or warning that was not there when the fault came, and when."""
+    known = {0.0, *rows[max(begins - 1, 0), [FAULT, WARNING]]}
+    for row in rows[begins:]:
+        for code in (row[FAULT], row[WARNING]):
+            if code not in known:
+                return reasons.identifier(code), float(row[TIME])
+    return "", math.nan
+
+
+def measure(group: Group, several: Sequence[Case]) -> list[Outcome]:
+    """Simulate the runs of one group."""
+    vehicle = _Vehicle(group, sorted({case.instant_s for case in several}))
+    with vehicle.engine:
+        return [vehicle.measure(case) for case in several]
+
+
+def tasks(several: Sequence[Case], size: int = 40) -> Iterator[tuple[Group, list[Case]]]:
+    """Divide runs into lots that share their vehicle."""
+    groups: dict[Group, list[Case]] = {}
+    for case in several:
+        groups.setdefault(case.group, []).append(case)
+    for group, members in groups.items():
+        for k in range(0, len(members), size):
+            yield group, members[k : k + size]
