@@ -19,6 +19,7 @@
 #include "hal/time.h"
 #include "hal/upcall.h"
 #include "hal/watchdog.h"
+#include "monitor/recorder.h"
 
 enum {
     FINISH_PASSES =
@@ -50,6 +51,8 @@ static struct {
     report_timer_t report_timer;         /* PWM period */
     fast_input_t fast_input;             /* PWM period; zero what the rotor sensor does not give */
     volatile uint32_t fast_cycles_worst; /* PWM period */
+    recorder_t recorder;                 /* millisecond, and at boot */
+    recorder_memory_t *volatile samples; /* millisecond; NULL: no more for the black box */
     controller_t controller;             /* .fast: PWM period, .slow: millisecond */
 
     uint32_t fast_missing_ms; /* millisecond; consecutive ones without a fast step */
@@ -64,6 +67,8 @@ static struct {
     can_link_t can;
     pedal_sender_t pedal_sender;
     console_t console;
+    uint16_t slow_steps_seen; /* of the snapshot, and when it last was another one */
+    uint32_t slow_step_ms;
     bool restarting; /* the watchdog is no longer fed */
 } app;
 
@@ -78,8 +83,22 @@ static battery_limits_t pack_limits(const config_t *config)
     return limits;
 }
 
+static void start_recorder(const config_t *config)
+{
+    const memory_window_t retained = memory_retained();
+    const recorder_start_t start = {.pwm_frequency_Hz = (uint32_t)config->drive.pwm_frequency_Hz,
+                                    .config_crc32 = config->crc32,
+                                    .was_watchdog = app.boot.was_watchdog};
+    const bool fits = 4U * retained.words >= sizeof(recorder_memory_t);
+    /* Not volatile for the recorder: one core, and a compiler does not move stores beyond a call.
+     */
+    recorder_init(&app.recorder, fits ? (recorder_memory_t *)(uintptr_t)retained.begin : NULL,
+                  &start);
+}
+
 static void start_control(const config_t *config)
 {
+    start_recorder(config);
     controller_init(&app.controller, config);
     for (int i = 0; i < 2; i++) {
         app.fast_setpoint[i] = controller_initial_setpoint(config);
@@ -109,7 +128,10 @@ void app_boot(void)
     app.fast_cycles_worst = 0;
     app.fast_input = no_input;
     app.fast_missing_ms = 0;
+    app.samples = NULL; /* until the first slow step */
     app.restarting = false;
+    app.slow_steps_seen = 0;
+    app.slow_step_ms = 0;
     app.snapshot[0] = empty;
     app.snapshot[1] = empty;
     double_buffer_init(&app.to_fast);
@@ -181,6 +203,23 @@ static void read_inputs(const config_t *config, fast_input_t *in)
     read_rotor_sensor(config, in);
 }
 
+/* The sensors that there are not read as zero (fast_input), so the sum is the one there is. */
+static void record(const fast_input_t *in, const fast_output_t *out)
+{
+    recorder_memory_t *samples = app.samples;
+    if (samples == NULL) {
+        return;
+    }
+    const recorder_fast_t sample = {
+        .phase_code = {in->phase_current_code[0], in->phase_current_code[1],
+                       in->phase_current_code[2]},
+        .bus_code = in->bus_voltage_code,
+        .rotor = (uint16_t)(in->rotor_angle_turn + in->encoder.count + in->hall_state),
+        .on_a_counts = out->compare_counts[0],
+    };
+    recorder_fast(samples, &sample, out->bridge);
+}
+
 void app_pwm_period_isr(void)
 {
     const config_t *config = app.config;
@@ -193,6 +232,7 @@ void app_pwm_period_isr(void)
     const fast_output_t *out =
         controller_fast_step(&app.controller.fast, config, from_slow, &app.fast_input);
     inverter_set(inverter_mode(out->bridge), out->compare_counts);
+    record(&app.fast_input, out);
     report_when_due();
 
     const uint32_t cycles = time_cycles() - begin_cycles;
@@ -259,6 +299,8 @@ void app_millisecond_isr(void)
         inverter_clear_fault(); /* the hardware's latch is released with the monitor's, never on its
                                    own */
     }
+    recorder_slow(&app.recorder, &snapshot->output, &snapshot->temperature);
+    app.samples = app.recorder.takes_samples ? app.recorder.memory : NULL;
     double_buffer_swap(&app.to_fast);
     double_buffer_mark(&app.from_slow);
 }
@@ -279,6 +321,7 @@ static report_status_t status_of(const snapshot_t *snapshot)
         .stack_free_bytes = memory_stack_free_bytes(),
         .bus_off = can_bus_off(),
         .control = app.config != NULL,
+        .black_box = app.recorder.memory,
     };
     return status;
 }
@@ -295,17 +338,24 @@ static bool is_at_standstill(const slow_output_t *output)
 /* Control ends here, because the configuration in use is erased first. */
 static void replace_configuration(const snapshot_t *snapshot)
 {
-    text_t line;
-    text_clear(&line);
-    if (is_at_standstill(&snapshot->output)) {
+    const bool permitted = is_at_standstill(&snapshot->output);
+    if (permitted) {
         app.config = NULL;
         app.restarting = true;
-        (void)installer_write(&app.console.installer, &line);
-    } else {
-        text_add(&line, "refused: only with the wheel known to be at rest and switched off; the "
-                        "configuration is as it was");
+        recorder_expect_restart(&app.recorder);
     }
-    console_print(&app.console, &line);
+    console_install(&app.console, permitted);
+}
+
+/* False while the slow loop stands still: its last results are then not sent any more, so that the
+ * brake system sees a counter that stands still and keeps the brake by its own timeout. */
+static bool slow_loop_steps(const snapshot_t *snapshot, uint32_t now_ms)
+{
+    if (snapshot->counts.slow_steps != app.slow_steps_seen) {
+        app.slow_steps_seen = snapshot->counts.slow_steps;
+        app.slow_step_ms = now_ms;
+    }
+    return now_ms - app.slow_step_ms < APP_SLOW_STOPPED_ms;
 }
 
 void app_background(void)
@@ -327,8 +377,11 @@ void app_background(void)
         if (pedals_wired(app.config)) {
             pedal_sender_transmit(&app.pedal_sender, app.config, &snapshot->pedals, now_ms);
         }
-        can_link_transmit(&app.can, now_ms, &snapshot->output, &snapshot->temperature);
+        if (slow_loop_steps(snapshot, now_ms)) {
+            can_link_transmit(&app.can, now_ms, &snapshot->output, &snapshot->temperature);
+        }
     }
+    (void)recorder_seal(&app.recorder);
     const report_status_t status = status_of(snapshot);
     console_pump(&app.console, now_ms, &status);
     if (console_has_accepted(&app.console)) {

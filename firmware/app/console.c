@@ -3,13 +3,27 @@
 
 #include "hal/serial.h"
 
-enum { STATUS, WATCH, LIMITS, FAULTS, CAN, BOOT, CONFIG, VERSION, INSTALL, COMMANDS_COUNT };
+enum {
+    STATUS,
+    WATCH,
+    LIMITS,
+    FAULTS,
+    BLACKBOX,
+    CAN,
+    BOOT,
+    CONFIG,
+    VERSION,
+    INSTALL,
+    COMMANDS_COUNT
+};
 
 static const shell_command_t COMMANDS[COMMANDS_COUNT] = {
     [STATUS] = {"status", "", "mode, reason, torque, speed, bus"},
     [WATCH] = {"watch", "", "the status every second, until the next key"},
     [LIMITS] = {"limits", "", "every torque limit, which one is the tightest, and why"},
     [FAULTS] = {"faults", "[PREFIX]", "the faults whose names begin so: times, reaction, clearing"},
+    [BLACKBOX] = {"blackbox", "",
+                  "the first fault's record, for hubsim blackbox; counts of faults"},
     [CAN] = {"can", "", "received frames and errors of each sender"},
     [BOOT] = {"boot", "", "what the self-tests found"},
     [CONFIG] = {"config", "[PREFIX]", "the configuration's fields that begin so"},
@@ -49,6 +63,8 @@ static bool answer(console_t *console, const shell_request_t *asked, text_t *lin
         return answer_limits(console, asked->number, line);
     case FAULTS:
         return report_faults(console->boot, asked->argument, asked->number, line);
+    case BLACKBOX:
+        return report_black_box(&console->status, asked->number, line);
     case CAN:
         return report_can(&console->status, asked->number, line);
     case BOOT:
@@ -149,6 +165,19 @@ bool console_has_accepted(console_t *console)
         console->installer.state = INSTALLER_CLOSED;
     }
     return accepted;
+}
+
+void console_install(console_t *console, bool permitted)
+{
+    text_t line;
+    text_clear(&line);
+    if (permitted) {
+        (void)installer_write(&console->installer, &line);
+    } else {
+        text_add(&line, "refused: only with the wheel known to be at rest and switched off; the "
+                        "configuration is as it was");
+    }
+    console_print(console, &line);
 }
 
 void console_pump(console_t *console, uint32_t now_ms, const report_status_t *status)

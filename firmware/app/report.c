@@ -298,21 +298,26 @@ static const fault_t *fault_that_begins(const char *prefix, uint32_t number)
     return NULL;
 }
 
-/* A configuration field is followed by its value, as `config` shows it. */
+/* A word that is a configuration field is followed by its value, as `config` shows it. */
 static void add_time(const boot_report_t *boot, const char *time, text_t *line)
 {
     const bool accepted = boot->config_result.code == CONFIG_RESULT_OK;
     while (*time != '\0') {
-        const char *plus = strstr(time, " + ");
-        const size_t length = plus == NULL ? strlen(time) : (size_t)(plus - time);
-        char word[FAULT_TIME_CHARS + 1] = {0};
-        memcpy(word, time, length < FAULT_TIME_CHARS ? length : FAULT_TIME_CHARS);
-        if (!accepted || strchr(word, '.') == NULL ||
-            !config_lines_get(boot->config, word, 0, line)) {
+        char word[FAULT_TIME_CHARS + 1];
+        uint32_t length = 0;
+        bool field = false;
+        for (; *time != '\0' && *time != ' ' && length < FAULT_TIME_CHARS; time++) {
+            field = field || *time == '.';
+            word[length++] = *time;
+        }
+        word[length] = '\0';
+        if (!accepted || !field || !config_lines_get(boot->config, word, 0, line)) {
             text_add(line, word);
         }
-        text_add(line, plus == NULL ? "" : " + ");
-        time += plus == NULL ? length : length + 3U;
+        if (*time == ' ') {
+            text_add(line, " ");
+            time++;
+        }
     }
 }
 

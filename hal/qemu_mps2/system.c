@@ -25,7 +25,7 @@ enum {
 
 extern const uint32_t link_image_begin[], link_image_end[], link_image_crc32[];
 extern const uint32_t link_configuration_begin[], link_configuration_end[];
-extern uint32_t link_stack_begin[];
+extern uint32_t link_stack_begin[], link_retained_begin[], link_retained_end[];
 
 static volatile uint32_t milliseconds;
 static uint32_t run_ms;
@@ -169,6 +169,13 @@ void memory_mark_stack(void)
     for (uint32_t i = 0; i < window.words; i++) {
         window.begin[i] = STACK_PATTERN;
     }
+}
+
+memory_window_t memory_retained(void)
+{
+    const memory_window_t window = {link_retained_begin,
+                                    (uint32_t)(link_retained_end - link_retained_begin)};
+    return window;
 }
 
 uint32_t memory_stack_free_bytes(void)

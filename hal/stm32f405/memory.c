@@ -5,7 +5,7 @@
 
 enum { PATTERN = 0x5AA5C33CU, MARGIN_BYTES = 256 /* for the frames of whoever uses the window */ };
 
-extern uint32_t link_stack_begin[];
+extern uint32_t link_stack_begin[], link_retained_begin[], link_retained_end[];
 
 memory_window_t memory_unused(void)
 {
@@ -23,6 +23,13 @@ void memory_mark_stack(void)
     for (uint32_t i = 0; i < window.words; i++) {
         window.begin[i] = PATTERN;
     }
+}
+
+memory_window_t memory_retained(void)
+{
+    const memory_window_t window = {link_retained_begin,
+                                    (uint32_t)(link_retained_end - link_retained_begin)};
+    return window;
 }
 
 uint32_t memory_stack_free_bytes(void)

@@ -22,6 +22,10 @@ memory_window_t memory_unused(void);
  * interrupts start. */
 void memory_mark_stack(void);
 
+/* Words that no reset changes as long as the supply stays, 8 KiB or none; after power-up they hold
+ * anything. Nothing else uses them. Any context. */
+memory_window_t memory_retained(void);
+
 /* Bytes that the stack has not used since memory_mark_stack(); 0 if it was never called. Background
  * context: the time grows with the number of free bytes. */
 uint32_t memory_stack_free_bytes(void);

@@ -19,6 +19,9 @@
 
 #include <stdbool.h>
 
+/* Milliseconds without a slow step after which no more frames are sent. */
+enum { APP_SLOW_STOPPED_ms = 5 };
+
 /* Background context, once after reset: self-tests, then either running interrupts or BOOT with the
  * reason on the serial line. Tests may call it again; all state is initialised. */
 void app_boot(void);

@@ -6,6 +6,7 @@
  *     watch             the same every second, until a key is typed
  *     limits            every torque limit, which one is the tightest, and why
  *     faults [PREFIX]   the table of faults: times, reaction, clearing, driver
+ *     blackbox          the record of the first fault (monitor/recorder.h), counts of faults
  *     can               received frames and errors of each sender
  *     boot              what the self-tests found
  *     config [PREFIX]   the configuration's fields
@@ -58,6 +59,10 @@ bool console_drained(const console_t *console);
 
 /* True once, when a configuration has been received and accepted. */
 bool console_has_accepted(console_t *console);
+
+/* Writes that configuration (installer_write() has the preconditions) and prints the result; not
+ * permitted: prints only that it is refused. */
+void console_install(console_t *console, bool permitted);
 
 /* Background context, every pass: passes received bytes to the shell and its output to the serial
  * line. */

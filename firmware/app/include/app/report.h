@@ -12,6 +12,7 @@
 #include "comms/node.h"
 #include "comms/text.h"
 #include "controller/controller.h"
+#include "monitor/recorder.h"
 
 /* Present values for the lines below. */
 typedef struct {
@@ -22,6 +23,7 @@ typedef struct {
      */
     uint32_t fast_cycles_worst;
     uint32_t stack_free_bytes;
+    const recorder_memory_t *black_box; /* NULL: this board has none, or no control runs */
     bool bus_off;
     bool control; /* the control steps run; otherwise the pointers are meaningless */
 } report_status_t;
@@ -57,6 +59,10 @@ bool report_can(const report_status_t *status, uint32_t number, text_t *line);
  * number, name and meaning; then qualify and heal time, of an accepted configuration with the
  * values of its fields, reaction, clearing and what the driver is told. */
 bool report_faults(const boot_report_t *boot, const char *prefix, uint32_t number, text_t *line);
+
+/* What the black box holds, the counters of faults that are not zero, and the whole memory as hex,
+ * 32 bytes a line after their offset: what `hubsim blackbox` reads. */
+bool report_black_box(const report_status_t *status, uint32_t number, text_t *line);
 
 /* Name, checksum and versions; then the fields whose names begin with `prefix`. */
 bool report_config(const boot_report_t *boot, const char *prefix, uint32_t number, text_t *line);

@@ -100,8 +100,9 @@ void test_greeting_is_the_banner_and_the_result_of_the_self_tests(void)
 void test_every_command_that_help_lists_has_an_answer(void)
 {
     type_and_wait("help\r");
-    static const char *const NAMES[] = {"help", "reasons", "status", "watch",   "limits", "faults",
-                                        "can",  "boot",    "config", "version", "install"};
+    static const char *const NAMES[] = {"help",   "reasons", "status",   "watch",
+                                        "limits", "faults",  "blackbox", "can",
+                                        "boot",   "config",  "version",  "install"};
     for (size_t i = 0; i < sizeof NAMES / sizeof NAMES[0]; i++) {
         text_t line_begin;
         text_clear(&line_begin);

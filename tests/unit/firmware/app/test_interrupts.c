@@ -19,142 +19,8 @@
 #include "mock_serial.h"
 #include "mock_time.h"
 #include "mock_watchdog.h"
+#include "mocked_board.h"
 #include "unity.h"
-
-static struct {
-    config_t config;
-    analog_sample_t sample;
-    inverter_mode_t mode;
-    uint16_t compare_counts[3];
-    can_frame_t waiting;
-    can_frame_t last_state;
-    can_frame_t demands[8]; /* to other wheels */
-    uint16_t pedal_code[ANALOG_PEDAL_CHANNELS];
-    uint32_t now_ms, firmware_crc32;
-    int sets, feedings, clearings, trips, demand_count;
-    bool fault, at_index, frame_waits, inverter_started, pedals_sampled;
-} board;
-
-static volatile uint32_t window[4];
-
-static flash_image_t configuration(int calls)
-{
-    (void)calls;
-    const flash_image_t image = {&board.config, sizeof board.config};
-    return image;
-}
-
-static flash_image_t firmware(int calls)
-{
-    (void)calls;
-    const flash_image_t image = {"123456789", 9};
-    return image;
-}
-
-static uint32_t firmware_crc32(int calls)
-{
-    (void)calls;
-    return board.firmware_crc32;
-}
-
-static memory_window_t unused(int calls)
-{
-    (void)calls;
-    const memory_window_t out = {window, 4};
-    return out;
-}
-
-static void read_analog(analog_sample_t *sample, int calls)
-{
-    (void)calls;
-    *sample = board.sample;
-}
-
-static void set(inverter_mode_t mode, const uint16_t compare_counts[3], int calls)
-{
-    (void)calls;
-    board.sets++;
-    board.mode = mode;
-    memcpy(board.compare_counts, compare_counts, sizeof board.compare_counts);
-}
-
-static void start(int calls)
-{
-    (void)calls;
-    board.inverter_started = true;
-}
-
-static bool fault(int calls)
-{
-    (void)calls;
-    return board.fault;
-}
-
-static void clear_fault(int calls)
-{
-    (void)calls;
-    board.clearings++;
-    board.fault = false;
-}
-
-static void trip(int calls)
-{
-    (void)calls;
-    board.trips++;
-    board.fault = true;
-}
-
-static rotor_sensor_encoder_t encoder(int calls)
-{
-    (void)calls;
-    const rotor_sensor_encoder_t seen = {
-        .count = 40000, .index_count = 40000, .index = board.at_index};
-    return seen;
-}
-
-static void feed(int calls)
-{
-    (void)calls;
-    board.feedings++;
-}
-
-static uint32_t now(int calls)
-{
-    (void)calls;
-    return board.now_ms;
-}
-
-static bool receive(can_frame_t *frame, int calls)
-{
-    (void)calls;
-    const bool waits = board.frame_waits;
-    *frame = board.waiting;
-    board.frame_waits = false;
-    return waits;
-}
-
-static bool transmit(const can_frame_t *frame, int calls)
-{
-    (void)calls;
-    if (frame->identifier ==
-        messages_identifier(MESSAGES_WHEEL_STATE,
-                            (messages_wheel_t)CONFIG_IMAGE.vehicle.wheel_position)) {
-        board.last_state = *frame;
-    }
-    if (frame->identifier < 0x104) { /* hubfoc.dbc: Demand, 0x100 to 0x103 */
-        board.demands[board.demand_count++ % 8] = *frame;
-    }
-    return true;
-}
-
-static bool pedals(uint16_t code[ANALOG_PEDAL_CHANNELS], int calls)
-{
-    (void)calls;
-    if (board.pedals_sampled) {
-        memcpy(code, board.pedal_code, sizeof board.pedal_code);
-    }
-    return board.pedals_sampled;
-}
 
 void setUp(void)
 {
@@ -178,6 +44,7 @@ void setUp(void)
     watchdog_start_Ignore();
     watchdog_feed_StubWithCallback(feed);
     memory_unused_StubWithCallback(unused);
+    memory_retained_StubWithCallback(retained);
     memory_mark_stack_Ignore();
     memory_stack_free_bytes_IgnoreAndReturn(0);
     flash_firmware_StubWithCallback(firmware);
@@ -412,6 +279,26 @@ void test_watchdog_is_not_fed_when_either_loop_stops(void)
         app_background();
     }
     TEST_ASSERT_EQUAL_INT(0, board.feedings);
+}
+
+/* The brake system must see that its command is no longer made: no frame, so no new counter. */
+void test_frames_end_while_the_slow_loop_is_stopped(void)
+{
+    app_boot();
+    milliseconds(100);
+    board.frames_sent = 0;
+    for (int ms = 0; ms < APP_SLOW_STOPPED_ms; ms++) {
+        board.now_ms++;
+        app_background();
+    }
+    const int sent = board.frames_sent;
+    for (int ms = 0; ms < 200; ms++) {
+        board.now_ms++;
+        app_background();
+    }
+    TEST_ASSERT_EQUAL_INT(sent, board.frames_sent);
+    milliseconds(100);
+    TEST_ASSERT_GREATER_THAN_INT(sent, board.frames_sent);
 }
 
 /* In whatever period it happens: the slow step's report is never older than the latest period. */

@@ -14,6 +14,7 @@
 #include "config_image.h"
 #include "controller/controller.h"
 #include "hal/flash.h"
+#include "hal/inverter.h"
 #include "hal/time.h"
 #include "hal/upcall.h"
 #include "host/port.h"
@@ -201,6 +202,32 @@ void test_the_shell_answers_while_the_wheel_turns(void)
     /* Nothing is demanded yet, so torque is not enabled in either direction. */
     TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), "driving 0.000 N m, "));
     TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), "\nENABLE          0.000"));
+}
+
+/* A trip in READY, which is still there after the reset; 168 bytes of header, 4 800 and 3 200 of
+ * entries are 256 lines of hex.
+ */
+void test_the_shell_prints_the_record_of_the_first_fault_and_a_reset_keeps_it(void)
+{
+    connect(&CONFIG_IMAGE);
+    app_boot();
+    run_for(30000);
+    inverter_trip();
+    run_for(20000);
+    app_boot();
+    run_for(10000);
+    host_serial_type("blackbox\r");
+    run_for(10000);
+    const char *shown = strstr(host_serial_output(), "black box: record of 77 ");
+    TEST_ASSERT_NOT_NULL_MESSAGE(shown, host_serial_output());
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(shown, "\n2 times power stage reported a fault\r\n"),
+                                 shown);
+    TEST_ASSERT_NOT_NULL(strstr(shown, "\n0000: 464F46420100E81F04"));
+    uint32_t lines = 0;
+    for (const char *at = strstr(shown, "\n0000: "); at != NULL; at = strchr(at + 1, '\n')) {
+        lines += strncmp(at + 5, ": ", 2) == 0 ? 1U : 0U;
+    }
+    TEST_ASSERT_EQUAL_UINT32(256, lines);
 }
 
 /* One firmware for four wheels: the configuration holds the wheel's address. */

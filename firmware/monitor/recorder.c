@@ -1,0 +1,190 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "monitor/recorder.h"
+
+#include <stddef.h>
+
+#include "config/validate.h"
+#include "core/q15.h"
+
+static uint32_t check_of_counts(const recorder_memory_t *memory)
+{
+    uint32_t sum = 0;
+    for (int i = 0; i < RECORDER_COUNTED; i++) {
+        sum += memory->counts[i];
+    }
+    return ~sum;
+}
+
+static uint32_t crc_of(const recorder_memory_t *memory)
+{
+    const size_t from = offsetof(recorder_memory_t, crc32) + sizeof memory->crc32;
+    return config_crc32((const uint8_t *)memory + from, (uint32_t)(sizeof *memory - from));
+}
+
+static bool is_ours(const recorder_memory_t *memory)
+{
+    return memory->magic == RECORDER_MAGIC && memory->format == RECORDER_FORMAT &&
+           memory->size_bytes == sizeof *memory && memory->fast_next < RECORDER_FAST_ENTRIES &&
+           memory->slow_next < RECORDER_SLOW_ENTRIES && memory->phase <= RECORDER_SEALED &&
+           (memory->phase != RECORDER_SEALED || memory->crc32 == crc_of(memory));
+}
+
+/* Zero but for the counters. */
+static void begin(recorder_memory_t *memory, const recorder_start_t *start, bool keep_counts)
+{
+    const recorder_fast_t no_sample = {.rotor = 0};
+    const recorder_slow_t no_step = {.mode = 0};
+    for (int i = 0; i < RECORDER_FAST_ENTRIES; i++) {
+        memory->fast[i] = no_sample;
+    }
+    for (int i = 0; i < RECORDER_SLOW_ENTRIES; i++) {
+        memory->slow[i] = no_step;
+    }
+    for (int i = 0; i < RECORDER_COUNTED && !keep_counts; i++) {
+        memory->counts[i] = 0;
+    }
+    memory->format = RECORDER_FORMAT;
+    memory->size_bytes = (uint16_t)sizeof *memory;
+    memory->pwm_frequency_Hz = start->pwm_frequency_Hz;
+    memory->config_crc32 = start->config_crc32;
+    memory->fault_ms = 0;
+    memory->fast_next = 0;
+    memory->slow_next = 0;
+    memory->phase = RECORDER_RECORDING;
+    memory->reason = REASON_NONE;
+    memory->after_reset = 0;
+    for (int i = 0; i < 3; i++) {
+        memory->reserved[i] = 0;
+    }
+    memory->reserved_too[0] = 0;
+    memory->reserved_too[1] = 0;
+    memory->crc32 = 0;
+    memory->counts_check = check_of_counts(memory);
+    memory->magic = RECORDER_MAGIC;
+}
+
+static void count(recorder_memory_t *memory, reason_t reason)
+{
+    const int32_t index = (int32_t)reason - RECORDER_FIRST_COUNTED;
+    if (index >= 0 && index < RECORDER_COUNTED && memory->counts[index] < UINT16_MAX) {
+        memory->counts[index]++;
+        memory->counts_check = check_of_counts(memory);
+    }
+}
+
+void recorder_init(recorder_t *recorder, recorder_memory_t *memory, const recorder_start_t *start)
+{
+    const recorder_t fresh = {.memory = memory, .fault_before = REASON_NONE};
+    *recorder = fresh;
+    if (memory == NULL) {
+        return;
+    }
+    const bool ours = is_ours(memory);
+    const bool keep_counts = ours && memory->counts_check == check_of_counts(memory);
+    const bool interrupted = ours && memory->phase == RECORDER_RECORDING && start->was_watchdog;
+    if (interrupted || (ours && memory->phase == RECORDER_ENDING)) {
+        memory->reason = interrupted ? (uint8_t)REASON_PROGRAM_FLOW : memory->reason;
+        memory->after_reset = 1;
+        memory->phase = RECORDER_COMPLETE;
+        if (interrupted && keep_counts) {
+            count(memory, REASON_PROGRAM_FLOW);
+        }
+    } else if (!ours || memory->phase <= RECORDER_RECORDING) {
+        begin(memory, start, keep_counts);
+        recorder->takes_samples = true;
+    }
+}
+
+void recorder_expect_restart(recorder_t *recorder)
+{
+    if (recorder->memory != NULL && recorder->memory->phase == RECORDER_RECORDING) {
+        recorder->takes_samples = false;
+        recorder->memory->phase = RECORDER_EMPTY;
+    }
+}
+
+/* value / unit in 16 bits, rounded towards zero. */
+static int16_t in_units(int32_t value, int32_t unit)
+{
+    return (int16_t)q_clamp(value / unit, INT16_MIN, INT16_MAX);
+}
+
+static int8_t degrees(int32_t temperature_cC)
+{
+    return (int8_t)q_clamp(temperature_cC / 100, INT8_MIN, INT8_MAX);
+}
+
+static recorder_slow_t entry_of(const slow_output_t *output,
+                                const wheel_temperatures_t *temperature)
+{
+    const bool fault = output->fault_reason != REASON_NONE;
+    const recorder_slow_t out = {
+        .speed_dr_s = in_units(output->speed_mrad_s, 100),
+        .torque_command_dNm = in_units(output->motor_torque_command_mNm, 100),
+        .torque_estimate_dNm = in_units(output->motor_torque_estimate_mNm, 100),
+        .hydraulic_dNm = in_units(output->hydraulic_torque_mNm, 100),
+        .bus_dV = in_units(output->bus_voltage_mV, 100),
+        .bus_dA = in_units(output->bus_current_mA, 100),
+        .winding_C = degrees(temperature->winding_cC),
+        .switch_C = degrees(temperature->switch_cC),
+        .mode = (uint8_t)output->mode,
+        .reason = (uint8_t)(fault ? output->fault_reason : output->torque_reason),
+    };
+    return out;
+}
+
+static void end_when_due(recorder_t *recorder)
+{
+    recorder_memory_t *memory = recorder->memory;
+    recorder->slow_left_ms--;
+    if (recorder->slow_left_ms == RECORDER_SLOW_AFTER_ms - RECORDER_FAST_AFTER_ms) {
+        recorder->takes_samples = false;
+    }
+    if (recorder->slow_left_ms == 0) {
+        memory->phase = RECORDER_COMPLETE;
+    }
+}
+
+void recorder_slow(recorder_t *recorder, const slow_output_t *output,
+                   const wheel_temperatures_t *temperature)
+{
+    recorder_memory_t *memory = recorder->memory;
+    if (memory == NULL) {
+        return;
+    }
+    const uint32_t now_ms = recorder->now_ms++;
+    const reason_t fault = output->fault_reason;
+    const bool new_fault = fault != REASON_NONE && fault != recorder->fault_before;
+    recorder->fault_before = fault;
+    if (new_fault) {
+        count(memory, fault);
+    }
+    if (memory->phase == RECORDER_RECORDING && new_fault) {
+        memory->fault_ms = now_ms;
+        memory->reason = (uint8_t)fault;
+        memory->phase = RECORDER_ENDING;
+        recorder->slow_left_ms = RECORDER_SLOW_AFTER_ms;
+    }
+    if (memory->phase != RECORDER_RECORDING && memory->phase != RECORDER_ENDING) {
+        return;
+    }
+    if (now_ms % RECORDER_SLOW_PERIOD_ms == 0) {
+        const uint32_t next = memory->slow_next;
+        memory->slow[next] = entry_of(output, temperature);
+        memory->slow_next = (uint16_t)(next + 1U < RECORDER_SLOW_ENTRIES ? next + 1U : 0U);
+    }
+    if (memory->phase == RECORDER_ENDING) {
+        end_when_due(recorder);
+    }
+}
+
+bool recorder_seal(recorder_t *recorder)
+{
+    recorder_memory_t *memory = recorder->memory;
+    if (memory == NULL || memory->phase != RECORDER_COMPLETE) {
+        return false;
+    }
+    memory->phase = RECORDER_SEALED;
+    memory->crc32 = crc_of(memory);
+    return true;
+}
