@@ -7,8 +7,8 @@
 
 enum {
     ONE_Q6 = 64,
-    LIMIT_FILTER_LOG2 = 6,   /* 64 ms: filters the noise of the extrapolation */
-    MOST_LIMIT_mNm = 8388608 /* largest input of the filter */
+    LIMIT_FILTER_LOG2 = 6,  /* 64 ms: filters the noise of the extrapolation */
+    MOST_FILTERED = 8388608 /* largest input of the filters */
 };
 
 void brake_blending_init(brake_blending_state_t *state, const config_t *config)
@@ -19,6 +19,7 @@ void brake_blending_init(brake_blending_state_t *state, const config_t *config)
     state->bridging_ms = 0;
     state->added_mNm = 0;
     filter_reset(&state->limit_lp_mNm, 0, LIMIT_FILTER_LOG2);
+    filter_reset(&state->speed_lp_mrad_s, 0, LIMIT_FILTER_LOG2);
 }
 
 /* Electric braking as a magnitude: torque against the rotation, 0 when it drives. */
@@ -27,16 +28,27 @@ static int32_t braking_part(int32_t torque_mNm, int32_t speed_mrad_s)
     return q_max(speed_mrad_s >= 0 ? -torque_mNm : torque_mNm, 0);
 }
 
-/* Expected fall of a limit within the delay of the hydraulic brake; 0 while it rises. */
-static int32_t expected_fall_mNm(brake_blending_state_t *state, const config_brake_t *brake,
-                                 int32_t limit_mNm)
+/* What a value is expected to be some milliseconds later; unchanged while it rises. A low-pass of a
+ * ramp lags it by the slope times the time constant. */
+static int32_t expected(filter_t *low_pass, int32_t value, int32_t ahead_ms)
 {
-    const int32_t within_mNm = q_min(limit_mNm, MOST_LIMIT_mNm);
-    /* A low-pass of a ramp lags it by the slope times the time constant. */
-    const int32_t lag_mNm =
-        filter_step(&state->limit_lp_mNm, within_mNm, LIMIT_FILTER_LOG2) - within_mNm;
-    const int32_t ahead_ms = brake->hydraulic_dead_time_ms + brake->hydraulic_time_constant_ms;
-    return (int32_t)(((int64_t)q_max(lag_mNm, 0) * ahead_ms) >> LIMIT_FILTER_LOG2);
+    const int32_t within = q_min(value, MOST_FILTERED);
+    const int32_t lag = filter_step(low_pass, within, LIMIT_FILTER_LOG2) - within;
+    return q_max(value - (int32_t)(((int64_t)q_max(lag, 0) * ahead_ms) >> LIMIT_FILTER_LOG2), 0);
+}
+
+/* Motor limit when the hydraulic brake responds. The line BLEND_OUT binds from one speed on, which
+ * its slope before does not show: it is taken at the speed expected when the hydraulic brake has
+ * all but a seventh of its lag over (README, Blend-out). */
+static int32_t expected_limit_mNm(brake_blending_state_t *state, const config_t *config,
+                                  int32_t limit_mNm, int32_t speed_mrad_s)
+{
+    const config_brake_t *brake = &config->brake;
+    const int32_t responds_ms = brake->hydraulic_dead_time_ms + brake->hydraulic_time_constant_ms;
+    const int32_t made_ms = responds_ms + brake->hydraulic_time_constant_ms;
+    const int32_t by_slope_mNm = expected(&state->limit_lp_mNm, limit_mNm, responds_ms);
+    const int32_t slower_mrad_s = expected(&state->speed_lp_mrad_s, q_abs(speed_mrad_s), made_ms);
+    return q_min(by_slope_mNm, torque_limits_blend_out(config, slower_mrad_s).torque_mNm);
 }
 
 /* Motor torque available when the hydraulic brake responds, and the shortfall of the present motor
@@ -76,9 +88,9 @@ static motor_share_t motor_share(const config_t *config, const brake_blending_in
 static int32_t bridged_mNm(brake_blending_state_t *state, const config_brake_t *brake,
                            int32_t limit_mNm, const brake_blending_input_t *in, bool measured)
 {
-    const int32_t within_q6 = q_min(limit_mNm, MOST_LIMIT_mNm) * ONE_Q6;
+    const int32_t within_q6 = q_min(limit_mNm, MOST_FILTERED) * ONE_Q6;
     const int32_t made_mNm =
-        q_min(braking_part(in->motor_command_mNm, in->speed_mrad_s), MOST_LIMIT_mNm);
+        q_min(braking_part(in->motor_command_mNm, in->speed_mrad_s), MOST_FILTERED);
     if (state->bridging_ms == 0) {
         state->bridged_q6_mNm = q_min(state->bridged_q6_mNm, made_mNm * ONE_Q6);
     }
@@ -143,13 +155,14 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
     const int32_t independent_mNm = q_min(bounds.hard_mNm, bounds.deferrable_mNm);
     const limit_t available =
         torque_limits_at_most(limits->braking, q_min(independent_mNm, share_mNm));
-    /* The anti-lock system's bound steps, so its slope says nothing. */
+    const int32_t predicted_mNm =
+        expected_limit_mNm(state, config, independent_mNm, in->speed_mrad_s);
+    /* The anti-lock system's bound steps, so its slope says nothing; nor does a slipping wheel's.
+     */
     const bool anti_lock = limits->braking[TORQUE_LINE_ABS].torque_mNm <= independent_mNm;
-    const int32_t slope_mNm = expected_fall_mNm(state, brake, independent_mNm);
-    const int32_t fall_mNm = anti_lock ? 0 : slope_mNm;
-    const int32_t expected_limit_mNm =
-        q_min(q_min(demand_mNm, available.torque_mNm), q_max(independent_mNm - fall_mNm, 0));
-    const motor_share_t motor = motor_share(config, in, expected_limit_mNm);
+    const int32_t later_mNm = anti_lock ? independent_mNm : predicted_mNm;
+    const motor_share_t motor =
+        motor_share(config, in, q_min(q_min(demand_mNm, available.torque_mNm), later_mNm));
     const int32_t required_mNm =
         q_min(q_max(demand_mNm - motor.expected_mNm + motor.shortfall_mNm, 0), demand_mNm);
     const int32_t commanded_mNm = command_mNm(&state->feedback, required_mNm, motor.expected_mNm);

@@ -276,6 +276,15 @@ static limit_t faded(int32_t torque_mNm, int32_t share_q15, int32_t whole_mNm, r
                : limit_init(whole_mNm, reason);
 }
 
+limit_t torque_limits_blend_out(const config_t *config, int32_t speed_mrad_s)
+{
+    const config_brake_t *brake = &config->brake;
+    const bool series = brake->strategy == CONFIG_STRATEGY_SERIES_OPTIMAL;
+    return faded(series ? config->motor.max_torque_mNm : brake->electric_rated_torque_mNm,
+                 blend_out_share_q15(brake, q_abs(speed_mrad_s)), FEASIBLE_UNBOUNDED,
+                 REASON_BLEND_OUT);
+}
+
 /* The lines of the strategy and their blend-out: a rating or a share is scaled; the loss optimum
  * applies until the blend-out of max_torque falls below it. */
 void torque_limits_strategy(limit_t line[TORQUE_LINE_COUNT], const config_t *config,
@@ -289,8 +298,7 @@ void torque_limits_strategy(limit_t line[TORQUE_LINE_COUNT], const config_t *con
     const int32_t rated_mNm = brake->electric_rated_torque_mNm;
     line[TORQUE_LINE_ELECTRIC_RATED] =
         limit_init(series ? FEASIBLE_UNBOUNDED : rated_mNm, REASON_ELECTRIC_RATED);
-    line[TORQUE_LINE_BLEND_OUT] = faded(series ? config->motor.max_torque_mNm : rated_mNm,
-                                        share_q15, FEASIBLE_UNBOUNDED, REASON_BLEND_OUT);
+    line[TORQUE_LINE_BLEND_OUT] = torque_limits_blend_out(config, speed_mrad_s);
     const int32_t part_mNm = q15_share_of(demand_mNm, (int16_t)brake->parallel_electric_share_q15);
     line[TORQUE_LINE_ELECTRIC_SHARE] =
         brake->strategy == CONFIG_STRATEGY_PARALLEL_RATIO

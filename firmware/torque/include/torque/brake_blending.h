@@ -14,7 +14,8 @@
  *     with the lag, to a tenth within brake.bridging_time; with feedback, which knows a brake up to
  *     twice as slow, up to twice as slowly. Hard limits hold at once;
  *   - the hydraulic command is predictive: it uses the motor limit expected after dead time plus
- *     lag, extrapolated with its slope of the last 64 ms;
+ *     lag, extrapolated with its slope of the last 64 ms, and the line BLEND_OUT of the speed
+ *     expected after dead time plus two lags;
  *   - the available motor torque is that reached within brake.motor_arrival; it is the present
  *     command if the voltage permits no rise;
  *   - where the brake system takes its own path, the motor torque falls with the lag with which
@@ -42,10 +43,11 @@
 typedef struct {
     hydraulic_model_t hydraulic;
     hydraulic_feedback_state_t feedback;
-    filter_t limit_lp_mNm;  /* low-passed limit of the strategy */
-    int32_t bridged_q6_mNm; /* what is left of a deferrable limit that has fallen */
-    int32_t bridging_ms;    /* since it began to fall */
-    int32_t added_mNm;      /* to the hydraulic command of the last step */
+    filter_t limit_lp_mNm;    /* low-passed limit of the strategy */
+    filter_t speed_lp_mrad_s; /* low-passed magnitude of the speed */
+    int32_t bridged_q6_mNm;   /* what is left of a deferrable limit that has fallen */
+    int32_t bridging_ms;      /* since it began to fall */
+    int32_t added_mNm;        /* to the hydraulic command of the last step */
 } brake_blending_state_t;
 
 typedef struct {

@@ -85,6 +85,9 @@ void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
 void torque_limits_strategy(limit_t line[TORQUE_LINE_COUNT], const config_t *config,
                             int32_t speed_mrad_s, int32_t optimum_mNm, int32_t demand_mNm);
 
+/* The line BLEND_OUT at a speed; without a bound above the blend-out speeds. */
+limit_t torque_limits_blend_out(const config_t *config, int32_t speed_mrad_s);
+
 /* The lines of temperatures and, driving, of the highest speed. */
 limit_t torque_limits_winding(const config_t *config, int32_t temperature_cC);
 limit_t torque_limits_switch(const config_t *config, int32_t temperature_cC);

@@ -118,6 +118,33 @@ void test_slope_of_a_falling_limit_is_estimated_with_64_ms_time_constant(void)
     }
 }
 
+/* 40 N m leave between 2.618 and 0.838 rad/s; at 5 rad/s2 the line BLEND_OUT falls by 112 N m/s. A
+ * command that leads it by dead time and two lags has made 1 - exp(-2) of what the lag lets it miss
+ * at the end: 112 N m/s * 60 ms * exp(-2) = 0.9 N m. */
+void test_sum_is_the_demand_through_the_blend_out(void)
+{
+    late_hydraulic_brake();
+    config.motor.max_torque_mNm = 40000;
+    capability.regenerating = limit_init(40000, REASON_MAX_TORQUE);
+    capability.optimal = limit_init(INT32_MAX, REASON_LOSS_OPTIMUM);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        brake_blending_init(&state, &config);
+        hydraulic_model_init(&brake);
+        in.demand_mNm = 60000;
+        motor_mNm = 0;
+        for (int n = 0; n < 3000; n++) { /* 10 rad/s, then 5 rad/s2 */
+            in.speed_mrad_s = sign * (n < 1000 ? 10000 : q_max(10000 - 5 * (n - 1000), 0));
+            step_with_brakes();
+            const int32_t sum_mNm = motor_mNm + hydraulic_model_torque_mNm(&brake);
+            if (n > 600) {
+                TEST_ASSERT_INT32_WITHIN(1000, 60000, sum_mNm);
+                TEST_ASSERT_LESS_OR_EQUAL_INT32(60001, sum_mNm);
+            }
+        }
+        TEST_ASSERT_EQUAL_INT32(0, motor_mNm);
+    }
+}
+
 void test_falling_motor_torque_counts_with_its_value_after_dead_time_and_lag(void)
 {
     late_hydraulic_brake();

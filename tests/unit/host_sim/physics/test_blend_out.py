@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Stops through the blend-out: jerk, direction of the motor torque, standing still on slopes.
+
+Forty stops here; the four hundred of host_sim/blend_out were made by the command.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hubsim import blend_out, cases
+from hubsim.blend_out import Case, Outcome
+from hubsim.engine import ROOT
+from hubsim.stored_share import DRIVES, drive_named
+
+COUNT, SEED = 40, 5
+
+
+def test_stops_are_smooth_and_stand_on_slopes() -> None:
+    found = cases.measured(blend_out.measure, blend_out.draw(DRIVES, COUNT, SEED), processes=1)
+    # The hardest: all the brakes are asked for, up a slope that helps.
+    found += [blend_out.measure(COUNT, Case(name, 3.0, 10.0)) for name in DRIVES]
+    assert [o for o in found if not o.within] == []
+    assert {o.drive for o in found} == set(DRIVES)
+    assert sum(o.holds for o in found) >= COUNT // 2
+    assert any(o.slope_percent < -2.0 for o in found)
+
+
+def test_jerk_is_the_slope_of_the_torque_by_mass_and_radius() -> None:
+    """100 N m/s on 50 kg m are 2 m/s3; a step of 5 N m within 50 ms as well."""
+    ramp = 0.1 * np.arange(1000.0)
+    inside = slice(50, 800)  # the means need rows on both sides
+    assert blend_out.jerks(ramp, 50.0)[inside] == pytest.approx(2.0)
+    step = np.where(np.arange(1000) < 500, 0.0, 5.0)
+    assert np.max(blend_out.jerks(step, 50.0)[inside]) == pytest.approx(2.0)
+
+
+def test_a_slope_that_the_demand_cannot_stop_on_goes_up() -> None:
+    """lu2013 on 10 %: 660 kg / 4 * 9.80665 * 0.0995 * 0.25 m = 40.3 N m a wheel."""
+    assert blend_out.pull_nm(drive_named("lu2013"), 10.0) == pytest.approx(40.3, abs=0.1)
+    for case in blend_out.draw(("lu2013",), 200, 3):
+        if case.slope_percent < 0.0:
+            pull = blend_out.pull_nm(drive_named("lu2013"), case.slope_percent)
+            assert 30.0 * case.demand_share + pull > 0.0
+
+
+def test_the_command_writes_its_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = str(tmp_path / "out")
+    call = ["--count", "4", "--workers", "1", "--date", "2026-01-01", "--output"]
+    assert blend_out.main([*call, folder]) == 0
+    assert "1 of 1 stops within" in capsys.readouterr().out
+    names = {path.name for path in Path(folder).iterdir()}
+    assert names == {"blend_out.csv", "blend_out.json", "blend_out.svg", "blend_out.png"}
+    assert blend_out.main(["--count", "0", "--output", folder]) == 1
+    assert "--count 0: accepted" in capsys.readouterr().err
+
+
+def test_the_readme_states_the_figures_of_the_table() -> None:
+    folder = ROOT / "host_sim" / "blend_out"
+    found = cases.read_csv(Outcome, (folder / "blend_out.csv").read_text(encoding="utf-8"))
+    text = (folder / "README.md").read_text(encoding="utf-8")
+    assert len(found) == 400
+    for name in DRIVES:
+        here = [o for o in found if o.drive == name]
+        most = max(abs(o.jerk_m_per_s3) for o in here)
+        assert f"| {name} | {sum(o.within for o in here)} of {len(here)} | {most:.2f}" in text
