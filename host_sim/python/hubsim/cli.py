@@ -98,7 +98,7 @@ def parser() -> Parser:
     )
     for add in (
         *(_add_run, _add_sim, _add_sweep, *cli_sweeps.COMMANDS),
-        *(_add_compare, _add_list, _add_report),
+        *(_add_compare, _add_list, _add_report, _add_blackbox),
     ):
         add(commands)
     return out
@@ -346,4 +346,29 @@ def _add_report(commands: Commands) -> None:
         "--date",
         metavar="ISO-8601",
         help="of the page where a result holds no origin; default: SOURCE_DATE_EPOCH, or the clock",
+    )
+
+
+def _add_blackbox(commands: Commands) -> None:
+    command = commands.add_parser(
+        "blackbox",
+        help="what a controller recorded around its first fault",
+        description=(
+            "Read what the shell's blackbox printed, from a terminal's log: what happened, how "
+            "often each fault came, and with --output both rings as tables and a picture."
+        ),
+    )
+    command.add_argument("file", metavar="LOG", type=Path, help="text with the shell's answer")
+    command.add_argument(
+        "--config",
+        type=installation.drive_file,
+        default=DEFAULT_CONFIG,
+        metavar="TOML",
+        help="the drive, whose full scales make amperes and volts; default: lu2013",
+    )
+    command.add_argument(
+        "--output",
+        type=Path,
+        metavar="DIR",
+        help="for blackbox_fast.csv, blackbox_slow.csv, blackbox.svg and blackbox.png",
     )

@@ -22,6 +22,7 @@ from rich.table import Table
 
 from hubsim import (
     __version__,
+    black_box,
     cli,
     console,
     cycles,
@@ -473,4 +474,5 @@ COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "compare": compare_runs,
     "list": list_names,
     "report": write_report,
+    "blackbox": black_box.command,
 }

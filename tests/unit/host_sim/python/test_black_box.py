@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The record of a first fault: from the shell's text to amperes, volts and seconds."""
+
+import struct
+import zlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hubsim import black_box, cli
+from hubsim.errors import HubsimError
+
+FULL_A, FULL_V = 100.0, 80.0
+FAST_NEXT, SLOW_NEXT = 7, 11
+
+
+def memory(phase: int = 4, after_reset: int = 0, filled: int = 400) -> bytes:
+    """Return a record as recorder.h lays it out: entry n, from the oldest, shows n."""
+    fast = [struct.pack("<6H", 2048 + n, 2048, 2048 - n, 2048 | 1 << 14, n, 99) for n in range(400)]
+    fast[: 400 - filled] = [bytes(12)] * (400 - filled)
+    slow = [struct.pack("<6h2b2B", 100, n, -20, 30, 530, -15, 25, 30, 4, 1) for n in range(200)]
+    rings = b"".join(fast[-FAST_NEXT:] + fast[:-FAST_NEXT] + slow[-SLOW_NEXT:] + slow[:-SLOW_NEXT])
+    counts = [0] * 64
+    counts[67 - 64] = 3
+    checked = (
+        struct.pack("<3I2H", 20000, 0x1234, 1500, FAST_NEXT, SLOW_NEXT)
+        + bytes((67, after_reset, 0, 0))
+        + rings
+    )
+    front = struct.pack("<I2HB3xI64H", 0x42464F46, 1, 8168, phase, 0xFFFFFFFC, *counts)
+    return front + struct.pack("<I", zlib.crc32(checked)) + checked
+
+
+def printed(content: bytes) -> str:
+    lines = [
+        f"{at:04X}: {content[at : at + 32].hex().upper()}\r" for at in range(0, len(content), 32)
+    ]
+    return "> blackbox\r\nblack box: record of 67\r\n" + "\n".join(lines) + "\n> \r\n"
+
+
+def read(content: bytes) -> black_box.Record:
+    return black_box.read(black_box.bytes_of(printed(content), "log"), "log", FULL_A, FULL_V)
+
+
+def test_entries_come_in_the_order_of_time_and_in_si_units() -> None:
+    record = read(memory())
+    number = np.arange(400)
+    assert record.reason == "OVERCURRENT"
+    assert record.fault_s == 1.5
+    assert record.counts == {"OVERCURRENT": 3}
+    np.testing.assert_allclose(record.current_a[:, 0], number / 2048.0 * FULL_A)
+    np.testing.assert_allclose(record.current_a[:, 2], -number / 2048.0 * FULL_A)
+    np.testing.assert_allclose(record.bus_v, FULL_V / 2.0)
+    assert set(record.bridge) == {1}
+    np.testing.assert_array_equal(record.rotor, number)
+    np.testing.assert_allclose(record.fast_s[[0, -1]], [0.005 - 399 / 20000, 0.005])
+    np.testing.assert_allclose(record.slow_s[[0, -1]], [0.5 - 1.99, 0.5])
+    np.testing.assert_allclose(record.slow["command"], 0.1 * np.arange(200))
+    np.testing.assert_allclose(record.slow["bus_a"], -1.5)
+    np.testing.assert_allclose(record.slow["winding_c"], 25.0)
+
+
+def test_a_record_that_a_reset_ended_ends_at_time_zero_without_its_empty_entries() -> None:
+    record = read(memory(phase=3, after_reset=1, filled=50))
+    assert not record.sealed
+    assert record.fast_s.shape == (50,)
+    assert record.fast_s[-1] == record.slow_s[-1] == 0.0
+
+
+def test_the_latest_of_several_answers_counts() -> None:
+    text = printed(memory(filled=10)) + printed(memory(filled=20))
+    content = black_box.bytes_of(text, "log")
+    assert black_box.read(content, "log", FULL_A, FULL_V).fast_s.shape == (20,)
+
+
+def test_damage_is_refused_with_one_line() -> None:
+    good = memory()
+    flipped = bytearray(good)
+    flipped[1000] ^= 1
+    with pytest.raises(HubsimError, match="the CRC of the record is wrong"):
+        read(bytes(flipped))
+    with pytest.raises(HubsimError, match="not a record of format 1"):
+        read(bytes(4) + good[4:])
+    with pytest.raises(HubsimError, match="no record"):
+        black_box.bytes_of("nothing here", "log")
+    lines = printed(good).splitlines()
+    del lines[20]
+    with pytest.raises(HubsimError, match="missing or damaged"):
+        black_box.bytes_of("\n".join(lines), "log")
+
+
+def test_the_command_prints_a_summary_and_writes_tables_and_picture(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = tmp_path / "log.txt"
+    log.write_text(printed(memory()), encoding="utf-8")
+    assert cli.main(["blackbox", str(log), "--output", str(tmp_path / "out")]) == 0
+    text = capsys.readouterr().out
+    assert "OVERCURRENT 1.500 s after the start; configuration 0x00001234" in text
+    assert "before it: 10.0 rad/s, -2.0 N m of 14.9, hydraulic 3.0 N m" in text
+    assert "3 times OVERCURRENT" in text
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert names == {
+        "blackbox.png",
+        "blackbox.svg",
+        "blackbox_fast.csv",
+        "blackbox_slow.csv",
+    }
+    fast = (tmp_path / "out" / "blackbox_fast.csv").read_text(encoding="utf-8").splitlines()
+    assert len(fast) == 401
