@@ -3,6 +3,7 @@
 
 #include <stddef.h>
 
+#include "app/background_check.h"
 #include "app/boot.h"
 #include "app/can_link.h"
 #include "app/console.h"
@@ -13,6 +14,7 @@
 #include "controller/controller.h"
 #include "hal/analog.h"
 #include "hal/can.h"
+#include "hal/flash.h"
 #include "hal/inverter.h"
 #include "hal/memory.h"
 #include "hal/rotor_sensor.h"
@@ -61,9 +63,11 @@ static struct {
     double_buffer_t from_slow; /* low side background, high side millisecond */
     snapshot_t snapshot[2];
 
-    pedal_link_t pedals;     /* millisecond */
-    slow_input_t slow_input; /* millisecond */
-    supervisor_t supervisor; /* background, like everything below */
+    volatile bool memory_good; /* background */
+    pedal_link_t pedals;       /* millisecond */
+    slow_input_t slow_input;   /* millisecond */
+    supervisor_t supervisor;   /* background, like everything below */
+    background_check_t check;
     can_link_t can;
     pedal_sender_t pedal_sender;
     console_t console;
@@ -99,6 +103,8 @@ static void start_recorder(const config_t *config)
 static void start_control(const config_t *config)
 {
     start_recorder(config);
+    background_check_init(&app.check, config, flash_firmware(), flash_firmware_crc32());
+    app.memory_good = true;
     controller_init(&app.controller, config);
     for (int i = 0; i < 2; i++) {
         app.fast_setpoint[i] = controller_initial_setpoint(config);
@@ -250,7 +256,7 @@ static slow_input_t slow_input(const node_command_t *command)
         .hydraulic = node_hydraulic(command, time_ms()),
         .temperature = {.winding_cC = analog_winding_temperature_cC(),
                         .switch_cC = analog_switch_temperature_cC()},
-        .selftest_passed = boot_selftest_passed(&app.boot),
+        .selftest_passed = boot_selftest_passed(&app.boot) && app.memory_good,
         .config_accepted = true, /* otherwise no slow step runs */
     };
     return in;
@@ -367,6 +373,9 @@ void app_background(void)
     } else if (app.config == NULL) {
         watchdog_feed(); /* bridge off; a restart would only hide the reason */
     } else {
+        if (!background_check_step(&app.check, memory_stack_free_bytes())) {
+            app.memory_good = false;
+        }
         if (supervisor_may_feed(&app.supervisor, snapshot->counts)) {
             watchdog_feed();
         }

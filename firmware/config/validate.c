@@ -56,8 +56,13 @@ _Static_assert(offsetof(config_t, crc32) == sizeof(config_t) - sizeof(uint32_t),
 
 uint32_t config_crc32(const void *data, uint32_t size_bytes)
 {
+    return config_crc32_continue(0, data, size_bytes);
+}
+
+uint32_t config_crc32_continue(uint32_t before, const void *data, uint32_t size_bytes)
+{
     const uint8_t *bytes = data;
-    uint32_t crc = UINT32_MAX;
+    uint32_t crc = before ^ UINT32_MAX;
     for (uint32_t i = 0; i < size_bytes; i++) {
         crc ^= bytes[i];
         for (unsigned bit = 0; bit < 8; bit++) {

@@ -4,6 +4,11 @@
 #include "core/fault.h"
 #include "core/q15.h"
 
+static uint32_t inverted_copy(const modes_state_t *state)
+{
+    return ~((uint32_t)state->mode << 16 | (uint32_t)state->fault);
+}
+
 void modes_init(modes_state_t *state)
 {
     state->mode = MODE_BOOT;
@@ -14,6 +19,7 @@ void modes_init(modes_state_t *state)
     state->reset_before = false;
     state->fault_persists = false;
     state->offsets_stored = false;
+    state->inverted = inverted_copy(state);
 }
 
 static void enter(modes_state_t *state, operating_mode_t mode)
@@ -247,6 +253,10 @@ static reason_t present_fault(const modes_state_t *state, const modes_input_t *i
 
 modes_output_t modes_step(modes_state_t *state, const config_t *config, const modes_input_t *in)
 {
+    if (state->inverted != inverted_copy(state)) {
+        state->fault = REASON_MEMORY;
+        enter(state, MODE_FAULT);
+    }
     const bool acknowledged = acknowledgement_pending(state, in);
     state->steps = (uint16_t)q_min(state->steps + 1, UINT16_MAX);
     if (state->offsets_stored && in->offsets_done && in->offsets_plausible) {
@@ -259,6 +269,7 @@ modes_output_t modes_step(modes_state_t *state, const config_t *config, const mo
         advance(state, &config->modes, in, acknowledged);
     }
     latch_warning(state, in);
+    state->inverted = inverted_copy(state);
     const modes_output_t out = {
         .mode = state->mode,
         .fault = state->fault,

@@ -40,4 +40,8 @@ config_result_t config_validate(const config_t *config, uint32_t size_bytes);
  * only. */
 uint32_t config_crc32(const void *data, uint32_t size_bytes);
 
+/* The CRC-32 of data whose first part has the CRC-32 `before`, from the next part; 0: there is none
+ * before. */
+uint32_t config_crc32_continue(uint32_t before, const void *data, uint32_t size_bytes);
+
 #endif

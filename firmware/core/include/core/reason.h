@@ -98,7 +98,9 @@
     X(82, ACCELERATOR_SENSOR, "accelerator channels implausible or out of range",                  \
       "pedals.fault_time_ms", "pedals.fault_time_ms", LIMIT, SHOWN, SERVICE)                       \
     X(83, BRAKE_PEDAL_SENSOR, "brake pedal channels implausible or out of range",                  \
-      "pedals.fault_time_ms", "pedals.fault_time_ms", LIMIT, SHOWN, SERVICE)
+      "pedals.fault_time_ms", "pedals.fault_time_ms", LIMIT, SHOWN, SERVICE)                       \
+    X(84, MEMORY, "memory damaged: mode or fault differ from their inverted copy",                 \
+      "at once", "never", FREEWHEEL, RESTART, SERVICE)
 /* clang-format on */
 
 #define REASON_LIMIT_ENUM(number, identifier, text) REASON_##identifier = (number),

@@ -9,9 +9,9 @@
  * BOOT is left only with an accepted configuration, READY only with a known rotor angle, FAULT only
  * on a rising edge of `fault_reset` while no torque is demanded, the monitor reports no fault and
  * knows that the wheel is at rest, and never after a fault that only a restart clears
- * (core/fault.h). A fault never clears itself. A self-test or configuration that is withdrawn later
- * is a fault. A demand that was lost while torque was enabled leaves a warning, which the same
- * acknowledgement clears.
+ * (core/fault.h). A fault never clears itself. Mode and fault have an inverted copy, and a
+ * difference is a fault. A self-test or configuration that is withdrawn later is a fault. A demand
+ * that was lost while torque was enabled leaves a warning, which the same acknowledgement clears.
  */
 #ifndef MODES_MODES_H
 #define MODES_MODES_H
@@ -67,6 +67,7 @@ typedef struct {
     uint16_t acknowledge_steps; /* left of a pending acknowledgement */
     bool fault_persists;        /* the last acknowledgement found the fault still there */
     bool reset_before;
+    uint32_t inverted; /* of mode and fault: a bit that flips between two steps is a fault */
 } modes_state_t;
 
 typedef struct {

@@ -46,7 +46,7 @@ void setUp(void)
     memory_unused_StubWithCallback(unused);
     memory_retained_StubWithCallback(retained);
     memory_mark_stack_Ignore();
-    memory_stack_free_bytes_IgnoreAndReturn(0);
+    memory_stack_free_bytes_IgnoreAndReturn(1000);
     flash_firmware_StubWithCallback(firmware);
     flash_firmware_crc32_StubWithCallback(firmware_crc32);
     flash_configuration_StubWithCallback(configuration);
@@ -279,6 +279,23 @@ void test_watchdog_is_not_fed_when_either_loop_stops(void)
         app_background();
     }
     TEST_ASSERT_EQUAL_INT(0, board.feedings);
+}
+
+/* The configuration in use changes in RUN: the background finds it, and RUN ends. */
+void test_a_damaged_configuration_ends_run_and_cannot_be_acknowledged(void)
+{
+    app_boot();
+    milliseconds(300);
+    vehicle_sends(true, false, 100);
+    TEST_ASSERT_EQUAL_INT(INVERTER_MODE_PWM, board.mode);
+    board.config.vehicle.wheel_radius_um++;
+    vehicle_sends(true, false, 1000);
+    TEST_ASSERT_EQUAL_INT(INVERTER_MODE_OFF, board.mode);
+    TEST_ASSERT_EQUAL_INT(MODE_FAULT, mode_on_can());
+    TEST_ASSERT_EQUAL_UINT8(REASON_SELFTEST_FAILED, board.last_state.data[2]);
+    board.config.vehicle.wheel_radius_um--;
+    vehicle_sends(false, true, 1000);
+    TEST_ASSERT_EQUAL_INT(MODE_FAULT, mode_on_can());
 }
 
 /* The brake system must see that its command is no longer made: no frame, so no new counter. */

@@ -65,6 +65,7 @@ static const frozen_t FROZEN[] = {
     {81, REASON_SWITCH_SENSOR},
     {82, REASON_ACCELERATOR_SENSOR},
     {83, REASON_BRAKE_PEDAL_SENSOR},
+    {84, REASON_MEMORY},
 };
 enum { FROZEN_COUNT = sizeof(FROZEN) / sizeof(FROZEN[0]) };
 

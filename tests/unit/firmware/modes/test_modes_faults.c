@@ -292,6 +292,28 @@ void test_fault_ends_only_at_rest_without_demand_after_a_rising_edge_and_never_o
     TEST_ASSERT_GREATER_THAN_INT(100, restarts);
 }
 
+/* Any bit of mode or fault that flips between two steps, in any mode: also FAULT back to RUN. */
+void test_a_flipped_bit_of_mode_or_fault_is_a_fault_that_only_a_restart_clears(void)
+{
+    for (operating_mode_t mode = MODE_BOOT; mode <= MODE_FAULT; mode++) {
+        for (unsigned bit = 0; bit < 16; bit++) {
+            start_in(mode);
+            if (bit < 8) {
+                state.mode = (operating_mode_t)((unsigned)state.mode ^ 1U << bit);
+            } else {
+                state.fault = (reason_t)((unsigned)state.fault ^ 1U << (bit - 8U));
+            }
+            in.enable = true;
+            const modes_output_t out = step();
+            assert_mode(MODE_FAULT, out);
+            TEST_ASSERT_EQUAL_INT(REASON_MEMORY, out.fault);
+            TEST_ASSERT_FALSE(torque_enable_any(out.torque_enable));
+            in.fault_reset = true;
+            assert_mode(MODE_FAULT, run(100));
+        }
+    }
+}
+
 void test_init_clears_the_fault(void)
 {
     memset(&state, 0xFF, sizeof state);
