@@ -57,11 +57,15 @@ def tool(name: str, package: str) -> str:
     return found
 
 
-def run(command: list[str], what: str, **options: float) -> str:
-    """Run a program and return its output; an error with its last line otherwise."""
+def run(command: list[str], what: str, typed: str | None = None, **options: float) -> str:
+    """Run a program and return its output; an error with its last line otherwise.
+
+    typed: what it reads from its standard input.
+    """
     try:
         done = subprocess.run(
             command,
+            input=typed,
             capture_output=True,
             text=True,
             check=False,

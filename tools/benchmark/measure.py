@@ -96,7 +96,7 @@ def measure_ride(
     program = build.compile_program(core, "ride", [config], directory, shared)[0]
     functions = elf.functions(program)
     symbols = elf.symbols(program)
-    plugin = plugin or count.loadable_plugin(core, program, directory)
+    plugin = plugin or count.loadable_plugin(directory)
     counts = count.count(core, program, plugin, functions, RIDE_FUNCTIONS, BEGIN)
     frames = stack_report.compiled_frames([program.parent, Path(shared[0]).parent])
     result = {

@@ -7,6 +7,27 @@ enum { SUBSTEPS = 4 };
 
 static const double TURN_rad = 6.283185307179586;
 
+/* Cosines and sines of the angles from the three phases' axes to the rotor's d axis. */
+typedef struct {
+    double cos[3], sin[3];
+} axes_t;
+
+/* Addition theorem: two functions of the library instead of six, which an emulated core without
+ * floating point computes for as long as the firmware runs. */
+static axes_t axes_at(double theta_rad)
+{
+    static const double COS_OF_PHASE[3] = {1.0, -0.5, -0.5};
+    static const double SIN_OF_PHASE[3] = {0.0, 0.8660254037844386, -0.8660254037844386};
+    const double c = cos(theta_rad);
+    const double s = sin(theta_rad);
+    axes_t axes;
+    for (int x = 0; x < 3; x++) {
+        axes.cos[x] = c * COS_OF_PHASE[x] + s * SIN_OF_PHASE[x];
+        axes.sin[x] = s * COS_OF_PHASE[x] - c * SIN_OF_PHASE[x];
+    }
+    return axes;
+}
+
 static double noise_codes(motor_t *motor)
 {
     motor->random = motor->random * 1664525U + 1013904223U;
@@ -25,9 +46,9 @@ fast_input_t motor_sample(motor_t *motor, const config_t *config, double bus_V)
     const double full_A = 0.001 * config->drive.current_full_scale_mA;
     const double full_V = 0.001 * config->drive.voltage_full_scale_mV;
     fast_input_t in = {.power_stage_fault = false};
+    const axes_t axes = axes_at(motor->theta_rad);
     for (int x = 0; x < 3; x++) {
-        const double angle = motor->theta_rad - x * TURN_rad / 3.0;
-        const double i_A = motor->i_d_A * cos(angle) - motor->i_q_A * sin(angle);
+        const double i_A = motor->i_d_A * axes.cos[x] - motor->i_q_A * axes.sin[x];
         in.phase_current_code[x] = code(2048.0 + 2048.0 * i_A / full_A + noise_codes(motor));
     }
     in.bus_voltage_code = code(4096.0 * bus_V / full_V + noise_codes(motor));
@@ -55,15 +76,19 @@ void motor_step(motor_t *motor, const config_t *config, const fast_output_t *out
 {
     const double dt = 1.0 / config->drive.pwm_frequency_Hz / SUBSTEPS;
     const double volts_per_count = bus_V / config->drive.pwm_period_counts;
+    double volt[3];
+    for (int x = 0; x < 3; x++) {
+        volt[x] = 2.0 / 3.0 * volts_per_count * out->compare_counts[x];
+    }
     for (int i = 0; i < SUBSTEPS; i++) {
-        double u_d = 0.0;
-        double u_q = 0.0;
-        for (int x = 0; x < 3; x++) {
-            const double angle = motor->theta_rad - x * TURN_rad / 3.0;
-            u_d += 2.0 / 3.0 * volts_per_count * out->compare_counts[x] * cos(angle);
-            u_q -= 2.0 / 3.0 * volts_per_count * out->compare_counts[x] * sin(angle);
-        }
         if (out->bridge == BRIDGE_PWM) {
+            const axes_t axes = axes_at(motor->theta_rad);
+            double u_d = 0.0;
+            double u_q = 0.0;
+            for (int x = 0; x < 3; x++) {
+                u_d += volt[x] * axes.cos[x];
+                u_q -= volt[x] * axes.sin[x];
+            }
             integrate(motor, config, u_d, u_q, w_rad_s, dt);
         } else {
             motor->i_d_A = 0.0; /* off: below the bus voltage nothing flows */

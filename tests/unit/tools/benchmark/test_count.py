@@ -35,7 +35,7 @@ NAMES = ["straight", "loop", "skipped", "outer"]
 def counts(program: Callable[..., Path], tmp_path: Path) -> dict[str, count.Count]:
     image = program(PROGRAM)
     functions = elf.functions(image)
-    plugin = count.loadable_plugin(build.CORES[0], image, tmp_path)
+    plugin = count.loadable_plugin(tmp_path)
     return count.count(build.CORES[0], image, plugin, functions, NAMES, "begin")
 
 
