@@ -157,6 +157,7 @@ class _Problem:
         self.shape = self.omega.shape
         self.motor, self.inverter = motor, inverter
         self.saliency = motor.q_inductance_h - motor.d_inductance_h
+        self.voltage_is_limited = bool(np.any(np.isfinite(self.voltage_limit)))
 
     def torque_bound(self) -> Array:
         """Torque in N m that no current inside the circle exceeds."""
@@ -174,13 +175,16 @@ class _Problem:
 
         Where limits are violated, the violation above _INFEASIBLE.
         """
-        if torque.shape == self.shape and torque.size > _BLOCK:
+        # Torques per point; a search over the torque has several.
+        torques = torque.reshape(self.omega.size, -1)
+        rows = max(_BLOCK // max(torques.shape[1], 1), 1)
+        if len(torques) > rows:
             parts = [
-                self._part(block).best_direct_current(torque.ravel()[block], scans)
-                for block in (slice(k, k + _BLOCK) for k in range(0, torque.size, _BLOCK))
+                self._part(block).best_direct_current(torques[block], scans)
+                for block in (slice(k, k + rows) for k in range(0, len(torques), rows))
             ]
             i_dt, power = (
-                np.concatenate(values).reshape(self.shape) for values in zip(*parts, strict=True)
+                np.concatenate(values).reshape(torque.shape) for values in zip(*parts, strict=True)
             )
             return i_dt, power
         x, _ = self._current_bounds()
@@ -208,24 +212,47 @@ class _Problem:
         omega, iron, resistance, flux = (
             _like(a, i_dt) for a in (self.omega, self.iron, self.resistance, self.flux)
         )
-        i_qt = self.quadrature(torque, i_dt)
-        linked_d, linked_q = (
-            self.motor.d_inductance_h * i_dt + flux,
-            self.motor.q_inductance_h * i_qt,
-        )
-        i_d, i_q = i_dt - iron * linked_q, i_qt + iron * linked_d
-        square = i_d * i_d + i_q * i_q
-        current = np.sqrt(square)
-        u_d, u_q = resistance * i_d - omega * linked_q, resistance * i_q + omega * linked_d
-        power = (
-            1.5 * (u_d * i_d + u_q * i_q)
-            + self.inverter.linear_w_per_a * current
-            + self.inverter.square_w_per_a2 * square
-        )
-        over_current = current / _like(self.current_limit, i_dt) - 1.0
-        over_voltage = np.sqrt(u_d * u_d + u_q * u_q) / _like(self.voltage_limit, i_dt) - 1.0
-        violation = np.maximum(over_current, over_voltage)
-        return np.where(violation <= _TOLERANCE, power, _INFEASIBLE * (1.0 + violation))
+        # In place where an intermediate result is not needed any more: half the time is memory's.
+        i_q = self.quadrature(torque, i_dt)
+        linked_d = self.motor.d_inductance_h * i_dt
+        linked_d += flux
+        linked_q = self.motor.q_inductance_h * i_q
+        i_d = iron * linked_q
+        np.subtract(i_dt, i_d, out=i_d)
+        product = iron * linked_d
+        i_q += product
+        linked_d *= omega
+        linked_q *= omega
+        np.multiply(resistance, i_d, out=product)
+        u_d = np.subtract(product, linked_q, out=linked_q)
+        np.multiply(resistance, i_q, out=product)
+        u_q = np.add(product, linked_d, out=linked_d)
+        square = i_q * i_q
+        np.multiply(i_d, i_d, out=product)
+        square += product
+        power = np.multiply(u_d, i_d, out=i_d)
+        np.multiply(u_q, i_q, out=product)
+        power += product
+        power *= 1.5
+        current = np.sqrt(square, out=i_q)
+        np.multiply(self.inverter.linear_w_per_a, current, out=product)
+        power += product
+        square *= self.inverter.square_w_per_a2
+        power += square
+        current /= _like(self.current_limit, i_dt)
+        violation = np.subtract(current, 1.0, out=current)
+        if self.voltage_is_limited:
+            u_d *= u_d
+            u_q *= u_q
+            u_d += u_q
+            voltage = np.sqrt(u_d, out=u_d)
+            voltage /= _like(self.voltage_limit, i_dt)
+            voltage -= 1.0
+            np.maximum(violation, voltage, out=violation)
+        outside = ~(violation <= _TOLERANCE)
+        if np.any(outside):
+            power[outside] = _INFEASIBLE * (1.0 + violation[outside])
+        return power
 
     def _current_bounds(self) -> tuple[Array, Array]:
         """Return bounds in A of |i_dt| and |i_qt| that the current circle implies."""
