@@ -249,9 +249,10 @@ class DevCommandTest(DevFixture):
         presets = ["host", "host-asan", "stm32f405", "qemu"]
         self.assertEqual(self.names_run(), [f"{preset}:physics" for preset in presets])
         self.assertEqual(self.calls("apt-get"), [])
-        closing = result.stdout.splitlines()[-3 * len(presets) :]
+        *closing, counts = result.stdout.splitlines()[-3 * len(presets) - 1 :]
         self.assertEqual(closing[0::3], [f"{preset}:" for preset in presets])
         self.assertEqual(set(closing[1::3]), {"100% tests passed, 0 tests failed out of 1"})
+        self.assertRegex(counts, r"^Cases: 4 tests ran\b.*\.$")
         # The omitted tests and the times.
         self.assertIn(
             "4 tests labelled full were left out; ./tools/dev test --full runs them.", result.stdout

@@ -10,7 +10,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from run_tests import choose, ctest
+from run_tests import cases, choose, ctest
 from run_tests.choose import BuildGraph
 from run_tests.ctest import Result, Test
 
@@ -35,6 +35,7 @@ class Suite:
         self.folder = root / "build" / "test"
         self.opened = self.folder / "opened"
         self._measured = self.folder / "costs.json"
+        self._log = self.folder / "Testing" / "Temporary" / "LastTest.log"
         self.opened.mkdir(parents=True, exist_ok=True)
         self.costs: dict[str, float] = {}
         for file in (COSTS, self._measured):
@@ -51,10 +52,15 @@ class Suite:
             (self.opened / test.full_name).unlink(missing_ok=True)
         text = ctest.suite_text(tests, self.costs, self.opened, self._root)
         (self.folder / "CTestTestfile.cmake").write_text(text, encoding="utf-8")
+        self._log.unlink(missing_ok=True)
         _, results = ctest.run(self.folder, jobs(), limit_s)
         self.costs |= {name: result.time_s for name, result in results.items() if result.passed}
         self._measured.write_text(json.dumps(self.costs, indent=0), encoding="utf-8")
         return results
+
+    def printed(self) -> dict[str, list[str]]:
+        """Return what the tests of the last run printed, by full name."""
+        return cases.outputs(self._log) if self._log.is_file() else {}
 
     def keep_costs(self) -> None:
         """Write the times of the tests there are now into the repository, for a fresh clone."""
@@ -121,6 +127,7 @@ def run_chosen(
         )
     for preset in presets:
         print("\n".join(closing_lines(preset, tests, results)))
+    print(cases.closing_line(tests, results, suite.printed()))
     by_preset = {name: [test for test in tests if test.preset == name] for name in presets}
     failed = [name for name, mine in by_preset.items() if not all_passed(mine, results)]
     failed += [f"{name} (build)" for name in options.not_built.split(",") if name]

@@ -8,7 +8,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from run_tests import cases
 from run_tests.choose import BuildGraph
+from run_tests.ctest import Result
 from run_tests.ctest import Test as CTest
 
 ROOT = Path(__file__).resolve().parents[4]
@@ -46,12 +48,17 @@ FILES = {
     "data/table.csv": "1,2\n",
     "data/unread.csv": "1,2\n",
     "tests/unit/CMakeLists.txt": TESTS,
-    "tests/unit/first.c": '#include "limit.h"\nint main(void) { return LIMIT != 3; }\n',
+    "tests/unit/first.c": (
+        '#include <stdio.h>\n#include "limit.h"\n'
+        'int main(void) { puts("2 Tests 0 Failures 0 Ignored"); return LIMIT != 3; }\n'
+    ),
     "tests/unit/second.c": (
         "#include <stdlib.h>\n#include <string.h>\n"
         'int main(void) { return strcmp(getenv("ANSWER"), "a b"); }\n'
     ),
-    "tests/unit/reader.py": "import helper\nassert helper.rows() == 1\n",
+    "tests/unit/reader.py": (
+        "import helper\nassert helper.rows() == 1\nprint('5 passed, 1 skipped in 0.01s')\n"
+    ),
     "tests/unit/helper.py": (
         "import pathlib\ndef rows(): return"
         " len(pathlib.Path(__file__).parents[2].joinpath('data/table.csv').read_text().split())\n"
@@ -128,8 +135,9 @@ def test_tests_run_longest_first_by_the_times_of_the_previous_run(
     assert set(started(output)) == {"host:first", "host:second", "host:reader"}
     assert "1 tests labelled full were left out" in output
     assert "Set-up took 1 s, building 2 s, testing" in output
-    lines = output.splitlines()[-3:]
+    lines = output.splitlines()[-4:]
     assert lines[:2] == ["host:", "100% tests passed, 0 tests failed out of 3"]
+    assert lines[3] == ("Cases: 3 tests ran; 2 Unity functions (2 host); 6 pytest cases (6 host).")
     # The Python test took longest, unlike the stored estimate.
     assert started(project.run("--presets", "host"))[0] == "host:reader"
     full = project.run("--presets", "host", "--full")
@@ -244,3 +252,68 @@ def test_input_files_of_a_test_are_found_in_arguments_and_environment() -> None:
     )
     expected = {"/build/limit.so", "/tests/test_a.py", "/tests/run.cmake", "/build/library.so"}
     assert set(map(Path, expected)) <= test.files()
+
+
+LOG = """Start testing: Nov 22 15:04 UTC
+1/8 Testing: host:circle
+1/8 Test: host:circle
+Command: "test_circle"
+Output:
+----------------------------------------------------------
+test_circle.c:7:test_a:PASS
+Output:
+9 Tests 9 Failures 0 Ignored
+-----------------------
+3 Tests 1 Failures 1 Ignored
+FAIL
+<end of output>
+Test time =   0.01 sec
+7 Tests 0 Failures 0 Ignored
+----------------------------------------------------------
+"""
+ENTRY = """{number}/8 Test: {name}
+Command: "99 Tests 0 Failures 0 Ignored"
+Output:
+----------------------------------------------------------
+{text}
+<end of output>
+"""
+
+
+def test_cases_are_counted_by_kind_and_preset_from_what_ran(tmp_path: Path) -> None:
+    """Programs without a summary have no cases; of a proof the check of its assumptions is none."""
+    programs = [
+        ("host", "circle", ["unit"], None),
+        ("qemu", "target_circle", ["target", "unit"], "4 Tests 0 Failures 0 Ignored\r\nOK"),
+        ("host", "property_twin", ["property"], "5 Tests 0 Failures 0 Ignored"),
+        ("host", "table", ["python"], "2 failed, 70 passed, 1 skipped, 3 warnings in 8.21s"),
+        ("host", "cli", ["python"], "== 1 passed in 61.00s (0:01:01) =="),
+        ("host", "proof_circle", ["proof"], "VERIFICATION SUCCESSFUL"),
+        ("host", "proof_circle_has_possible_inputs", ["proof"], "VERIFICATION FAILED"),
+        ("host", "boots", ["target"], "result: READY"),
+    ]
+    log = tmp_path / "LastTest.log"
+    log.write_text(
+        LOG + "".join(
+            ENTRY.format(number=number, name=f"{preset}:{name}", text=text)
+            for number, (preset, name, _, text) in enumerate(programs) if text
+        ),
+        encoding="utf-8",
+    )  # fmt: skip
+    tests = [
+        CTest(preset, name, (), {"LABELS": labels}, ()) for preset, name, labels, _ in programs
+    ]
+    results = {test.full_name: Result("Passed", 1.0) for test in tests}
+    line = cases.closing_line(tests, results, cases.outputs(log))
+    assert line == (
+        "Cases: 8 tests ran; 7 Unity functions (3 host, 4 qemu); 5 property cases (5 host);"
+        " 74 pytest cases (74 host); 1 proofs (1 host)."
+    )
+    # What was skipped or never started counts nowhere.
+    results["host:circle"] = Result("Skipped", 0.0)
+    del results["host:table"], results["host:proof_circle"]
+    line = cases.closing_line(tests, results, cases.outputs(log))
+    assert line == (
+        "Cases: 5 tests ran; 4 Unity functions (4 qemu); 5 property cases (5 host);"
+        " 1 pytest cases (1 host)."
+    )
