@@ -28,7 +28,18 @@ def without_hand_over(drive: Drive) -> Drive:
     return drive.model_copy(update={"control": control})
 
 
+_simulated: dict[tuple[str, float, str], float] = {}
+
+
 def share(drive: Drive, demand_nm: float, plant: dict[str, float] | None = None) -> float:
+    """Return the share that a stop stores. The same stop is simulated once."""
+    key = (drive.model_dump_json(), demand_nm, repr(sorted((plant or {}).items())))
+    if key not in _simulated:
+        _simulated[key] = simulated_share(drive, demand_nm, plant)
+    return _simulated[key]
+
+
+def simulated_share(drive: Drive, demand_nm: float, plant: dict[str, float] | None) -> float:
     with started(drive, {"demand_nm": demand_nm, "record_interval_s": 10.0}, plant) as engine:
         found = stopped(engine)
         ledger = accounts(engine)
@@ -48,8 +59,9 @@ def lead_and_error(series: Drive, other: Drive, demand_nm: float) -> tuple[float
     Twice the difference to half the step.
     """
     whole, half = (
-        share(series, demand_nm, plant) - share(other, demand_nm, plant)
-        for plant in ({}, {"run.pieces": 2.0})
+        share(series, demand_nm, {"run.pieces": pieces})
+        - share(other, demand_nm, {"run.pieces": pieces})
+        for pieces in (1.0, 2.0)
     )
     return whole, 2.0 * abs(whole - half)
 
