@@ -4,6 +4,7 @@
 #include "config/bases.h"
 #include "core/q15.h"
 #include "foc/foc.h"
+#include "observer_tuning.h"
 #include "sampling_correction.h"
 #include "tuning.h"
 
@@ -23,6 +24,7 @@ void operating_point_init(operating_point_state_t *state, const config_t *config
     const operating_point_state_t fresh = {
         .modulation_limit_q15 = foc_modulation_limit_q15(config),
         .magnets_pu = sampling_correction_magnets_pu(config),
+        .observer = observer_constants(config),
         .v_dc_pu = per_unit_of_mV(config, middle_mV),
     };
     *state = fresh;
@@ -79,6 +81,7 @@ operating_point_t operating_point_of(operating_point_state_t *state, const confi
 {
     average(state, report);
     state->speed_q32 = report->speed_q32;
+    state->observer_speed_q32 = report->observer.speed_q32;
     state->winding_temperature_cC = winding_temperature_cC;
     state->sampling = sampling_correction_at(config, state->magnets_pu, report->speed_q32,
                                              winding_temperature_cC);
@@ -117,6 +120,8 @@ void operating_point_setpoint(const operating_point_state_t *state, const config
     setpoint->tuning = current_tuning(config, state->modulation_limit_q15, state->v_dc_pu,
                                       state->speed_q32, state->winding_temperature_cC);
     setpoint->dead_time_slope = dead_time_slope_at(config, state->v_dc_pu);
+    setpoint->observer = observer_tuning(&state->observer, config, state->v_dc_pu,
+                                         state->observer_speed_q32, state->winding_temperature_cC);
 }
 
 void operating_point_initial_setpoint(const config_t *config, fast_setpoint_t *setpoint)

@@ -4,6 +4,7 @@
 #include "core/angle.h"
 #include "current_controller.h"
 #include "current_predictor.h"
+#include "emf_observer.h"
 #include "field_weakening.h"
 #include "idle.h"
 #include "modulation.h"
@@ -13,7 +14,7 @@
 #include "setpoint.h"
 #include "transforms.h"
 
-enum { FIELD_WEAKENING_PERIODS = 4 };
+enum { FIELD_WEAKENING_PERIODS = EMF_OBSERVER_ACQUIRE_PERIODS };
 
 void foc_current_step(foc_state_t *restrict state, const uint16_t *restrict codes)
 {
@@ -21,7 +22,8 @@ void foc_current_step(foc_state_t *restrict state, const uint16_t *restrict code
     foc_period_t *const period = &state->period;
     const sense_out_t sensed = sense_step(&current->sense, codes, current->on_q16);
     period->current_sum_pu = sensed.sum_pu;
-    const rotation_t angle = angle_rotation(period->rotor.theta_turn);
+    period->i_ab_pu = sensed.i;
+    const rotation_t angle = angle_rotation(period->theta_turn);
     const dq16_t i = transforms_park(sensed.i, angle);
     period->i_pu = i;
     current_controller_step(&current->controller, &current->gains, period->i_reference_pu, i,
@@ -30,6 +32,7 @@ void foc_current_step(foc_state_t *restrict state, const uint16_t *restrict code
     /* The voltage acts in the next period: on average 1.5 periods after the sample. */
     const rotation_t angle_applied = transforms_advance(angle, current->advance);
     const ab_t u = transforms_inverse_park(period->voltage.applied, angle_applied);
+    state->observer.u.v = q_pair(u.alpha, u.beta);
     const dq16_t predicted = current_predictor_step(&current->predictor);
     const ab_t i_applied = transforms_inverse_park(predicted, angle_applied);
     const abc_t trim = modulation_dead_time(current->slope, i_applied);
@@ -75,9 +78,15 @@ static void add_sums(foc_sums_t *sums, const foc_period_t *period)
 }
 
 /* What both kinds of period begin and end with. Returns the number of this period. */
-static uint32_t begin_period(foc_state_t *state, const config_t *config, const foc_input_t *in)
+Q_TARGET_INLINE uint32_t begin_period(foc_state_t *state, const config_t *config,
+                                      const fast_setpoint_t *setpoint, const foc_input_t *in)
 {
     rotor_step(&state->rotor, config, in, &state->period.rotor);
+    state->period.theta_turn = state->period.rotor.theta_turn;
+    if (setpoint->observer.used) {
+        state->period.theta_turn =
+            (uint16_t)((state->observer.theta_q32 >> 16) - setpoint->observer.lead_turn);
+    }
     return ++state->step_count;
 }
 
@@ -90,21 +99,24 @@ static void end_period(foc_state_t *state, const foc_input_t *in)
 void foc_step(foc_state_t *state, const config_t *config, const fast_setpoint_t *setpoint,
               const foc_input_t *in)
 {
-    const uint32_t step_count = begin_period(state, config, in);
+    const uint32_t step_count = begin_period(state, config, setpoint, in);
     if (state->sequence != setpoint->sequence && setpoint_is_due(state)) {
         setpoint_apply(state, setpoint);
     }
+    const ab16_t acting = state->observer.u;
     foc_current_step(state, in->phase_current_code);
     if (step_count % FIELD_WEAKENING_PERIODS == 0) {
         weaken_field(state, config);
+        emf_observer_acquire(&state->observer);
     }
+    emf_observer_step(&state->observer, acting, state->period.i_ab_pu, &setpoint->observer);
     end_period(state, in);
 }
 
 void foc_idle_step(foc_state_t *state, const config_t *config, const fast_setpoint_t *setpoint,
                    const foc_input_t *in)
 {
-    (void)begin_period(state, config, in);
+    (void)begin_period(state, config, setpoint, in);
     idle_step(state, setpoint->calibrate_offsets, in->phase_current_code);
     end_period(state, in);
 }
@@ -112,10 +124,25 @@ void foc_idle_step(foc_state_t *state, const config_t *config, const fast_setpoi
 /* Phase currents of the period, recomputed from its dq vector. */
 static abc_t phase_currents(const foc_period_t *period)
 {
-    const ab_t i = transforms_inverse_park(period->i_pu, angle_rotation(period->rotor.theta_turn));
+    const ab_t i = transforms_inverse_park(period->i_pu, angle_rotation(period->theta_turn));
     const int32_t beta_part = (i.beta * TRANSFORMS_SQRT3_2_Q15) >> 15;
     const int32_t half_alpha = i.alpha >> 1;
     const abc_t out = {.a = i.alpha, .b = beta_part - half_alpha, .c = -beta_part - half_alpha};
+    return out;
+}
+
+static observer_report_t observer_report(const foc_state_t *state)
+{
+    const emf_observer_t *observer = &state->observer;
+    const uint16_t theta_turn =
+        (uint16_t)((observer->theta_q32 - (uint32_t)observer->speed_q32) >> 16);
+    const observer_report_t out = {
+        .speed_q32 = observer->speed_q32,
+        .theta_turn = theta_turn,
+        .flux_q14 = transforms_park(observer->x, angle_rotation(theta_turn)),
+        .sensor_turn = state->period.rotor.theta_turn,
+        .acquired = observer->periods >= observer->acquisition_periods,
+    };
     return out;
 }
 
@@ -142,6 +169,7 @@ void foc_report(const foc_state_t *state, fast_report_t *report)
     report->speed_q32 = period->rotor.speed_q32;
     report->rotor_valid = period->rotor.valid;
     report->rotor_faults = period->rotor.faults;
+    report->observer = observer_report(state);
     report->quadrant_transitions = state->quadrant_transitions;
     report->quadrant_step = state->quadrant_step;
 }
@@ -157,6 +185,7 @@ void foc_init(foc_state_t *state, const config_t *config)
     state->current_circle = circle_init(config->current_loop.max_current_pu_q15);
     sense_init(&state->current.sense, &config->drive);
     rotor_init(&state->rotor, config);
+    emf_observer_init(&state->observer, config);
     state->sequence = FOC_NO_SETPOINT;
     idle_centre_on_times(&state->current);
 }

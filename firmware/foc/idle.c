@@ -4,6 +4,7 @@
 #include "core/angle.h"
 #include "current_controller.h"
 #include "current_predictor.h"
+#include "emf_observer.h"
 #include "reference_prefilter.h"
 #include "sense.h"
 #include "transforms.h"
@@ -47,10 +48,12 @@ void idle_step(foc_state_t *state, bool calibrate_offsets, const uint16_t codes[
     const voltage_out_t no_voltage = {.unsaturated_d_q25 = 0};
     const dq16_t no_current = {.v = q_pair(0, 0)};
     period->i_reference_pu = no_current;
-    period->i_pu = transforms_park(sensed.i, angle_rotation(period->rotor.theta_turn));
+    period->i_pu = transforms_park(sensed.i, angle_rotation(period->theta_turn));
     count_quadrants(state, sensed.i);
     period->voltage = no_voltage;
+    period->i_ab_pu = sensed.i;
     period->current_sum_pu = sensed.sum_pu;
+    emf_observer_reset(&state->observer);
     current_controller_reset(&state->current.controller);
     reference_prefilter_reset(&state->prefilter);
     current_predictor_reset(&state->current.predictor);

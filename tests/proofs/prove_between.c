@@ -52,6 +52,7 @@ void prove_report(void)
     static foc_state_t state;
     const foc_period_t period = {
         .rotor = {.theta_turn = nondet_uint16()},
+        .theta_turn = nondet_uint16(),
         .i_pu = dq16_of(any_vector(LONGEST_CURRENT_PU)),
         .voltage = {.unsaturated_d_q25 = nondet_int32(),
                     .unsaturated_q_q25 = nondet_int32(),

@@ -51,13 +51,13 @@ class Budget:
     max_at_most: int | None = None
 
 
-INTERRUPT_BUDGET = Budget(IMAGE_CORE, INTERRUPT, 425, max_at_most=800)
+INTERRUPT_BUDGET = Budget(IMAGE_CORE, INTERRUPT, 485, max_at_most=860)
 """From entry to return on the linked image."""
 BUDGETS = (
-    Budget("cortex-m4", CURRENT_LOOP, 151, 1.05),
-    Budget("cortex-m4", FAST_STEP, 253, p99_at_most=450, max_at_most=540),
-    Budget("cortex-m3", CURRENT_LOOP, 168),
-    Budget("cortex-m0plus", CURRENT_LOOP, 349),
+    Budget("cortex-m4", CURRENT_LOOP, 154, 1.05),
+    Budget("cortex-m4", FAST_STEP, 310, p99_at_most=505, max_at_most=595),
+    Budget("cortex-m3", CURRENT_LOOP, 171),
+    Budget("cortex-m0plus", CURRENT_LOOP, 357),
 )
 SLOW_BUDGET = Budget("cortex-m4", SLOW_STEP, 9000, max_at_most=16000)
 """Of a configuration in every state of the envelope."""

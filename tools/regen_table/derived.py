@@ -45,6 +45,26 @@ def omega_max(drive: Drive) -> float:
     return drive.motor.max_speed_rpm * math.pi / 30.0 * drive.motor.pole_pairs
 
 
+def observer_speed_rad_s(drive: Drive) -> float:
+    """Mechanical speed in rad/s from which the EMF observer's angle counts.
+
+    Absent: where the EMF equals the resistive drop of the rated torque's current and what a phase
+    loses by dead time, t_d f (v_max + 2 V_f).
+    """
+    motor, inverter = drive.motor, drive.inverter
+    wanted = drive.rotor.observer_speed_rpm
+    if wanted is not None:
+        return wanted * math.pi / 30.0
+    rated_a = motor.rated_torque_nm / (1.5 * motor.pole_pairs * motor.flux_linkage_wb)
+    lost_v = (
+        inverter.dead_time_s
+        * inverter.pwm_frequency_hz
+        * (drive.battery.max_voltage_v + 2.0 * inverter.diode_forward_voltage_v)
+    )
+    uncertain_v = motor.phase_resistance_ohm * rated_a + lost_v
+    return uncertain_v / (motor.flux_linkage_wb * motor.pole_pairs)
+
+
 def line_emf_v(drive: Drive) -> float:
     """Peak line-to-line back-EMF at the largest speed in V.
 

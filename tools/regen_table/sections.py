@@ -360,6 +360,16 @@ class Rotor(Section):
     encoder_reversed: Annotated[bool, Field(description="the count falls when turning forward")] = (
         False
     )
+    observer_speed_rpm: Annotated[
+        float | None,
+        number(
+            0.1,
+            4e4,
+            "r/min",
+            "from which the EMF observer's angle counts; absent: EMF equal to the resistive drop"
+            " at rated torque and the dead times' voltage",
+        ),
+    ] = None
 
 
 class Drive(Section):

@@ -16,7 +16,7 @@ extern const config_t CONFIG_EBIKE36V;
 
 CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 11,
+    .format_version = 12,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "ebike36v",
@@ -142,6 +142,9 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
         /* largest distance of an index pulse from its expected count: the width of the pulse */
         .encoder_index_tolerance_counts = 4,
         .encoder_reversed               = 0, /* 1: the count falls when turning forward */
+        /* [mrad/s] mechanical, from which the EMF observer watches the sensor and takes over
+         * from it */
+        .observer_speed_mrad_s          = 9068,
         .edge_turn = {0, 10923, 21845, 32768, 43691, 54613},
     },
     .battery = {
@@ -382,5 +385,5 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
             -282, -352, -283, -480, -539,
         },
     },
-    .crc32 = 0x6A9CE58D,
+    .crc32 = 0x27615D3C,
 };

@@ -16,7 +16,7 @@ extern const config_t CONFIG_IPM400V;
 
 CONFIG_SECTION const config_t CONFIG_IPM400V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 11,
+    .format_version = 12,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "ipm400v",
@@ -142,6 +142,9 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         /* largest distance of an index pulse from its expected count: the width of the pulse */
         .encoder_index_tolerance_counts = 4,
         .encoder_reversed               = 0, /* 1: the count falls when turning forward */
+        /* [mrad/s] mechanical, from which the EMF observer watches the sensor and takes over
+         * from it */
+        .observer_speed_mrad_s          = 31664,
         .edge_turn = {0, 10923, 21845, 32768, 43691, 54613},
     },
     .battery = {
@@ -632,5 +635,5 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
             -224967, -234291, -243312,
         },
     },
-    .crc32 = 0x77D3EEC2,
+    .crc32 = 0x01418473,
 };

@@ -16,7 +16,7 @@ extern const config_t CONFIG_LU2013;
 
 CONFIG_SECTION const config_t CONFIG_LU2013 = {
     .magic = CONFIG_MAGIC,
-    .format_version = 11,
+    .format_version = 12,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "lu2013",
@@ -142,6 +142,9 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
         /* largest distance of an index pulse from its expected count: the width of the pulse */
         .encoder_index_tolerance_counts = 4,
         .encoder_reversed               = 0, /* 1: the count falls when turning forward */
+        /* [mrad/s] mechanical, from which the EMF observer watches the sensor and takes over
+         * from it */
+        .observer_speed_mrad_s          = 5374,
         .edge_turn = {0, 10923, 21845, 32768, 43691, 54613},
     },
     .battery = {
@@ -401,5 +404,5 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
             -7364, -7790, -7021, -8871, -9455,
         },
     },
-    .crc32 = 0x92F870A9,
+    .crc32 = 0xE35E5403,
 };

@@ -16,7 +16,7 @@ extern const config_t CONFIG_SCOOTER48V;
 
 CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 11,
+    .format_version = 12,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "scooter48v",
@@ -142,6 +142,9 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
         /* largest distance of an index pulse from its expected count: the width of the pulse */
         .encoder_index_tolerance_counts = 4,
         .encoder_reversed               = 0, /* 1: the count falls when turning forward */
+        /* [mrad/s] mechanical, from which the EMF observer watches the sensor and takes over
+         * from it */
+        .observer_speed_mrad_s          = 4418,
         .edge_turn = {0, 10923, 21845, 32768, 43691, 54613},
     },
     .battery = {
@@ -395,5 +398,5 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
             -5218, -5966, -6796, -7744, -8823, -10033, -11370, -12827, -14396,
         },
     },
-    .crc32 = 0xCC80BC64,
+    .crc32 = 0x954DBEA2,
 };

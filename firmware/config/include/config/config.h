@@ -24,7 +24,7 @@
 #include <stdint.h>
 
 #define CONFIG_MAGIC 0x434F4648 /* "HFOC" in memory, little endian */
-#define CONFIG_FORMAT_VERSION 11
+#define CONFIG_FORMAT_VERSION 12
 #define CONFIG_NAME_LENGTH 32
 #define CONFIG_REGEN_POINTS_MAX 833 /* such as 49 speeds at 17 temperatures, or 65 at 12 */
 /* such as 33 torques and 19 speeds at 2 temperatures */
@@ -100,8 +100,7 @@
       "rate of the fast loop; base of speed is a sixteenth of it") \
     X(pwm_period_counts,                     256,       16384,      "1", \
       "timer counts from 0 to the top of the centre-aligned count") \
-    X(dead_time_ns,                          0,         10000,      "ns", \
-      "between the two switches of a leg") \
+    X(dead_time_ns, 0, 10000, "ns", "between the two switches of a leg") \
     X(diode_drop_mV,                         0,         5000,       "mV", \
       "forward voltage of the freewheeling diodes, opposes the current during the dead time") \
     X(min_pulse_counts,                      0,         4096,       "1", \
@@ -140,8 +139,7 @@
       "omega_base L_d I_base / V_base, cross-coupling") \
     X(inductance_q_pu_q16,                   1,         1048576,    "pu", \
       "omega_base L_q I_base / V_base, cross-coupling") \
-    X(flux_pu_q16,                           1,         1048576,    "pu", \
-      "omega_base psi / V_base, back-EMF") \
+    X(flux_pu_q16, 1, 1048576, "pu", "omega_base psi / V_base, back-EMF") \
     X(modulation_limit_pu_q15,               8192,      32767,      "pu", \
       "largest |u| over u_dc/sqrt(3); below 1 keeps the sampling window") \
     X(modulation_target_pu_q15,              16384,     32112,      "pu", \
@@ -177,8 +175,9 @@
       "electrical angle at the index pulse") \
     X(encoder_index_tolerance_counts,        0,         1024,       "1", \
       "largest distance of an index pulse from its expected count: the width of the pulse") \
-    X(encoder_reversed,                      0,         1,          "", \
-      "1: the count falls when turning forward")
+    X(encoder_reversed, 0, 1, "", "1: the count falls when turning forward") \
+    X(observer_speed_mrad_s,                 1,         5000000,    "mrad/s", \
+      "mechanical, from which the EMF observer watches the sensor and takes over from it")
 
 #define CONFIG_HALL_ARRAY(Y) \
     Y(edge_turn, CONFIG_HALL_EDGES,          0,         65535,      "turn", \

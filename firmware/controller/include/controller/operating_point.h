@@ -26,11 +26,20 @@ typedef struct {
     int32_t magnets_pu;  /* psi/L_d, Q15 of the current base, at most 16 */
 } sampling_correction_t;
 
+/* observer_tuning.h: constants of the configuration, as shares of the EMF observer's full scale */
+typedef struct {
+    int32_t resistance_q15; /* R I_base T at the reference temperature */
+    int32_t volt_q15;       /* flux of one period at the bus voltage base */
+    int32_t flux_q14;       /* the magnets' */
+    int32_t cotangent_q24;  /* (lambda T/2)/(1 - lambda T/2) */
+} observer_constants_t;
+
 /* Complete only so that a caller can own one; no other module reads a member. */
 typedef struct {
     /* Since the start. */
     int32_t modulation_limit_q15; /* foc_modulation_limit_q15() */
     int32_t magnets_pu;           /* psi/L_d at the reference temperature, Q15 */
+    observer_constants_t observer;
     /* At the previous report. */
     foc_sums_t sums;
     uint16_t sequence;
@@ -39,6 +48,7 @@ typedef struct {
     int32_t power_pu; /* of u_d i_d + u_q i_q */
     int32_t v_dc_pu;
     int32_t speed_q32;
+    int32_t observer_speed_q32;
     int32_t winding_temperature_cC;
     sampling_correction_t sampling;
 } operating_point_state_t;

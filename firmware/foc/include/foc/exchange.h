@@ -38,6 +38,15 @@ typedef struct {
     int32_t alpha_q8, beta_q8;
 } dead_time_slope_t;
 
+/* For the EMF observer. */
+typedef struct {
+    /* Shares of the flux full scale, Q15, both components the same. */
+    q_pair_t volt;             /* flux of one period with the voltage circle's radius, < 1/4 */
+    q_pair_t minus_resistance; /* -R T I_base, > -1/4 */
+    uint16_t lead_turn; /* by which its flux leads the rotor at the present speed, with its sign */
+    bool used;          /* the current controller uses the observer's angle */
+} observer_tuning_t;
+
 /* Slow to fast, once per slow step. */
 typedef struct {
     uint16_t sequence;   /* slow steps since the start, wrapping: a new number is a new setpoint */
@@ -45,6 +54,7 @@ typedef struct {
     int32_t i_d_sampling_correction_pu; /* mean minus sampled i_d at zero mean current */
     current_tuning_t tuning;            /* for the present bus voltage and speed */
     dead_time_slope_t dead_time_slope;  /* for the present bus voltage */
+    observer_tuning_t observer;         /* for the present speed and winding temperature */
     bool calibrate_offsets;    /* average the current sensors' zeros; only with the bridge off */
     bool torque_enabled;       /* any torque is permitted: the bridge switches without a trip */
     bool clear_trip;           /* the fault has been acknowledged */
@@ -57,6 +67,15 @@ typedef struct {
     uint32_t power_pu; /* u_d i_d + u_q i_q, Q15 */
     uint32_t v_dc_pu;
 } foc_sums_t;
+
+/* EMF observer at the latest sample. */
+typedef struct {
+    int32_t speed_q32;    /* electrical turns per period, forward positive */
+    uint16_t theta_turn;  /* of its flux, which leads the rotor by lead_turn */
+    dq16_t flux_q14;      /* its flux along theta_turn and across: the remaining angle error */
+    uint16_t sensor_turn; /* rotor angle by the sensor at the same time */
+    bool acquired;        /* the bridge has switched for 3.3 ms */
+} observer_report_t;
 
 /* Fast to slow: the sums, and the latest period. */
 typedef struct {
@@ -71,8 +90,9 @@ typedef struct {
     int32_t i_d_weakening_pu;        /* field-weakening current added to the reference, <= 0 */
     int32_t offset_q4[SENSE_PHASES]; /* zero-current codes * 16 */
     bool offsets_done;
-    int32_t speed_q32;     /* electrical turns per period, forward positive */
-    bool rotor_valid;      /* the angle may be used for torque */
+    int32_t speed_q32; /* of the rotor sensor, electrical turns per period, forward positive */
+    bool rotor_valid;  /* the sensor's angle may be used for torque */
+    observer_report_t observer;
     uint16_t rotor_faults; /* wrapping count of readings that a healthy sensor cannot give */
     uint16_t quadrant_transitions; /* of the current vector while not switching, wrapping; forward
                                       counts up */

@@ -79,6 +79,26 @@ typedef struct {
     bool valid;
 } encoder_t;
 
+/* emf_observer.h: gains of the tracking loop, turns Q32 per error Q15 */
+typedef struct {
+    int32_t proportional, integral;
+} observer_gains_t;
+
+/* emf_observer.h: shares of the flux full scale; of constant pairs both components are equal */
+typedef struct {
+    uint32_t theta_q32;          /* of x at the next sample, turns */
+    int32_t speed_q32;           /* turns per period */
+    int32_t alpha_q30, beta_q30; /* integrated voltage less R i, with its leak */
+    q_pair_t minus_inductance;   /* -L_q I_base, Q15 */
+    q_pair_t minus_leak;         /* -lambda T, Q16 */
+    observer_gains_t gains;      /* in use */
+    ab16_t u;                    /* voltage of the latest step, modulation units */
+    ab16_t x;                    /* active flux, Q14 */
+    uint32_t periods;            /* of the acquisition, since its beginning */
+    observer_gains_t acquisition, tracking;
+    uint32_t acquisition_periods;
+} emf_observer_t;
+
 /* rotor.h */
 typedef struct {
     hall_t hall;
@@ -165,7 +185,9 @@ typedef struct {
 
 /* One period: what was measured and what was done. */
 typedef struct {
-    rotor_out_t rotor;
+    rotor_out_t rotor;     /* by the sensor */
+    uint16_t theta_turn;   /* electrical angle that the current controller uses */
+    ab16_t i_ab_pu;        /* sampled current, stator frame */
     dq16_t i_reference_pu; /* prefiltered, inside the current circle */
     dq16_t i_pu;           /* sampled current, Q15 of the current base; components saturate at 1 */
     voltage_out_t voltage;
@@ -177,6 +199,7 @@ typedef struct {
     foc_period_t period; /* the latest */
     foc_current_state_t current;
     rotor_state_t rotor;
+    emf_observer_t observer;
     circle_t current_circle;
     reference_prefilter_t prefilter;
     field_weakening_t weakening;

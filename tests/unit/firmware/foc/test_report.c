@@ -62,7 +62,7 @@ void test_adc_saturation_is_reported_at_every_angle(void)
     sense_state_t sense;
     sense_init(&sense, &MIDDLE);
     for (uint32_t theta = 0; theta < 65536U; theta += 331U) {
-        foc.period.rotor.theta_turn = (uint16_t)theta;
+        foc.period.theta_turn = (uint16_t)theta;
         for (int phase = 0; phase < 3; phase++) {
             for (int unused = 0; unused < 3; unused++) {
                 const int32_t on[3] = {unused == 0, unused == 1, unused == 2};

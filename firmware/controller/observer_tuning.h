@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * observer_tuning.h: what the fast loop's EMF observer needs of the slow loop, and what its report
+ * says in the slow loop's terms. 1 kHz.
+ */
+#ifndef CONTROLLER_OBSERVER_TUNING_H
+#define CONTROLLER_OBSERVER_TUNING_H
+
+#include <stdint.h>
+
+#include "config/config.h"
+#include "controller/operating_point.h"
+#include "foc/exchange.h"
+
+/* Divides. */
+observer_constants_t observer_constants(const config_t *config);
+
+/* By how much the observer's flux leads the rotor, with the sign of the speed: atan(c cot(w T/2)),
+ * to 0.2 degrees. A quarter turn at standstill. Divides. */
+uint16_t observer_lead_turn(const observer_constants_t *constants, int32_t speed_q32);
+
+/* |x| of the magnets' flux at a speed: flux_q14 cos(lead). */
+int32_t observer_expected_flux_q14(const observer_constants_t *constants, uint16_t lead_turn);
+
+/* For the present bus voltage, winding temperature and speed by the observer; not in use. Divides.
+ */
+observer_tuning_t observer_tuning(const observer_constants_t *constants, const config_t *config,
+                                  int32_t v_dc_pu, int32_t speed_q32,
+                                  int32_t winding_temperature_cC);
+
+#endif

@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The EMF observer in closed loop: its angle against the rotor of the plant. */
+#include <math.h>
+#include <stdio.h>
+
+#include "unity.h"
+#include "vehicle_fixture.h"
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+static const double KMH = 1.0 / 3.6;
+
+/* Electrical degrees by which the observer's angle is ahead of the rotor; both at the next sample.
+ */
+static double error_deg(const bench_t *bench)
+{
+    const wheel_t *wheel = &bench->wheel[0];
+    const double theta_turn = wheel->controller.fast.foc.observer.theta_q32 / 4294967296.0 -
+                              wheel->to_fast.observer.lead_turn / 65536.0;
+    return 360.0 * remainder(theta_turn - wheel->rotor.theta_turn, 1.0);
+}
+
+typedef struct {
+    double above_10_deg, at_5_deg; /* largest angle errors by speed in km/h */
+} errors_t;
+
+/* A stop from 40 km/h, with a motor that has these multiples of what the controller has configured.
+ */
+static errors_t stop_with(const char *name, double r, double l, double psi, double demand_nm)
+{
+    bench_params_t params = fixture_one_wheel(fixture_drive(name));
+    params.motor.phase_resistance_ohm *= r;
+    params.motor.d_inductance_h *= l;
+    params.motor.q_inductance_h *= l;
+    params.motor.flux_linkage_wb *= psi;
+    params.run.initial_speed_m_per_s = 40.0 * KMH;
+    params.driver.brake_demand_nm = demand_nm;
+    const config_t config = fixture_drive_config(name);
+    bench_t *bench = fixture_start(&params, &config);
+    fixture_run(bench, 0.02);
+    errors_t out = {0.0, 0.0};
+    while (bench->vehicle.speed_m_per_s > 5.0 * KMH) {
+        bench_period(bench);
+        const double size_deg = fabs(error_deg(bench));
+        double *worst =
+            bench->vehicle.speed_m_per_s > 10.0 * KMH ? &out.above_10_deg : &out.at_5_deg;
+        *worst = fmax(*worst, size_deg);
+    }
+    return out;
+}
+
+/* All corners of the three errors. ipm400v: 20 % of L_q would turn its flux by 12 degrees. */
+static void assert_angle_error(const char *name, double inductance_error, double demand_nm)
+{
+    for (int corner = 0; corner < 8; corner++) {
+        const double r = (corner & 1) != 0 ? 1.2 : 0.8;
+        const double l = 1.0 + ((corner & 2) != 0 ? inductance_error : -inductance_error);
+        const double psi = (corner & 4) != 0 ? 1.2 : 0.8;
+        const errors_t error = stop_with(name, r, l, psi, demand_nm);
+        char text[96];
+        snprintf(text, sizeof(text), "R %.1f, L %.2f, psi %.1f: %.2f and %.2f degrees", r, l, psi,
+                 error.above_10_deg, error.at_5_deg);
+        TEST_ASSERT_TRUE_MESSAGE(error.above_10_deg < 5.0, text);
+        TEST_ASSERT_TRUE_MESSAGE(error.at_5_deg < 10.0, text);
+    }
+}
+
+void test_angle_of_the_papers_motor_with_all_parameters_20_percent_wrong(void)
+{
+    assert_angle_error("lu2013", 0.2, 40.0);
+}
+
+void test_angle_of_a_salient_motor_with_l_q_5_percent_wrong(void)
+{
+    assert_angle_error("ipm400v", 0.05, 70.0);
+}

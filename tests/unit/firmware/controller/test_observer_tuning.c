@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
+
+#include "foc/foc.h"
+#include "observer_tuning.h"
+#include "paper_vehicle.h"
+#include "unity.h"
+
+static const double PI = 3.14159265358979323846;
+static const double T = 50e-6;
+static const double PSI_WB = 0.0204;
+static const double FULL_SCALE_WB = 2.0 * 0.0204 + 1.25 * 76e-6 * 165.0;
+
+static config_t config;
+static observer_constants_t constants;
+
+void setUp(void)
+{
+    config = CONFIG_LU2013;
+    constants = observer_constants(&config);
+}
+
+void tearDown(void) {}
+
+/* x is the flux over 1 - j lambda/w, in discrete time: by the definition of the recursion, here in
+ * complex arithmetic. */
+void test_lead_is_the_angle_of_the_leaking_integrator(void)
+{
+    const double leak = foc_observer_leak_q24(&config) / 16777216.0;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 4.0 * 23.0 * 1e-3 * config.rotor.observer_speed_mrad_s * T,
+                              leak);
+    for (double w = -1533.0; w < 1534.0; w += 17.0) {
+        /* x (e - 1 + leak) = psi (e - 1) */
+        const double re = cos(w * T) - 1.0;
+        const double im = sin(w * T);
+        const double lead = atan2(im, re) - atan2(im, re + leak);
+        const int32_t speed_q32 = (int32_t)lround(w * T / (2.0 * PI) * 4294967296.0);
+        const uint16_t lead_turn = observer_lead_turn(&constants, speed_q32);
+        TEST_ASSERT_DOUBLE_WITHIN(0.2, 0.0,
+                                  360.0 * remainder(lead_turn / 65536.0 - lead / (2.0 * PI), 1.0));
+        const double share = hypot(re, im) / hypot(re + leak, im);
+        TEST_ASSERT_DOUBLE_WITHIN(0.02 * 16384.0 * PSI_WB / FULL_SCALE_WB,
+                                  16384.0 * PSI_WB / FULL_SCALE_WB * share,
+                                  observer_expected_flux_q14(&constants, lead_turn));
+    }
+}
+
+void test_voltage_and_resistance_are_shares_of_the_flux_full_scale(void)
+{
+    const double r_ohm =
+        1e-6 * (config.motor.phase_resistance_uOhm + config.drive.loss_resistance_uOhm);
+    const double circle_v = 61.8 / sqrt(3.0) * foc_modulation_limit_q15(&config) / 32768.0;
+    const int32_t cold_cC = config.motor.reference_temperature_cC;
+    for (int k = 1; k <= 4; k++) {
+        const observer_tuning_t at =
+            observer_tuning(&constants, &config, 8192 * k, 0, cold_cC + 2500 * k);
+        const double warm = 1.0 + 0.00393 * 25.0 * k;
+        TEST_ASSERT_DOUBLE_WITHIN(1.5, 32768.0 * T * circle_v * k / 4.0 / FULL_SCALE_WB,
+                                  q_pair_x(at.volt));
+        TEST_ASSERT_DOUBLE_WITHIN(1.5, -32768.0 * T * r_ohm * warm * 165.0 / FULL_SCALE_WB,
+                                  q_pair_y(at.minus_resistance));
+        TEST_ASSERT_FALSE(at.used);
+    }
+}
