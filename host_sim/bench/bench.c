@@ -25,8 +25,22 @@ static motion_t moving(bench_t *bench)
     return out;
 }
 
+static void flip_config_bit(bench_t *bench, uint32_t bit)
+{
+    if (bit > 0U) {
+        unsigned char *bytes = (unsigned char *)&bench->config;
+        bytes[(bit - 1U) / 8U % sizeof(bench->config)] ^= (unsigned char)(1U << (bit - 1U) % 8U);
+    }
+}
+
 void bench_refresh(bench_t *bench)
 {
+    const uint32_t bit = (uint32_t)bench->params.fault.config_bit;
+    if (bit != bench->flipped_config_bit) {
+        flip_config_bit(bench, bench->flipped_config_bit);
+        flip_config_bit(bench, bit);
+        bench->flipped_config_bit = bit;
+    }
     bench->world = wheel_world(&bench->params, &bench->config);
     bench->road = motion_world(&bench->params, bench->world.step_s);
     for (int k = 0; k < bench->wheels; k++) {
@@ -197,6 +211,14 @@ static wheel_order_t order_of(const bench_t *bench, const wheel_order_t *message
     return out;
 }
 
+static bool contactor_is_open(const bench_t *bench)
+{
+    const double bounce_s = bench->params.fault.contactor_bounce_s;
+    return bench->params.bus.contactor_open > 0.5 ||
+           (bounce_s > 0.0 && bench->params.bus.capacitance_f > 0.0 &&
+            fmod(bench->time_s, 2.0 * bounce_s) < bounce_s);
+}
+
 /* The brake pedal as the brake system itself sees it, also while no demand is sent. */
 static double pedal_nm(const bench_t *bench)
 {
@@ -228,9 +250,8 @@ static void slow_step(bench_t *bench)
     note_braking(bench);
     abs_unit_step(&bench->abs_unit, &bench->world, bench->wheel, bench->wheels, &bench->vehicle,
                   bench->demand.brake_nm, bench->time_s, SLOW_STEP_S);
-    const bms_limits_t limits =
-        bms_step(&params->bms, &bench->limits, &params->battery, &bench->battery,
-                 params->bus.contactor_open > 0.5, bench->time_s);
+    const bms_limits_t limits = bms_step(&params->bms, &bench->limits, &params->battery,
+                                         &bench->battery, contactor_is_open(bench), bench->time_s);
     const wheel_order_t order = {
         .drive_nm = bench->demand.drive_nm,
         .brake_nm = bench->demand.brake_nm,
@@ -283,6 +304,23 @@ static void book(ledger_t *ledger, const bus_flow_t *bus, const motion_flow_t *m
                              plant_max(-motion->road.climbed_j, 0.0);
 }
 
+/* Battery and bus with their faults. */
+static bus_flow_t feed_bus(bench_t *bench, double dc_j)
+{
+    const bench_params_t *params = &bench->params;
+    const fault_params_t *fault = &params->fault;
+    bus_params_t bus = params->bus;
+    bus.cable_resistance_ohm += fault->cable_rise * (params->bus.cable_resistance_ohm +
+                                                     params->battery.series_resistance_ohm);
+    bus.contactor_open = contactor_is_open(bench) ? 1.0 : 0.0;
+    if (fault->cell_rise > 0.0) {
+        battery_params_t battery = params->battery;
+        battery.series_resistance_ohm *= 1.0 + fault->cell_rise;
+        return bus_step(&bus, &bench->bus, &battery, &bench->battery, dc_j);
+    }
+    return bus_step(&bus, &bench->bus, &params->battery, &bench->battery, dc_j);
+}
+
 /* The plant alone, world.step_s long. */
 static void advance(bench_t *bench)
 {
@@ -297,8 +335,7 @@ static void advance(bench_t *bench)
         flow[k] = wheel_step(&bench->wheel[k], &bench->world, speed_rad_s, bench->bus.voltage_v);
         dc_j += flow[k].dc_j;
     }
-    const bus_flow_t bus =
-        bus_step(&bench->params.bus, &bench->bus, &bench->params.battery, &bench->battery, dc_j);
+    const bus_flow_t bus = feed_bus(bench, dc_j);
     bench->bus_peak_v = plant_max(bench->bus_peak_v, bench->bus.voltage_v);
     const double kinetic_j = kinetic_energy_j(bench);
     const motion_flow_t moved = bench->speed_prescribed

@@ -6,12 +6,42 @@
 
 #include "plant/numbers.h"
 
+/* Two wires may have changed places between bridge and motor. */
+static plant_abc_t as_wired(const wheel_t *wheel, const wheel_world_t *world, plant_abc_t x)
+{
+    const plant_abc_t swapped = {.a = x.a, .b = x.c, .c = x.b};
+    return wheel->is_faulty && world->params->fault.wires_swapped > 0.5 ? swapped : x;
+}
+
 static plant_abc_t duties(const wheel_t *wheel, const wheel_world_t *world)
 {
     const plant_abc_t out = {.a = wheel->active.compare_counts[0] * world->duty_per_count,
                              .b = wheel->active.compare_counts[1] * world->duty_per_count,
                              .c = wheel->active.compare_counts[2] * world->duty_per_count};
-    return out;
+    return as_wired(wheel, world, out);
+}
+
+/* With faults. The averaged bridge also where the others are switched edge by edge. */
+static void break_legs(wheel_t *wheel, const wheel_world_t *world, double bus_voltage_v,
+                       const pmsm_step_t *step, feed_flow_t *out)
+{
+    broken_bridge_command_t command = {
+        .mode = BROKEN_BRIDGE_OFF, .duty = duties(wheel, world), .bus_voltage_v = bus_voltage_v};
+    switch (wheel->active.bridge) {
+    case BRIDGE_PWM:
+        command.mode = BROKEN_BRIDGE_PWM;
+        break;
+    case BRIDGE_SHORT:
+        command.mode = BROKEN_BRIDGE_SHORT_LOW;
+        break;
+    case BRIDGE_OFF:
+        break;
+    }
+    const broken_bridge_flow_t flow =
+        broken_bridge_step(&world->params->fault, &wheel->bridge, &wheel->inverter, &wheel->machine,
+                           &wheel->rotor, &command, step);
+    out->motor = flow.machine;
+    out->bridge = flow.bridge;
 }
 
 /* Edge by edge. */
@@ -69,7 +99,10 @@ void feed_motor(wheel_t *wheel, const wheel_world_t *world, double speed_rad_s,
                 double bus_voltage_v, feed_flow_t *out)
 {
     const double omega_rad_s = speed_rad_s * world->params->motor.pole_pairs;
-    if (world->params->inverter.switching > 0.5) {
+    if (wheel->has_broken_bridge) {
+        const pmsm_step_t step = {.omega_rad_s = omega_rad_s, .duration_s = world->step_s};
+        break_legs(wheel, world, bus_voltage_v, &step, out);
+    } else if (world->params->inverter.switching > 0.5) {
         const pmsm_step_t step = {.omega_rad_s = omega_rad_s, .duration_s = world->step_s};
         const switching_watch_t watch = {.shunts = &wheel->shunts,
                                          .settling_s = world->params->sensors.shunt_settling_s};
@@ -115,7 +148,9 @@ void feed_end_period(wheel_t *wheel, const wheel_world_t *world)
     wheel->at_top = wheel->rotor.terminal;
 }
 
-plant_abc_t feed_sampled(const wheel_t *wheel, const wheel_world_t *world, double bus_voltage_v)
+/* In the motor's wires. */
+static plant_abc_t motor_sampled(const wheel_t *wheel, const wheel_world_t *world,
+                                 double bus_voltage_v)
 {
     const sensors_params_t *sensors = &world->params->sensors;
     const bool through_shunts = sensors->shunt_settling_s > 0.0;
@@ -141,4 +176,9 @@ plant_abc_t feed_sampled(const wheel_t *wheel, const wheel_world_t *world, doubl
         }
     }
     return through_shunts ? shunts_output(&shunts) : plant_inverse_clarke(rotor.terminal);
+}
+
+plant_abc_t feed_sampled(const wheel_t *wheel, const wheel_world_t *world, double bus_voltage_v)
+{
+    return as_wired(wheel, world, motor_sampled(wheel, world, bus_voltage_v));
 }

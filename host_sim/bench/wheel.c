@@ -9,6 +9,7 @@
 
 enum { MILLI = 1000, CENTI = 100, PERCENT = 100 };
 static const double SLOW_STEP_S = 1.0 / CONTROLLER_SLOW_RATE_HZ;
+static const double ON = 0.5; /* a switch given as a number */
 
 wheel_world_t wheel_world(const bench_params_t *params, const config_t *config)
 {
@@ -84,6 +85,9 @@ void wheel_begin(wheel_t *wheel, const wheel_world_t *world)
 static void at_temperature(wheel_t *wheel, const wheel_world_t *world)
 {
     wheel->machine = pmsm_at_temperature(&world->params->motor, wheel->winding.temperature_c);
+    if (wheel->is_faulty) {
+        wheel->machine.flux_wb *= 1.0 - world->params->fault.magnet_loss;
+    }
     wheel->inverter = inverter_model(&world->params->inverter, wheel->switches.temperature_c);
     wheel->switching = switching_model(&world->params->inverter, wheel->switches.temperature_c);
 }
@@ -105,11 +109,16 @@ void wheel_refresh(wheel_t *wheel, const wheel_world_t *world)
         wheel->switches.temperature_c = params->thermal.switch_temperature_c;
     }
     wheel->friction = own->road_friction > 0.0 ? own->road_friction : params->road.friction;
+    wheel->is_faulty = is_concerned(wheel, &params->fault);
+    wheel->has_broken_bridge = wheel->is_faulty && broken_bridge_present(&params->fault);
+    wheel->has_broken_program = wheel->is_faulty && injection_present(&params->fault);
+    if (!wheel->has_broken_bridge) {
+        wheel->bridge.desaturated = false;
+    }
     at_temperature(wheel, world);
     hydraulic_brake_refresh(&params->brake, &wheel->brake, own->brake_torque_loss, world->step_s);
     const bool had_broken_sensors = wheel->has_broken_sensors;
-    wheel->has_broken_sensors =
-        is_concerned(wheel, &params->fault) && sensor_fault_present(&params->fault);
+    wheel->has_broken_sensors = wheel->is_faulty && sensor_fault_present(&params->fault);
     if (!had_broken_sensors) {
         const sensor_fault_t healthy = {.has_codes = false};
         wheel->broken_sensors = healthy;
@@ -153,6 +162,13 @@ static double measured_switches_c(wheel_t *wheel, const bench_params_t *params)
                                    wheel->switches.temperature_c, false, SLOW_STEP_S);
 }
 
+static injection_target_t target_of(wheel_t *wheel, const wheel_world_t *world)
+{
+    const injection_target_t out = {
+        .controller = &wheel->controller, .config = world->config, .to_fast = &wheel->to_fast};
+    return out;
+}
+
 void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t *order)
 {
     warm(wheel, world);
@@ -183,16 +199,23 @@ void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t 
     };
     if (wheel->coupling != NULL) {
         wheel->slow = wheel->coupling->millisecond(wheel->coupling->context, &in);
+    } else if (wheel->has_broken_program) {
+        const injection_target_t target = target_of(wheel, world);
+        wheel->slow =
+            injection_slow(&world->params->fault, &wheel->injection, &target, &in, &wheel->slow);
     } else {
         fast_report_t report;
         controller_fast_report(&wheel->controller.fast, &report);
         wheel->slow = controller_slow_step(&wheel->controller.slow, world->config, &report, &in,
                                            &wheel->to_fast);
     }
+    const double commanded_nm = wheel->slow.hydraulic_valid
+                                    ? (double)wheel->slow.hydraulic_torque_mNm / MILLI
+                                    : order->pedal_nm;
+    const double late_nm =
+        injection_hydraulic_nm(&world->params->fault, &wheel->injection, commanded_nm);
     hydraulic_brake_command(&world->params->brake, &wheel->brake,
-                            wheel->slow.hydraulic_valid
-                                ? (double)wheel->slow.hydraulic_torque_mNm / MILLI
-                                : order->pedal_nm);
+                            wheel->is_faulty ? late_nm : commanded_nm);
     const pmsm_step_t period = {.omega_rad_s =
                                     wheel->motion.speed_rad_s * world->params->motor.pole_pairs,
                                 .duration_s = wheel->inverter.period_s,
@@ -211,6 +234,10 @@ void wheel_sample(wheel_t *wheel, const wheel_world_t *world, double bus_voltage
     feed_end_period(wheel, world);
     if (wheel->coupling == NULL) {
         wheel->active = wheel->next;
+    }
+    const bool drivers_off = wheel->is_faulty && params->fault.gate_driver > ON;
+    if (drivers_off) {
+        wheel->active.bridge = BRIDGE_OFF;
     }
     wheel->sampled_a = feed_sampled(wheel, world, bus_voltage_v);
     sensor_view_t view = {.current_a = wheel->sampled_a,
@@ -235,12 +262,17 @@ void wheel_sample(wheel_t *wheel, const wheel_world_t *world, double bus_voltage
         .rotor_angle_turn = sample.rotor_angle_turn,
         .encoder = {.count = counted.count,
                     .index_count = counted.index_count,
-                    .index = counted.index && params->fault.index_lost < 0.5},
+                    .index = counted.index && !(wheel->is_faulty && params->fault.index_lost > ON)},
         .hall_state = sample.hall_state,
-        .power_stage_fault = false,
+        .power_stage_fault = drivers_off || wheel->bridge.desaturated,
     };
     if (wheel->coupling != NULL) {
         wheel->active = wheel->coupling->period(wheel->coupling->context, &in);
+        return;
+    }
+    if (wheel->has_broken_program) {
+        const injection_target_t target = target_of(wheel, world);
+        injection_fast(&params->fault, &wheel->injection, &target, &in, &wheel->next);
         return;
     }
     wheel->next =
@@ -255,6 +287,10 @@ wheel_flow_t wheel_step(wheel_t *wheel, const wheel_world_t *world, double speed
     const pmsm_flow_t *flow = &fed.motor;
     const inverter_flow_t *bridge = &fed.bridge;
     wheel->brake_capacity_nm = hydraulic_brake_step(&wheel->brake);
+    if (wheel->is_faulty) {
+        wheel->brake_capacity_nm +=
+            world->params->fault.hydraulic_drag * world->params->brake.max_hydraulic_torque_nm;
+    }
 
     if (wheel->active.bridge != BRIDGE_SHORT) {
         const plant_ab_t i = wheel->rotor.terminal;

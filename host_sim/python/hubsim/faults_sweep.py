@@ -8,6 +8,7 @@ their beginning, which is simulated once.
 """
 
 import math
+import zlib
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -122,7 +123,7 @@ class Outcome:
     current_ratio : float
         Longest current vector over the over-current limit, active short circuits apart.
     healed_under_braking : int
-        1: a fault that was latched went away while the driver braked.
+        1: a fault that was latched went away while the driver braked, without a restart.
     """
 
     fault: str
@@ -158,14 +159,18 @@ class Outcome:
             self.instant_s,
         )
 
-    def misses(self) -> list[str]:
-        """Return what this run does not hold, by the limits that every fault has to hold."""
+    def misses(self, slack: float = 0.0) -> list[str]:
+        """Return what this run does not hold, by the limits that every fault has to hold.
+
+        ``slack`` widens the limits by that share, for comparisons that noise must not decide.
+        """
         hydraulic = faults.table()[self.fault].group == "hydraulic"
+        wide = 1.0 + slack
         found = {
-            "distance": not self.distance_ratio <= (1.25 if hydraulic else 1.10),
-            "wrong sign": self.wrong_sign_ms > 5.0,
-            "excess": self.excess_nm > max(5.0, 0.1 * self.demand_nm) and not hydraulic,
-            "current": self.current_ratio > 1.3,
+            "distance": not self.distance_ratio - 1.0 <= wide * (0.25 if hydraulic else 0.1),
+            "wrong sign": self.wrong_sign_ms > 5.0 * wide,
+            "excess": self.excess_nm > wide * max(5.0, 0.1 * self.demand_nm) and not hydraulic,
+            "current": self.current_ratio > 1.3 * wide,
             "bus": self.bus_peak_v > self.bus_limit_v,
             "reason": not (self.harmless or self.reason_expected),
             "healed": bool(self.healed_under_braking),
@@ -230,9 +235,10 @@ def plan(
 def reduced() -> list[Case]:
     """Return a few runs of every fault: the paper's vehicle, the sensors in turn, a hard stop."""
     found: list[Case] = []
-    for k, fault in enumerate(faults.named(())):
+    for fault in faults.named(()):
+        k = zlib.crc32(fault.name.encode())  # the same runs whatever faults come after
         sensors = [sensor for sensor in ("hall", "angle") if sensor in fault.sensors]
-        sensor = sensors[k % len(sensors)] if sensors else fault.sensors[0]
+        sensor = sensors[k // 8 % len(sensors)] if sensors else fault.sensors[0]
         several = plan([fault], [("lu2013", sensor)], [DEMAND_SHARES[1]])
         wanted = (2 + k % 3, 4 + k % 3) if len(several) > 7 else range(len(several))
         found.extend(several[j] for j in wanted)
@@ -335,7 +341,9 @@ class _Vehicle:
             abs(distance - 1.0) <= HARMLESS_DISTANCE and error < HARMLESS_TORQUE and not tripped
         )
         latched = rows[:, FAULT] > 0.0
-        healed = np.any(latched[:-1] & ~latched[1:] & (rows[1:, BRAKE] > 0.0))
+        boots = [mode for mode in np.unique(rows[:, MODE]) if engine.mode_text(mode) == "BOOT"]
+        runs_on = ~np.isin(rows[1:, MODE], boots)
+        healed = np.any(latched[:-1] & ~latched[1:] & runs_on & (rows[1:, BRAKE] > 0.0))
         trip_a = loops.overcurrent_pu(drive) * drive.inverter.current_full_scale_a
         return Outcome(
             fault=case.fault,

@@ -63,8 +63,9 @@ typedef struct {
     int64_t period; /* since the start of the run */
     int64_t slow_steps;
     double time_s;
-    double bus_peak_v;     /* since the run began */
-    bool speed_prescribed; /* the vehicle's speed is set from outside */
+    double bus_peak_v;           /* since the run began */
+    uint32_t flipped_config_bit; /* from 1; 0: none */
+    bool speed_prescribed;       /* the vehicle's speed is set from outside */
 } bench_t;
 
 /* trace: see driver_trace_t; its arrays must outlive the bench. */

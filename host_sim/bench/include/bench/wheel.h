@@ -18,9 +18,11 @@
 
 #include <stdint.h>
 
+#include "bench/injection.h"
 #include "bench/parameters.h"
 #include "controller/controller.h"
 #include "plant/bms.h"
+#include "plant/broken_bridge.h"
 #include "plant/random.h"
 #include "plant/sensor_fault.h"
 #include "plant/switching.h"
@@ -88,8 +90,13 @@ typedef struct {
     random_t random;
     sensors_fault_t fault;
     sensor_fault_t broken_sensors;
+    bool is_faulty;          /* faults of fault.h concern this wheel */
     bool has_broken_sensors; /* of fault.h */
-    plant_abc_t sampled_a;   /* what stood in front of the current converters at the last sample */
+    bool has_broken_bridge;
+    bool has_broken_program; /* injection.h */
+    broken_bridge_t bridge;
+    injection_t injection;
+    plant_abc_t sampled_a; /* what stood in front of the current converters at the last sample */
     shunts_t shunts;
     plant_ab_t at_top; /* A, at the last top of the count */
     temperature_sensor_t winding_sensor, switch_sensor;

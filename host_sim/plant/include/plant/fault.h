@@ -40,11 +40,57 @@
     X(hall_bounce_s,         0.0,   1.0,    "s",   "of one contact and of one interruption") \
     X(index_lost,            0.0,   1.0,    "",    "1: the encoder's index never comes")
 
+#define BRIDGE_FAULT_PARAMETERS(X) \
+    X(phase_open,            0.0,   7.0,    "", \
+      "wires broken between bridge and motor: 1 = a, 2 = b, 4 = c, sums") \
+    X(phase_short,           0.0,   3.0,    "", \
+      "wires joined: 1 = a and b, 2 = b and c, 3 = c and a") \
+    X(phase_short_ohm,       0.0,   10.0,   "ohm", "resistance of that joint") \
+    X(high_switch_open,      0.0,   7.0,    "", \
+      "high-side switches that never close: 1 = a, 2 = b, 4 = c, sums") \
+    X(low_switch_open,       0.0,   7.0,    "",    "low-side switches that never close") \
+    X(high_switch_closed,    0.0,   7.0,    "",    "high-side switches that never open") \
+    X(low_switch_closed,     0.0,   7.0,    "",    "low-side switches that never open") \
+    X(leg_high,              0.0,   7.0,    "", \
+      "legs whose driver keeps the high side closed and the low side open") \
+    X(leg_low,               0.0,   7.0,    "",    "legs whose driver keeps the low side closed")
+
+#define PROGRAM_FAULT_PARAMETERS(X) \
+    X(slow_stopped,          0.0,   1.0,    "",    "1: the slow step is no longer called") \
+    X(slow_doubled,          0.0,   1.0,    "",    "1: it is called twice a millisecond") \
+    X(slow_late,             0.0,   1.0,    "", \
+      "1: its setpoint reaches the fast loop a millisecond late") \
+    X(fast_stopped,          0.0,   1.0,    "", \
+      "1: the fast step is no longer called; the compare values stay") \
+    X(fast_doubled,          0.0,   1.0,    "",    "1: it is called twice a period") \
+    X(fast_late,             0.0,   1.0,    "",    "1: its output acts a period later") \
+    X(restart,               0.0,   1.0,    "",    \
+      "1: the controller restarts once, as by its watchdog") \
+    X(state_bit,             0.0,   1e6,    "", \
+      "number of a bit of the controller's state, from 1, that flips once; 0: none") \
+    X(config_bit,            0.0,   1e6,    "",    "likewise of the configuration")
+
 #define FAULT_PARAMETERS(X) \
     X(wheels,                0.0,   65535.0, "", \
       "wheels with the faults of this section: 1 = first, 2 = second, 4 = third ..., sums; " \
       "0: all") \
-    SENSOR_FAULT_PARAMETERS(X)
+    SENSOR_FAULT_PARAMETERS(X) \
+    BRIDGE_FAULT_PARAMETERS(X) \
+    X(blanking_s,            0.0,   1e-4,   "s",   "of the gate drivers' desaturation detection") \
+    X(gate_driver,           0.0,   1.0,    "", \
+      "1: the gate drivers have opened all switches and keep the fault line active") \
+    X(wires_swapped,         0.0,   1.0,    "",    "1: wires b and c change places at the motor") \
+    X(magnet_loss,           0.0,   1.0,    "1",   "share of the magnets' flux lost") \
+    X(cable_rise,            0.0,   1e3,    "1", \
+      "resistance of the battery's cable, in that of cable and cells, added") \
+    X(cell_rise,             0.0,   1e3,    "1", \
+      "series resistance of the cells added, share of it") \
+    X(contactor_bounce_s,    0.0,   10.0,   "s", \
+      "the contactor is open and closed in turn, so long each (needs a capacitance)") \
+    X(hydraulic_late_s,      0.0,   1.0,    "s",   "dead time of the hydraulic brake added") \
+    X(hydraulic_drag,        0.0,   100.0,  "1", \
+      "brake torque that never releases, share of the largest hydraulic torque") \
+    PROGRAM_FAULT_PARAMETERS(X)
 /* clang-format on */
 
 typedef struct {

@@ -11,13 +11,13 @@ LIST = Path(__file__).with_name("fault_misses.txt")
 HEAD = "# Runs of 'hubsim faults --reduced' that miss a limit: fault, vehicle, sensor, s: limits\n"
 
 
-def as_text(outcomes: Sequence[Outcome]) -> str:
-    """Return a line for each run that misses a limit."""
+def as_text(outcomes: Sequence[Outcome], slack: float = 0.0) -> str:
+    """Return a line for each run that misses a limit widened by this share."""
     lines = [
         f"{o.fault}, {o.config}, {o.rotor_sensor}, {o.situation} {o.demand_nm:g} N m, "
-        f"{o.instant_s:g} s: {', '.join(o.misses())}\n"
+        f"{o.instant_s:g} s: {', '.join(o.misses(slack))}\n"
         for o in outcomes
-        if o.misses()
+        if o.misses(slack)
     ]
     return HEAD + "".join(sorted(lines))
 

@@ -13,6 +13,7 @@ from fault_misses import LIST, as_text, listed
 from hubsim import cli, faults, faults_report, faults_sweep
 from hubsim.faults_sweep import Outcome
 
+SLACK = 0.3  # of the limits: what is so near to one may change with any line of the firmware
 KEYS = {
     "fault", "config", "rotor_sensor", "demand_nm", "instant_s", "distance_ratio", "wrong_sign_ms",
     "current_ratio", "bus_peak_v", "bus_limit_v", "first_reason", "reason_expected",
@@ -35,6 +36,7 @@ def outcomes(swept: Path) -> list[Outcome]:
 
 
 def test_every_fault_is_run(outcomes: list[Outcome]) -> None:
+    assert len(outcomes) >= 150
     assert {o.fault for o in outcomes} == {fault.name for fault in faults.named(())}
     assert {o.situation for o in outcomes} == {
         faults_sweep.STOP,
@@ -47,16 +49,16 @@ def test_the_json_file_is_an_array_of_objects_with_the_keys(swept: Path) -> None
     assert all(set(run) == KEYS for run in found)
     assert all(isinstance(run["harmless"], bool) for run in found)
     never = [run for run in found if run["distance_ratio"] is None]
-    assert {run["fault"] for run in never} <= {"hydraulic_dead"}
+    assert {run["fault"] for run in never} <= {"hydraulic_dead", "hydraulic_weak"}
 
 
 def test_every_run_misses_the_listed_limits_and_no_others(
     outcomes: list[Outcome],
 ) -> None:
-    found = listed(as_text(outcomes))
     known = listed(LIST.read_text(encoding="utf-8"))
-    new = {run: limits for run, limits in found.items() if set(limits) - set(known.get(run, []))}
-    mended = {run: known[run] for run in known if set(known[run]) - set(found.get(run, []))}
+    wide, narrow = (listed(as_text(outcomes, slack)) for slack in (SLACK, -SLACK))
+    new = {run: limits for run, limits in wide.items() if set(limits) - set(known.get(run, []))}
+    mended = {run: known[run] for run in known if set(known[run]) - set(narrow.get(run, []))}
     assert new == {}, "new misses"
     assert mended == {}, "mended: take them off fault_misses.txt"
 

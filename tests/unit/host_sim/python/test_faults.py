@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hubsim import engine, events, faults, faults_sweep, reasons, run, stored_share
+from hubsim import engine, events, faults, faults_sweep, reasons, run, stops, stored_share
 from hubsim.errors import HubsimError
 from hubsim.faults_sweep import BRAKE, FAULT, MOTOR, SIGNALS, SPEED, TIME, WARNING
 from hubsim.scenario import Scenario
@@ -142,3 +142,131 @@ def test_limits_of_a_run_are_those_of_every_fault() -> None:
     for name, value in bad.items():
         assert len(replace(good, **{name: value}).misses()) == 1, name
     assert replace(good, reason_expected=0, harmless=1).misses() == []
+
+
+class _Wheel:
+    """A braking wheel of the paper's vehicle, and a fault in it."""
+
+    def __init__(self, name: str, needs: dict[str, float] | None = None) -> None:
+        drive = stored_share.drive_named("lu2013")
+        plant = {"bus.capacitance_f": 0.004, **(needs or {})}
+        scenario = Scenario(
+            initial_speed_kmh=30.0, max_duration_s=9.0, demand_nm=60.0, noise=False, plant=plant
+        )
+        self.engine, _ = run.prepare(drive, scenario, Path(), {})
+        stops.as_one_wheel(self.engine, drive)
+        self.engine.start()
+        self.engine.run(0.5)
+        for parameter, value in faults.table()[name].sets.items():
+            self.engine.set(parameter, value)
+
+    def after(self, duration_s: float, *signals: str) -> list[float]:
+        """Go on, and return signals."""
+        self.engine.run(duration_s)
+        return [self.engine.value(f"wheel0.{name}") for name in signals]
+
+    def mean(self, duration_s: float, signal: str) -> float:
+        """Go on, and return the mean of a rate, whose value is its integral."""
+        before = self.engine.value(f"wheel0.{signal}")
+        return (self.after(duration_s, signal)[0] - before) / duration_s
+
+
+def test_the_watchdog_restarts_a_controller_whose_slow_step_has_stopped() -> None:
+    wheel = _Wheel("slow_step_stopped")
+    assert wheel.engine.mode_text(wheel.after(0.020, "mode")[0]) == "RUN"
+    mode, bridge = wheel.after(0.010, "mode", "bridge")
+    assert (wheel.engine.mode_text(mode), bridge) == ("BOOT", 0.0)
+    # The brake system misses the messages' counter after 50 ms, and takes the pedal's 60 N m.
+    assert wheel.after(0.025, "hydraulic_valid") == [0.0]
+    wheel.engine.run(0.8)
+    assert wheel.mean(0.1, "hydraulic_torque_nm") == pytest.approx(60.0, abs=0.5)
+
+
+def test_a_restart_boots_on_the_turning_wheel_and_comes_back() -> None:
+    wheel = _Wheel("watchdog_restart")
+    assert wheel.engine.mode_text(wheel.after(0.002, "mode")[0]) != "RUN"
+    assert wheel.engine.mode_text(wheel.after(1.5, "mode")[0]) == "RUN"
+
+
+def test_compare_values_that_stay_make_a_direct_voltage() -> None:
+    """The current vector stands still in the stator while the rotor turns on."""
+    wheel = _Wheel("fast_step_stopped")
+    torques = [wheel.after(0.0005, "motor_torque_nm", "current_q_a")[1] for _ in range(40)]
+    assert min(torques) < -20.0
+    assert max(torques) > 20.0
+    assert wheel.after(0.02, "bridge") == [0.0]
+
+
+def test_the_fault_line_and_open_drivers_stop_the_motor() -> None:
+    wheel = _Wheel("gate_driver")
+    reason, bridge, current = wheel.after(0.05, "first_fault_reason", "bridge", "current_q_a")
+    assert reasons.identifier(reason) == "HARDWARE_BREAK"
+    assert (bridge, round(current, 1)) == (0.0, 0.0)
+
+
+def test_a_stuck_brake_adds_its_torque() -> None:
+    """45 N m of 300 never release."""
+    stuck, healthy = _Wheel("hydraulic_stuck_on"), _Wheel("hydraulic_stuck_on")
+    healthy.engine.set("fault.hydraulic_drag", 0.0)
+    added = stuck.mean(0.1, "hydraulic_torque_nm") - healthy.mean(0.1, "hydraulic_torque_nm")
+    assert added == pytest.approx(45.0, abs=1.0)
+
+
+def test_weak_magnets_make_less_torque_of_the_same_current() -> None:
+    healthy, weak = _Wheel("magnets_weak"), _Wheel("magnets_weak")
+    healthy.engine.set("fault.magnet_loss", 0.0)
+    for wheel in (healthy, weak):
+        wheel.engine.run(0.3)
+    ratio = weak.mean(0.1, "motor_torque_nm") / healthy.mean(0.1, "motor_torque_nm")
+    currents = [wheel.engine.value("wheel0.current_q_a") for wheel in (healthy, weak)]
+    assert ratio == pytest.approx(0.7 * currents[1] / currents[0], rel=0.03)
+
+
+def test_a_corroded_cable_lifts_the_bus_by_its_resistance() -> None:
+    """Cable and cells times four, times the current that is charged."""
+    wheel = _Wheel("cable_corroded")
+    wheel.engine.run(0.3)
+    value, get = wheel.engine.value, wheel.engine.get
+    ohm = get("battery.series_resistance_ohm") + get("bus.cable_resistance_ohm")
+    lifted = value("bus.voltage_v") - value("battery.voltage_v")
+    own = get("bus.cable_resistance_ohm")
+    assert value("battery.current_a") < -1.0
+    assert lifted == pytest.approx(-(4.0 * ohm + own) * value("battery.current_a"), rel=0.02)
+
+
+def test_a_bouncing_contactor_is_open_half_of_the_time() -> None:
+    wheel = _Wheel("contactor_bounces")
+    currents = []
+    for _ in range(200):
+        wheel.engine.run(0.001)
+        currents.append(wheel.engine.value("battery.current_a"))
+    assert sum(current == 0.0 for current in currents) == pytest.approx(100, abs=5)
+
+
+def test_a_blocked_wheel_slides() -> None:
+    wheel = _Wheel("wheel_locked", {"road.friction": 0.8})
+    assert wheel.after(0.4, "speed_rad_per_s")[0] == pytest.approx(0.0, abs=0.1)
+    assert wheel.engine.value("vehicle.speed_m_per_s") > 1.0
+
+
+def test_a_bit_of_the_configuration_flips_and_comes_back() -> None:
+    wheel = _Wheel("config_bit")
+    flipped = wheel.engine.save()
+    wheel.engine.set("fault.config_bit", 0.0)
+    back = wheel.engine.save()
+    changed = [a ^ b for a, b in zip(flipped, back, strict=True) if a != b]
+    number = int(faults.table()["config_bit"].sets["fault.config_bit"])
+    assert 1 << (number - 1) % 8 in changed
+    assert len(changed) < 16  # the parameter, its copy as a number, the bit
+
+
+def test_the_gate_drivers_protect_a_bridge_with_a_stuck_switch() -> None:
+    wheel = _Wheel("low_switch_a_closed")
+    reason = wheel.after(0.05, "first_fault_reason")[0]
+    assert reasons.identifier(reason) == "HARDWARE_BREAK"
+
+
+def test_an_open_phase_carries_no_current() -> None:
+    wheel = _Wheel("phase_b_open")
+    for _ in range(20):
+        assert wheel.after(0.0005, "phase_b_a")[0] == pytest.approx(0.0, abs=0.2)

@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * injection.h: faults of the program in one wheel's controller: steps that are missing, late or
+ * doubled, a restart, a bit that flips.
+ *
+ * Around them stands what the board does: the watchdog of app/supervisor.h restarts the core after
+ * SUPERVISOR_TIMEOUT_ms in which steps were missing or their rates were off by more than a quarter,
+ * and again for as long as the cause stays: bridge off, no messages. The brake system takes its own
+ * path once the counter of the wheel's messages has stood still for five cycles.
+ */
+#ifndef BENCH_INJECTION_H
+#define BENCH_INJECTION_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "controller/controller.h"
+#include "plant/fault.h"
+
+enum { INJECTION_WATCHDOG_MS = 25, INJECTION_MESSAGES_LOST_MS = 50, INJECTION_LATE_MS_MAX = 1000 };
+
+/* All zero: no fault yet. */
+typedef struct {
+    bool has_restarted, has_flipped, has_late;
+    bool in_reset;
+    int unfed_ms;  /* since the watchdog was fed */
+    int silent_ms; /* since the slow step made a message */
+    fast_setpoint_t late_setpoint;
+    fast_output_t late_output;
+    double commands_nm[INJECTION_LATE_MS_MAX + 1]; /* to the hydraulic brake */
+    int next_command;
+} injection_t;
+
+/* One controller with what lies between its two steps. */
+typedef struct {
+    controller_t *controller;
+    const config_t *config;
+    fast_setpoint_t *to_fast;
+} injection_target_t;
+
+bool injection_present(const fault_params_t *params);
+
+/* Instead of the slow step; last: what it returned before. */
+slow_output_t injection_slow(const fault_params_t *params, injection_t *state,
+                             const injection_target_t *target, const slow_input_t *in,
+                             const slow_output_t *last);
+
+/* Instead of the fast step; next: what the bridge does from the next period on. */
+void injection_fast(const fault_params_t *params, injection_t *state,
+                    const injection_target_t *target, const fast_input_t *in, fast_output_t *next);
+
+/* Once per millisecond: the command that reaches the hydraulic brake, late by
+ * params->hydraulic_late_s. */
+double injection_hydraulic_nm(const fault_params_t *params, injection_t *state, double command_nm);
+
+#endif

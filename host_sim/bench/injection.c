@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "bench/injection.h"
+
+#include <math.h>
+
+enum { BITS = 8 };
+static const double ON = 0.5; /* a switch given as a number */
+
+bool injection_present(const fault_params_t *p)
+{
+#define PRESENT(name, lowest, highest, unit, text) || p->name != 0.0
+    return p->hydraulic_late_s != 0.0 PROGRAM_FAULT_PARAMETERS(PRESENT);
+#undef PRESENT
+}
+
+static void restart(const injection_target_t *target)
+{
+    controller_init(target->controller, target->config);
+    *target->to_fast = controller_initial_setpoint(target->config);
+}
+
+static void flip(controller_t *controller, uint32_t bit)
+{
+    unsigned char *bytes = (unsigned char *)controller;
+    bytes[bit / BITS % sizeof(*controller)] ^= (unsigned char)(1U << bit % BITS);
+}
+
+/* Whether the rates of both loops are within what the supervisor accepts. */
+static bool may_feed(const fault_params_t *p)
+{
+    return p->slow_stopped < ON && p->slow_doubled < ON && p->fast_stopped < ON &&
+           p->fast_doubled < ON;
+}
+
+static slow_output_t step(const injection_target_t *target, const slow_input_t *in)
+{
+    fast_report_t report;
+    controller_fast_report(&target->controller->fast, &report);
+    return controller_slow_step(&target->controller->slow, target->config, &report, in,
+                                target->to_fast);
+}
+
+/* The vehicle goes on with the last message until it misses its counter. */
+static slow_output_t without_message(const injection_t *state, const slow_output_t *last)
+{
+    slow_output_t out = {.mode = MODE_BOOT};
+    if (!state->in_reset) {
+        out = *last;
+    }
+    out.hydraulic_torque_mNm = last->hydraulic_torque_mNm;
+    out.hydraulic_valid = last->hydraulic_valid && state->silent_ms <= INJECTION_MESSAGES_LOST_MS;
+    return out;
+}
+
+slow_output_t injection_slow(const fault_params_t *p, injection_t *state,
+                             const injection_target_t *target, const slow_input_t *in,
+                             const slow_output_t *last)
+{
+    state->unfed_ms = may_feed(p) ? 0 : state->unfed_ms + 1;
+    if (state->unfed_ms > INJECTION_WATCHDOG_MS || (p->restart > ON && !state->has_restarted)) {
+        restart(target);
+        state->has_restarted = p->restart > ON;
+        state->has_late = false;
+    }
+    state->in_reset = state->unfed_ms > INJECTION_WATCHDOG_MS;
+    if (p->state_bit >= 1.0 && !state->has_flipped) {
+        flip(target->controller, (uint32_t)p->state_bit - 1U);
+    }
+    state->has_flipped = p->state_bit >= 1.0;
+    if (state->in_reset || p->slow_stopped > ON) {
+        state->silent_ms++;
+        return without_message(state, last);
+    }
+    state->silent_ms = 0;
+    const fast_setpoint_t before = *target->to_fast;
+    slow_output_t out = step(target, in);
+    if (p->slow_doubled > ON) {
+        out = step(target, in);
+    }
+    if (p->slow_late > ON) {
+        const fast_setpoint_t newest = *target->to_fast;
+        *target->to_fast = state->has_late ? state->late_setpoint : before;
+        state->late_setpoint = newest;
+    }
+    state->has_late = p->slow_late > ON;
+    return out;
+}
+
+void injection_fast(const fault_params_t *p, injection_t *state, const injection_target_t *target,
+                    const fast_input_t *in, fast_output_t *next)
+{
+    if (state->in_reset) {
+        const fast_output_t off = {.compare_counts = {0, 0, 0}, .bridge = BRIDGE_OFF};
+        *next = off;
+        return;
+    }
+    if (p->fast_stopped > ON) {
+        return;
+    }
+    controller_fast_t *fast = &target->controller->fast;
+    fast_output_t newest = *controller_fast_step(fast, target->config, target->to_fast, in);
+    if (p->fast_doubled > ON) {
+        newest = *controller_fast_step(fast, target->config, target->to_fast, in);
+    }
+    if (p->fast_late > ON) {
+        *next = state->late_output;
+        state->late_output = newest;
+    } else {
+        *next = newest;
+        state->late_output = newest;
+    }
+}
+
+double injection_hydraulic_nm(const fault_params_t *p, injection_t *state, double command_nm)
+{
+    const int length = INJECTION_LATE_MS_MAX + 1;
+    state->commands_nm[state->next_command] = command_nm;
+    const int late_ms = (int)lround(p->hydraulic_late_s * 1e3);
+    const int seen = (state->next_command + length - late_ms) % length;
+    state->next_command = (state->next_command + 1) % length;
+    return state->commands_nm[seen];
+}

@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Faults of the program that need no controller; the others: tests/unit/host_sim/python. */
+#include "bench/injection.h"
+
+#include <string.h>
+
+#include "unity.h"
+
+static fault_params_t fault;
+static injection_t state;
+
+void setUp(void)
+{
+    memset(&fault, 0, sizeof(fault));
+    memset(&state, 0, sizeof(state));
+}
+
+void tearDown(void) {}
+
+void test_a_healthy_program_has_no_injection_and_a_late_step_is_one(void)
+{
+    TEST_ASSERT_FALSE(injection_present(&fault));
+    fault.fast_late = 1.0;
+    TEST_ASSERT_TRUE(injection_present(&fault));
+}
+
+void test_a_late_hydraulic_brake_gets_the_command_of_so_many_milliseconds_before(void)
+{
+    for (int k = 0; k < 3000; k++) {
+        fault.hydraulic_late_s = k < 1500 ? 0.0 : 0.25;
+        const double expected_nm = k < 1500 ? k : k - 250;
+        TEST_ASSERT_EQUAL_DOUBLE(expected_nm, injection_hydraulic_nm(&fault, &state, k));
+    }
+}
+
+void test_the_slow_step_that_has_stopped_keeps_its_messages_until_their_counter_is_missed(void)
+{
+    fault.slow_stopped = 1.0;
+    static controller_t controller;
+    static config_t config;
+    fast_setpoint_t to_fast;
+    memset(&to_fast, 0, sizeof(to_fast));
+    const injection_target_t target = {
+        .controller = &controller, .config = &config, .to_fast = &to_fast};
+    const slow_input_t in = {.selftest_passed = true};
+    slow_output_t last = {.mode = MODE_RUN, .hydraulic_torque_mNm = 30000, .hydraulic_valid = true};
+    for (int k = 1; k <= INJECTION_WATCHDOG_MS; k++) {
+        last = injection_slow(&fault, &state, &target, &in, &last);
+        TEST_ASSERT_EQUAL_INT(30000, last.hydraulic_torque_mNm);
+        TEST_ASSERT_EQUAL_INT(MODE_RUN, last.mode);
+        TEST_ASSERT_TRUE(last.hydraulic_valid);
+    }
+}
