@@ -35,6 +35,7 @@ from regen_table.schema import Drive
 RATE_STEPS, STEPS = 60, 600  # while the torque rises, and from there to standstill
 PASSES_MAX = 6  # of torque over bus voltage and back
 VOLTAGE_STEP_MAX = 1e-4  # of the bus voltage from one pass to the next
+BISECTIONS = 29  # of the search for the strongest torque that can be made
 POWER_STEPS = 12  # of the search for the torque of a power
 ON_A_LIMIT = 1e-3  # of a limit: nearer is on it
 UNLIMITED = 3.0  # times the drive's phase current, where that is no limit: the search needs an end
@@ -302,13 +303,19 @@ def _strongest_or_best(
                 motor, inverter, omega[search], at, strongest[search], joint.AUDIT
             ).torque_nm
         return joint.least_power(motor, inverter, omega, torque, within, joint.AUDIT)
-    inner, outer = np.zeros_like(strongest), strongest
-    for _ in range(30):
-        middle = np.where(outer < strongest, 0.5 * (inner + outer), outer)
-        made = joint.least_power(motor, inverter, omega, -middle, within, joint.AUDIT).feasible
-        inner = np.where(made, middle, inner)
-        outer = np.where(made, outer, np.minimum(middle, strongest * (1.0 - 1e-12)))
-    return joint.least_power(motor, inverter, omega, -inner, within, joint.AUDIT)
+    # Almost everywhere the strongest torque can be made; the rest is searched.
+    torque = -strongest
+    whole = joint.least_power(motor, inverter, omega, torque, within, joint.AUDIT)
+    search = ~whole.feasible
+    if not np.any(search):
+        return whole
+    at, inner, outer = _some(within, search), np.zeros(int(np.sum(search))), strongest[search]
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (inner + outer)
+        made = joint.least_power(motor, inverter, omega[search], -middle, at, joint.AUDIT).feasible
+        inner, outer = np.where(made, middle, inner), np.where(made, outer, middle)
+    torque[search] = -inner
+    return joint.least_power(motor, inverter, omega, torque, within, joint.AUDIT)
 
 
 def _some(within: joint.Limits, chosen: np.typing.NDArray[np.bool_]) -> joint.Limits:
