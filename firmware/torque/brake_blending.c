@@ -7,6 +7,7 @@
 
 enum {
     ONE_Q6 = 64,
+    STEP_SHARE = 16,        /* a limit that falls by a larger part of itself in a step */
     LIMIT_FILTER_LOG2 = 6,  /* 64 ms: filters the noise of the extrapolation */
     MOST_FILTERED = 8388608 /* largest input of the filters */
 };
@@ -16,8 +17,10 @@ void brake_blending_init(brake_blending_state_t *state, const config_t *config)
     hydraulic_model_init(&state->hydraulic);
     hydraulic_feedback_init(&state->feedback, config);
     state->bridged_q6_mNm = 0;
+    state->within_q6_mNm = 0;
     state->bridging_ms = 0;
     state->added_mNm = 0;
+    state->taken_mNm = 0;
     filter_reset(&state->limit_lp_mNm, 0, LIMIT_FILTER_LOG2);
     filter_reset(&state->speed_lp_mrad_s, 0, LIMIT_FILTER_LOG2);
 }
@@ -44,8 +47,11 @@ static int32_t expected_limit_mNm(brake_blending_state_t *state, const config_t 
                                   int32_t limit_mNm, int32_t speed_mrad_s)
 {
     const config_brake_t *brake = &config->brake;
-    const int32_t responds_ms = brake->hydraulic_dead_time_ms + brake->hydraulic_time_constant_ms;
-    const int32_t made_ms = responds_ms + brake->hydraulic_time_constant_ms;
+    const int32_t lag_ms = brake->hydraulic_time_constant_ms;
+    const int32_t responds_ms = brake->hydraulic_dead_time_ms + lag_ms;
+    /* Measured torque may come later than configured, and what is early the motor takes back. */
+    const int32_t lags = hydraulic_feedback_used(&state->feedback) ? 2 : 1;
+    const int32_t made_ms = responds_ms + lags * lag_ms;
     const int32_t by_slope_mNm = expected(&state->limit_lp_mNm, limit_mNm, responds_ms);
     const int32_t slower_mrad_s = expected(&state->speed_lp_mrad_s, q_abs(speed_mrad_s), made_ms);
     return q_min(by_slope_mNm, torque_limits_blend_out(config, slower_mrad_s).torque_mNm);
@@ -58,7 +64,7 @@ typedef struct {
 } motor_share_t;
 
 static motor_share_t motor_share(const config_t *config, const brake_blending_input_t *in,
-                                 int32_t electric_mNm)
+                                 int32_t electric_mNm, bool measured)
 {
     motor_share_t out = {.expected_mNm = 0, .shortfall_mNm = 0};
     if (!torque_enable_any(in->torque_enable)) {
@@ -66,11 +72,14 @@ static motor_share_t motor_share(const config_t *config, const brake_blending_in
     }
     const int32_t commanded_mNm = braking_part(in->motor_command_mNm, in->speed_mrad_s);
     const int32_t achieved_mNm = braking_part(in->motor_achieved_mNm, in->speed_mrad_s);
-    const int32_t reachable_mNm = q_saturate64(
-        (int64_t)commanded_mNm + (int64_t)in->motor_growth_mNm * config->brake.motor_arrival_ms);
-    /* What it cannot release in the time in which the hydraulic torque builds up. */
     const int32_t build_up_ms =
         config->brake.hydraulic_dead_time_ms + config->brake.hydraulic_time_constant_ms;
+    /* A brake that leaves earlier than configured must not leave before the motor has come. */
+    const int32_t arrival_ms = measured ? q_min(config->brake.motor_arrival_ms, build_up_ms / 2 + 1)
+                                        : config->brake.motor_arrival_ms;
+    const int32_t reachable_mNm =
+        q_saturate64((int64_t)commanded_mNm + (int64_t)in->motor_growth_mNm * arrival_ms);
+    /* What it cannot release in the time in which the hydraulic torque builds up. */
     const int32_t released_mNm =
         q_saturate64((int64_t)demand_rate_mNm_per_step(config) * build_up_ms);
     out.expected_mNm =
@@ -91,6 +100,10 @@ static int32_t bridged_mNm(brake_blending_state_t *state, const config_brake_t *
     const int32_t within_q6 = q_min(limit_mNm, MOST_FILTERED) * ONE_Q6;
     const int32_t made_mNm =
         q_min(braking_part(in->motor_command_mNm, in->speed_mrad_s), MOST_FILTERED);
+    /* A limit that sinks slowly is followed with the lag; one that steps is bridged anew. */
+    const bool steps = state->within_q6_mNm - within_q6 > state->bridged_q6_mNm / STEP_SHARE;
+    state->within_q6_mNm = within_q6;
+    state->bridging_ms = steps ? 0 : state->bridging_ms;
     if (state->bridging_ms == 0) {
         state->bridged_q6_mNm = q_min(state->bridged_q6_mNm, made_mNm * ONE_Q6);
     }
@@ -162,7 +175,8 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
     const bool anti_lock = limits->braking[TORQUE_LINE_ABS].torque_mNm <= independent_mNm;
     const int32_t later_mNm = anti_lock ? independent_mNm : predicted_mNm;
     const motor_share_t motor =
-        motor_share(config, in, q_min(q_min(demand_mNm, available.torque_mNm), later_mNm));
+        motor_share(config, in, q_min(q_min(demand_mNm, available.torque_mNm), later_mNm),
+                    hydraulic_feedback_used(&state->feedback));
     const int32_t required_mNm =
         q_min(q_max(demand_mNm - motor.expected_mNm + motor.shortfall_mNm, 0), demand_mNm);
     const int32_t commanded_mNm = command_mNm(&state->feedback, required_mNm, motor.expected_mNm);
@@ -177,14 +191,18 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
     limit_tighten(&electric, bound_mNm, available.reason);
     /* Hydraulic torque that covers a motor shortfall does not reduce the motor command. */
     const int32_t taken_mNm = q_max(now.torque_mNm - motor.shortfall_mNm - state->added_mNm, 0);
-    limit_tighten(&electric, beside_hydraulic_mNm(brake, in, demand_mNm, taken_mNm),
-                  REASON_TORQUE_RATE);
+    const int32_t beside_mNm = beside_hydraulic_mNm(brake, in, demand_mNm, taken_mNm);
+    limit_tighten(&electric, beside_mNm, REASON_TORQUE_RATE);
+    const int32_t arrived_mNm = q_max(taken_mNm - state->taken_mNm, 0);
+    state->taken_mNm = taken_mNm;
 
     const bool beyond = commanded_mNm > brake->max_hydraulic_torque_mNm;
     const brake_blending_out_t out = {
         .electric_mNm = electric.torque_mNm,
         .hydraulic_mNm = hydraulic_mNm,
         .hydraulic_now_mNm = now.torque_mNm,
+        .beside_mNm = q_max(beside_mNm, 0),
+        .arrived_mNm = arrived_mNm,
         .available = available,
         .reason = electric.reason,
         .hydraulic_reason = beyond     ? REASON_HYDRAULIC_LIMIT

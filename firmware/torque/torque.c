@@ -104,6 +104,8 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
         .voltage_use_q15 = in->voltage_use_q15,
         .drive_mNm = demand.drive_mNm,
         .electric_mNm = split.electric_mNm + lift_off.motor_mNm,
+        .beside_mNm = q_saturate64((int64_t)split.beside_mNm + lift_off.motor_mNm),
+        .arrived_mNm = split.arrived_mNm,
         .drive_withdrawn = demand.drive_withdrawn,
         .bridge_open = in->bridge_open,
     };

@@ -84,6 +84,11 @@ torque_command_out_t torque_command_step(torque_command_state_t *state, const co
     const int32_t within_mNm = q_clamp(target_mNm, -most_mNm, most_mNm);
     const int32_t before_mNm = state->command_mNm;
     state->command_mNm = ramp_step(before_mNm, within_mNm, rate_mNm);
+    if (in->arrived_mNm > 0 && in->drive_mNm == 0 &&
+        is_against(state->command_mNm, in->speed_mrad_s)) {
+        const int32_t kept_mNm = q_max(q_abs(before_mNm) - in->arrived_mNm, in->beside_mNm);
+        state->command_mNm = q_clamp(state->command_mNm, -kept_mNm, kept_mNm);
+    }
     state->braked =
         is_against(state->command_mNm, in->speed_mrad_s) ||
         (state->braked && in->speed_mrad_s == 0 && same_sign(before_mNm, state->command_mNm));

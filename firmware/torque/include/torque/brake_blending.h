@@ -15,7 +15,7 @@
  *     twice as slow, up to twice as slowly. Hard limits hold at once;
  *   - the hydraulic command is predictive: it uses the motor limit expected after dead time plus
  *     lag, extrapolated with its slope of the last 64 ms, and the line BLEND_OUT of the speed
- *     expected after dead time plus two lags;
+ *     expected after dead time plus two lags, with feedback three;
  *   - the available motor torque is that reached within brake.motor_arrival; it is the present
  *     command if the voltage permits no rise;
  *   - where the brake system takes its own path, the motor torque falls with the lag with which
@@ -46,8 +46,10 @@ typedef struct {
     filter_t limit_lp_mNm;    /* low-passed limit of the strategy */
     filter_t speed_lp_mrad_s; /* low-passed magnitude of the speed */
     int32_t bridged_q6_mNm;   /* what is left of a deferrable limit that has fallen */
+    int32_t within_q6_mNm;    /* the deferrable limit of the last step */
     int32_t bridging_ms;      /* since it began to fall */
     int32_t added_mNm;        /* to the hydraulic command of the last step */
+    int32_t taken_mNm;        /* of the demand, by the hydraulic brake in the last step */
 } brake_blending_state_t;
 
 typedef struct {
@@ -69,6 +71,9 @@ typedef struct {
     reason_t reason;       /* of an electric torque below the demand; else REASON_NONE */
     reason_t hydraulic_reason; /* REASON_HYDRAULIC_LIMIT if both brakes cannot meet the demand,
                                   REASON_HYDRAULIC_FEEDBACK if feedback is lost */
+    int32_t beside_mNm;        /* of the demand beside the hydraulic torque, >= 0 */
+    int32_t arrived_mNm; /* hydraulic torque that came in this step, >= 0: the motor torque beyond
+                            beside_mNm falls by it at once */
     int32_t hydraulic_now_mNm; /* measured or estimated torque of the hydraulic brake */
 } brake_blending_out_t;
 

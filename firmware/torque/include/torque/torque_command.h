@@ -4,8 +4,8 @@
  * braking, within the torque limits and no faster than the torque rate. 1 kHz.
  *
  * The rate is for comfort. At once, in one slow step, go: a driving torque that is withdrawn (brake
- * pedal, lost demand, neutral), braking torque above the limit ABS, and braking torque that would
- * drive because the wheel has turned round.
+ * pedal, lost demand, neutral), braking torque above the limit ABS, braking torque that would drive
+ * because the wheel has turned round, and what the hydraulic brake has taken over in this step.
  *
  * A rising torque needs voltage, which field weakening makes available only after some
  * milliseconds. The rate limit for rising torque therefore falls with u^2/U^2, the square of the
@@ -35,6 +35,8 @@ typedef struct {
     int32_t voltage_use_q15; /* u^2 / U^2 of the unsaturated voltage, >= 0 */
     int32_t drive_mNm;       /* demand, signed */
     int32_t electric_mNm;    /* braking magnitude, against the rotation */
+    int32_t beside_mNm;      /* of the braking demand beside the hydraulic brake's torque, >= 0 */
+    int32_t arrived_mNm;     /* of the hydraulic brake's torque in this step, >= 0 */
     bool drive_withdrawn;    /* a torque that drives goes at once */
     bool bridge_open;        /* since the last step: there is no torque, whatever was commanded */
 } torque_command_input_t;

@@ -242,6 +242,27 @@ void test_motor_torque_above_a_fallen_deferrable_limit_stays_until_the_hydraulic
     TEST_ASSERT_LESS_OR_EQUAL_INT32(13300 + 500, least_sum_mNm);
 }
 
+/* A limit that sinks by 2 N m/s with the speed has been followed for a second when it steps to
+ * zero: the motor torque stays for the dead time of 40 ms as after a level limit. */
+void test_a_step_of_a_limit_that_sinks_already_is_bridged_for_the_whole_dead_time(void)
+{
+    late_hydraulic_brake();
+    config.brake.bridging_time_ms = 178;
+    in.demand_mNm = 30000;
+    motor_mNm = 20000;
+    for (int n = 0; n < 1000; n++) {
+        capability.optimal = limit_init(22000 - 2 * n, REASON_LOSS_OPTIMUM);
+        step_with_brakes();
+    }
+    TEST_ASSERT_INT32_WITHIN(100, 20000, motor_mNm);
+    capability.optimal = limit_init(0, REASON_LOSS_OPTIMUM);
+    for (int n = 0; n < 40; n++) {
+        step_with_brakes();
+        TEST_ASSERT_INT32_WITHIN(200, 20000, motor_mNm);
+        TEST_ASSERT_INT32_WITHIN(300, 30000, motor_mNm + hydraulic_model_torque_mNm(&brake));
+    }
+}
+
 void test_a_hard_limit_is_obeyed_at_once_whatever_the_bridging_time(void)
 {
     brake_with_the_motor_alone();

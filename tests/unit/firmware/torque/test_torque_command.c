@@ -206,6 +206,42 @@ void test_braking_torque_above_the_anti_lock_limit_goes_at_once(void)
     assert_command(29600, REASON_TORQUE_RATE, step(FORWARD, 0, 0));
 }
 
+/* Of 30 N m the hydraulic brake makes 10, then 12: the motor leaves with it, however slow the rate
+ * is, and no further than to what the demand leaves it. Without a demand, and driving, nothing is
+ * taken over. */
+void test_braking_torque_that_the_hydraulic_brake_has_taken_over_goes_at_once(void)
+{
+    static const int32_t SPEEDS_mrad_s[] = {FORWARD, BACKWARD};
+    for (int k = 0; k < 2; k++) {
+        const int32_t speed_mrad_s = SPEEDS_mrad_s[k];
+        const int32_t sign = k == 0 ? -1 : 1;
+        torque_command_init(&state);
+        settle(speed_mrad_s, 0, 20000);
+        torque_command_input_t in = {
+            .torque_enable = torque_enable,
+            .speed_mrad_s = speed_mrad_s,
+            .electric_mNm = 18000,
+            .beside_mNm = 18000,
+            .arrived_mNm = 2000,
+        };
+        assert_command(sign * 18000, REASON_NONE,
+                       torque_command_step(&state, &config, &limits, &in));
+        in.arrived_mNm = 1000; /* less than the motor has too much */
+        in.beside_mNm = in.electric_mNm = 10000;
+        assert_command(sign * 17000, REASON_TORQUE_RATE,
+                       torque_command_step(&state, &config, &limits, &in));
+        in.arrived_mNm = 0; /* a demand that falls: for comfort, at the rate */
+        assert_command(sign * 16600, REASON_TORQUE_RATE,
+                       torque_command_step(&state, &config, &limits, &in));
+        settle(speed_mrad_s, -sign * 20000, 0);
+        in.electric_mNm = in.beside_mNm = 0;
+        in.drive_mNm = -sign * 20000;
+        in.arrived_mNm = 5000;
+        assert_command(-sign * 20000, REASON_NONE,
+                       torque_command_step(&state, &config, &limits, &in));
+    }
+}
+
 void test_braking_torque_of_a_wheel_that_turns_round_goes_at_once(void)
 {
     static const int32_t SPEEDS_mrad_s[] = {BACKWARD, -1};
