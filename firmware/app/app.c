@@ -76,17 +76,6 @@ static struct {
     bool restarting; /* the watchdog is no longer fed */
 } app;
 
-static battery_limits_t pack_limits(const config_t *config)
-{
-    const battery_limits_t limits = {
-        .charge_current_mA =
-            q_scale(config->battery.max_charge_current_mA, config->battery.driven_wheels, 1),
-        .discharge_current_mA =
-            q_scale(config->battery.max_discharge_current_mA, config->battery.driven_wheels, 1),
-    };
-    return limits;
-}
-
 static void start_recorder(const config_t *config)
 {
     const memory_window_t retained = memory_retained();
@@ -115,8 +104,7 @@ static void start_control(const config_t *config)
     supervisor_init(&app.supervisor, (uint32_t)config->drive.pwm_frequency_Hz,
                     CONTROLLER_SLOW_RATE_HZ);
     /* Without CAN the demand counts as lost, which is safe. */
-    (void)can_link_init(&app.can, (messages_wheel_t)config->vehicle.wheel_position,
-                        pack_limits(config), time_ms());
+    (void)can_link_init(&app.can, config, time_ms());
     pedal_link_init(&app.pedals);
     pedal_sender_init(&app.pedal_sender, time_ms());
     app.commands[0] = app.can.node.command;

@@ -1,15 +1,35 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "app/can_link.h"
 
+#include "core/q15.h"
 #include "hal/can.h"
 
 enum { FRAMES_PER_PASS = 8 /* bounds the time of a pass on a flooded bus */ };
 
-bool can_link_init(can_link_t *link, messages_wheel_t wheel, battery_limits_t pack, uint32_t now_ms)
+node_limits_t can_link_limits(const config_t *config)
 {
+    const config_battery_t *battery = &config->battery;
+    const config_driver_t *driver = &config->driver;
+    const node_limits_t limits = {
+        .pack = {.charge_current_mA =
+                     q_scale(battery->max_charge_current_mA, battery->driven_wheels, 1),
+                 .discharge_current_mA =
+                     q_scale(battery->max_discharge_current_mA, battery->driven_wheels, 1)},
+        .largest_drive_mNm = driver->largest_drive_mNm,
+        .largest_brake_mNm = driver->largest_brake_mNm,
+        .demand_rise_ms = driver->demand_rise_ms,
+        .demand_lost_frames = driver->demand_lost_frames,
+    };
+    return limits;
+}
+
+bool can_link_init(can_link_t *link, const config_t *config, uint32_t now_ms)
+{
+    const messages_wheel_t wheel = (messages_wheel_t)config->vehicle.wheel_position;
+    const node_limits_t limits = can_link_limits(config);
     uint16_t accepted[MESSAGES_RECEIVED];
     node_accepted(wheel, accepted);
-    node_init(&link->node, wheel, pack, now_ms);
+    node_init(&link->node, wheel, &limits, now_ms);
     return can_init(accepted, MESSAGES_RECEIVED);
 }
 

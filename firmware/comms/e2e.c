@@ -75,6 +75,7 @@ void e2e_receiver_init(e2e_receiver_t *receiver, e2e_profile_t profile, uint32_t
     *receiver = zero;
     receiver->profile = profile;
     receiver->timeout_ms = timeout_ms;
+    receiver->step_max = E2E_STEP_MAX;
 }
 
 static bool started(const e2e_receiver_t *receiver)
@@ -138,7 +139,7 @@ e2e_status_t e2e_receive(e2e_receiver_t *receiver, const uint8_t data[E2E_FRAME_
         receiver->counts.repeated++;
         return E2E_REPEATED;
     }
-    if (step > E2E_STEP_MAX) {
+    if (step > receiver->step_max) {
         /* refreshed_ms is not changed, so a sender whose counter always jumps times out. */
         begin(receiver, counter);
         receiver->counts.wrong_sequence++;

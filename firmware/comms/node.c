@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "comms/node.h"
 
+#include "core/q15.h"
+
 void node_accepted(messages_wheel_t wheel, uint16_t identifiers[MESSAGES_RECEIVED])
 {
     identifiers[MESSAGES_DEMAND] = messages_identifier(MESSAGES_DEMAND, wheel);
@@ -15,18 +17,24 @@ static messages_kind_t sent_kind(uint32_t index)
     return (messages_kind_t)(MESSAGES_RECEIVED + index);
 }
 
+/* A gap of more would take longer than the timeout. */
+enum { LOST_MAX = NODE_TIMEOUT_CYCLES - 2 };
+
 static void init_receiver(e2e_receiver_t *receiver, messages_kind_t kind)
 {
     e2e_receiver_init(receiver, messages_profile(kind),
                       NODE_TIMEOUT_CYCLES * messages_cycle_ms(kind));
 }
 
-void node_init(node_t *node, messages_wheel_t wheel, battery_limits_t pack, uint32_t now_ms)
+void node_init(node_t *node, messages_wheel_t wheel, const node_limits_t *limits, uint32_t now_ms)
 {
-    const node_t zero = {
-        .wheel = wheel, .pack = pack, .command = {.bms = pack}, .offered = MESSAGES_KINDS};
+    const node_t zero = {.wheel = wheel,
+                         .limits = *limits,
+                         .command = {.bms = limits->pack},
+                         .offered = MESSAGES_KINDS};
     *node = zero;
     init_receiver(&node->demand, MESSAGES_DEMAND);
+    node->demand.step_max = (uint32_t)q_clamp(limits->demand_lost_frames, 0, LOST_MAX) + 1U;
     init_receiver(&node->battery, MESSAGES_BATTERY_LIMITS);
     init_receiver(&node->hydraulic, MESSAGES_HYDRAULIC_FEEDBACK);
     init_receiver(&node->peak, MESSAGES_BATTERY_PEAK);
@@ -43,7 +51,7 @@ static bool is_usable(e2e_status_t status)
 static bool expire_battery_limits(node_t *node)
 {
     node->command.bms.charge_current_mA = 0;
-    node->command.bms.discharge_current_mA = node->pack.discharge_current_mA;
+    node->command.bms.discharge_current_mA = node->limits.pack.discharge_current_mA;
     node->command.bms.contactor = CONTACTOR_NOT_REPORTED;
     return true;
 }
@@ -55,6 +63,11 @@ bool node_tick(node_t *node, uint32_t now_ms)
     if (node->command.demand_known &&
         now_ms - node->command.demand_time_ms >= NODE_DEMAND_EXPIRY_ms) {
         node->command.demand_known = false;
+        changed = true;
+    }
+    if (node->refused && now_ms - node->refused_ms >= NODE_REFUSAL_SHOWN_ms) {
+        node->refused = false;
+        node->command.demand.reason = REASON_NONE;
         changed = true;
     }
     if (e2e_timed_out(&node->battery, now_ms)) {
@@ -71,13 +84,56 @@ bool node_tick(node_t *node, uint32_t now_ms)
     return changed;
 }
 
+/* How much more torque, in either direction, than before. */
+static int32_t rise_mNm(int32_t from_mNm, int32_t to_mNm)
+{
+    const int32_t before_mNm = to_mNm >= 0 ? q_max(from_mNm, 0) : q_max(-from_mNm, 0);
+    return q_abs(to_mNm) - before_mNm;
+}
+
+static bool plausible_demand(const node_t *node, const wheel_demand_t *demand, uint32_t now_ms)
+{
+    const node_limits_t *limits = &node->limits;
+    const wheel_demand_t *last = &node->command.demand;
+    if (q_abs(demand->drive_torque_mNm) > limits->largest_drive_mNm ||
+        demand->brake_torque_mNm > limits->largest_brake_mNm) {
+        return false;
+    }
+    const uint32_t elapsed_ms = now_ms - node->command.demand_time_ms;
+    if (!node->command.demand_known || elapsed_ms >= (uint32_t)limits->demand_rise_ms) {
+        return true;
+    }
+    /* Frames may come closer together than they were sent. */
+    const uint32_t cycle_ms = messages_cycle_ms(MESSAGES_DEMAND);
+    const int32_t within_ms = (int32_t)(elapsed_ms > cycle_ms ? elapsed_ms : cycle_ms);
+    return rise_mNm(last->drive_torque_mNm, demand->drive_torque_mNm) <=
+               q_scale(limits->largest_drive_mNm, within_ms, limits->demand_rise_ms) &&
+           rise_mNm(last->brake_torque_mNm, demand->brake_torque_mNm) <=
+               q_scale(limits->largest_brake_mNm, within_ms, limits->demand_rise_ms);
+}
+
+static bool show_refusal(node_t *node, e2e_status_t status, uint32_t now_ms)
+{
+    if (status != E2E_IMPLAUSIBLE) {
+        return false;
+    }
+    node->refused = true;
+    node->refused_ms = now_ms;
+    node->command.demand.reason = REASON_DEMAND_IMPLAUSIBLE;
+    return true;
+}
+
 static bool receive_demand(node_t *node, const messages_frame_t *frame, uint32_t now_ms)
 {
     wheel_demand_t demand;
-    const bool plausible = messages_read_demand(frame, &demand);
-    if (!is_usable(e2e_receive(&node->demand, frame->data, frame->identifier, plausible, now_ms))) {
-        return false;
+    const bool plausible =
+        messages_read_demand(frame, &demand) && plausible_demand(node, &demand, now_ms);
+    const e2e_status_t status =
+        e2e_receive(&node->demand, frame->data, frame->identifier, plausible, now_ms);
+    if (!is_usable(status)) {
+        return show_refusal(node, status, now_ms);
     }
+    demand.reason = node->refused ? REASON_DEMAND_IMPLAUSIBLE : REASON_NONE;
     node->command.demand = demand;
     node->command.demand_time_ms = now_ms;
     node->command.demand_known = true;

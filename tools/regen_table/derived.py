@@ -10,6 +10,7 @@ import math
 from regen_table.sections import Drive
 
 FOLDBACK_SHARE = 0.98  # of max_voltage_v, where the charge current begins to fold back
+DEMAND_MARGIN = 1.25  # above what motor, brakes or pedals make, for a demand by CAN
 DERATING_K = 20.0  # below the largest temperature, where derating begins
 
 
@@ -114,6 +115,20 @@ def pedal_brake_torque_nm(drive: Drive) -> float:
     wanted = drive.pedals.brake_torque_nm
     both = drive.motor.max_torque_nm + drive.brake.max_hydraulic_torque_nm
     return both if wanted is None else wanted
+
+
+def largest_drive_torque_nm(drive: Drive) -> float:
+    """Driving torque in N m beyond which a demand by CAN is refused."""
+    wanted = drive.driver.largest_drive_torque_nm
+    made = max(drive.motor.max_torque_nm, pedal_drive_torque_nm(drive))
+    return DEMAND_MARGIN * made if wanted is None else wanted
+
+
+def largest_brake_torque_nm(drive: Drive) -> float:
+    """Braking torque in N m beyond which a demand by CAN is refused."""
+    wanted = drive.driver.largest_brake_torque_nm
+    both = drive.motor.max_torque_nm + drive.brake.max_hydraulic_torque_nm
+    return DEMAND_MARGIN * max(both, pedal_brake_torque_nm(drive)) if wanted is None else wanted
 
 
 def free_travel_torque_nm(drive: Drive) -> float:

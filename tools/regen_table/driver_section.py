@@ -47,3 +47,42 @@ class Driver(Section):
             " back",
         ),
     ] = 1.0
+    largest_drive_torque_nm: Annotated[
+        float | None,
+        number(
+            0.001,
+            20e3,
+            "N m",
+            "a Demand by CAN with more driving torque is refused; absent: 1.25 times the largest"
+            " of motor and pedal",
+        ),
+    ] = None
+    largest_brake_torque_nm: Annotated[
+        float | None,
+        number(
+            0.001,
+            20e3,
+            "N m",
+            "a Demand by CAN with more braking torque is refused; absent: 1.25 times the largest"
+            " of both brakes and pedal",
+        ),
+    ] = None
+    demand_rise_s: Annotated[
+        float,
+        number(
+            0.0,
+            1.0,
+            "s",
+            "a Demand by CAN that rises faster than from zero to the largest in this time is"
+            " refused; 0: any is accepted",
+        ),
+    ] = 0.02
+    demand_lost_frames: Annotated[
+        int,
+        Field(
+            ge=0,
+            le=3,
+            description="Demand frames in a row that may be missing before the sender has to"
+            " qualify again",
+        ),
+    ] = 2

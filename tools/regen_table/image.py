@@ -271,6 +271,11 @@ def _vehicle(drive: Drive) -> dict[str, Any]:
     }
 
 
+def _within(torque_nm: float) -> int:
+    """Return a torque in mN m, at most the end of the fields' range."""
+    return min(nearest(torque_nm * 1e3), 20_000_000)
+
+
 def _driver(drive: Drive) -> dict[str, Any]:
     driver = drive.driver
     turning = driver.direction_change_speed_m_per_s / drive.vehicle.wheel_radius_m
@@ -280,6 +285,10 @@ def _driver(drive: Drive) -> dict[str, Any]:
         "direction_change_mrad_s": nearest(turning * 1e3),
         "hold_torque_mNm": nearest((driver.hold_torque_nm or 0.0) * 1e3),
         "hold_release_ms": nearest(driver.hold_release_s * 1e3),
+        "largest_drive_mNm": _within(derived.largest_drive_torque_nm(drive)),
+        "largest_brake_mNm": _within(derived.largest_brake_torque_nm(drive)),
+        "demand_rise_ms": nearest(driver.demand_rise_s * 1e3),
+        "demand_lost_frames": driver.demand_lost_frames,
     }
 
 

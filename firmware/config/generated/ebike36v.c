@@ -236,8 +236,8 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
     .driver = {
         /* [ms] a braking demand is kept this long after it counts as lost; default 300 */
         .lost_hold_ms            = 300,
-        /* 1: the vehicle has no brake but those that this controller commands, so a lost
-         * braking demand is kept until standstill */
+        /* 1: no brake but those commanded here: a lost braking demand is kept until
+         * standstill */
         .no_other_brake          = 0,
         /* [mrad/s] a wheel that turns faster against a drive direction refuses it; default 3
          * km/h */
@@ -248,6 +248,12 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
         /* [ms] from the driving demand until the hold is gone at the latest, unless the
          * vehicle rolls back; default 1000 */
         .hold_release_ms         = 1000,
+        .largest_drive_mNm       = 18750, /* [mNm] a Demand beyond it is refused: README of comms */
+        /* [mNm] a Demand beyond it is refused: README of comms */
+        .largest_brake_mNm       = 168750,
+        /* [ms] from zero to the largest, faster is refused; 0: none */
+        .demand_rise_ms          = 20,
+        .demand_lost_frames      = 2, /* Demand frames in a row that may be missing; default 2 */
     },
     .pedals = {
         .accelerator_channels   = 0, /* 0: the driving demand comes by CAN */
@@ -385,5 +391,5 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
             -282, -352, -283, -480, -539,
         },
     },
-    .crc32 = 0x27615D3C,
+    .crc32 = 0x7CE7A703,
 };

@@ -10,15 +10,18 @@
 #include <stdint.h>
 
 #include "comms/node.h"
+#include "config/config.h"
 
 typedef struct {
     node_t node;
 } can_link_t;
 
-/* pack: the configuration's limits, of the whole pack. False if the CAN controller is not on the
+/* What the configuration says about the messages. */
+node_limits_t can_link_limits(const config_t *config);
+
+/* False if the CAN controller is not on the
  * bus yet; frames are exchanged as soon as it is. */
-bool can_link_init(can_link_t *link, messages_wheel_t wheel, battery_limits_t pack,
-                   uint32_t now_ms);
+bool can_link_init(can_link_t *link, const config_t *config, uint32_t now_ms);
 
 /* Processes received frames, at most eight a call; true if link->node.command has changed. */
 bool can_link_receive(can_link_t *link, uint32_t now_ms);

@@ -23,7 +23,7 @@
  * The receiver, one for each received message:
  *
  *     NO_DATA -> QUALIFYING -> VALID      first frame; third frame in order
- *     VALID -> QUALIFYING                     a step of the counter by more than E2E_STEP_MAX
+ *     VALID -> QUALIFYING                     a step of the counter by more than step_max
  *     QUALIFYING, VALID -> TIMED_OUT          no frame to be used for timeout_ms
  *     TIMED_OUT -> QUALIFYING                 the next frame that is intact
  *
@@ -74,6 +74,7 @@ typedef struct {
     e2e_profile_t profile;
     e2e_link_t link;
     uint32_t timeout_ms;
+    uint32_t step_max; /* of the counter; E2E_STEP_MAX unless the caller sets another */
     /* Time of the last frame that was used, or of the first one after a timeout. */
     uint32_t refreshed_ms;
     uint8_t counter;  /* of the last frame that was intact and not a repetition */

@@ -4,6 +4,10 @@
  * Background context. Pure: frames and time in, frames out; app/can_link.h moves them to and from
  * the CAN controller.
  *
+ * A demand beyond the configured torque, or one that rises faster than the configuration's
+ * demand_rise, is refused as if its frame were lost, and command.demand.reason says so for a
+ * second. Falling torque is always accepted.
+ *
  * Reception: only frames that e2e.h qualifies are used; the others are counted and have no other
  * effect. In particular they do not refresh command.demand_time_ms, so the age of the demand grows
  * and after config.brake.demand_timeout_ms the torque ramps to zero. Before the first BatteryLimits
@@ -29,8 +33,20 @@ enum {
     /* Cycle times without a usable frame after which the sender has to qualify again. */
     NODE_TIMEOUT_CYCLES = 5,
     /* Longer than any timeout of the controller, shorter than the clock's wrap. */
-    NODE_DEMAND_EXPIRY_ms = 10000
+    NODE_DEMAND_EXPIRY_ms = 10000,
+    NODE_REFUSAL_SHOWN_ms = 1000 /* demand.reason after a refused demand */
 };
+
+/* What a node is configured with. Magnitudes. */
+typedef struct {
+    battery_limits_t pack;     /* of the whole pack, before the first BatteryLimits frame */
+    int32_t largest_drive_mNm; /* a demand with more is refused */
+    int32_t largest_brake_mNm;
+    /* A demand that rises faster than from zero to the largest in this time is refused; 0: any
+     * rise is accepted. */
+    int32_t demand_rise_ms;
+    int32_t demand_lost_frames; /* in a row that may be missing, 0 .. 3 */
+} node_limits_t;
 
 /* What the vehicle sends, as the slow step takes it (slow_input_t). */
 typedef struct {
@@ -45,11 +61,13 @@ typedef struct {
 typedef struct {
     messages_wheel_t wheel;
     node_command_t command;
-    battery_limits_t pack; /* limits before the first BatteryLimits frame */
+    node_limits_t limits;
     e2e_receiver_t demand;
     e2e_receiver_t battery;
     e2e_receiver_t hydraulic;
     e2e_receiver_t peak;
+    uint32_t refused_ms;    /* when the last demand was refused */
+    bool refused;           /* less than NODE_REFUSAL_SHOWN_ms ago */
     uint8_t demand_counter; /* of the newest demand in use */
     uint32_t foreign;       /* received frames with other identifiers */
     uint32_t due_ms[MESSAGES_SENT];
@@ -57,8 +75,7 @@ typedef struct {
     messages_kind_t offered; /* by the last node_next() */
 } node_t;
 
-/* pack: the configuration's limits of the whole pack. */
-void node_init(node_t *node, messages_wheel_t wheel, battery_limits_t pack, uint32_t now_ms);
+void node_init(node_t *node, messages_wheel_t wheel, const node_limits_t *limits, uint32_t now_ms);
 
 /* The identifiers that a receive filter has to pass. */
 void node_accepted(messages_wheel_t wheel, uint16_t identifiers[MESSAGES_RECEIVED]);

@@ -53,8 +53,7 @@
 #define CONFIG_MOTOR_FIELDS(X) \
     X(type,                                  0,         1,          "", \
       "0 surface magnets (L_d = L_q), 1 interior magnets") \
-    X(pole_pairs,                            1,         60,         "1", \
-      "electrical turns in a mechanical turn") \
+    X(pole_pairs, 1, 60, "1", "electrical turns in a mechanical turn") \
     X(phase_resistance_uOhm,                 10,        100000000,  "uOhm", \
       "one phase, at reference_temperature_cC") \
     X(reference_temperature_cC,              -5000,     15000,      "cC", \
@@ -149,8 +148,7 @@
     X(modulation_reserve_pu_q15,             0,         3276,       "pu", \
       "distance of |u| below the target in the torque limits, so that field weakening only " \
       "trims; default 1/128 of the target") \
-    X(max_current_pu_q15,                    164,       32767,      "pu", \
-      "largest |i| of a current reference") \
+    X(max_current_pu_q15, 164, 32767, "pu", "largest |i| of a current reference") \
     X(field_weakening_gain_pu_q15,           0,         32767,      "pu", \
       "current per unit of excess squared voltage and period; 0: no field weakening; " \
       "raising: faster, less damped") \
@@ -171,8 +169,7 @@
       "share of the angle error added to the speed in one PWM period") \
     X(encoder_counts,                        0,         65536,      "1", \
       "counts in a mechanical turn, four to a line; 0: no encoder") \
-    X(encoder_index_turn,                    0,         65535,      "turn", \
-      "electrical angle at the index pulse") \
+    X(encoder_index_turn, 0, 65535, "turn", "electrical angle at the index pulse") \
     X(encoder_index_tolerance_counts,        0,         1024,       "1", \
       "largest distance of an index pulse from its expected count: the width of the pulse") \
     X(encoder_reversed, 0, 1, "", "1: the count falls when turning forward") \
@@ -277,15 +274,18 @@
     X(lost_hold_ms,                          0,         10000,      "ms", \
       "a braking demand is kept this long after it counts as lost; default 300") \
     X(no_other_brake,                        0,         1,          "", \
-      "1: the vehicle has no brake but those that this controller commands, so a lost braking " \
-      "demand is kept until standstill") \
+      "1: no brake but those commanded here: a lost braking demand is kept until standstill") \
     X(direction_change_mrad_s,               0,         1000000,    "mrad/s", \
       "a wheel that turns faster against a drive direction refuses it; default 3 km/h") \
     X(hold_torque_mNm,                       0,         20000000,   "mNm", \
       "hydraulic torque that holds the vehicle at standstill until it drives off; 0: none") \
     X(hold_release_ms,                       10,        10000,      "ms", \
       "from the driving demand until the hold is gone at the latest, unless the vehicle rolls " \
-      "back; default 1000")
+      "back; default 1000") \
+    X(largest_drive_mNm,  1, 20000000, "mNm", "a Demand beyond it is refused: README of comms") \
+    X(largest_brake_mNm,  1, 20000000, "mNm", "a Demand beyond it is refused: README of comms") \
+    X(demand_rise_ms,     0, 1000, "ms", "from zero to the largest, faster is refused; 0: none") \
+    X(demand_lost_frames, 0, 3,    "1",  "Demand frames in a row that may be missing; default 2")
 
 #define CONFIG_PEDALS_FIELDS(X) \
     X(accelerator_channels,   0,   2,        "1",   "0: the driving demand comes by CAN") \

@@ -100,7 +100,9 @@
     X(83, BRAKE_PEDAL_SENSOR, "brake pedal channels implausible or out of range",                  \
       "pedals.fault_time_ms", "pedals.fault_time_ms", LIMIT, SHOWN, SERVICE)                       \
     X(84, MEMORY, "memory damaged: mode or fault differ from their inverted copy",                 \
-      "at once", "never", FREEWHEEL, RESTART, SERVICE)
+      "at once", "never", FREEWHEEL, RESTART, SERVICE)                                           \
+    X(90, DEMAND_IMPLAUSIBLE, "torque demand refused: beyond the configured torque or its rise",   \
+      "at once", "1000 ms", NONE, HEALS, SERVICE)
 /* clang-format on */
 
 #define REASON_LIMIT_ENUM(number, identifier, text) REASON_##identifier = (number),

@@ -47,6 +47,20 @@ static bool transmit(const can_frame_t *frame, int calls)
     return true;
 }
 
+static const config_t *configured(messages_wheel_t wheel)
+{
+    static config_t config;
+    config.vehicle.wheel_position = (int32_t)wheel;
+    config.battery.driven_wheels = 2;
+    config.battery.max_charge_current_mA = PACK.charge_current_mA / 2;
+    config.battery.max_discharge_current_mA = PACK.discharge_current_mA / 2;
+    config.driver.largest_drive_mNm = 200000;
+    config.driver.largest_brake_mNm = 200000;
+    config.driver.demand_rise_ms = 0;
+    config.driver.demand_lost_frames = 2;
+    return &config;
+}
+
 void setUp(void)
 {
     waiting_count = 0;
@@ -57,7 +71,7 @@ void setUp(void)
     can_init_StubWithCallback(init);
     can_receive_StubWithCallback(receive);
     can_transmit_StubWithCallback(transmit);
-    TEST_ASSERT_TRUE(can_link_init(&can_link, MESSAGES_REAR_LEFT, PACK, 0));
+    TEST_ASSERT_TRUE(can_link_init(&can_link, configured(MESSAGES_REAR_LEFT), 0));
 }
 
 void tearDown(void) {}
@@ -167,7 +181,7 @@ void test_messages_without_a_free_mailbox_are_sent_in_the_next_call(void)
 void test_can_works_after_a_late_start_of_the_transceiver(void)
 {
     starts = false;
-    TEST_ASSERT_FALSE(can_link_init(&can_link, MESSAGES_FRONT_LEFT, PACK, 0));
+    TEST_ASSERT_FALSE(can_link_init(&can_link, configured(MESSAGES_FRONT_LEFT), 0));
     const slow_output_t output = {.mode = MODE_READY};
     free_mailboxes = 0;
     can_link_transmit(&can_link, 1000, &output, &TEMPERATURE);

@@ -19,8 +19,11 @@ void setUp(void)
 {
     boot = successful_boot();
     output = output_in_ready();
-    const battery_limits_t pack = {.charge_current_mA = 1000, .discharge_current_mA = 1000};
-    node_init(&node, MESSAGES_FRONT_LEFT, pack, 0);
+    const node_limits_t limits = {.pack = {.charge_current_mA = 1000, .discharge_current_mA = 1000},
+                                  .largest_drive_mNm = 100000,
+                                  .largest_brake_mNm = 100000,
+                                  .demand_lost_frames = 2};
+    node_init(&node, MESSAGES_FRONT_LEFT, &limits, 0);
     const report_status_t running = {.output = &output,
                                      .node = &node,
                                      .fast_cycles_worst = 321,

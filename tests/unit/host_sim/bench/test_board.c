@@ -10,6 +10,7 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "app/can_link.h"
 #include "app/report_timer.h"
 #include "comms/node.h"
 #include "config/validate.h"
@@ -105,17 +106,14 @@ static slow_output_t millisecond(void *context, const slow_input_t *in)
 
 static void start_twin(const config_t *config)
 {
-    const int32_t wheels = config->battery.driven_wheels;
-    const battery_limits_t pack = {
-        .charge_current_mA = config->battery.max_charge_current_mA * wheels,
-        .discharge_current_mA = config->battery.max_discharge_current_mA * wheels};
+    const node_limits_t limits = can_link_limits(config);
     memset(&twin, 0, sizeof twin);
     board_start(&twin.board, config);
     twin.through_board = board_coupling(&twin.board);
     twin.config = config;
     controller_init(&twin.controller, config);
     twin.to_fast = controller_initial_setpoint(config);
-    node_init(&twin.node, (messages_wheel_t)config->vehicle.wheel_position, pack, 0);
+    node_init(&twin.node, (messages_wheel_t)config->vehicle.wheel_position, &limits, 0);
     controller_fast_report(&twin.controller.fast, &twin.report);
     report_timer_init(&twin.report_timer, (uint32_t)config->drive.pwm_frequency_Hz,
                       CONTROLLER_SLOW_RATE_HZ);
