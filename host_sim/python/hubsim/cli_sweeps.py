@@ -132,6 +132,12 @@ def _add_faults(commands: Commands) -> None:
     )
     command.add_argument("--config", metavar="NAME", help="only this drive; default: all")
     command.add_argument(
+        "--demand-share",
+        type=float,
+        metavar="SHARE",
+        help="only stops at this braking demand, share of the rated torque; default: 0.8 and 2.5",
+    )
+    command.add_argument(
         "--workers",
         type=int,
         metavar="N",

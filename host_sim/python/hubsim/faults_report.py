@@ -34,7 +34,11 @@ def chosen(options: argparse.Namespace) -> list[Case]:
     if options.reduced:
         found = [case for case in faults_sweep.reduced() if case.fault in wanted]
     else:
-        found = faults_sweep.plan(faults.named(options.names))
+        share = options.demand_share
+        shares = faults_sweep.DEMAND_SHARES if share is None else (share,)
+        if min(shares) <= 0.0:
+            raise HubsimError(f"--demand-share {share:g}: accepted: more than 0")
+        found = faults_sweep.plan(faults.named(options.names), demand_shares=shares)
     drives = list(dict.fromkeys(config for config, _ in faults_sweep.VEHICLES))
     if options.config is not None and options.config not in drives:
         raise HubsimError(f"--config {options.config}: accepted: {', '.join(drives)}")
@@ -44,7 +48,7 @@ def chosen(options: argparse.Namespace) -> list[Case]:
 def sweep(several: Sequence[Case], table: Path | None, workers: int | None, bar: Progress) -> list[
     Outcome
 ]:  # fmt: skip
-    """Make the runs that the table does not have yet, append each lot to it, return all."""
+    """Make the runs that the table does not have yet, append each lot to it, return all of it."""
     known = {outcome.key: outcome for outcome in _read(table)}
     missing = [case for case in several if case.key not in known]
     task = bar.add_task("faults", total=len(several), completed=len(several) - len(missing))
@@ -61,7 +65,8 @@ def sweep(several: Sequence[Case], table: Path | None, workers: int | None, bar:
                 found = done.result()
                 _keep(found, known, table)
                 bar.advance(task, len(found))
-    return [known[case.key] for case in several]
+    asked = {case.key: known[case.key] for case in several}
+    return list((asked | known).values())
 
 
 def _read(table: Path | None) -> list[Outcome]:

@@ -225,11 +225,16 @@ def plan(
         groups.append(Group(config, sensor, ROLL_BACK, BACK_SHARE * rated))
         for group in groups:
             for fault in chosen:
-                if sensor in fault.sensors:
+                if sensor in fault.sensors and _exists(fault, drive_of(config, sensor)):
                     own = replace(group, needs=tuple(sorted(fault.needs.items())))
                     times = [0.0] if fault.at_start else instants(own)
                     found.extend(Case(own, fault.name, at_s) for at_s in times)
     return found
+
+
+def _exists(fault: Fault, drive: Drive) -> bool:
+    """Return whether the drive's file describes what the fault needs."""
+    return "road.friction" not in fault.needs or drive.chassis.wheel_inertia_kg_m2 > 0.0
 
 
 def reduced() -> list[Case]:
@@ -393,21 +398,20 @@ def _means(values: Rows, count: int = MEAN_ROWS) -> Rows:
 
 
 def _longest(flags: Iterable[bool]) -> int:
-    longest = length = 0
-    for flag in flags:
-        length = length + 1 if flag else 0
-        longest = max(longest, length)
-    return longest
+    edges = np.flatnonzero(np.diff([0, *map(int, flags), 0]))
+    return int(np.max(edges[1::2] - edges[::2], initial=0))
 
 
 def _first_reason(rows: Rows, begins: int) -> tuple[str, float]:
     """Return the first fault or warning that was not there when the fault came, and when."""
-    known = {0.0, *rows[max(begins - 1, 0), [FAULT, WARNING]]}
-    for row in rows[begins:]:
-        for code in (row[FAULT], row[WARNING]):
-            if code not in known:
-                return reasons.identifier(code), float(row[TIME])
-    return "", math.nan
+    codes = rows[:, [FAULT, WARNING]]
+    known = [0.0, *codes[max(begins - 1, 0)]]
+    new = ~np.isin(codes[begins:], known)
+    if not np.any(new):
+        return "", math.nan
+    first = int(np.argmax(np.any(new, axis=1)))
+    code = codes[begins + first][np.argmax(new[first])]
+    return reasons.identifier(code), float(rows[begins + first, TIME])
 
 
 def measure(group: Group, several: Sequence[Case]) -> list[Outcome]:

@@ -39,6 +39,7 @@ def test_every_command_of_the_readme_works(hubsim: Hubsim, tmp_path: Path) -> No
     found = commands()
     assert {arguments[0] for arguments in found} == {
         "list",
+        "faults",
         "run",
         "compare",
         "sweep",
