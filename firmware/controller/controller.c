@@ -27,6 +27,8 @@ void controller_init(controller_t *controller, const config_t *config)
     torque_init(&controller->slow.torque, config);
     monitor_slow_init(&controller->slow.monitor);
     modes_init(&controller->slow.modes);
+    const monitor_rotor_state_t no_rotor = {.confirmed = false};
+    controller->slow.rotor = no_rotor;
     bridge_choice_init(&controller->slow.bridge_choice);
     controller->slow.last_command_mNm = 0;
     controller->slow.last_estimate_mNm = 0;
@@ -77,16 +79,35 @@ void controller_fast_report(const controller_fast_t *fast, fast_report_t *report
     report->bridge = fast->output.bridge;
 }
 
+static monitor_rotor_output_t judge_rotor(controller_slow_t *slow, const config_t *config,
+                                          const fast_report_t *report, bool cleared)
+{
+    const observer_view_t observer =
+        operating_point_observer(&slow->operating_point, config, &report->observer);
+    const monitor_rotor_input_t in = {
+        .observer_mrad_s = observer.speed_mrad_s,
+        .difference_turn = observer.difference_turn,
+        .flux_q14 = (int16_t)observer.flux_q14.d,
+        .across_q14 = (int16_t)observer.flux_q14.q,
+        .expected_q14 = observer.expected_q14,
+        .acquired = report->observer.acquired,
+        .sensor_valid = report->rotor_valid,
+        .switching = report->bridge == BRIDGE_PWM,
+        .cleared = cleared && report->bridge != BRIDGE_PWM,
+    };
+    return monitor_rotor_step(&slow->rotor, config, &in);
+}
+
 static monitor_slow_input_t monitor_input(const controller_slow_t *slow, const config_t *config,
                                           const fast_report_t *report, const slow_input_t *in,
-                                          const operating_point_t *at)
+                                          const operating_point_t *at, bool rotor_valid)
 {
     const monitor_slow_input_t out = {
         .fast_trip = report->trip,
         .current_sum_pu = report->current_sum_pu,
         .offsets_known = report->offsets_done,
         .current_saturated = report->adc_saturated,
-        .rotor_valid = report->rotor_valid,
+        .rotor_valid = rotor_valid,
         .rotor_faults = report->rotor_faults,
         .fast_step_count = report->sequence,
         .bus_voltage_mV = at->bus_voltage_mV,
@@ -122,7 +143,7 @@ static bool drive_demanded(const wheel_demand_t *demand)
 
 static modes_output_t decide_mode(controller_slow_t *slow, const config_t *config,
                                   const fast_report_t *report, const slow_input_t *in,
-                                  const monitor_output_t *watch)
+                                  const monitor_output_t *watch, bool rotor_valid)
 {
     const wheel_demand_t *demand = &in->demand;
     const reason_t demand_warning =
@@ -131,13 +152,18 @@ static modes_output_t decide_mode(controller_slow_t *slow, const config_t *confi
     if (warning == REASON_NONE && slow->bridge_choice.overspeed) {
         warning = REASON_OVERSPEED;
     }
+    if (warning == REASON_NONE && slow->rotor.observer_used && report->bridge == BRIDGE_PWM) {
+        warning = REASON_ROTOR_UNCERTAIN;
+    }
     warning = warning == REASON_NONE ? demand_warning : warning;
     const modes_input_t modes_in = {
         .config_accepted = in->config_accepted,
         .selftest_passed = in->selftest_passed,
         .offsets_done = report->offsets_done,
         .offsets_plausible = watch->offsets_plausible,
-        .rotor_valid = report->rotor_valid,
+        .rotor_valid =
+            rotor_valid || (slow->rotor.observer_used &&
+                            watch->speed_bound_mrad_s >= config->rotor.observer_speed_mrad_s),
         .rolling = watch->speed_bound_mrad_s > config->brake.blend_out_end_mrad_s,
         .at_rest = watch->at_rest,
         .enable = demand->enable,
@@ -160,7 +186,7 @@ static modes_output_t decide_mode(controller_slow_t *slow, const config_t *confi
 static torque_output_t step_torque(controller_slow_t *slow, const config_t *config,
                                    const fast_report_t *report, const slow_input_t *in,
                                    const torque_enable_t *torque_enable,
-                                   const operating_point_t *at, bool standstill)
+                                   const operating_point_t *at, bool standstill, bool rotor_valid)
 {
     const torque_input_t torque_in = {
         .drive_torque_mNm = in->demand.drive_torque_mNm,
@@ -176,7 +202,7 @@ static torque_output_t step_torque(controller_slow_t *slow, const config_t *conf
         .i_d_weakening_mA = at->i_d_weakening_mA,
         .voltage_limited = report->voltage_limited,
         .voltage_use_q15 = report->voltage_use_q15,
-        .rotor_valid = report->rotor_valid,
+        .rotor_valid = rotor_valid,
         .bridge_open = report->bridge != BRIDGE_PWM,
         .bus_voltage_mV = at->bus_voltage_mV,
         .phase_voltage_mV = at->phase_voltage_mV,
@@ -202,18 +228,21 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
                                    const fast_report_t *report, const slow_input_t *in,
                                    fast_setpoint_t *setpoint)
 {
+    const monitor_rotor_output_t rotor = judge_rotor(slow, config, report, in->demand.fault_reset);
     operating_point_t at =
-        operating_point_of(&slow->operating_point, config, report, in->temperature.winding_cC);
-    const monitor_slow_input_t watched = monitor_input(slow, config, report, in, &at);
+        operating_point_of(&slow->operating_point, config, report,
+                           rotor.observer_used ? report->observer.speed_q32 : report->speed_q32,
+                           in->temperature.winding_cC);
+    const monitor_slow_input_t watched = monitor_input(slow, config, report, in, &at, rotor.valid);
     const monitor_output_t watch = monitor_slow_step(&slow->monitor, config, &watched);
-    const modes_output_t modes = decide_mode(slow, config, report, in, &watch);
+    const modes_output_t modes = decide_mode(slow, config, report, in, &watch, rotor.valid);
     if (report->bridge != BRIDGE_PWM && watch.charging_mA > 0 &&
         torque_enable_any(modes.torque_enable)) {
         at.phase_voltage_mV = bridge_choice_phase_mV(config, at.phase_voltage_mV, at.bus_voltage_mV,
                                                      watch.charging_mA);
     }
-    const torque_output_t torque =
-        step_torque(slow, config, report, in, &modes.torque_enable, &at, watch.standstill);
+    const torque_output_t torque = step_torque(slow, config, report, in, &modes.torque_enable, &at,
+                                               watch.standstill, rotor.valid);
 
     const bridge_choice_input_t wanted = {
         .torque_enabled = torque_enable_any(modes.torque_enable),
@@ -221,7 +250,7 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
                          in->demand.brake_torque_mNm > 0,
         .torque_feasible = torque.current.feasible,
         .forced_mNm = torque.current.forced_mNm,
-        .rotor_valid = report->rotor_valid,
+        .rotor_valid = rotor.valid,
         .bridge = report->bridge,
         .safe_bridge = watch.safe_bridge,
         .safe_torque_mNm = watch.safe_torque_mNm,
@@ -236,6 +265,7 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
     setpoint->sequence = slow->step_count;
     operating_point_setpoint(&slow->operating_point, config, torque.current.i_d_mA,
                              torque.current.i_q_mA, setpoint);
+    setpoint->observer.used = rotor.observer_used;
     setpoint->calibrate_offsets = modes.calibrate_offsets;
     setpoint->torque_enabled =
         bridge_choice_step(&slow->bridge_choice, config, &wanted) == BRIDGE_PWM;

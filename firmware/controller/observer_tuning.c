@@ -57,7 +57,7 @@ int32_t observer_expected_flux_q14(const observer_constants_t *constants, uint16
 }
 
 observer_tuning_t observer_tuning(const observer_constants_t *constants, const config_t *config,
-                                  int32_t v_dc_pu, int32_t speed_q32,
+                                  int32_t v_dc_pu, uint16_t lead_turn,
                                   int32_t winding_temperature_cC)
 {
     const int32_t volt_q15 = q15_product(constants->volt_q15, q_clamp(v_dc_pu, 0, 32768));
@@ -67,7 +67,7 @@ observer_tuning_t observer_tuning(const observer_constants_t *constants, const c
     const observer_tuning_t out = {
         .volt = q_pair(volt_q15, volt_q15),
         .minus_resistance = q_pair(-resistance_q15, -resistance_q15),
-        .lead_turn = observer_lead_turn(constants, speed_q32),
+        .lead_turn = lead_turn,
     };
     return out;
 }

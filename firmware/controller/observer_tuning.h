@@ -22,10 +22,9 @@ uint16_t observer_lead_turn(const observer_constants_t *constants, int32_t speed
 /* |x| of the magnets' flux at a speed: flux_q14 cos(lead). */
 int32_t observer_expected_flux_q14(const observer_constants_t *constants, uint16_t lead_turn);
 
-/* For the present bus voltage, winding temperature and speed by the observer; not in use. Divides.
- */
+/* For the present bus voltage, winding temperature and lead; not in use. */
 observer_tuning_t observer_tuning(const observer_constants_t *constants, const config_t *config,
-                                  int32_t v_dc_pu, int32_t speed_q32,
+                                  int32_t v_dc_pu, uint16_t lead_turn,
                                   int32_t winding_temperature_cC);
 
 #endif

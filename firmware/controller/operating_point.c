@@ -76,15 +76,30 @@ static int32_t phase_voltage_mV(const operating_point_state_t *state, const conf
     return sampling_correction_mean_voltage(&state->sampling, q15_product(index_q15, radius_mV));
 }
 
+observer_view_t operating_point_observer(operating_point_state_t *state, const config_t *config,
+                                         const observer_report_t *observer)
+{
+    const uint16_t lead_turn = observer_lead_turn(&state->observer, observer->speed_q32);
+    const uint16_t rotor_turn = (uint16_t)(observer->theta_turn - lead_turn);
+    state->observer_lead_turn = lead_turn;
+    const observer_view_t out = {
+        .speed_mrad_s = bases_speed_mrad_s(config, observer->speed_q32),
+        .difference_turn = angle_difference(observer->sensor_turn, rotor_turn),
+        .flux_q14 = dq_of(observer->flux_q14),
+        .expected_q14 = observer_expected_flux_q14(&state->observer, lead_turn),
+    };
+    return out;
+}
+
 operating_point_t operating_point_of(operating_point_state_t *state, const config_t *config,
-                                     const fast_report_t *report, int32_t winding_temperature_cC)
+                                     const fast_report_t *report, int32_t speed_q32,
+                                     int32_t winding_temperature_cC)
 {
     average(state, report);
-    state->speed_q32 = report->speed_q32;
-    state->observer_speed_q32 = report->observer.speed_q32;
+    state->speed_q32 = speed_q32;
     state->winding_temperature_cC = winding_temperature_cC;
-    state->sampling = sampling_correction_at(config, state->magnets_pu, report->speed_q32,
-                                             winding_temperature_cC);
+    state->sampling =
+        sampling_correction_at(config, state->magnets_pu, speed_q32, winding_temperature_cC);
     const sampling_correction_t *sampling = &state->sampling;
     const dq_t i_pu = sampling_correction_to_mean(sampling, state->i_pu);
     const int32_t bus_mV = bases_bus_voltage_mV(config, state->v_dc_pu);
@@ -92,7 +107,7 @@ operating_point_t operating_point_of(operating_point_state_t *state, const confi
     const dq_t latest_i = dq_of(report->i_pu);
     const dq_t latest_u = dq_of(report->u_pu);
     const operating_point_t out = {
-        .speed_mrad_s = bases_speed_mrad_s(config, report->speed_q32),
+        .speed_mrad_s = bases_speed_mrad_s(config, speed_q32),
         .i_d_mA = bases_current_mA(config, i_pu.d),
         .i_q_mA = bases_current_mA(config, i_pu.q),
         .bus_voltage_mV = bus_mV,
@@ -121,7 +136,7 @@ void operating_point_setpoint(const operating_point_state_t *state, const config
                                       state->speed_q32, state->winding_temperature_cC);
     setpoint->dead_time_slope = dead_time_slope_at(config, state->v_dc_pu);
     setpoint->observer = observer_tuning(&state->observer, config, state->v_dc_pu,
-                                         state->observer_speed_q32, state->winding_temperature_cC);
+                                         state->observer_lead_turn, state->winding_temperature_cC);
 }
 
 void operating_point_initial_setpoint(const config_t *config, fast_setpoint_t *setpoint)

@@ -76,3 +76,58 @@ void test_angle_of_a_salient_motor_with_l_q_5_percent_wrong(void)
 {
     assert_angle_error("ipm400v", 0.05, 70.0);
 }
+
+/* ---- without the sensor ---- */
+
+typedef struct {
+    double stored_j, lowest_nm, highest_nm; /* torque: means of a millisecond, braking positive */
+    reason_t fault;
+} stop_t;
+
+/* From 40 to 5 km/h; the hall plug comes off at the beginning. */
+static stop_t stop_from_40(double demand_nm, bool plug_off)
+{
+    bench_params_t params = fixture_quarter_vehicle();
+    params.run.initial_speed_m_per_s = 42.0 * KMH;
+    params.driver.brake_demand_nm = demand_nm;
+    config_t config = fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_HALL);
+    config.rotor.observer_takeover = 1;
+    bench_t *bench = fixture_start(&params, &config);
+    while (bench->vehicle.speed_m_per_s > 40.0 * KMH) {
+        bench_period(bench);
+    }
+    const double before_j = bench_ledger(bench).chemical_j;
+    bench->params.sensors.hall_stuck_high = plug_off ? 7.0 : 0.0;
+    bench_refresh(bench);
+    stop_t out = {.lowest_nm = 1e9, .highest_nm = -1e9};
+    while (bench->vehicle.speed_m_per_s > 5.0 * KMH && bench->time_s < 60.0) {
+        const double before_nms = bench->wheel[0].totals.torque_impulse_nms;
+        fixture_run(bench, 1e-3);
+        const double nm = -(bench->wheel[0].totals.torque_impulse_nms - before_nms) / 1e-3;
+        if (bench->vehicle.speed_m_per_s > 12.0 * KMH) {
+            out.lowest_nm = fmin(out.lowest_nm, nm);
+            out.highest_nm = fmax(out.highest_nm, nm);
+        }
+    }
+    out.stored_j = before_j - bench_ledger(bench).chemical_j;
+    out.fault = bench->wheel[0].first_fault;
+    return out;
+}
+
+void test_stop_without_any_rotor_sensor_stores_97_percent(void)
+{
+    const double demands_nm[] = {15.0, 40.0};
+    for (int d = 0; d < 2; d++) {
+        const stop_t with = stop_from_40(demands_nm[d], false);
+        const stop_t without = stop_from_40(demands_nm[d], true);
+        char text[128];
+        snprintf(text, sizeof(text),
+                 "%.0f of %.0f J, torque %.2f .. %.2f (%.2f .. %.2f) N m, fault %d",
+                 without.stored_j, with.stored_j, without.lowest_nm, without.highest_nm,
+                 with.lowest_nm, with.highest_nm, without.fault);
+        TEST_ASSERT_TRUE_MESSAGE(without.stored_j > 0.97 * with.stored_j, text);
+        TEST_ASSERT_EQUAL_INT_MESSAGE(REASON_NONE, without.fault, text);
+        TEST_ASSERT_TRUE_MESSAGE(without.lowest_nm > 0.95 * with.lowest_nm, text);
+        TEST_ASSERT_TRUE_MESSAGE(without.highest_nm < 1.05 * with.highest_nm, text);
+    }
+}

@@ -339,6 +339,7 @@ def rotor(drive: Drive) -> dict[str, int | list[int]]:
         "encoder_index_tolerance_counts": drive.rotor.encoder_index_tolerance_counts,
         "encoder_reversed": int(drive.rotor.encoder_reversed),
         "observer_speed_mrad_s": nearest(derived.observer_speed_rad_s(drive) * 1e3),
+        "observer_takeover": int(drive.rotor.observer_takeover),
         "edge_turn": [_turn(edge) for edge in drive.rotor.hall_edges_deg],
     }
 

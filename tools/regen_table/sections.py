@@ -370,6 +370,14 @@ class Rotor(Section):
             " at rated torque and the dead times' voltage",
         ),
     ] = None
+    observer_takeover: Annotated[
+        bool,
+        Field(
+            description=(
+                "the EMF observer watches the sensor and takes over from it; else it only reports"
+            )
+        ),
+    ] = False
 
 
 class Drive(Section):

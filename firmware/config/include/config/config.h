@@ -174,7 +174,8 @@
       "largest distance of an index pulse from its expected count: the width of the pulse") \
     X(encoder_reversed, 0, 1, "", "1: the count falls when turning forward") \
     X(observer_speed_mrad_s,                 1,         5000000,    "mrad/s", \
-      "mechanical, from which the EMF observer watches the sensor and takes over from it")
+      "mechanical, from which the EMF observer watches the sensor and takes over from it") \
+    X(observer_takeover, 0, 1, "", "1: it does; 0: it is only reported")
 
 #define CONFIG_HALL_ARRAY(Y) \
     Y(edge_turn, CONFIG_HALL_EDGES,          0,         65535,      "turn", \
@@ -340,8 +341,7 @@
       "1.3 times motor.max_phase_current_mA") \
     X(overcurrent_periods,                   1,         16,         "1", \
       "PWM periods in a row that trip; 1: a single disturbed sample trips; default 2") \
-    X(current_sum_pu_q15,                    16,        32767,      "pu", \
-      "largest |i_a + i_b + i_c|") \
+    X(current_sum_pu_q15, 16, 32767, "pu", "largest |i_a + i_b + i_c|") \
     X(offset_tolerance_codes,                1,         1024,       "1", \
       "largest distance of a current sensor's offset from mid-range") \
     X(torque_tolerance_mNm,                  1,         1000000,    "mNm", \

@@ -40,6 +40,7 @@
 #include "foc/foc.h"
 #include "modes/modes.h"
 #include "monitor/monitor.h"
+#include "monitor/monitor_rotor.h"
 #include "torque/torque.h"
 
 enum { CONTROLLER_SLOW_RATE_HZ = 1000 };
@@ -64,6 +65,7 @@ typedef struct {
     operating_point_state_t operating_point;
     torque_state_t torque;
     monitor_slow_state_t monitor;
+    monitor_rotor_state_t rotor;
     modes_state_t modes;
     bridge_choice_state_t bridge_choice;
     int32_t last_command_mNm;

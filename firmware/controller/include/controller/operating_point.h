@@ -48,7 +48,7 @@ typedef struct {
     int32_t power_pu; /* of u_d i_d + u_q i_q */
     int32_t v_dc_pu;
     int32_t speed_q32;
-    int32_t observer_speed_q32;
+    uint16_t observer_lead_turn;
     int32_t winding_temperature_cC;
     sampling_correction_t sampling;
 } operating_point_state_t;
@@ -71,10 +71,24 @@ typedef struct {
  * zero. Divides. */
 void operating_point_init(operating_point_state_t *state, const config_t *config);
 
-/* report: at most 40 000 periods after the previous one; the same one again leaves the means
- * unchanged. winding_temperature_cC: any. Divides. */
+/* What the EMF observer shows, in the terms of the slow loop; its lead at its present speed is kept
+ * for the next setpoint. Before operating_point_of(). Divides. */
+typedef struct {
+    int32_t speed_mrad_s;    /* mechanical, signed */
+    int16_t difference_turn; /* rotor angle of the sensor less that of the observer */
+    dq_t flux_q14;           /* along its angle and across */
+    int32_t expected_q14;    /* of the magnets, along */
+} observer_view_t;
+
+observer_view_t operating_point_observer(operating_point_state_t *state, const config_t *config,
+                                         const observer_report_t *observer);
+
+/* speed_q32: of the rotor angle in use, turns per period. report: at most 40 000 periods after the
+ * previous one; the same one again leaves the means unchanged. winding_temperature_cC: any.
+ * Divides. */
 operating_point_t operating_point_of(operating_point_state_t *state, const config_t *config,
-                                     const fast_report_t *report, int32_t winding_temperature_cC);
+                                     const fast_report_t *report, int32_t speed_q32,
+                                     int32_t winding_temperature_cC);
 
 /* Writes reference, sampling correction, tuning and dead-time slope for the operating point of the
  * latest operating_point_of(). i_d_mA, i_q_mA: mean currents without the field-weakening current,

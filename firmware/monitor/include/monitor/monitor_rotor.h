@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * monitor_rotor.h: which rotor angle may be used for torque: the sensor's, the EMF observer's, or
+ * none. Slow loop, 1 kHz.
+ *
+ * The observer is confirmed while the bridge switches, its flux has at least half the magnitude
+ * that the magnets have at its speed and lies within 14 degrees of its angle, and the speed is at
+ * least rotor.observer_speed. It then watches the sensor: 60 degrees for 2 ms, or 16 degrees for
+ * 12 ms, make the sensor wrong, until they have agreed for monitor.rotor_warning_time. While the
+ * sensor is wrong or invalid the observer's angle is used. Above 15/16 of its speed torque is
+ * permitted with it; below, the angle is still there for the torque to ramp out.
+ *
+ * Without rotor.observer_takeover the sensor alone decides.
+ *
+ * A bridge that begins to switch without a sensor uses the observer's angle from the first period
+ * on, at zero torque until it is confirmed. README, Rotor.
+ */
+#ifndef MONITOR_MONITOR_ROTOR_H
+#define MONITOR_MONITOR_ROTOR_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "config/config.h"
+
+typedef struct {
+    int32_t agreed_steps;  /* since the sensor was wrong */
+    uint8_t plausible;     /* consecutive steps, saturating */
+    uint8_t implausible;   /* likewise */
+    uint8_t opposed_steps; /* at 60 degrees and more */
+    uint8_t slipped;       /* steps with 16 degrees and more, less steps without */
+    bool confirmed;
+    bool sensor_wrong;
+    bool observer_used;
+} monitor_rotor_state_t;
+
+/* Sensor and observer at the same time. */
+typedef struct {
+    int32_t observer_mrad_s; /* mechanical, signed */
+    int16_t difference_turn; /* rotor angle of the sensor less that of the observer */
+    int16_t flux_q14;        /* of the observer along its angle */
+    int16_t across_q14;      /* and across it */
+    int32_t expected_q14;    /* of the magnets at its speed */
+    bool acquired;           /* the observer's start is over */
+    bool sensor_valid;       /* by the sensor's own plausibility */
+    bool switching;
+    bool cleared; /* acknowledged, at rest: the sensor is right again */
+} monitor_rotor_input_t;
+
+typedef struct {
+    bool valid;         /* the angle in use may make torque */
+    bool observer_used; /* instead of the sensor */
+    bool sensor_wrong;  /* contradicted by the confirmed observer */
+} monitor_rotor_output_t;
+
+monitor_rotor_output_t monitor_rotor_step(monitor_rotor_state_t *state, const config_t *config,
+                                          const monitor_rotor_input_t *in);
+
+#endif

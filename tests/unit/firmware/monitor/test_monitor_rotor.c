@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "monitor/monitor_rotor.h"
+
+#include "paper_vehicle.h"
+#include "unity.h"
+
+static monitor_rotor_state_t rotor;
+static monitor_rotor_input_t at;
+static monitor_rotor_output_t seen;
+static config_t config;
+
+enum { DEGREES_60 = 10923, DEGREES_20 = 3641, DEGREES_10 = 1820 };
+
+void setUp(void)
+{
+    const monitor_rotor_state_t fresh = {.confirmed = false};
+    const monitor_rotor_input_t rolling = {
+        .observer_mrad_s = 20000,
+        .flux_q14 = 4000,
+        .across_q14 = 100,
+        .expected_q14 = 4000,
+        .acquired = true,
+        .sensor_valid = true,
+        .switching = true,
+    };
+    rotor = fresh;
+    config = CONFIG_LU2013;
+    config.rotor.observer_takeover = 1;
+    at = rolling;
+}
+
+void tearDown(void) {}
+
+static void run(int steps)
+{
+    for (int n = 0; n < steps; n++) {
+        seen = monitor_rotor_step(&rotor, &config, &at);
+    }
+}
+
+/* Steps until the observer's angle is used; -1: never within so many. */
+static int steps_until_used(int most)
+{
+    for (int n = 1; n <= most; n++) {
+        run(1);
+        if (seen.observer_used) {
+            return n;
+        }
+    }
+    return -1;
+}
+
+void test_a_sensor_that_agrees_is_used(void)
+{
+    at.difference_turn = DEGREES_10;
+    TEST_ASSERT_EQUAL_INT(-1, steps_until_used(5000));
+    TEST_ASSERT_TRUE(seen.valid && !seen.sensor_wrong);
+}
+
+void test_an_opposed_sensor_is_replaced_within_5_milliseconds_forwards_and_backwards(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        setUp();
+        at.observer_mrad_s *= sign;
+        run(100);
+        at.difference_turn = (int16_t)(sign * DEGREES_60);
+        const int steps = steps_until_used(5);
+        TEST_ASSERT_TRUE(steps > 1 && steps <= 5);
+        TEST_ASSERT_TRUE(seen.valid && seen.sensor_wrong);
+    }
+}
+
+void test_a_slip_of_20_degrees_is_named_within_20_milliseconds(void)
+{
+    run(100);
+    at.difference_turn = DEGREES_20;
+    const int steps = steps_until_used(20);
+    TEST_ASSERT_TRUE(steps > 5 && steps <= 20);
+}
+
+void test_a_single_deviation_is_not_enough(void)
+{
+    run(100);
+    for (int n = 0; n < 200; n++) {
+        at.difference_turn = n % 3 == 0 ? DEGREES_60 : 0;
+        run(1);
+        TEST_ASSERT_FALSE(seen.observer_used);
+    }
+}
+
+/* A frozen sensor agrees twice in every turn. */
+void test_a_wrong_sensor_returns_only_after_long_agreement_or_an_acknowledgement(void)
+{
+    run(100);
+    at.difference_turn = DEGREES_60;
+    run(10);
+    at.difference_turn = 0;
+    run(CONFIG_LU2013.monitor.rotor_warning_time_ms - 1);
+    TEST_ASSERT_TRUE(seen.observer_used);
+    run(1);
+    TEST_ASSERT_FALSE(seen.observer_used);
+    at.difference_turn = DEGREES_60;
+    run(10);
+    TEST_ASSERT_TRUE(seen.sensor_wrong);
+    at.cleared = true;
+    at.switching = false;
+    run(1);
+    TEST_ASSERT_TRUE(seen.valid && !seen.sensor_wrong);
+}
+
+void test_an_invalid_sensor_is_replaced_at_once_if_the_observer_is_confirmed(void)
+{
+    run(100);
+    at.sensor_valid = false;
+    TEST_ASSERT_EQUAL_INT(1, steps_until_used(1));
+    TEST_ASSERT_TRUE(seen.valid);
+    at.sensor_valid = true;
+    run(1);
+    TEST_ASSERT_FALSE(seen.observer_used);
+}
+
+/* Angle without torque: dead reckoning of the sensor, or the observer's where it was in use. */
+void test_below_its_speed_the_observer_permits_no_torque(void)
+{
+    const int32_t from_mrad_s = CONFIG_LU2013.rotor.observer_speed_mrad_s;
+    at.observer_mrad_s = from_mrad_s - 1;
+    at.sensor_valid = false;
+    run(100);
+    TEST_ASSERT_FALSE(seen.valid || seen.observer_used);
+    at.observer_mrad_s = -from_mrad_s;
+    run(10);
+    TEST_ASSERT_TRUE(seen.valid && seen.observer_used);
+    at.observer_mrad_s = -(from_mrad_s * 15 / 16 + 2);
+    run(10);
+    TEST_ASSERT_TRUE(seen.valid);
+    at.observer_mrad_s = -(from_mrad_s * 15 / 16 - 2);
+    run(10);
+    TEST_ASSERT_TRUE(!seen.valid && seen.observer_used);
+}
+
+void test_noise_is_not_confirmed(void)
+{
+    at.sensor_valid = false;
+    at.flux_q14 = 1999; /* less than half of what turns at this speed */
+    run(100);
+    TEST_ASSERT_FALSE(seen.valid);
+    at.flux_q14 = 4000;
+    at.across_q14 = -1001;
+    run(100);
+    TEST_ASSERT_FALSE(seen.valid);
+    at.across_q14 = 0;
+    at.acquired = false;
+    run(100);
+    TEST_ASSERT_FALSE(seen.valid);
+    at.acquired = true;
+    run(2);
+    TEST_ASSERT_TRUE(seen.valid);
+}
+
+/* The bridge begins to switch without a sensor: the observer's angle from the start, no torque. */
+void test_a_start_without_a_sensor_uses_the_observers_angle_at_zero_torque(void)
+{
+    at.switching = false;
+    at.acquired = false;
+    at.sensor_valid = false;
+    run(10);
+    TEST_ASSERT_TRUE(!seen.valid && seen.observer_used);
+    at.switching = true;
+    run(3);
+    TEST_ASSERT_TRUE(!seen.valid && seen.observer_used);
+    at.acquired = true;
+    run(2);
+    TEST_ASSERT_TRUE(seen.valid);
+}
+
+void test_without_takeover_the_sensor_alone_decides(void)
+{
+    config.rotor.observer_takeover = 0;
+    at.difference_turn = DEGREES_60;
+    run(100);
+    TEST_ASSERT_TRUE(seen.valid && !seen.observer_used && !seen.sensor_wrong);
+    at.sensor_valid = false;
+    run(100);
+    TEST_ASSERT_FALSE(seen.valid || seen.observer_used);
+}
