@@ -108,6 +108,8 @@ static monitor_slow_input_t monitor_input(const controller_slow_t *slow, const c
         .offsets_known = report->offsets_done,
         .current_saturated = report->adc_saturated,
         .rotor_valid = rotor_valid,
+        .wrong_current_sensor = report->wrong_current_sensor,
+        .current_undetermined = report->current_undetermined,
         .rotor_faults = report->rotor_faults,
         .fast_step_count = report->sequence,
         .bus_voltage_mV = at->bus_voltage_mV,

@@ -4,6 +4,7 @@
 #include "core/angle.h"
 #include "current_controller.h"
 #include "current_predictor.h"
+#include "current_step.h"
 #include "emf_observer.h"
 #include "field_weakening.h"
 #include "idle.h"
@@ -11,6 +12,7 @@
 #include "reference_prefilter.h"
 #include "rotor.h"
 #include "sense.h"
+#include "sensor_isolation.h"
 #include "setpoint.h"
 #include "transforms.h"
 
@@ -18,25 +20,13 @@ enum { FIELD_WEAKENING_PERIODS = EMF_OBSERVER_ACQUIRE_PERIODS };
 
 void foc_current_step(foc_state_t *restrict state, const uint16_t *restrict codes)
 {
-    foc_current_state_t *const current = &state->current;
-    foc_period_t *const period = &state->period;
+    const foc_current_state_t *const current = &state->current;
     const sense_out_t sensed = sense_step(&current->sense, codes, current->on_q16);
-    period->current_sum_pu = sensed.sum_pu;
-    period->i_ab_pu = sensed.i;
-    const rotation_t angle = angle_rotation(period->theta_turn);
-    const dq16_t i = transforms_park(sensed.i, angle);
-    period->i_pu = i;
-    current_controller_step(&current->controller, &current->gains, period->i_reference_pu, i,
-                            &period->voltage);
-
-    /* The voltage acts in the next period: on average 1.5 periods after the sample. */
-    const rotation_t angle_applied = transforms_advance(angle, current->advance);
-    const ab_t u = transforms_inverse_park(period->voltage.applied, angle_applied);
-    state->observer.u.v = q_pair(u.alpha, u.beta);
-    const dq16_t predicted = current_predictor_step(&current->predictor);
-    const ab_t i_applied = transforms_inverse_park(predicted, angle_applied);
-    const abc_t trim = modulation_dead_time(current->slope, i_applied);
-    modulation_step(&current->modulation, u, trim, current->on_q16);
+    if (sensor_isolation_due(&current->isolation, sensed.sum_pu)) {
+        sensor_isolation_current_step(state, codes, sensed.sum_pu);
+        return;
+    }
+    current_step_with(state, &sensed);
 }
 
 /* The next period's field-weakening current. A change of it re-applies the setpoint, also when it
@@ -117,7 +107,7 @@ void foc_idle_step(foc_state_t *state, const config_t *config, const fast_setpoi
                    const foc_input_t *in)
 {
     (void)begin_period(state, config, setpoint, in);
-    idle_step(state, setpoint->calibrate_offsets, in->phase_current_code);
+    idle_step(state, setpoint, in->phase_current_code);
     end_period(state, in);
 }
 
@@ -161,6 +151,8 @@ void foc_report(const foc_state_t *state, fast_report_t *report)
     report->voltage_limited = unsaturated.q != applied.q || unsaturated.d != applied.d;
     report->adc_saturated = sense_adc_saturated(sense->offset_q4, phase_currents(period));
     report->current_sum_pu = period->current_sum_pu;
+    report->wrong_current_sensor = sensor_isolation_named(&state->current.isolation);
+    report->current_undetermined = state->current.isolation.undetermined;
     report->i_d_weakening_pu = field_weakening_current_pu(&state->weakening);
     for (int x = 0; x < SENSE_PHASES; x++) {
         report->offset_q4[x] = sense->offset_q4[x];
@@ -184,6 +176,7 @@ void foc_init(foc_state_t *state, const config_t *config)
     field_weakening_init(&state->weakening, config);
     state->current_circle = circle_init(config->current_loop.max_current_pu_q15);
     sense_init(&state->current.sense, &config->drive);
+    sensor_isolation_init(&state->current.isolation, config);
     rotor_init(&state->rotor, config);
     emf_observer_init(&state->observer, config);
     state->sequence = FOC_NO_SETPOINT;

@@ -7,6 +7,7 @@
 #include "emf_observer.h"
 #include "reference_prefilter.h"
 #include "sense.h"
+#include "sensor_isolation.h"
 #include "transforms.h"
 
 static void calibrate(foc_state_t *state, const uint16_t codes[SENSE_PHASES])
@@ -41,17 +42,19 @@ void idle_centre_on_times(foc_current_state_t *state)
     }
 }
 
-void idle_step(foc_state_t *state, bool calibrate_offsets, const uint16_t codes[SENSE_PHASES])
+void idle_step(foc_state_t *state, const fast_setpoint_t *setpoint,
+               const uint16_t codes[SENSE_PHASES])
 {
     foc_period_t *period = &state->period;
     const sense_out_t sensed = sense_step(&state->current.sense, codes, state->current.on_q16);
+    const ab16_t i = sensor_isolation_current(&state->current, codes, sensed.i);
     const voltage_out_t no_voltage = {.unsaturated_d_q25 = 0};
     const dq16_t no_current = {.v = q_pair(0, 0)};
     period->i_reference_pu = no_current;
-    period->i_pu = transforms_park(sensed.i, angle_rotation(period->theta_turn));
-    count_quadrants(state, sensed.i);
+    period->i_pu = transforms_park(i, angle_rotation(period->theta_turn));
+    count_quadrants(state, i);
     period->voltage = no_voltage;
-    period->i_ab_pu = sensed.i;
+    period->i_ab_pu = i;
     period->current_sum_pu = sensed.sum_pu;
     emf_observer_reset(&state->observer);
     current_controller_reset(&state->current.controller);
@@ -59,10 +62,13 @@ void idle_step(foc_state_t *state, bool calibrate_offsets, const uint16_t codes[
     current_predictor_reset(&state->current.predictor);
     state->weakening.current_q28 = 0;
     idle_centre_on_times(&state->current);
-    if (calibrate_offsets) {
+    if (setpoint->clear_trip) {
+        sensor_isolation_acknowledge(&state->current.isolation);
+    }
+    if (setpoint->calibrate_offsets) {
         calibrate(state, codes);
     }
-    state->calibrating = calibrate_offsets;
+    state->calibrating = setpoint->calibrate_offsets;
     state->sequence = FOC_NO_SETPOINT;
     state->postponed = true; /* a start applies its setpoint at once, also at a hall edge */
 }

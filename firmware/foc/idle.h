@@ -8,8 +8,10 @@
 
 #include "foc/foc.h"
 
-/* calibrate_offsets: also a sample of the offset calibration, which restarts when it was false. */
-void idle_step(foc_state_t *state, bool calibrate_offsets, const uint16_t codes[SENSE_PHASES]);
+/* setpoint: with calibrate_offsets also a sample of the offset calibration, which restarts when it
+ * was false; clear_trip acknowledges an undetermined sum of currents. */
+void idle_step(foc_state_t *state, const fast_setpoint_t *setpoint,
+               const uint16_t codes[SENSE_PHASES]);
 
 /* Half the period on every leg. */
 void idle_centre_on_times(foc_current_state_t *state);

@@ -41,6 +41,12 @@ void sense_calibrate_step(sense_state_t *state, const uint16_t codes[SENSE_PHASE
     }
 }
 
+ab16_t sense_without(const sense_state_t *state, const uint16_t codes[SENSE_PHASES], uint8_t phase)
+{
+    const int32_t on_q16[SENSE_PHASES] = {phase == 0, phase == 1, phase == 2};
+    return sense_step(state, codes, on_q16).i;
+}
+
 static bool at_range_end(int32_t offset_q4, int32_t i_pu)
 {
     const int32_t highest = q_min(SENSE_CODE_MAX * 16 - offset_q4, Q15_ONE);

@@ -67,6 +67,19 @@ Q_TARGET_INLINE sense_out_t sense_step(const sense_state_t *state,
     return out;
 }
 
+/* The three readings, Q15. */
+static inline abc_t sense_phases(const sense_state_t *state, const uint16_t codes[SENSE_PHASES])
+{
+    const abc_t out = {.a = codes[0] * 16 - state->offset_q4[0],
+                       .b = codes[1] * 16 - state->offset_q4[1],
+                       .c = codes[2] * 16 - state->offset_q4[2]};
+    return out;
+}
+
+/* As sense_step(), the current of `phase` (0 .. 2) reconstructed from the other two whatever the
+ * on-times are. */
+ab16_t sense_without(const sense_state_t *state, const uint16_t codes[SENSE_PHASES], uint8_t phase);
+
 /*
  * ADC saturation: a phase current at an end of its converter's range, code 0 or 4095. i_pu: phase
  * currents recomputed from the dq vector of a period; half a code is allowed for rounding. The

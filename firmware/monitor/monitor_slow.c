@@ -169,6 +169,33 @@ static bool offsets_plausible(const config_t *config, const int32_t offset_q4[3]
     return plausible;
 }
 
+/* The fast loop continues with the other two sensors. */
+static reason_t current_sensor_warning(const monitor_slow_input_t *in)
+{
+    switch (in->wrong_current_sensor) {
+    case 1:
+        return REASON_CURRENT_SENSOR_A;
+    case 2:
+        return REASON_CURRENT_SENSOR_B;
+    case 3:
+        return REASON_CURRENT_SENSOR_C;
+    default:
+        return REASON_NONE;
+    }
+}
+
+/* A sum that the fast loop could not assign to one sensor has been qualified there, in eight
+ * periods. The slow check remains for sums with the bridge off. */
+static bool current_sum_wrong(monitor_slow_state_t *state, const config_t *config,
+                              const monitor_slow_input_t *in)
+{
+    const bool named = current_sensor_warning(in) != REASON_NONE;
+    const bool beyond = q_abs(in->current_sum_pu) > config->monitor.current_sum_pu_q15;
+    const bool lasts = qualified(&state->sum_steps, in->offsets_known && beyond && !named,
+                                 config->monitor.sensor_fault_time_ms);
+    return lasts || (in->current_undetermined && !named);
+}
+
 static monitor_emf_input_t emf_input(const monitor_slow_input_t *in)
 {
     const monitor_emf_input_t out = {
@@ -223,10 +250,8 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
 {
     const bool switching = in->bridge == BRIDGE_PWM;
     const int32_t sensor_time_ms = config->monitor.sensor_fault_time_ms;
-    const bool sum_wrong = qualified(&state->sum_steps,
-                                     in->offsets_known && q_abs(in->current_sum_pu) >
-                                                              config->monitor.current_sum_pu_q15,
-                                     sensor_time_ms);
+    const reason_t current_warning = current_sensor_warning(in);
+    const bool sum_wrong = current_sum_wrong(state, config, in);
     const bool sensor_wrong =
         qualified(&state->sensor_steps, switching && in->current_saturated, sensor_time_ms);
     const bool rotor_missing = switching && !in->rotor_valid;
@@ -254,9 +279,10 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
 
     monitor_output_t out = {
         .fault = REASON_NONE,
-        .warning = battery_lost  ? REASON_BATTERY_DISCONNECTED
-                   : rotor_warns ? REASON_ROTOR_UNCERTAIN
-                                 : REASON_NONE,
+        .warning = battery_lost                     ? REASON_BATTERY_DISCONNECTED
+                   : current_warning != REASON_NONE ? current_warning
+                   : rotor_warns                    ? REASON_ROTOR_UNCERTAIN
+                                                    : REASON_NONE,
         .safe_bridge = safe.bridge,
         .emf_conducts = safe.bridge != BRIDGE_OFF || safe.freewheel.current_mA > 0,
         .charging_mA = safe.bridge == BRIDGE_OFF ? safe.freewheel.charging_mA : 0,

@@ -11,8 +11,15 @@
 #include "field_weakening.h"
 #include "modulation.h"
 #include "sense.h"
+#include "sensor_isolation.h"
 #include "transforms.h"
 #include "vectors.h"
+
+static dq_t any_dq(void)
+{
+    const dq_t out = {.d = any_within(-32768, 32767), .q = any_within(-32768, 32767)};
+    return out;
+}
 
 void prove_sense(void)
 {
@@ -55,6 +62,54 @@ void prove_sense_calibration(void)
     PROOF_END();
 }
 
+/* Any state that the steps before can have left, any readings. */
+void prove_sensor_isolation(void)
+{
+    foc_state_t foc;
+    uint16_t codes[3];
+    for (int x = 0; x < 3; x++) {
+        foc.current.sense.offset_q4[x] = any_within(0, SENSE_CODE_MAX * 16);
+        codes[x] = (uint16_t)any_within(0, SENSE_CODE_MAX);
+    }
+    sensor_isolation_t *state = &foc.current.isolation;
+    state->implausible_pu = any_within(16, 32767);
+    state->removed_share_q15 = any_within(0, 8192);
+    state->l_q_over_l_d_q10 = any_within(0, 16384);
+    state->l_d_over_l_q_q10 = any_within(0, 16384);
+    state->predicted_pu.d = any_within(-65536, 65536);
+    state->predicted_pu.q = any_within(-65536, 65536);
+    state->change_pu.d = any_within(-(1 << 24), 1 << 24);
+    state->change_pu.q = any_within(-(1 << 24), 1 << 24);
+    state->begin_sum_pu = any_within(-3 * 65520, 3 * 65520);
+    state->last_step = nondet_uint32();
+    state->periods = nondet_uint16();
+    state->agreeing = nondet_uint16();
+    state->unknown = nondet_uint16();
+    state->answer = (uint8_t)any_within(0, SENSE_PHASES);
+    state->phase = (uint8_t)any_within(0, SENSE_PHASES);
+    state->undetermined = any_within(0, 1) != 0;
+    for (int x = 0; x < SENSE_PHASES; x++) {
+        foc.current.on_q16[x] = nondet_int32();
+    }
+    foc.step_count = nondet_uint32();
+    foc.current.predictor.weight_q15 = any_within(0, 32767);
+    foc.period.rotor.speed_q32 = nondet_int32();
+    foc.period.i_pu = dq16_of(any_dq());
+    foc.period.i_reference_pu = dq16_of(any_dq());
+    foc.period.voltage.applied = dq16_of(any_dq());
+    foc.period.voltage.unsaturated_d_q25 = nondet_int32();
+    foc.period.voltage.unsaturated_q_q25 = nondet_int32();
+    foc.period.current_sum_pu = any_within(-3 * 65520, 3 * 65520);
+    foc.period.theta_turn = nondet_uint16();
+    const ab16_t out = sensor_isolation_examine(&foc, codes);
+    PROVE(q_pair_x(out.v) >= -32768 && q_pair_x(out.v) <= 32767);
+    PROVE(q_pair_y(out.v) >= -32768 && q_pair_y(out.v) <= 32767);
+    PROVE(q_abs(state->predicted_pu.d) <= 65536 && q_abs(state->predicted_pu.q) <= 65536);
+    PROVE(q_abs(state->change_pu.d) <= 1 << 24 && q_abs(state->change_pu.q) <= 1 << 24);
+    PROVE(state->phase <= SENSE_PHASES && state->answer <= SENSE_PHASES);
+    PROOF_END();
+}
+
 void prove_park(void)
 {
     const ab16_t x = {.v = q_pair(any_within(-32768, 32767), any_within(-32768, 32767))};
@@ -86,12 +141,6 @@ static pi_gains_t any_gains(void)
         .anti_windup_q15 = any_within(0, PI_LARGEST_ANTI_WINDUP_Q15),
     };
     return gains;
-}
-
-static dq_t any_dq(void)
-{
-    const dq_t out = {.d = any_within(-32768, 32767), .q = any_within(-32768, 32767)};
-    return out;
 }
 
 /* With any tuning and any target of the delay compensation. */

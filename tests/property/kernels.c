@@ -304,7 +304,7 @@ kernel_loop_out_t kernel_loop(kernel_loop_t *loop, const kernel_tuning_t *tuning
     const current_tuning_t loop_tuning = tuning_of(tuning);
     const dq_t no_target = {.d = 0, .q = 0};
     foc_state_t foc = {
-        .period = {.i_reference_pu = dq16_from(reference), .rotor = {.theta_turn = theta_turn}},
+        .period = {.i_reference_pu = dq16_from(reference), .theta_turn = theta_turn},
     };
     const foc_current_state_t state = {
         .gains = current_gains_of(&loop_tuning, 0, no_target),
@@ -317,6 +317,9 @@ kernel_loop_out_t kernel_loop(kernel_loop_t *loop, const kernel_tuning_t *tuning
         .on_q16 = {loop->on_q16[0], loop->on_q16[1], loop->on_q16[2]},
     };
     foc.current = state;
+    /* Any three codes: as if no sum of them were implausible. */
+    foc.current.isolation.suspect_pu = 1 << 18;
+    foc.current.isolation.suspect_range_pu = 1U << 19;
     foc_current_step(&foc, codes);
     for (int x = 0; x < 3; x++) {
         loop->on_q16[x] = foc.current.on_q16[x];

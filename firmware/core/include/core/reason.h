@@ -100,7 +100,13 @@
     X(83, BRAKE_PEDAL_SENSOR, "brake pedal channels implausible or out of range",                  \
       "pedals.fault_time_ms", "pedals.fault_time_ms", LIMIT, SHOWN, SERVICE)                       \
     X(84, MEMORY, "memory damaged: mode or fault differ from their inverted copy",                 \
-      "at once", "never", FREEWHEEL, RESTART, SERVICE)                                           \
+      "at once", "never", FREEWHEEL, RESTART, SERVICE)                                             \
+    X(85, CURRENT_SENSOR_A, "current sensor a wrong, reconstructed from b and c",                  \
+      "2 PWM periods", "at restart", LIMIT, HEALS, SERVICE)                                        \
+    X(86, CURRENT_SENSOR_B, "current sensor b wrong, reconstructed from c and a",                  \
+      "2 PWM periods", "at restart", LIMIT, HEALS, SERVICE)                                        \
+    X(87, CURRENT_SENSOR_C, "current sensor c wrong, reconstructed from a and b",                  \
+      "2 PWM periods", "at restart", LIMIT, HEALS, SERVICE)                                        \
     X(90, DEMAND_IMPLAUSIBLE, "torque demand refused: beyond the configured torque or its rise",   \
       "at once", "1000 ms", NONE, HEALS, SERVICE)
 /* clang-format on */

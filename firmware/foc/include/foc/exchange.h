@@ -5,8 +5,8 @@
  *
  * Currents are Q15 of the current base, bus voltages Q15 of the voltage base, phase voltages Q15 of
  * the voltage circle (modulation units). The fields `trip`, `bridge`, `safe_bridge` and
- * `clear_trip` belong to the controller, which decides what the bridge does; the current loop does
- * not use them.
+ * `clear_trip` belong to the controller, which decides what the bridge does; the current loop uses
+ * only `clear_trip`, for the sum of currents.
  */
 #ifndef FOC_EXCHANGE_H
 #define FOC_EXCHANGE_H
@@ -87,6 +87,8 @@ typedef struct {
     bool voltage_limited;            /* the voltage circle shortened the voltage */
     bool adc_saturated;              /* a current converter in use is at an end of its range */
     int32_t current_sum_pu;          /* of the three readings */
+    uint8_t wrong_current_sensor;    /* 1 .. 3: sensor of phase a, b, c; 0: none */
+    bool current_undetermined;       /* the sum is implausible, no single sensor explains it */
     int32_t i_d_weakening_pu;        /* field-weakening current added to the reference, <= 0 */
     int32_t offset_q4[SENSE_PHASES]; /* zero-current codes * 16 */
     bool offsets_done;

@@ -107,6 +107,25 @@ typedef struct {
     int32_t sensor;          /* config.rotor.sensor */
 } rotor_state_t;
 
+/* sensor_isolation.h */
+typedef struct {
+    int32_t suspect_pu;        /* |sum| that is examined; 0: every sum, while a sensor is named */
+    uint32_t suspect_range_pu; /* twice that */
+    int32_t implausible_pu;    /* |sum| that no healthy sensors make */
+    int32_t removed_share_q15; /* of a current error by one period's voltage, a (1 - a) */
+    int32_t l_q_over_l_d_q10, l_d_over_l_q_q10;
+    dq_t predicted_pu;    /* for the latest examined sample */
+    dq_t change_pu;       /* from that to the next sample */
+    int32_t begin_sum_pu; /* the sum when the prediction began */
+    uint32_t last_step;   /* step_count of the latest examined sample */
+    uint16_t periods;     /* since the prediction began; 0: none */
+    uint16_t agreeing;    /* consecutive implausible sums with the same answer */
+    uint16_t unknown;     /* consecutive implausible sums without */
+    uint8_t answer;       /* the latest: phase, or SENSE_PHASES */
+    uint8_t phase;     /* whose sensor is named, reconstructed at all times; SENSE_PHASES: none */
+    bool undetermined; /* an implausible sum that no single sensor explains */
+} sensor_isolation_t;
+
 /* current_controller.h */
 typedef struct {
     pi_state_t d, q;
@@ -167,6 +186,7 @@ typedef struct {
     int32_t on_q16[SENSE_PHASES]; /* high-side on-times, timer counts; effective from the next
                                      update */
     sense_state_t sense;
+    sensor_isolation_t isolation;
 } foc_current_state_t;
 
 /* Rotor estimate at the sample. */

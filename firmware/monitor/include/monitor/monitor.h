@@ -87,6 +87,8 @@ typedef struct {
     /* The offsets are calibrated; the sum of currents is checked from then on. */
     bool offsets_known;
     bool current_saturated;
+    uint8_t wrong_current_sensor; /* named by the fast loop: 1 .. 3, phase a, b, c; 0: none */
+    bool current_undetermined;    /* the sum is implausible and no single sensor explains it */
     bool rotor_valid;
     uint16_t rotor_faults;
     uint16_t fast_step_count;

@@ -232,11 +232,46 @@ void test_invalid_hall_states_end_torque_in_a_ramp_and_then_run(void)
     TEST_ASSERT_EQUAL_INT(REASON_ROTOR_LOST, rig.out.fault_reason);
 }
 
-void test_current_sum_away_from_zero_leads_to_fault(void)
+/* 7.3 % of full scale; 5 % are allowed. */
+void test_one_wrong_current_sensor_leads_to_limp_and_the_brake_remains(void)
 {
-    put_codes(2048 + 150, 2048, 2048); /* 7.3 % of full scale; 5 % are allowed */
-    rig_run(&rig, 22);
+    rig.follows = true;
+    rig_run(&rig, 2);
+    rig.wrong_codes[1] = 150.0;
+    rig_run(&rig, 2);
+    TEST_ASSERT_EQUAL_INT(MODE_LIMP, rig.out.mode);
+    TEST_ASSERT_EQUAL_INT(REASON_CURRENT_SENSOR_B, rig.out.warning_reason);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, rig.pwm.bridge);
+    TEST_ASSERT_GREATER_THAN_INT32(10000, rig.out.electric_brake_available_mNm);
+}
+
+void test_two_wrong_current_sensors_lead_to_fault_in_the_next_slow_step(void)
+{
+    rig.follows = true;
+    rig_run(&rig, 2);
+    rig.wrong_codes[0] = 150.0;
+    rig.wrong_codes[1] = 150.0;
+    rig_run(&rig, 1);
     assert_fault(REASON_CURRENT_SUM);
+}
+
+void test_undetermined_sum_of_currents_ends_with_the_acknowledgement(void)
+{
+    rig.follows = true;
+    rig_run(&rig, 2);
+    rig.wrong_codes[0] = 150.0;
+    rig.wrong_codes[1] = 150.0;
+    rig_run(&rig, 2);
+    rig.follows = false;
+    put_codes(2048, 2048, 2048);
+    rig_run(&rig, 30);
+    assert_fault(REASON_CURRENT_SUM);
+    rig_set_speed_rpm(&rig, 0.0);
+    rig.slow_in.demand.brake_torque_mNm = 0;
+    rig_run(&rig, 100000);
+    rig.slow_in.demand.fault_reset = true;
+    rig_run(&rig, 200);
+    TEST_ASSERT_NOT_EQUAL_INT(MODE_FAULT, rig.out.mode);
 }
 
 void test_torque_without_a_command_leads_to_fault(void)

@@ -66,6 +66,9 @@ static const frozen_t FROZEN[] = {
     {82, REASON_ACCELERATOR_SENSOR},
     {83, REASON_BRAKE_PEDAL_SENSOR},
     {84, REASON_MEMORY},
+    {85, REASON_CURRENT_SENSOR_A},
+    {86, REASON_CURRENT_SENSOR_B},
+    {87, REASON_CURRENT_SENSOR_C},
 };
 enum { FROZEN_COUNT = sizeof(FROZEN) / sizeof(FROZEN[0]) };
 

@@ -18,7 +18,7 @@ void test_idle_step_resets_the_controller_state(void)
         step(true);
     }
     TEST_ASSERT_NOT_EQUAL(0, foc.current.controller.q.integrator_q30);
-    idle_step(&foc, false, codes);
+    idle_step(&foc, &setpoint, codes);
     TEST_ASSERT_EQUAL_INT32(0, foc.current.controller.q.integrator_q30);
     TEST_ASSERT_EQUAL_INT32(0, dq_of(period->i_reference_pu).q);
     TEST_ASSERT_EQUAL_INT32(0, q_pair_y(foc.current.predictor.predicted_pu.v));

@@ -13,7 +13,7 @@ MODULE = FIRMWARE / "monitor"
 REASONS = Path("core", "include", "core", "reason.h")
 CONFIG = FIRMWARE / "config" / "include" / "config" / "config.h"
 BEGIN, END = "<!-- from core/reason.h by generate.py -->", "<!-- end -->"
-WORDS = re.compile(r"at once|never|at calibration|\d+ (ms|PWM periods?)")
+WORDS = re.compile(r"at once|never|at calibration|at restart|\d+ (ms|PWM periods?)")
 
 
 def run_generator(module: Path, *arguments: str) -> subprocess.CompletedProcess[str]:

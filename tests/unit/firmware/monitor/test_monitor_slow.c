@@ -69,6 +69,25 @@ void test_sum_of_phase_currents_away_from_zero_is_a_fault(void)
     assert_never_a_fault();
 }
 
+void test_named_current_sensor_is_a_warning_and_no_fault(void)
+{
+    static const reason_t REASONS[] = {REASON_CURRENT_SENSOR_A, REASON_CURRENT_SENSOR_B,
+                                       REASON_CURRENT_SENSOR_C};
+    in.current_sum_pu = config.monitor.current_sum_pu_q15 + 1;
+    for (uint8_t k = 0; k < 3; k++) {
+        in.wrong_current_sensor = (uint8_t)(k + 1);
+        const monitor_output_t out = run(100);
+        TEST_ASSERT_EQUAL_INT(REASONS[k], out.warning);
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, out.fault);
+    }
+}
+
+void test_undetermined_sum_of_currents_is_a_fault_at_once(void)
+{
+    in.current_undetermined = true;
+    TEST_ASSERT_EQUAL_INT(REASON_CURRENT_SUM, step().fault);
+}
+
 void test_current_sum_is_no_fault_before_the_offsets_are_known(void)
 {
     in.current_sum_pu = 32767;

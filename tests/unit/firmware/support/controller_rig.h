@@ -28,8 +28,9 @@ typedef struct {
     fast_output_t pwm;
     double angle_turn;
     double turn_per_period;
-    bool follows;        /* the phase currents are the reference's */
-    double dither_codes; /* what the converter rounds, evenly over the code */
+    bool follows;          /* the phase currents are the reference's */
+    double wrong_codes[3]; /* what the sensors show too much, with `follows` */
+    double dither_codes;   /* what the converter rounds, evenly over the code */
 } rig_t;
 
 static inline uint16_t rig_bus_code(const rig_t *rig, double volts)
@@ -80,7 +81,8 @@ static inline void rig_follow(rig_t *rig)
     for (int x = 0; x < 3; x++) {
         const double angle = 2.0 * 3.14159265358979 * (rig->angle_turn - x / 3.0);
         const double codes = (i.d * cos(angle) - i.q * sin(angle)) / 16.0;
-        rig->fast_in.phase_current_code[x] = (uint16_t)(2048.0 + floor(codes + rig->dither_codes));
+        rig->fast_in.phase_current_code[x] =
+            (uint16_t)(2048.0 + floor(codes + rig->wrong_codes[x] + rig->dither_codes));
     }
 }
 
