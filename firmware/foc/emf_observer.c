@@ -38,7 +38,7 @@ int32_t foc_observer_leak_q24(const config_t *config)
     const int64_t speed_mrad_s =
         (int64_t)config->rotor.observer_speed_mrad_s * config->motor.pole_pairs;
     const int64_t by_speed_mrad_s = LEAK_PER_SPEED * speed_mrad_s;
-    const int64_t least_mrad_s = LEAST_LEAK_rad_s * 1000;
+    const int32_t least_mrad_s = LEAST_LEAK_rad_s * 1000;
     const int64_t leak_mrad_s = by_speed_mrad_s > least_mrad_s ? by_speed_mrad_s : least_mrad_s;
     const int64_t leak_q24 =
         leak_mrad_s * (1 << 24) / (INT64_C(1000) * config->drive.pwm_frequency_Hz);

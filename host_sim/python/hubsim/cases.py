@@ -11,9 +11,9 @@ import io
 import os
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict, fields
+from dataclasses import Field, asdict, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, ClassVar, Protocol, TypeVar
 
 import numpy as np
 from regen_table import installation
@@ -24,11 +24,15 @@ from hubsim.engine import Rows
 from hubsim.errors import HubsimError
 from hubsim.results import as_json
 
-if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
+
+class DataclassInstance(Protocol):
+    """What an instance of any dataclass has."""
+
+    __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
+
 
 Case = TypeVar("Case")
-Outcome = TypeVar("Outcome", bound="DataclassInstance")
+Outcome = TypeVar("Outcome", bound=DataclassInstance)
 
 CHUNK = 4  # cases that a process takes at a time
 

@@ -18,7 +18,7 @@ static const double T = 50e-6;
 static const double PSI_WB = 0.0204;
 static const double L_H = 76e-6;
 static const double I_BASE_A = 165.0;
-static const int32_t V_DC_PU = 28000;
+static const int32_t V_DC_PU = 32000; /* holds the EMF at 60 km/h */
 
 static config_t config;
 static emf_observer_t observer;
@@ -74,6 +74,7 @@ static void period(machine_t *m, double with_r_ohm)
     int32_t u[2];
     for (int k = 0; k < 2; k++) {
         u[k] = pu(((after[k] - before[k]) / T + with_r_ohm * i[k]) / volt_per_pu);
+        TEST_ASSERT_INT32_WITHIN(Q15_ONE, 0, u[k]);
     }
     const ab16_t voltage = {.v = q_pair(u[0], u[1])};
     const ab16_t current = {.v = q_pair(pu(i[0] / I_BASE_A), pu(i[1] / I_BASE_A))};

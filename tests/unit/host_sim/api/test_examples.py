@@ -40,13 +40,14 @@ def test_an_example_runs_as_a_program_from_any_directory(tmp_path: Path) -> None
 def test_energies_of_the_strategies_are_close_to_the_ideal_stop() -> None:
     """Stored share of the kinetic energy at 40 N m.
 
-    Steady-state figures of regen_table, dynamics give up to 1.6 % more.
+    Steady-state figures of regen_table down to standstill. A stop gives up to 1.8 % more: the
+    hydraulic brake takes over below the blend-out speed, where 40 N m of the motor cost energy.
     """
     ideal = {"parallel_ratio": 0.149, "parallel_free_travel": 0.743, "series_optimal": 0.756}
     stored = example("strategies").main()
     assert stored.keys() == ideal.keys()
     for strategy, share in ideal.items():
-        assert share - 0.002 < stored[strategy] < share + 0.016
+        assert share - 0.002 < stored[strategy] < share + 0.018
 
 
 @pytest.mark.parametrize(("speed_rad_s", "brake_nm"), [(20.0, 20.0), (35.0, 5.0)])

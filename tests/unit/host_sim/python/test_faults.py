@@ -70,10 +70,10 @@ def test_a_fault_concerns_the_chosen_wheels_only() -> None:
         for name, value in faults.table()["current_a_offset"].sets.items():
             vehicle.set(name, value)
         vehicle.run(0.2)
-        found = [vehicle.value(f"wheel{k}.first_fault_reason") for k in range(4)]
+        found = [vehicle.value(f"wheel{k}.warning_reason") for k in range(4)]
     assert [reasons.identifier(code) if code else "" for code in found] == [
         "",
-        "CURRENT_SUM",
+        "CURRENT_SENSOR_A",
         "",
         "",
     ]
