@@ -16,6 +16,8 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from hubsim import can_protocol
+
 from benchmark import build, count, elf
 from benchmark.build import BenchError
 from benchmark.chip import EXCEPTION_ADC, EXCEPTION_SYSTICK, Chip
@@ -24,10 +26,6 @@ START_MS, RIDE_MS, DEMAND_MS = 300, 1200, 50
 SUBSTEPS = 4
 HALL_OF_SECTOR = (5, 1, 3, 2, 6, 4)
 CODE_25_C = 2048  # the thermistors' dividers at 25 degC
-CRC_POLYNOMIAL = 0x2F
-# firmware/comms/e2e.c: the list of data ids, linear over exclusive-or.
-DATA_ID_OF_BIT = {1: 0x90, 2: 0xAA, 4: 0xC0, 8: 0x60}
-DEMAND_IDENTIFIER, BATTERY_IDENTIFIER = 0x100, 0x140
 
 
 @dataclass
@@ -109,26 +107,6 @@ class Motor:
             self.theta_rad += dt * w_rad_s
 
 
-def _crc(data: bytes) -> int:
-    """CRC-8 of AUTOSAR profile 2."""
-    crc = 0xFF
-    for byte in data:
-        crc ^= byte
-        for _ in range(8):
-            crc = (crc << 1 ^ (CRC_POLYNOMIAL if crc & 0x80 else 0)) & 0xFF
-    return crc ^ 0xFF
-
-
-def _frame(identifier: int, counter: int, content: int) -> tuple[int, bytes]:
-    """One protected frame of hubfoc.dbc: ``content`` are its signals at their places."""
-    data = bytearray((content | counter << 8).to_bytes(8, "little"))
-    entry = 0
-    for bit, part in DATA_ID_OF_BIT.items():
-        entry ^= part if counter & bit else 0
-    data[0] = _crc(bytes(data[1:]) + bytes([entry ^ identifier & 0xFF]))
-    return identifier, bytes(data)
-
-
 @dataclass
 class Vehicle:
     """CAN messages: a demand every 10 ms and the battery's limits, as in the benchmark's ride."""
@@ -144,18 +122,22 @@ class Vehicle:
             self.share_of_256 = (self.random.next() >> 23) - 256
         if ms % 10 != 0:
             return []
-        self.counter = (self.counter + 1) % 16
-        most = self.table["motor"]["max_torque_nm"] * 10.0
+        self.counter = (self.counter + 1) % 256
+        most = self.table["motor"]["max_torque_nm"]
         share = self.share_of_256 / 256.0
-        drive = round(max(share, 0.0) * most)
-        brake = round(max(-share, 0.0) * 2.0 * most)
-        enable = int(ms > START_MS // 2)
         battery = self.table["battery"]
-        charge = round(battery["max_charge_current_a"] * 10)
-        discharge = round(battery["max_discharge_current_a"] * 10)
+        demand = {
+            "enable": int(ms > START_MS // 2),
+            "drive_torque_nm": max(share, 0.0) * most,
+            "brake_torque_nm": max(-share, 0.0) * 2.0 * most,
+        }
+        limits = {
+            "charge_current_a": battery["max_charge_current_a"],
+            "discharge_current_a": battery["max_discharge_current_a"],
+        }
         return [
-            _frame(DEMAND_IDENTIFIER, self.counter, enable << 12 | drive << 16 | brake << 40),
-            _frame(BATTERY_IDENTIFIER, self.counter, charge << 16 | discharge << 40),
+            can_protocol.encode("Demand", demand, counter=self.counter),
+            can_protocol.encode("BatteryLimits", limits, counter=self.counter),
         ]
 
 

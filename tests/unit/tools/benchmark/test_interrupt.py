@@ -5,14 +5,17 @@ implementation.
 
 from __future__ import annotations
 
-import struct
+import tomllib
 from collections.abc import Callable
 from pathlib import Path
 
+import cantools
 import pytest
 from benchmark import build, elf, interrupt
 from benchmark.chip import TIM1_CR1, TIM1_RCR, TIM1_SR, TIM_DOWN, TIM_UPDATE, Chip
-from cantools.autosar.end_to_end import compute_profile2_crc
+
+LU2013 = build.ROOT / "tools" / "motors" / "lu2013.toml"
+DBC = build.ROOT / "firmware" / "comms" / "hubfoc.dbc"
 
 # As in test_count.py: straight 11, loop(n) 2 n + 2, skipped 5 with two that are not taken, outer
 # 14.
@@ -86,17 +89,19 @@ def test_the_timer_updates_at_both_ends_until_its_repetition_counter_is_loaded(
     assert directions(7) == [True, True, True, True]
 
 
-def test_frames_have_the_protection_of_an_independent_implementation() -> None:
-    for counter in range(16):
-        entry = 0
-        for bit, part in {1: 0x90, 2: 0xAA, 4: 0xC0, 8: 0x60}.items():
-            entry ^= part if counter & bit else 0
-        content = 0x0123456789AB << 16
-        identifier, data = interrupt._frame(0x140, counter, content)
-        assert identifier == 0x140
-        assert struct.unpack("<Q", data)[0] >> 16 == content >> 16
-        assert data[1] & 15 == counter
-        assert data[0] == compute_profile2_crc(data, entry ^ 0x40)
+def test_frames_hold_the_demand_of_the_ride_in_the_layout_of_the_protocol() -> None:
+    vehicle = interrupt.Vehicle(tomllib.loads(LU2013.read_text()))
+    frames = [vehicle.frames(ms) for ms in range(interrupt.START_MS)]
+    assert [ms for ms, several in enumerate(frames) if several] == list(range(0, 300, 10))
+    database = cantools.database.load_file(DBC)
+    for number, several in enumerate(filter(None, frames), start=1):
+        assert [identifier for identifier, _ in several] == [0x100, 0x140]
+        demand, limits = (database.decode_message(*frame) for frame in several)
+        assert demand["counter"] == limits["counter"] == number
+        assert demand["enable"] == (number > interrupt.START_MS // 2 // 10 + 1)
+        assert 0 in (demand["drive_torque_nm"], demand["brake_torque_nm"])
+        assert limits["charge_current_a"] == 200
+        assert limits["discharge_current_a"] == 250
 
 
 def test_an_image_without_a_known_configuration_is_refused(
