@@ -224,8 +224,10 @@ def draw(outcomes: Sequence[Outcome], directory: Path) -> list[Path]:
                     ha="center",
                     va="center",
                     fontsize=6,
+                    color="white" if share[k, j] > 0.5 else "black",
                 )
     axes.set_xticks(range(len(LIMITS)), LIMITS)
+    axes.tick_params(top=True, labeltop=True)
     axes.set_yticks(range(len(names)), names, fontsize=6)
     axes.grid(visible=False)
     return plotting.save({"faults": made}, directory)

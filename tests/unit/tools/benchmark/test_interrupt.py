@@ -8,6 +8,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import cantools
 import pytest
@@ -93,10 +94,11 @@ def test_frames_hold_the_demand_of_the_ride_in_the_layout_of_the_protocol() -> N
     vehicle = interrupt.Vehicle(tomllib.loads(LU2013.read_text()))
     frames = [vehicle.frames(ms) for ms in range(interrupt.START_MS)]
     assert [ms for ms, several in enumerate(frames) if several] == list(range(0, 300, 10))
-    database = cantools.database.load_file(DBC)
+    database: Any = cantools.database.load_file(DBC)
     for number, several in enumerate(filter(None, frames), start=1):
         assert [identifier for identifier, _ in several] == [0x100, 0x140]
-        demand, limits = (database.decode_message(*frame) for frame in several)
+        decoded: list[Any] = [database.decode_message(*frame) for frame in several]
+        demand, limits = decoded
         assert demand["counter"] == limits["counter"] == number
         assert demand["enable"] == (number > interrupt.START_MS // 2 // 10 + 1)
         assert 0 in (demand["drive_torque_nm"], demand["brake_torque_nm"])
