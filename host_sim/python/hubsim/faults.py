@@ -2,7 +2,7 @@
 """The faults that can be injected, by name (``faults.toml``), and what a controller should say.
 
 ``expected_reasons.toml`` holds, for every fault, the reasons that are right by physics, at most
-two; it was written by hand before the runs and is not made from them.
+two; it is written by hand from what can be seen of a fault, not from runs.
 """
 
 import difflib
