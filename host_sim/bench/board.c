@@ -5,7 +5,7 @@
 
 #include "app/app.h"
 
-enum { NO_CURRENT_CODE = 2048, ROOM_TEMPERATURE_cC = 2500, TIMEOUT_CYCLES = 5 };
+enum { NO_CURRENT_CODE = 2048, ROOM_TEMPERATURE_cC = 2500 };
 
 static host_sample_t sample(void *context)
 {
@@ -24,18 +24,13 @@ static void drive(void *context, inverter_mode_t mode, const uint16_t compare_co
 void board_start(board_t *board, const config_t *config)
 {
     const board_t at_rest = {
-        .wheel = (messages_wheel_t)config->vehicle.wheel_position,
         .sample = {.phase_current_code = {NO_CURRENT_CODE, NO_CURRENT_CODE, NO_CURRENT_CODE},
                    .winding_temperature_cC = ROOM_TEMPERATURE_cC,
                    .switch_temperature_cC = ROOM_TEMPERATURE_cC},
         .active = {.bridge = BRIDGE_OFF},
-        .received = {.mode = MODE_BOOT},
     };
     *board = at_rest;
-    e2e_receiver_init(&board->state_link, messages_profile(MESSAGES_WHEEL_STATE),
-                      TIMEOUT_CYCLES * messages_cycle_ms(MESSAGES_WHEEL_STATE));
-    e2e_receiver_init(&board->brake_link, messages_profile(MESSAGES_WHEEL_BRAKE),
-                      TIMEOUT_CYCLES * messages_cycle_ms(MESSAGES_WHEEL_BRAKE));
+    vehicle_can_init(&board->vehicle, (messages_wheel_t)config->vehicle.wheel_position);
     const host_plant_t plant = {.context = board, .sample = sample, .drive = drive};
     host_connect(&plant, config, sizeof *config);
     app_boot();
@@ -57,64 +52,24 @@ static fast_output_t period(void *context, const fast_input_t *in)
     return board->active;
 }
 
-static void send(board_t *board, const messages_frame_t *frame)
-{
-    can_frame_t *sent = &board->queued[board->queued_count];
-    board->queued_count++;
-    sent->identifier = frame->identifier;
-    sent->length = frame->length;
-    memcpy(sent->data, frame->data, sizeof sent->data);
-    host_can_send(sent);
-}
-
-/* The messages of the vehicle and of the battery that are due in this millisecond. */
-static void send_messages(board_t *board, const slow_input_t *in)
-{
-    board->queued_count = 0;
-    const uint32_t demand_cycle_ms = messages_cycle_ms(MESSAGES_DEMAND);
-    if (board->now_ms % demand_cycle_ms == 0 && in->demand_age_ms < demand_cycle_ms) {
-        const messages_frame_t frame =
-            messages_demand(&in->demand, board->wheel, board->demand_counter++);
-        send(board, &frame);
-    }
-    if (board->now_ms % messages_cycle_ms(MESSAGES_BATTERY_LIMITS) == 0) {
-        const messages_frame_t frame = messages_battery(&in->bms, board->battery_counter++);
-        send(board, &frame);
-    }
-    if (in->bms.charge_peak_current_mA > 0 &&
-        board->now_ms % messages_cycle_ms(MESSAGES_BATTERY_PEAK) == 0) {
-        const messages_frame_t frame = messages_peak(&in->bms, board->peak_counter++);
-        send(board, &frame);
-    }
-    if (in->hydraulic.valid && in->hydraulic.age_ms == 0) {
-        const messages_frame_t frame =
-            messages_hydraulic(&in->hydraulic, board->wheel, board->hydraulic_counter++);
-        send(board, &frame);
-    }
-}
-
-static e2e_receiver_t *link_of(board_t *board, uint16_t identifier)
-{
-    return identifier == messages_identifier(MESSAGES_WHEEL_STATE, board->wheel)
-               ? &board->state_link
-               : &board->brake_link;
-}
-
 static void receive_messages(board_t *board)
 {
     can_frame_t received;
     while (host_can_receive(&received)) {
         messages_frame_t frame = {.identifier = received.identifier, .length = received.length};
         memcpy(frame.data, received.data, sizeof frame.data);
-        slow_output_t message = board->received;
-        if (!messages_read_output(&frame, board->wheel, &message)) {
-            continue; /* of no interest to the plant */
-        }
-        const e2e_status_t check = e2e_receive(link_of(board, frame.identifier), frame.data,
-                                               frame.identifier, true, board->now_ms);
-        if (check == E2E_OK || check == E2E_SOME_LOST) {
-            board->received = message;
-        }
+        vehicle_can_receive(&board->vehicle, &frame);
+    }
+}
+
+static void send_messages(board_t *board, const slow_input_t *in)
+{
+    vehicle_can_send(&board->vehicle, in);
+    for (uint32_t i = 0; i < board->vehicle.queued_count; i++) {
+        const messages_frame_t *queued = &board->vehicle.queued[i];
+        can_frame_t sent = {.identifier = queued->identifier, .length = queued->length};
+        memcpy(sent.data, queued->data, sizeof sent.data);
+        host_can_send(&sent);
     }
 }
 
@@ -128,10 +83,10 @@ static slow_output_t millisecond(void *context, const slow_input_t *in)
     send_messages(board, in);
     app_background();
     host_millisecond();
-    board->now_ms++;
+    board->vehicle.now_ms++;
     app_background();
     receive_messages(board);
-    return board->received;
+    return board->vehicle.received;
 }
 
 wheel_coupling_t board_coupling(board_t *board)

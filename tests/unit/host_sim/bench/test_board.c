@@ -61,11 +61,8 @@ static fast_output_t period(void *context, const fast_input_t *in)
 static void deliver_frames(twin_t *t)
 {
     (void)node_tick(&t->node, t->now_ms);
-    for (uint32_t i = 0; i < t->board.queued_count; i++) {
-        const can_frame_t *queued = &t->board.queued[i];
-        messages_frame_t frame = {.identifier = queued->identifier, .length = queued->length};
-        memcpy(frame.data, queued->data, sizeof frame.data);
-        (void)node_receive(&t->node, &frame, t->now_ms);
+    for (uint32_t i = 0; i < t->board.vehicle.queued_count; i++) {
+        (void)node_receive(&t->node, &t->board.vehicle.queued[i], t->now_ms);
     }
 }
 
@@ -90,14 +87,16 @@ static slow_output_t millisecond(void *context, const slow_input_t *in)
     t->has_report = false;
     const slow_output_t expected =
         controller_slow_step(&t->controller.slow, t->config, &t->report, &received, &t->to_fast);
-    if (t->board.brake_link.link == E2E_VALID && t->board.brake_link.refreshed_ms == t->now_ms) {
+    if (t->board.vehicle.brake_link.link == E2E_VALID &&
+        t->board.vehicle.brake_link.refreshed_ms == t->now_ms) {
         TEST_ASSERT_INT_WITHIN(50, expected.hydraulic_torque_mNm,
                                out.hydraulic_torque_mNm); /* half a step */
         TEST_ASSERT_INT_WITHIN(100, expected.electric_brake_available_mNm,
                                out.electric_brake_available_mNm); /* rounded down to a step */
         t->braking_commands += out.hydraulic_torque_mNm > 0 ? 1 : 0;
     }
-    if (t->board.state_link.link == E2E_VALID && t->board.state_link.refreshed_ms == t->now_ms) {
+    if (t->board.vehicle.state_link.link == E2E_VALID &&
+        t->board.vehicle.state_link.refreshed_ms == t->now_ms) {
         TEST_ASSERT_EQUAL_INT(expected.mode, out.mode);
         TEST_ASSERT_EQUAL_INT(expected.fault_reason, out.fault_reason);
     }
