@@ -24,6 +24,7 @@ COMMANDS = (
     "release",
     "bench",
     "coverage",
+    "mutants",
     "report",
     "format",
     "lint",

@@ -21,6 +21,7 @@ work.
   release [-o DIR]              firmware, configurations, DBC, FMUs and wheel with SHA-256 sums
   bench                         instructions, stack, code size, simulation speed
   coverage                      which lines and branches of the firmware the C tests reach
+  mutants [MODULE...]           which changes of the control modules no unit test notices
   report                        show the page that sim wrote
   format                        rewrite all sources in the project's format
   lint                          format, types and static checks
@@ -143,6 +144,24 @@ Usage: tools/dev coverage
 Builds the host-coverage preset, runs the unit and closed-loop tests in C and prints lines and
 branches reached in each file of the firmware; build/coverage/index.html shows them line by line,
 build/coverage/summary.json is for machines.
+TEXT
+}
+
+help_mutants() {
+    cat <<'TEXT'
+Usage: tools/dev mutants [MODULE...] [--list] [--json FILE] [--jobs N] [--every N] [--write-open]
+
+Mutation testing of firmware/modes, monitor, foc and torque (default: all four). Every relation,
+sum, constant, condition, limit and statement is changed, one at a time, and the unit tests of the
+module must notice. A mutant that survives must be in the tables of tests/mutants, with the reason
+why no test can kill it, or as open; another one is a failure, and so is an entry of the tables
+whose mutant is killed.
+
+  --list         print the mutants; nothing is built
+  --json FILE    also write the figures and the survivors to FILE
+  --jobs N       so many at the same time; default: one for each processor
+  --every N      only every Nth mutant
+  --write-open   list in tests/mutants/open_MODULE.txt what survives without an explanation
 TEXT
 }
 

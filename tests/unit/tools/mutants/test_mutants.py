@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: Apache-2.0
+"""tools/mutants: which changes are found in a C file, and that each acts alone."""
+
+import subprocess
+from pathlib import Path
+
+import pytest
+from mutants import explained, schema
+from mutants.operators import Change, changes, parse
+
+RUNTIME = "int hubfoc_mutant; unsigned char hubfoc_reached[99];\n"
+
+
+def found_in(body: str, before: str = "int f(int a, int b)") -> list[Change]:
+    """Return the changes of a function with this body."""
+    return changes(parse(f"{before}\n{{\n{body}\n}}\n".encode()))
+
+
+def texts(body: str) -> list[str]:
+    """Return the changes of a body as text."""
+    return [f"{change.original} -> {change.replacement}" for change in found_in(body)]
+
+
+@pytest.mark.parametrize(
+    ("body", "expected"),
+    [
+        ("return a < b;", ["a < b -> (a) <= (b)", "a < b -> (a) >= (b)"]),
+        ("return a == b;", ["a == b -> (a) != (b)"]),
+        ("return a && b;", ["a && b -> (a) || (b)", "a && b -> a", "a && b -> b"]),
+        ("return a + b;", ["a + b -> (a) - (b)"]),
+        ("return 7;", ["7 -> 7 + 1", "7 -> 7 - 1", "7 -> 0"]),
+        ("return 1;", ["1 -> 1 + 1", "1 -> 0"]),
+        ("return LIMIT;", ["LIMIT -> LIMIT + 1", "LIMIT -> LIMIT - 1", "LIMIT -> 0"]),
+        ("return !a;", ["!a -> a"]),
+        ("return q_min(a, b);", ["q_min(a, b) -> a", "q_min(a, b) -> b"]),
+        ("if (a) { b = a; }", ["a -> !(a)", "b = a; -> "]),
+        ("return a ? a : b;", ["a -> !(a)"]),
+        ("a += b;", ["a += b; -> ", "a += b -> (a) -= (b)"]),
+        ("for (; a; a++) { break; }", ["a -> !(a)", "a++ -> a--", "break; -> "]),
+    ],
+)
+def test_each_operator_of_c_has_its_changes(body: str, expected: list[str]) -> None:
+    assert texts(body) == expected
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "static const int table[2] = {1, 2};",
+        "switch (a) { case LIMIT: return b; }",
+        "(void)a;",
+        "return (int)sizeof(int[4]);",
+        "return MACRO(7, a);",
+    ],
+)
+def test_what_must_be_constant_or_has_no_effect_stays(body: str) -> None:
+    assert texts(body) == []
+
+
+def test_code_outside_functions_stays() -> None:
+    assert changes(parse(b"enum { A = 1 }; static const int x = 3; int y[4];")) == []
+
+
+def test_a_function_that_is_not_understood_is_refused() -> None:
+    with pytest.raises(ValueError, match="line 3"):
+        found_in("return a +* ;;) b;")
+
+
+def test_every_mutant_acts_alone_and_number_zero_is_the_unchanged_code(tmp_path: Path) -> None:
+    """Each numbered mutant of the file with all of them gives what its own plain file gives."""
+    text = (
+        b"int f(int a, int b)\n{\n    int c = 0;\n    if (a < b && a + 1 != b) {\n        c = b;\n"
+    )
+    text += b"    }\n    c += a * 2;\n    return c > 3 ? c - 1 : -c;\n}\n"
+    numbered = dict(enumerate(changes(parse(text)), 1))
+    main = (
+        "#include <stdio.h>\n#include <stdlib.h>\nint f(int a, int b);\nextern int hubfoc_mutant;\n"
+        "int main(int n, char **v) { hubfoc_mutant = n > 1 ? atoi(v[1]) : 0;\n"
+        'for (int a = 1; a < 5; a++) for (int b = 1; b < 6; b++) printf("%d ", f(a, b)); }\n'
+    )
+    runtime = Path(schema.__file__).with_name("runtime.h")
+
+    def program(name: str, code: bytes) -> Path:
+        file = tmp_path / f"{name}.c"
+        file.write_text(RUNTIME + main + code.decode(), encoding="utf-8")
+        out = tmp_path / name
+        subprocess.run(["cc", "-w", "-fwrapv", "-include", runtime, file, "-o", out], check=True)
+        return out
+
+    def output(*words: str | Path) -> str:
+        return subprocess.run(words, stdout=subprocess.PIPE, text=True, check=True).stdout
+
+    everything = program("all", schema.with_all(text, numbered))
+    unchanged = output(program("plain", text))
+    assert output(everything, "0") == unchanged
+    differing = 0
+    for number, change in list(numbered.items())[::3]:
+        alone = output(program(f"one{number}", schema.with_one(text, change)))
+        assert output(everything, str(number)) == alone
+        differing += alone != unchanged
+    assert differing >= 7
+
+
+def test_a_name_stays_when_lines_are_moved_and_tells_equal_changes_apart() -> None:
+    def names_of(body: str) -> list[str]:
+        numbered = dict(enumerate(((Path("x.c"), one) for one in found_in(body)), 1))
+        return list(explained.names(numbered).values())
+
+    names = names_of("a = 2;\na = 2;")
+    assert names == names_of("\n\n a = 2;\n\n  a = 2;")
+    assert len(set(names)) == len(names)
+    assert names[0] == "x.c: f: a = 2; -> (removed)"
+    assert names[1] == "x.c: f: 2 -> 2 + 1 in: a = 2;"
+
+
+def test_an_entry_without_a_reason_or_of_an_unknown_kind_is_wrong(tmp_path: Path) -> None:
+    entry = '[[explained]]\nfile = "x.c"\nfunction = "f"\nchanges = ["a -> b"]\n'
+    file = tmp_path / "explained_x.toml"
+    for more, wrong in (
+        ('kind = "equivalent"\nreason = "because"', 0),
+        ('kind = "equivalent"\nreason = " "', 1),
+        ('kind = "boring"\nreason = "because"', 1),
+    ):
+        file.write_text(entry + more, encoding="utf-8")
+        tables = explained.Tables(tmp_path, "x")
+        assert len(tables.wrong) == wrong
+        assert list(tables.explained) == ["x.c: f: a -> b"]
+
+
+def test_open_mutants_are_written_and_read_back(tmp_path: Path) -> None:
+    explained.Tables(tmp_path, "x").write_open(["x.c: f: a -> b"])
+    assert explained.Tables(tmp_path, "x").open == {"x.c: f: a -> b"}
+    explained.Tables(tmp_path, "x").write_open([])
+    assert not (tmp_path / "open_x.txt").exists()

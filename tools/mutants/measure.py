@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which mutants the unit tests kill.
+
+Every program first runs without a mutant: what it takes, and which mutants' places it evaluates.
+Then each mutant meets the programs that evaluate its place, the fastest first, until one fails:
+by an assertion, a signal, or ten times the CPU time it takes without a mutant.
+"""
+
+import os
+import resource
+import subprocess
+from collections.abc import Callable, Collection
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+from mutants.programs import Build, MutantsError
+
+LEAST_LIMIT_MS = 200
+LIMIT_FACTOR = 10
+# A program that waits without using the processor.
+WALL_LIMIT_S = 300
+
+
+@dataclass(frozen=True)
+class Program:
+    """A test program: its CPU time without a mutant, and the mutants it reaches."""
+
+    path: Path
+    cpu_ms: int
+    reached: frozenset[int]
+
+
+def profile(path: Path) -> Program:
+    """Run a test program without a mutant."""
+    record = path.with_suffix(".reached")
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    done = subprocess.run(
+        [str(path)],
+        env={**os.environ, "HUBFOC_MUTANTS_REACHED": str(record)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    if done.returncode != 0:
+        raise MutantsError(f"{path.name} fails without a mutant")
+    reached = frozenset(number for number, hit in enumerate(record.read_bytes()) if hit)
+    return Program(path, round(1000 * (after.ru_utime - before.ru_utime)), reached)
+
+
+def is_killed(program: Program, number: int) -> bool:
+    """Return whether a test program fails with a mutant."""
+    limit_ms = LEAST_LIMIT_MS + LIMIT_FACTOR * program.cpu_ms
+    limits = {"HUBFOC_MUTANT": str(number), "HUBFOC_MUTANT_LIMIT_MS": str(limit_ms)}
+    try:
+        done = subprocess.run(
+            [str(program.path)],
+            env=os.environ | limits,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            close_fds=False,
+            timeout=WALL_LIMIT_S,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        return True
+    return done.returncode != 0
+
+
+def survivors(
+    build: Build, wanted: Collection[int], jobs: int, progress: Callable[[int, int], None]
+) -> tuple[list[int], dict[str, int]]:
+    """Return the mutants that no program kills, and how many each program killed."""
+    programs = sorted((profile(path) for path in build.programs), key=lambda one: one.cpu_ms)
+    killed: dict[str, int] = {program.path.name: 0 for program in programs}
+
+    def killer(number: int) -> str | None:
+        for program in programs:
+            if number in program.reached and is_killed(program, number):
+                return program.path.name
+        return None
+
+    left = []
+    with ThreadPoolExecutor(jobs) as pool:
+        for count, (number, name) in enumerate(
+            zip(wanted, pool.map(killer, wanted), strict=True), 1
+        ):
+            if name is None:
+                left.append(number)
+            else:
+                killed[name] += 1
+            progress(count, len(wanted))
+    return left, killed

@@ -1,0 +1,223 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The unit tests of a module, linked with the module that has all mutants in it.
+
+The compile and link commands are those of the host preset's build (``ninja -t commands``): what is
+not changed comes from there.
+"""
+
+import os
+import re
+import shlex
+import shutil
+import subprocess
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+from mutants import schema
+from mutants.operators import Change, changes, parse
+
+ROOT = Path(__file__).resolve().parents[2]
+# A test names the build that it belongs to, which is complete.
+_GIVEN = os.environ.get("HUBFOC_BUILD_DIR")
+HOST = Path(_GIVEN) if _GIVEN else ROOT / "build" / "host"
+FOLDER = HOST.parent / "mutants"
+TOOL = Path(__file__).resolve().parent
+MODULES = ("modes", "monitor", "foc", "torque")
+# As the sanitizers' build has no undefined result to hide behind, a mutant's overflow wraps.
+_FLAGS = ("-O1", "-w", "-g0", "-fwrapv", "-include", str(TOOL / "runtime.h"))
+_OWN = re.compile(r"-(O\w|g|W\w.*|M[DTF]?)")
+
+
+class MutantsError(Exception):
+    """Something that keeps the mutants from being tested, in one line."""
+
+
+@dataclass(frozen=True)
+class Compile:
+    """One compile command of the host preset: the words before its source, source and object."""
+
+    words: tuple[str, ...]
+    source: Path
+    output: str
+
+
+@dataclass(frozen=True)
+class Build:
+    """A module with all its mutants: the changes by number and the test programs."""
+
+    module: str
+    changes: dict[int, tuple[Path, Change]]
+    programs: list[Path]
+    compiles: list[Compile]
+
+
+def sources_of(module: str) -> list[Path]:
+    """Return the files of a module that are changed."""
+    folder = ROOT / "firmware" / module
+    files = [path for path in folder.rglob("*.[ch]") if "generated" not in path.parts]
+    return sorted(files, key=lambda path: (path.suffix, path))
+
+
+def changes_of(module: str) -> dict[int, tuple[Path, Change]]:
+    """Return the changes of a module by number, from 1."""
+    found = [
+        (path, change)
+        for path in sources_of(module)
+        for change in changes(parse(path.read_bytes()))
+    ]
+    return dict(enumerate(found, 1))
+
+
+def _run(words: Iterable[str], folder: Path = HOST) -> str:
+    done = subprocess.run(list(words), cwd=folder, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        lines = (done.stdout + done.stderr).splitlines()
+        wrong = [line for line in lines if "error" in line.lower()] or lines or ["?"]
+        raise MutantsError(wrong[0].replace(f"{ROOT}/", ""))
+    return done.stdout
+
+
+def _targets(module: str) -> list[str]:
+    """Return the unit test programs of a module, by their path in the host preset's build."""
+    folder = re.escape(f"tests/unit/firmware/{module}/")
+    listed = _run(("ninja", "-t", "targets", "all"))
+    return sorted(set(re.findall(rf"(?m)^({folder}test_\w+): C_EXECUTABLE", listed)))
+
+
+def _compile(words: list[str]) -> Compile:
+    kept, skip, source, output = [], False, "", ""
+    for word, after in zip(words, [*words[1:], ""], strict=True):
+        if skip:
+            skip = False
+        elif word in ("-MT", "-MF", "-o", "-c"):
+            skip = True
+            output = after if word == "-o" else output
+            source = after if word == "-c" else source
+        elif not _OWN.fullmatch(word):
+            kept.append(word)
+    return Compile(tuple(kept), Path(source), output)
+
+
+def build(module: str, folder: Path, jobs: int, numbered: dict[int, tuple[Path, Change]]) -> Build:
+    """Write the module with its mutants into a folder, compile it and link its test programs."""
+    shutil.rmtree(folder, ignore_errors=True)
+    targets = _targets(module)
+    if not targets:
+        raise MutantsError(f"no unit tests of {module} in build/host")
+    if not _GIVEN:
+        _run(("ninja", *targets))
+    commands = [
+        shlex.split(line) for line in _run(("ninja", "-t", "commands", *targets)).splitlines()
+    ]
+    _write(module, folder, numbered)
+    original = f"{ROOT}/firmware/{module}"
+    changed = f"{folder}/firmware/{module}"
+
+    def moved(word: str) -> str:
+        return re.sub(rf"^(-I|-isystem)?{re.escape(original)}(?=/|$)", rf"\1{changed}", word)
+
+    own = (f"firmware/{module}/", f"tests/unit/firmware/{module}/")
+    compiles = [
+        one
+        for words in commands
+        if "-c" in words and (one := _compile(words)).output.startswith(own)
+    ]
+    made = {one.output: folder / one.output for one in compiles}
+
+    def compile_one(one: Compile) -> None:
+        made[one.output].parent.mkdir(parents=True, exist_ok=True)
+        words = (moved(word) for word in (*one.words, *_FLAGS, "-c", str(one.source)))
+        _run((*words, "-o", str(made[one.output])))
+
+    unity = next(one for one in compiles if "runner" in one.source.name)
+    runtime = folder / "runtime.o"
+    with ThreadPoolExecutor(jobs) as pool:
+        _each(pool, compile_one, compiles)
+        _run((*unity.words, "-O1", "-w", "-c", str(TOOL / "runtime.c"), "-o", str(runtime)))
+        library = [str(path) for name, path in made.items() if name.startswith(own[0])]
+        links = [words for words in commands if "-o" in words and "-c" not in words]
+
+        def link(words: list[str]) -> Path:
+            program = folder / words[words.index("-o") + 1]
+            _run((*_link_words(words, made, library, module), str(runtime), "-o", str(program)))
+            return program
+
+        wanted = [words for words in links if words[words.index("-o") + 1] in targets]
+        programs = list(pool.map(link, wanted))
+    return Build(module, numbered, programs, compiles)
+
+
+def _link_words(
+    words: list[str], made: dict[str, Path], library: list[str], module: str
+) -> list[str]:
+    """Return a link command of the host preset with what has mutants in place of what has none."""
+    out, skip = [], False
+    for word in words:
+        if skip:
+            skip = False
+        elif word == "-o":
+            skip = True
+        elif word in made:
+            out.append(str(made[word]))
+        elif word == f"firmware/{module}/libhubfoc_{module}.a":
+            out.extend(library)
+            library = []
+        elif word not in (":", "&&"):
+            out.append(word)
+    return [*out, "-Wl,--wrap=UnityConcludeTest"]
+
+
+def _each(pool: ThreadPoolExecutor, do: Callable[[Compile], None], items: list[Compile]) -> None:
+    for _ in pool.map(do, items):
+        pass
+
+
+def _write(module: str, folder: Path, numbered: dict[int, tuple[Path, Change]]) -> None:
+    """Copy the module with all its mutants in it."""
+    original = ROOT / "firmware" / module
+    for path in sources_of(module):
+        mine = {number: change for number, (file, change) in numbered.items() if file == path}
+        target = folder / "firmware" / module / path.relative_to(original)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_bytes(schema.with_all(path.read_bytes(), mine))
+    for path in original.rglob("generated"):
+        (folder / "firmware" / module / path.relative_to(original)).symlink_to(path)
+
+
+class SameCode:
+    """Whether the compiler makes the same instructions with a mutant as without it."""
+
+    def __init__(self, build: Build, folder: Path) -> None:
+        self._build = build
+        self._folder = folder / "one"
+        self._unchanged: dict[Path, str] = {}
+
+    def __call__(self, number: int) -> bool:
+        """Compare a mutant's code with the code without it, in every file that it is part of."""
+        path, change = self._build.changes[number]
+        own = f"firmware/{self._build.module}/"
+        units = [one for one in self._build.compiles if one.output.startswith(own)]
+        if path.suffix == ".c":
+            units = [one for one in units if one.source == path]
+        copy = self._folder / str(number)
+        shutil.copytree(ROOT / own, copy / own, ignore=shutil.ignore_patterns("*.md", "generated"))
+        for generated in (ROOT / own).rglob("generated"):
+            (copy / generated.relative_to(ROOT)).symlink_to(generated)
+        (copy / path.relative_to(ROOT)).write_bytes(schema.with_one(path.read_bytes(), change))
+        same = bool(units) and all(self._is_same(one, copy, own) for one in units)
+        shutil.rmtree(copy)
+        return same
+
+    def _is_same(self, one: Compile, copy: Path, own: str) -> bool:
+        if one.source not in self._unchanged:
+            self._unchanged[one.source] = _assembly(one.words, one.source)
+        words = [word.replace(str(ROOT / own), str(copy / own)) for word in one.words]
+        changed = _assembly(words, copy / one.source.relative_to(ROOT))
+        return changed == self._unchanged[one.source]
+
+
+def _assembly(words: Iterable[str], source: Path) -> str:
+    text = _run((*words, "-O2", "-w", "-g0", "-S", "-o", "-", str(source)))
+    return "\n".join(line for line in text.splitlines() if not line.strip().startswith(".file"))

@@ -1,0 +1,11 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Included before everything else in what mutation testing compiles. */
+#ifndef HUBFOC_MUTANT_RUNTIME_H
+#define HUBFOC_MUTANT_RUNTIME_H
+
+extern int hubfoc_mutant;              /* number of the mutant that acts, 0 for none */
+extern unsigned char hubfoc_reached[]; /* by number: its place was evaluated */
+
+#define HUBFOC_MUTANT(number) (hubfoc_reached[number] = 1, hubfoc_mutant == (number))
+
+#endif
