@@ -143,17 +143,15 @@ void app_boot(void)
     time_start_tick();
 }
 
+_Static_assert((int)INVERTER_MODE_OFF == (int)BRIDGE_OFF &&
+                   (int)INVERTER_MODE_PWM == (int)BRIDGE_PWM &&
+                   (int)INVERTER_MODE_SHORT == (int)BRIDGE_SHORT &&
+                   (int)INVERTER_MODE_SHORT_HIGH == (int)BRIDGE_SHORT_HIGH,
+               "the same numbers");
+
 static inverter_mode_t inverter_mode(bridge_mode_t bridge)
 {
-    switch (bridge) {
-    case BRIDGE_PWM:
-        return INVERTER_MODE_PWM;
-    case BRIDGE_SHORT:
-        return INVERTER_MODE_SHORT;
-    case BRIDGE_OFF:
-        break;
-    }
-    return INVERTER_MODE_OFF; /* also for a number that is none of them */
+    return (inverter_mode_t)((uint32_t)bridge & 3U);
 }
 
 /* The report is copied in the last period before the slow step takes it. */
@@ -289,9 +287,9 @@ void app_millisecond_isr(void)
     snapshot->counts.fast_steps = from_fast->sequence;
     snapshot->counts.slow_steps = to_fast->sequence;
     snapshot->counts.monitor_steps = app.controller.slow.monitor.steps;
-    if (to_fast->clear_trip && app.fast_missing_ms == 0) {
-        inverter_clear_fault(); /* the hardware's latch is released with the monitor's, never on its
-                                   own */
+    if ((to_fast->clear_trip || to_fast->release_break) && app.fast_missing_ms == 0) {
+        inverter_clear_fault(); /* the hardware's latch is released with the monitor's, or for the
+                                   short circuit that a stuck switch calls for; never on its own */
     }
     recorder_slow(&app.recorder, &snapshot->output, &snapshot->temperature);
     app.samples = app.recorder.takes_samples ? app.recorder.memory : NULL;

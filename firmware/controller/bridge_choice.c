@@ -20,7 +20,7 @@ static uint16_t counted(uint16_t steps, bool condition)
  * diodes that conduct. A short circuit's settled current, psi / L_d, is i_d alone: whole limit. */
 static bool current_controllable(const config_t *config, const bridge_choice_input_t *in)
 {
-    const int32_t eighths = in->bridge == BRIDGE_SHORT ? 8 : 7;
+    const int32_t eighths = bridge_is_short(in->bridge) ? 8 : 7;
     const int64_t most_mA = (int64_t)config->motor.max_phase_current_mA * eighths / 8;
     const int64_t d_mA = q_limit(in->i_d_mA, MOST_CURRENT_mA);
     const int64_t q_mA = q_limit(in->i_q_mA, MOST_CURRENT_mA);

@@ -130,6 +130,8 @@ static monitor_slow_input_t monitor_input(const controller_slow_t *slow, const c
         .offset_q4 = {report->offset_q4[0], report->offset_q4[1], report->offset_q4[2]},
         .current_quarters = report->quadrant_transitions,
         .quarter_step = report->quadrant_step,
+        .idle_alpha_pu = report->idle_alpha_pu,
+        .idle_beta_pu = report->idle_beta_pu,
         .bridge = report->bridge,
     };
     return out;
@@ -188,7 +190,8 @@ static modes_output_t decide_mode(controller_slow_t *slow, const config_t *confi
 static torque_output_t step_torque(controller_slow_t *slow, const config_t *config,
                                    const fast_report_t *report, const slow_input_t *in,
                                    const torque_enable_t *torque_enable,
-                                   const operating_point_t *at, bool standstill, bool rotor_valid)
+                                   const operating_point_t *at, const monitor_output_t *watch,
+                                   bool rotor_valid)
 {
     const torque_input_t torque_in = {
         .drive_torque_mNm = in->demand.drive_torque_mNm,
@@ -198,7 +201,7 @@ static torque_output_t step_torque(controller_slow_t *slow, const config_t *conf
         .direction = in->demand.direction,
         .abs_active = in->demand.abs_active,
         .abs_share_percent = in->demand.abs_motor_share_percent,
-        .standstill = standstill,
+        .standstill = watch->standstill,
         .speed_mrad_s = at->speed_mrad_s,
         .current = {.d_mA = at->i_d_mA, .q_mA = at->i_q_mA},
         .i_d_weakening_mA = at->i_d_weakening_mA,
@@ -206,6 +209,7 @@ static torque_output_t step_torque(controller_slow_t *slow, const config_t *conf
         .voltage_use_q15 = report->voltage_use_q15,
         .rotor_valid = rotor_valid,
         .bridge_open = report->bridge != BRIDGE_PWM,
+        .short_mNm = bridge_is_short(report->bridge) && rotor_valid ? watch->safe_torque_mNm : 0,
         .bus_voltage_mV = at->bus_voltage_mV,
         .phase_voltage_mV = at->phase_voltage_mV,
         .bms_charge_current_mA = in->bms.charge_current_mA,
@@ -243,8 +247,8 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
         at.phase_voltage_mV = bridge_choice_phase_mV(config, at.phase_voltage_mV, at.bus_voltage_mV,
                                                      watch.charging_mA);
     }
-    const torque_output_t torque = step_torque(slow, config, report, in, &modes.torque_enable, &at,
-                                               watch.standstill, rotor.valid);
+    const torque_output_t torque =
+        step_torque(slow, config, report, in, &modes.torque_enable, &at, &watch, rotor.valid);
 
     const bridge_choice_input_t wanted = {
         .torque_enabled = torque_enable_any(modes.torque_enable),
@@ -273,6 +277,7 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
         bridge_choice_step(&slow->bridge_choice, config, &wanted) == BRIDGE_PWM;
     setpoint->safe_bridge = watch.safe_bridge;
     setpoint->clear_trip = modes.clear_trip || watch.release_trip;
+    setpoint->release_break = watch.release_break;
 
     const available_t *now = &slow->torque.ahead.now;
     const available_t *ahead = &slow->torque.ahead.ahead;

@@ -164,6 +164,8 @@ void foc_report(const foc_state_t *state, fast_report_t *report)
     report->observer = observer_report(state);
     report->quadrant_transitions = state->quadrant_transitions;
     report->quadrant_step = state->quadrant_step;
+    report->idle_alpha_pu = state->idle_alpha_pu;
+    report->idle_beta_pu = state->idle_beta_pu;
 }
 
 void foc_init(foc_state_t *state, const config_t *config)

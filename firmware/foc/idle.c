@@ -53,6 +53,8 @@ void idle_step(foc_state_t *state, const fast_setpoint_t *setpoint,
     period->i_reference_pu = no_current;
     period->i_pu = transforms_park(i, angle_rotation(period->theta_turn));
     count_quadrants(state, i);
+    state->idle_alpha_pu += (uint32_t)q_pair_x(i.v);
+    state->idle_beta_pu += (uint32_t)q_pair_y(i.v);
     period->voltage = no_voltage;
     period->i_ab_pu = i;
     period->current_sum_pu = sensed.sum_pu;

@@ -229,6 +229,22 @@ static monitor_speed_input_t speed_input(const monitor_slow_input_t *in)
     return out;
 }
 
+static monitor_stuck_input_t stuck_input(const config_t *config, const monitor_slow_input_t *in)
+{
+    const monitor_stuck_input_t out = {
+        .tripped = in->fast_trip != REASON_NONE,
+        .bridge = in->bridge,
+        .currents_known = in->offsets_known && current_sensor_warning(in) == REASON_NONE,
+        .sum_good = q_abs(in->current_sum_pu) <= config->monitor.current_sum_pu_q15,
+        .rotor_valid = in->rotor_valid,
+        .speed_mrad_s = in->speed_mrad_s,
+        .alpha_pu = in->idle_alpha_pu,
+        .beta_pu = in->idle_beta_pu,
+        .fast_step_count = in->fast_step_count,
+    };
+    return out;
+}
+
 static safe_state_input_t safe_state_input(const monitor_slow_state_t *state,
                                            const monitor_slow_input_t *in, int32_t speed_mrad_s)
 {
@@ -274,7 +290,11 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
     const int32_t speed_mrad_s = monitor_speed_step(&state->speed, config, &turning);
 
     const safe_state_input_t letting_go = safe_state_input(state, in, speed_mrad_s);
-    const safe_state_t safe = safe_state_step(config, &letting_go);
+    const monitor_stuck_input_t tripped = stuck_input(config, in);
+    const monitor_stuck_output_t stuck = monitor_stuck_step(&state->stuck, config, &tripped);
+    const safe_state_t safe = stuck.side == BRIDGE_OFF
+                                  ? safe_state_step(config, &letting_go)
+                                  : safe_state_shorted(config, &letting_go, stuck.side);
     const bool rotor_warns = rotor_warning(state, config, in->rotor_faults);
 
     monitor_output_t out = {
@@ -290,6 +310,7 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
         .safe_torque_mNm = safe.torque_mNm,
         .battery_lost = battery_lost,
         .release_trip = state->release_trip,
+        .release_break = stuck.release_break,
         .offsets_plausible = offsets_plausible(config, in->offset_q4),
         .standstill = speed_mrad_s < config->monitor.standstill_mrad_s,
         .at_rest = state->speed.rest_urad_s < INT64_C(1000) * config->monitor.standstill_mrad_s,

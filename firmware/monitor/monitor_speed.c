@@ -171,7 +171,7 @@ static void hold_rest(monitor_speed_state_t *state, const config_t *config,
 {
     watch_sensor(state, config, in, sensor_urad_s);
     const bool measuring = measured(state) != MONITOR_SPEED_UNKNOWN;
-    const bool too_early = in->bridge == BRIDGE_SHORT && state->windows < 2;
+    const bool too_early = bridge_is_short(in->bridge) && state->windows < 2;
     if (measuring || !state->stopped) {
         state->rest_urad_s = state->bound_urad_s;
     } else if (!too_early) {
@@ -185,7 +185,7 @@ int32_t monitor_speed_step(monitor_speed_state_t *state, const config_t *config,
                            const monitor_speed_input_t *in)
 {
     const int64_t sensor_urad_s = INT64_C(1000) * q_abs(in->speed_mrad_s);
-    if (in->bridge == BRIDGE_SHORT) {
+    if (bridge_is_short(in->bridge)) {
         measure_short_circuit(state, config, in);
     } else {
         leave_short(state, in);
@@ -195,7 +195,7 @@ int32_t monitor_speed_step(monitor_speed_state_t *state, const config_t *config,
         state->bound_urad_s =
             larger(INT64_C(1000) * measured_mrad_s, in->rotor_valid ? sensor_urad_s : 0);
     } else {
-        const bool too_early = in->bridge == BRIDGE_SHORT && state->windows < 2;
+        const bool too_early = bridge_is_short(in->bridge) && state->windows < 2;
         const int32_t deceleration_mm_s2 =
             in->rotor_valid ? config->monitor.tyre_grip_mm_s2 : config->monitor.coasting_mm_s2;
         const int64_t fall = too_early ? 0 : fall_urad_s(config, deceleration_mm_s2);

@@ -192,9 +192,20 @@ static bool prefers_short(const config_t *config, const safe_state_input_t *in,
            off->bus_mV >= config->drive.device_voltage_mV;
 }
 
+safe_state_t safe_state_shorted(const config_t *config, const safe_state_input_t *in,
+                                bridge_mode_t side)
+{
+    machine_t m = machine_at(config, in->speed_mrad_s);
+    const safe_state_t out = {.bridge = side,
+                              .emf_mV = m.emf_mV,
+                              .freewheel = {.bus_mV = in->bus_voltage_mV},
+                              .torque_mNm = shorted_at(&m, config, in).torque_mNm};
+    return out;
+}
+
 safe_state_t safe_state_step(const config_t *config, const safe_state_input_t *in)
 {
-    const bool was_short = in->bridge == BRIDGE_SHORT;
+    const bool was_short = bridge_is_short(in->bridge);
     machine_t m = machine_at(config, in->speed_mrad_s);
     safe_state_t out = {
         .bridge = BRIDGE_OFF, .emf_mV = m.emf_mV, .freewheel = freewheel_at(&m, config, in)};

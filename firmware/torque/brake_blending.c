@@ -7,6 +7,7 @@
 
 enum {
     ONE_Q6 = 64,
+    SHORT_SHOWN_SHARE = 8,
     STEP_SHARE = 16,        /* a limit that falls by a larger part of itself in a step */
     LIMIT_FILTER_LOG2 = 6,  /* 64 ms: filters the noise of the extrapolation */
     MOST_FILTERED = 8388608 /* largest input of the filters */
@@ -67,11 +68,14 @@ static motor_share_t motor_share(const config_t *config, const brake_blending_in
                                  int32_t electric_mNm, bool measured)
 {
     motor_share_t out = {.expected_mNm = 0, .shortfall_mNm = 0};
+    const int32_t achieved_mNm = braking_part(in->motor_achieved_mNm, in->speed_mrad_s);
     if (!torque_enable_any(in->torque_enable)) {
+        /* The model knows what a shorted motor brakes with. Its currents, which may be beyond the
+         * sensors' range, only show that it does. */
+        out.expected_mNm = achieved_mNm >= in->short_mNm / SHORT_SHOWN_SHARE ? in->short_mNm : 0;
         return out;
     }
     const int32_t commanded_mNm = braking_part(in->motor_command_mNm, in->speed_mrad_s);
-    const int32_t achieved_mNm = braking_part(in->motor_achieved_mNm, in->speed_mrad_s);
     const int32_t build_up_ms =
         config->brake.hydraulic_dead_time_ms + config->brake.hydraulic_time_constant_ms;
     /* A brake that leaves earlier than configured must not leave before the motor has come. */

@@ -90,6 +90,7 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
         .motor_command_mNm = state->command.command_mNm,
         .motor_growth_mNm = torque_command_growth_mNm(config, in->voltage_use_q15),
         .motor_achieved_mNm = achieved_mNm,
+        .short_mNm = in->short_mNm,
         .hydraulic = *(demand.hydraulic_valid ? &in->hydraulic : &NO_REPORT),
         .handed_over = demand.handed_over,
         .torque_enable = in->torque_enable,

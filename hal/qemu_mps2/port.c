@@ -81,7 +81,8 @@ void inverter_set(inverter_mode_t mode, const uint16_t compare_counts[3])
 {
     const bool follow = mode == INVERTER_MODE_PWM;
     for (int x = 0; x < 3; x++) {
-        MAILBOX->compare_counts[x] = follow ? compare_counts[x] : 0;
+        MAILBOX->compare_counts[x] =
+            follow ? compare_counts[x] : 0; /* ignored in a short circuit */
     }
     MAILBOX->mode = (uint8_t)(inverter_fault() ? INVERTER_MODE_OFF : mode);
 }

@@ -201,17 +201,28 @@ static void enable_outputs(void)
     armed = true;
 }
 
+/* All legs alike: 0 is the low side, beyond the top the high side. */
+static void write_equal(uint32_t value)
+{
+    TIM1->CCR1 = value;
+    TIM1->CCR2 = value;
+    TIM1->CCR3 = value;
+}
+
 /* Whatever is not the usual period of a bridge that is switching. */
 static void change_mode(inverter_mode_t mode, const uint16_t compare_counts[3])
 {
-    static const uint16_t LOW_SIDES_ON[3] = {0, 0, 0};
-    if ((mode == INVERTER_MODE_PWM || mode == INVERTER_MODE_SHORT) && !fault()) {
-        write_compare(mode == INVERTER_MODE_PWM ? compare_counts : LOW_SIDES_ON);
-        enable_outputs();
-    } else {
+    if (mode < INVERTER_MODE_PWM || mode > INVERTER_MODE_SHORT_HIGH || fault()) {
         switch_off();
         armed = false;
+        return;
     }
+    if (mode == INVERTER_MODE_PWM) {
+        write_compare(compare_counts);
+    } else {
+        write_equal(mode == INVERTER_MODE_SHORT_HIGH ? top_counts + 1U : 0U);
+    }
+    enable_outputs();
 }
 
 /* Enabled outputs imply that neither a break nor inverter_trip() has come since: both disable them.

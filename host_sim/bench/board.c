@@ -15,9 +15,10 @@ static host_sample_t sample(void *context)
 static void drive(void *context, inverter_mode_t mode, const uint16_t compare_counts[3])
 {
     board_t *board = context;
-    board->active.bridge = mode == INVERTER_MODE_PWM     ? BRIDGE_PWM
-                           : mode == INVERTER_MODE_SHORT ? BRIDGE_SHORT
-                                                         : BRIDGE_OFF;
+    board->active.bridge = mode == INVERTER_MODE_PWM          ? BRIDGE_PWM
+                           : mode == INVERTER_MODE_SHORT      ? BRIDGE_SHORT
+                           : mode == INVERTER_MODE_SHORT_HIGH ? BRIDGE_SHORT_HIGH
+                                                              : BRIDGE_OFF;
     memcpy(board->active.compare_counts, compare_counts, sizeof board->active.compare_counts);
 }
 

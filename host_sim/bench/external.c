@@ -65,7 +65,7 @@ static bool is_acceptable(const hubsim_command_t *command)
             return false;
         }
     }
-    return command->bridge >= HUBSIM_BRIDGE_OFF && command->bridge <= HUBSIM_BRIDGE_SHORT &&
+    return command->bridge >= HUBSIM_BRIDGE_OFF && command->bridge <= HUBSIM_BRIDGE_SHORT_HIGH &&
            command->hydraulic_nm >= 0.0 && command->hydraulic_nm <= 1e6;
 }
 

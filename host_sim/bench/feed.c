@@ -34,6 +34,9 @@ static void break_legs(wheel_t *wheel, const wheel_world_t *world, double bus_vo
     case BRIDGE_SHORT:
         command.mode = BROKEN_BRIDGE_SHORT_LOW;
         break;
+    case BRIDGE_SHORT_HIGH:
+        command.mode = BROKEN_BRIDGE_SHORT_HIGH;
+        break;
     case BRIDGE_OFF:
         break;
     }
@@ -56,6 +59,7 @@ static void switch_legs(const wheel_t *wheel, pmsm_state_t *rotor, const wheel_w
                              bus_voltage_v, step, watch);
         break;
     case BRIDGE_SHORT:
+    case BRIDGE_SHORT_HIGH: /* equal in the motor */
         flow =
             switching_short(&wheel->switching, &wheel->machine, rotor, bus_voltage_v, step, watch);
         break;
@@ -132,6 +136,7 @@ static void follow(const wheel_t *wheel, const wheel_world_t *world, shunts_t *s
     case BRIDGE_SHORT:
         shunts_short(shunts, &period, until_s, params->sensors.shunt_settling_s);
         break;
+    case BRIDGE_SHORT_HIGH: /* no current in the low sides */
     case BRIDGE_OFF:
         shunts_off(shunts, &period, until_s, params->sensors.shunt_settling_s);
         break;

@@ -292,7 +292,7 @@ wheel_flow_t wheel_step(wheel_t *wheel, const wheel_world_t *world, double speed
             world->params->fault.hydraulic_drag * world->params->brake.max_hydraulic_torque_nm;
     }
 
-    if (wheel->active.bridge != BRIDGE_SHORT) {
+    if (!bridge_is_short(wheel->active.bridge)) {
         const plant_ab_t i = wheel->rotor.terminal;
         wheel->peak_a2 = plant_max(wheel->peak_a2, i.alpha * i.alpha + i.beta * i.beta);
     }

@@ -6,7 +6,7 @@
 
 #include "plant/numbers.h"
 
-enum { STEPS = 20 };
+enum { STEPS = 20, RELEASE_PERIODS = 2 };
 static const double ZERO_A = 1e-9;
 /* What leaves a pair of joined wires that floats, a share of what circulates in it: the third
  * winding's current decays a little late. */
@@ -46,7 +46,8 @@ static bool shoots_through(const fault_params_t *p, const broken_bridge_command_
     for (int x = 0; x < PHASES; x++) {
         const bool low_commanded = command->mode == BROKEN_BRIDGE_SHORT_LOW ||
                                    (command->mode == BROKEN_BRIDGE_PWM && duty[x] < 1.0);
-        const bool high_commanded = command->mode == BROKEN_BRIDGE_PWM && duty[x] > 0.0;
+        const bool high_commanded = command->mode == BROKEN_BRIDGE_SHORT_HIGH ||
+                                    (command->mode == BROKEN_BRIDGE_PWM && duty[x] > 0.0);
         if ((has(p->high_switch_closed, x) && low_commanded && !has(p->low_switch_open, x)) ||
             (has(p->low_switch_closed, x) && high_commanded && !has(p->high_switch_open, x))) {
             return true;
@@ -75,6 +76,19 @@ static bool is_driven_apart(const fault_params_t *p, const broken_bridge_command
     return 0.5 * fabs(duty[x] - duty[y]) * period_s > p->blanking_s;
 }
 
+static void protect(const fault_params_t *p, broken_bridge_t *state,
+                    const broken_bridge_command_t *command, const double duty[PHASES],
+                    double period_s)
+{
+    state->quiet_periods = command->mode == BROKEN_BRIDGE_PWM ? 0 : state->quiet_periods + 1;
+    if (shoots_through(p, command, duty) || is_driven_apart(p, command, duty, period_s)) {
+        state->desaturated = true;
+        state->quiet_periods = 0;
+    } else if (state->quiet_periods >= RELEASE_PERIODS) {
+        state->desaturated = false;
+    }
+}
+
 static shares_t shares_of(const fault_params_t *p, const broken_bridge_command_t *command,
                           bool open, int x, double duty)
 {
@@ -84,9 +98,8 @@ static shares_t shares_of(const fault_params_t *p, const broken_bridge_command_t
         out.low = 1.0 - duty;
     } else if (!open && command->mode == BROKEN_BRIDGE_SHORT_LOW) {
         out.low = 1.0;
-    } else if (command->mode == BROKEN_BRIDGE_SHORT_LOW && p->high_switch_closed == 0.0 &&
-               p->leg_high == 0.0) {
-        out.low = 1.0; /* opened by the drivers, and shorted on the side of the fault */
+    } else if (!open && command->mode == BROKEN_BRIDGE_SHORT_HIGH) {
+        out.high = 1.0;
     }
     out.high = has(p->high_switch_open, x) ? 0.0 : out.high;
     out.low = has(p->low_switch_open, x) ? 0.0 : out.low;
@@ -232,8 +245,7 @@ broken_bridge_flow_t broken_bridge_step(const fault_params_t *params, broken_bri
     const double duty[PHASES] = {plant_clamp(command->duty.a, 0.0, 1.0),
                                  plant_clamp(command->duty.b, 0.0, 1.0),
                                  plant_clamp(command->duty.c, 0.0, 1.0)};
-    state->desaturated = state->desaturated || shoots_through(params, command, duty) ||
-                         is_driven_apart(params, command, duty, inverter->period_s);
+    protect(params, state, command, duty, inverter->period_s);
     phases_t phases = phases_at(machine, step->omega_rad_s);
     phases_state_t windings = phases_from(&phases, rotor);
     phases.open_ohm = phases_open_ohm(&phases, &windings);

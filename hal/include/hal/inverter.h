@@ -21,7 +21,9 @@ typedef enum {
     INVERTER_MODE_OFF = 0, /* all six switches off; takes effect at once */
     INVERTER_MODE_PWM = 1, /* legs follow the compare values */
     /* Active short circuit: low sides on, high sides off; compare values are ignored. */
-    INVERTER_MODE_SHORT = 2
+    INVERTER_MODE_SHORT = 2,
+    /* The same with the high sides on and the low sides off. Low-side shunts show no current. */
+    INVERTER_MODE_SHORT_HIGH = 3
 } inverter_mode_t;
 
 typedef struct {

@@ -22,7 +22,7 @@ from hubsim.errors import HubsimError
 MAGIC, FORMAT = 0x42464F46, 1
 COMPLETE, SEALED = 3, 4
 BRIDGE_SHIFT = 14
-BRIDGES = ("freewheel", "PWM", "short circuit", "unknown")
+BRIDGES = ("freewheel", "PWM", "short circuit", "short circuit, high side")
 HEADER = np.dtype(
     [
         *(("magic", "<u4"), ("format", "<u2"), ("size_bytes", "<u2")),

@@ -28,7 +28,7 @@ from hubsim.errors import HubsimError
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int32]
 
-OFF, PWM, SHORT = 0, 1, 2
+OFF, PWM, SHORT, SHORT_HIGH = 0, 1, 2, 3
 _C_TYPES = {"double": "f8", "int32_t": "i4"}
 
 
@@ -247,7 +247,7 @@ class Plant:
             millisecond.
         bridge : int or array, shape (wheels,)
             ``PWM``; ``OFF``: all switches open, current flows through the diodes only; ``SHORT``:
-            the three low sides closed.
+            the three low sides closed; ``SHORT_HIGH``: the three high sides.
 
         Raises
         ------

@@ -175,6 +175,28 @@ void test_short_circuit_closes_low_sides_from_the_next_top_on(void)
     assert_short();
 }
 
+void test_short_circuit_on_the_high_side_follows_the_same_order(void)
+{
+    begin();
+    period(INVERTER_MODE_PWM, COMPARE);
+    period(INVERTER_MODE_PWM, COMPARE);
+    inverter_set(INVERTER_MODE_SHORT_HIGH, COMPARE);
+    assert_pwm();
+    timer1_half_period();
+    timer1_half_period();
+    for (uint32_t count = 0; count <= TOP; count += 100) {
+        const gates_t gates = timer1_gates(count);
+        for (int x = 0; x < 3; x++) {
+            TEST_ASSERT_TRUE(gates.high[x]);
+            TEST_ASSERT_FALSE(gates.low[x]);
+        }
+    }
+    period(INVERTER_MODE_OFF, COMPARE);
+    assert_off();
+    period(INVERTER_MODE_SHORT_HIGH, COMPARE); /* not with the values from before */
+    assert_off();
+}
+
 void test_short_circuit_from_off_never_drives_a_high_side(void)
 {
     begin();

@@ -58,7 +58,9 @@ typedef struct {
     bool calibrate_offsets;    /* average the current sensors' zeros; only with the bridge off */
     bool torque_enabled;       /* any torque is permitted: the bridge switches without a trip */
     bool clear_trip;           /* the fault has been acknowledged */
-    bridge_mode_t safe_bridge; /* BRIDGE_OFF or BRIDGE_SHORT: without enable, or with a trip */
+    bool release_break;        /* for the application: release the hardware's latch, so that the
+                                  bridge can be shorted on the side of a stuck switch */
+    bridge_mode_t safe_bridge; /* off or a short circuit: without enable, or with a trip */
 } fast_setpoint_t;
 
 /* Running sums since the start, wrapping: a difference over n periods is their exact mean. */
@@ -99,8 +101,10 @@ typedef struct {
     uint16_t quadrant_transitions; /* of the current vector while not switching, wrapping; forward
                                       counts up */
     uint16_t quadrant_step;        /* `sequence` at the latest of them */
-    reason_t trip;                 /* of the fast monitor, latched; REASON_NONE when healthy */
-    bridge_mode_t bridge;          /* what the bridge was commanded to do */
+    uint32_t idle_alpha_pu, idle_beta_pu; /* running sums of the current in the stator frame while
+                                             not switching, wrapping */
+    reason_t trip;        /* of the fast monitor, latched; REASON_NONE when healthy */
+    bridge_mode_t bridge; /* what the bridge was commanded to do */
 } fast_report_t;
 
 #endif

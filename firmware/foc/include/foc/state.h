@@ -224,11 +224,12 @@ typedef struct {
     reference_prefilter_t prefilter;
     field_weakening_t weakening;
     foc_sums_t sums;
-    uint32_t step_count;           /* periods since the start, wrapping */
-    int32_t sequence;              /* of the setpoint in use, or FOC_NO_SETPOINT */
-    uint32_t quadrant;             /* of the current vector with the bridge off, 0 .. 3 */
-    uint16_t quadrant_transitions; /* wrapping; forward counts up */
-    uint16_t quadrant_step;        /* step_count at the latest of them */
+    uint32_t step_count;                  /* periods since the start, wrapping */
+    int32_t sequence;                     /* of the setpoint in use, or FOC_NO_SETPOINT */
+    uint32_t quadrant;                    /* of the current vector with the bridge off, 0 .. 3 */
+    uint16_t quadrant_transitions;        /* wrapping; forward counts up */
+    uint16_t quadrant_step;               /* step_count at the latest of them */
+    uint32_t idle_alpha_pu, idle_beta_pu; /* sums of the current with the bridge off, wrapping */
     bool calibrating;
     bool postponed; /* a new setpoint has waited for a hall edge; true at a start, which never waits
                      */

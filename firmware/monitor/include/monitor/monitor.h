@@ -22,6 +22,7 @@
 #include "core/reason.h"
 #include "monitor/monitor_emf.h"
 #include "monitor/monitor_speed.h"
+#include "monitor/monitor_stuck.h"
 #include "monitor/safe_state.h"
 
 enum {
@@ -77,6 +78,7 @@ typedef struct {
     bridge_mode_t safe_bridge;
     monitor_emf_state_t emf;
     monitor_speed_state_t speed;
+    monitor_stuck_state_t stuck;
     bool bus_was_low; /* of the latest bus beyond a trip */
     bool started;
 } monitor_slow_state_t;
@@ -107,7 +109,8 @@ typedef struct {
     uint16_t current_quarters;   /* quadrant transitions of the current vector while not switching,
                                     wrapping */
     uint16_t quarter_step;       /* fast_step_count at the latest of them */
-    bridge_mode_t bridge;        /* actual mode */
+    uint32_t idle_alpha_pu, idle_beta_pu; /* running sums of the current while not switching */
+    bridge_mode_t bridge;                 /* actual mode */
 } monitor_slow_input_t;
 
 typedef struct {
@@ -120,6 +123,8 @@ typedef struct {
     int32_t safe_torque_mNm; /* braking torque of the safe state, magnitude */
     bool battery_lost;       /* no torque: the battery is disconnected, or the bus beyond a trip */
     bool release_trip;       /* the bus is back: the fast loop forgets its over-voltage trip */
+    bool release_break;      /* a stuck switch calls for a short circuit: the bridge may leave the
+                                hardware's latch, but not its trip */
     bool offsets_plausible;
     bool standstill; /* the speed upper bound is below monitor.standstill */
     bool at_rest;    /* likewise, and no sensor has shown it by stopping (monitor_speed.h) */

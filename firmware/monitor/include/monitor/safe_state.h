@@ -35,7 +35,7 @@ typedef struct {
 } safe_state_input_t;
 
 typedef struct {
-    bridge_mode_t bridge;   /* BRIDGE_OFF or BRIDGE_SHORT */
+    bridge_mode_t bridge;   /* BRIDGE_OFF or a short circuit */
     int32_t emf_mV;         /* w psi, peak phase */
     letting_go_t freewheel; /* zero below the EMF limit */
     int32_t torque_mNm;     /* braking, of the state chosen */
@@ -44,7 +44,7 @@ typedef struct {
 /* Diodes that rectify the EMF into the bus. Zero torque and current where it does not reach. */
 letting_go_t safe_state_freewheel(const config_t *config, const safe_state_input_t *in);
 
-/* Low-side switches closed. */
+/* Switches of one side closed. */
 letting_go_t safe_state_short(const config_t *config, const safe_state_input_t *in);
 
 /*
@@ -53,5 +53,10 @@ letting_go_t safe_state_short(const config_t *config, const safe_state_input_t *
  * bus below the over-voltage trip.
  */
 safe_state_t safe_state_step(const config_t *config, const safe_state_input_t *in);
+
+/* Without a choice: a switch is stuck closed on this side, BRIDGE_SHORT or BRIDGE_SHORT_HIGH, so
+ * the bridge cannot open. */
+safe_state_t safe_state_shorted(const config_t *config, const safe_state_input_t *in,
+                                bridge_mode_t side);
 
 #endif

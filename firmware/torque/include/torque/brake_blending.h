@@ -58,6 +58,7 @@ typedef struct {
     int32_t motor_command_mNm;  /* of the last step, signed */
     int32_t motor_growth_mNm;   /* permitted change of its magnitude; negative: it must fall */
     int32_t motor_achieved_mNm; /* estimated from measured currents, signed */
+    int32_t short_mNm;          /* braking torque of the shorted motor by its model, magnitude */
     torque_enable_t torque_enable;
     hydraulic_feedback_t hydraulic;
     bool handed_over; /* the brake system makes the demand by itself, with its own lag */

@@ -41,7 +41,9 @@ typedef struct {
     bool voltage_limited;
     int32_t voltage_use_q15; /* square of the modulation index (unsaturated voltage), 0 .. 65 536 */
     bool rotor_valid;
-    bool bridge_open; /* freewheel or active short circuit since the last step */
+    bool bridge_open;  /* freewheel or active short circuit since the last step */
+    int32_t short_mNm; /* braking torque of an active short circuit by its model, magnitude; 0: the
+                          bridge is not shorted */
     int32_t bus_voltage_mV;
     int32_t
         phase_voltage_mV; /* peak phase: largest voltage that leaves the current loop its reserve,

@@ -17,14 +17,20 @@
 
 #include "bench/engine.h"
 
-enum { HUBSIM_BRIDGE_OFF = 0, HUBSIM_BRIDGE_PWM = 1, HUBSIM_BRIDGE_SHORT = 2 };
+enum {
+    HUBSIM_BRIDGE_OFF = 0,
+    HUBSIM_BRIDGE_PWM = 1,
+    HUBSIM_BRIDGE_SHORT = 2,
+    HUBSIM_BRIDGE_SHORT_HIGH = 3
+};
 
 /* What one wheel's controller decides for a period. */
 typedef struct {
     double duty[3];      /* 1: share of the period in which a phase's high side is on; clamped to
                             0 .. 1, rounded to the counts of the PWM timer; for HUBSIM_BRIDGE_PWM */
     double hydraulic_nm; /* N m >= 0 at the wheel; reaches the brake with the next millisecond */
-    int32_t bridge;      /* OFF: diodes only; SHORT: the three low sides are on */
+    int32_t bridge;      /* OFF: diodes only; SHORT: the three low sides are on;
+                            SHORT_HIGH: the high sides */
     int32_t reserved;    /* 0 */
 } hubsim_command_t;
 

@@ -56,8 +56,9 @@
       "share of the next period in which the high-side switch of phase b is on") \
     X(duty_c, compare_counts_c, compare_counts[2], REAL, DUTY, 0, 65535, 0, "1", \
       "share of the next period in which the high-side switch of phase c is on") \
-    X(bridge, bridge, bridge, CODE, PLAIN, 0, 2, 0, "", \
-      "0 freewheel: all switches off, 1 pulse-width modulation, 2 active short circuit")
+    X(bridge, bridge, bridge, CODE, PLAIN, 0, 3, 0, "", \
+      "0 freewheel: all switches off, 1 pulse-width modulation, 2 active short circuit, " \
+      "3 the same on the high side")
 
 #define EXCHANGE_SLOW_INPUTS(X) \
     X(drive_torque_nm, drive_torque_mNm, demand.drive_torque_mNm, \

@@ -14,12 +14,13 @@
  *   switch closed       the leg is at its rail, whatever is commanded
  *   leg stuck           as a switch closed, but its driver keeps the other one open
  *
- * Protection: gate drivers with desaturation detection open all switches and hold the fault line
- * from then on, when a switch closes onto a stuck one, or when shorted phases are driven apart for
- * longer than the blanking time. From then on the switches stay open but for the stuck ones and a
- * short circuit commanded on their side. What the short of two phases itself carries does not pass
- * the current sensors at the top of the count, where all low sides conduct, and is left out of the
- * accounts; so is a rectified current of shorted phases.
+ * Protection: gate drivers with desaturation detection open all switches but the stuck ones and
+ * hold the fault line when a switch closes onto a stuck one, or when shorted phases are driven
+ * apart for longer than the blanking time. Two periods without PWM release them, so that a short
+ * circuit can be commanded; on the other side than the stuck switch's it opens them again. What the
+ * short of two phases itself carries does not pass the current sensors at the top of the count,
+ * where all low sides conduct, and is left out of the accounts; so is a rectified current of
+ * shorted phases.
  *
  * Twenty steps a period; the averaged bridge of inverter.h where nothing is broken: torque and
  * losses agree within 1 %.
@@ -33,7 +34,12 @@
 #include "plant/inverter.h"
 #include "plant/phases.h"
 
-typedef enum { BROKEN_BRIDGE_PWM, BROKEN_BRIDGE_OFF, BROKEN_BRIDGE_SHORT_LOW } broken_bridge_mode_t;
+typedef enum {
+    BROKEN_BRIDGE_PWM,
+    BROKEN_BRIDGE_OFF,
+    BROKEN_BRIDGE_SHORT_LOW,
+    BROKEN_BRIDGE_SHORT_HIGH
+} broken_bridge_mode_t;
 
 typedef struct {
     broken_bridge_mode_t mode;
@@ -42,7 +48,8 @@ typedef struct {
 } broken_bridge_command_t;
 
 typedef struct {
-    bool desaturated; /* the drivers have opened the switches: fault line */
+    bool desaturated;  /* the drivers have opened the switches: fault line */
+    int quiet_periods; /* since then without PWM */
 } broken_bridge_t;
 
 typedef struct {

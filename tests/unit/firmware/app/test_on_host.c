@@ -63,9 +63,10 @@ static void run_application(void)
 
 static inverter_mode_t expected_mode(bridge_mode_t bridge)
 {
-    return bridge == BRIDGE_PWM     ? INVERTER_MODE_PWM
-           : bridge == BRIDGE_SHORT ? INVERTER_MODE_SHORT
-                                    : INVERTER_MODE_OFF;
+    return bridge == BRIDGE_PWM          ? INVERTER_MODE_PWM
+           : bridge == BRIDGE_SHORT      ? INVERTER_MODE_SHORT
+           : bridge == BRIDGE_SHORT_HIGH ? INVERTER_MODE_SHORT_HIGH
+                                         : INVERTER_MODE_OFF;
 }
 
 /* Calls the two steps directly and copies the messages by assignment, as the bench does. */

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The torque enable: its zero value permits no torque, so cleared memory enables none. */
-#include "core/bridge.h"
 #include "core/torque_enable.h"
 #include "unity.h"
 
@@ -20,11 +19,4 @@ void test_either_share_alone_permits_torque(void)
     const torque_enable_t brake = {.brake_q15 = 1};
     TEST_ASSERT_TRUE(torque_enable_any(drive));
     TEST_ASSERT_TRUE(torque_enable_any(brake));
-}
-
-void test_bridge_modes_are_frozen(void)
-{
-    TEST_ASSERT_EQUAL_INT(0, BRIDGE_OFF);
-    TEST_ASSERT_EQUAL_INT(1, BRIDGE_PWM);
-    TEST_ASSERT_EQUAL_INT(2, BRIDGE_SHORT);
 }

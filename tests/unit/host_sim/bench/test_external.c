@@ -231,9 +231,9 @@ void test_calls_out_of_order_and_invalid_commands_are_refused_with_a_message(voi
     TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_VALUE, hubsim_external_step(outside, commands));
     TEST_ASSERT_NOT_NULL(strstr(hubsim_error(outside), "wheel 1"));
     commands[1] = command_of(0.5, 0.5, 0.5);
-    commands[2].bridge = 3;
+    commands[2].bridge = HUBSIM_BRIDGE_SHORT_HIGH + 1;
     TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_VALUE, hubsim_external_step(outside, commands));
-    commands[2].bridge = HUBSIM_BRIDGE_SHORT;
+    commands[2].bridge = HUBSIM_BRIDGE_SHORT_HIGH;
     commands[3].hydraulic_nm = -1.0;
     TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_VALUE, hubsim_external_step(outside, commands));
     commands[3].hydraulic_nm = 0.0;

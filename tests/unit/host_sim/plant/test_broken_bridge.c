@@ -229,6 +229,27 @@ void test_a_short_on_the_side_of_the_stuck_switch_is_symmetrical(void)
     }
 }
 
+void test_a_short_on_the_high_side_is_symmetrical_and_the_wrong_side_opens_again(void)
+{
+    fault.high_switch_closed = 1.0;
+    run(BROKEN_BRIDGE_PWM, NULL, 8.0, 400.0, 2);
+    TEST_ASSERT_TRUE(state.desaturated);
+    run(BROKEN_BRIDGE_OFF, &NO_DUTY, 0.0, 400.0, 2);
+    TEST_ASSERT_FALSE(state.desaturated); /* released, so that a short can be commanded */
+    run(BROKEN_BRIDGE_SHORT_LOW, &NO_DUTY, 0.0, 400.0, 1);
+    TEST_ASSERT_TRUE(state.desaturated);
+    run(BROKEN_BRIDGE_OFF, &NO_DUTY, 0.0, 400.0, 2);
+    run(BROKEN_BRIDGE_SHORT_HIGH, &NO_DUTY, 0.0, 400.0, 4000);
+    TEST_ASSERT_FALSE(state.desaturated);
+    const double r = machine.resistance_ohm + inverter.short_resistance_ohm;
+    const double expected_a = 400.0 * 0.02 / hypot(r, 400.0 * 150e-6);
+    run(BROKEN_BRIDGE_SHORT_HIGH, &NO_DUTY, 0.0, 400.0, 400);
+    for (int x = 0; x < 3; x++) {
+        TEST_ASSERT_DOUBLE_WITHIN(0.01 * expected_a, expected_a, highest_a[x]);
+        TEST_ASSERT_DOUBLE_WITHIN(0.01 * expected_a, -expected_a, lowest_a[x]);
+    }
+}
+
 void test_shorted_phases_circulate_current_while_the_bridge_is_off(void)
 {
     fault.phase_short = 1.0;

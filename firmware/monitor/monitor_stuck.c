@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "monitor/monitor_stuck.h"
+
+#include "core/divide.h"
+#include "core/q15.h"
+
+enum {
+    GOOD_SHARE = 4,
+    TURN_mrad = 6284,
+    MOST_mrad_s = 10000000,
+    SQRT3_Q10 = 1774 /* 1024 sqrt(3) */
+};
+
+static void begin_window(monitor_stuck_state_t *state, const monitor_stuck_input_t *in)
+{
+    state->steps = 0;
+    state->good_steps = 0;
+    state->turned_mrad = 0;
+    state->begin_alpha_pu = in->alpha_pu;
+    state->begin_beta_pu = in->beta_pu;
+    state->begin_step = in->fast_step_count;
+}
+
+static void forget(monitor_stuck_state_t *state, const monitor_stuck_input_t *in)
+{
+    state->candidate = BRIDGE_OFF;
+    state->windows = 0;
+    begin_window(state, in);
+}
+
+/* The side whose switch makes the means of this window. With a and b the sums of alpha and beta,
+ * twice the phases' sums are 2 a and -a +- sqrt(3) b; of the largest the sign counts. */
+static bridge_mode_t side_of_window(const monitor_stuck_state_t *state, const config_t *config,
+                                    const monitor_stuck_input_t *in)
+{
+    const int64_t alpha_q10 = INT64_C(1024) * (int32_t)(in->alpha_pu - state->begin_alpha_pu);
+    const int64_t beta_q10 = INT64_C(1) * SQRT3_Q10 * (int32_t)(in->beta_pu - state->begin_beta_pu);
+    const int64_t twice_q10[3] = {2 * alpha_q10, beta_q10 - alpha_q10, -beta_q10 - alpha_q10};
+    int64_t largest_q10 = 0;
+    for (int x = 0; x < 3; x++) {
+        const int64_t magnitude_q10 = twice_q10[x] < 0 ? -twice_q10[x] : twice_q10[x];
+        const int64_t before_q10 = largest_q10 < 0 ? -largest_q10 : largest_q10;
+        largest_q10 = magnitude_q10 > before_q10 ? twice_q10[x] : largest_q10;
+    }
+    const int32_t periods = (uint16_t)(in->fast_step_count - state->begin_step);
+    const int64_t least_q10 =
+        INT64_C(2048) / MONITOR_STUCK_SHARE * config->monitor.overcurrent_pu_q15 * periods;
+    return largest_q10 > least_q10    ? BRIDGE_SHORT_HIGH
+           : largest_q10 < -least_q10 ? BRIDGE_SHORT
+                                      : BRIDGE_OFF;
+}
+
+static void end_window(monitor_stuck_state_t *state, const config_t *config,
+                       const monitor_stuck_input_t *in)
+{
+    const bridge_mode_t side = side_of_window(state, config, in);
+    state->windows = side == state->candidate ? state->windows + 1 : 1;
+    state->candidate = side;
+    const int32_t wanted = in->bridge == BRIDGE_OFF ? 1 : MONITOR_STUCK_SHORT_WINDOWS;
+    const bool sums_up = state->good_steps * GOOD_SHARE >= state->steps;
+    if (side != BRIDGE_OFF && sums_up && state->windows >= wanted) {
+        state->side = side;
+        state->release_steps = MONITOR_STUCK_RELEASE_STEPS;
+    }
+    begin_window(state, in);
+}
+
+static void watch(monitor_stuck_state_t *state, const config_t *config,
+                  const monitor_stuck_input_t *in)
+{
+    const int64_t w_mrad_s =
+        (int64_t)q_clamp(in->speed_mrad_s, -MOST_mrad_s, MOST_mrad_s) * config->motor.pole_pairs;
+    const int32_t step_mrad = q_saturate64(divide_by_thousand(w_mrad_s));
+    state->turned_mrad = q_limit((int64_t)state->turned_mrad + step_mrad, MOST_mrad_s);
+    state->steps++;
+    state->good_steps += in->sum_good ? 1 : 0;
+    if (q_abs(state->turned_mrad) >= TURN_mrad) {
+        end_window(state, config, in);
+    } else if (state->steps >= MONITOR_STUCK_STEPS) {
+        forget(state, in);
+    }
+}
+
+monitor_stuck_output_t monitor_stuck_step(monitor_stuck_state_t *state, const config_t *config,
+                                          const monitor_stuck_input_t *in)
+{
+    state->release_steps = in->tripped ? q_max(state->release_steps - 1, 0) : 0;
+    state->side = in->tripped ? state->side : BRIDGE_OFF;
+    const bool looks = in->tripped && in->bridge != BRIDGE_PWM && in->currents_known &&
+                       in->rotor_valid && state->side == BRIDGE_OFF;
+    if (looks) {
+        watch(state, config, in);
+    } else {
+        forget(state, in);
+    }
+    const monitor_stuck_output_t out = {.side = state->side,
+                                        .release_break = state->release_steps > 0};
+    return out;
+}

@@ -1,0 +1,168 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Side of a switch stuck closed, from half waves made by hand: a period each, 20 in a step. */
+#include "monitor/monitor_stuck.h"
+
+#include <math.h>
+
+#include "unity.h"
+
+extern const config_t CONFIG_LU2013;
+
+enum { PERIODS = 20 };
+static const double TWO_PI = 6.283185307179586;
+
+static monitor_stuck_state_t state;
+static monitor_stuck_input_t in;
+static monitor_stuck_output_t out;
+static double turns;
+
+void setUp(void)
+{
+    const monitor_stuck_state_t fresh = {.side = BRIDGE_OFF};
+    const monitor_stuck_input_t tripped = {.tripped = true,
+                                           .bridge = BRIDGE_OFF,
+                                           .currents_known = true,
+                                           .sum_good = true,
+                                           .rotor_valid = true};
+    state = fresh;
+    in = tripped;
+    turns = 0.1;
+}
+
+void tearDown(void) {}
+
+static void add(double a, double b, double c)
+{
+    in.alpha_pu += (uint32_t)(int32_t)lround((2.0 * a - b - c) / 3.0);
+    in.beta_pu += (uint32_t)(int32_t)lround((b - c) / 1.7320508075688772);
+    in.fast_step_count++;
+}
+
+/* phase 0 .. 2 or -1, healthy: three sines. Low side stuck: the other two carry the positive half
+ * waves of their sine, this one brings both back; high side: all negative. */
+static void milliseconds(int count, double hz, double peak_pu, int phase, bool high)
+{
+    const double sign = high ? -1.0 : 1.0;
+    in.speed_mrad_s = (int32_t)lround(TWO_PI * hz * 1000.0 / CONFIG_LU2013.motor.pole_pairs);
+    for (int n = 0; n < count; n++) {
+        for (int k = 0; k < PERIODS; k++) {
+            turns += hz / 1000.0 / PERIODS;
+            double i[3];
+            double back = 0.0;
+            for (int x = 0; x < 3; x++) {
+                i[x] = peak_pu * sin(TWO_PI * (turns - x / 3.0));
+                if (phase >= 0 && x != phase) {
+                    i[x] = sign * fmax(sign * i[x], 0.0);
+                    back -= i[x];
+                }
+            }
+            if (phase >= 0) {
+                i[phase] = back;
+            }
+            add(i[0], i[1], i[2]);
+        }
+        out = monitor_stuck_step(&state, &CONFIG_LU2013, &in);
+    }
+}
+
+static double trip_pu(void)
+{
+    return CONFIG_LU2013.monitor.overcurrent_pu_q15;
+}
+
+void test_half_waves_of_any_phase_tell_the_side_within_two_turns(void)
+{
+    static const double HZ[] = {10.0, 40.0, 163.0, 420.0, 700.0};
+    for (unsigned n = 0; n < sizeof(HZ) / sizeof(HZ[0]); n++) {
+        for (int phase = 0; phase < 3; phase++) {
+            for (int high = 0; high < 2; high++) {
+                setUp();
+                turns = 0.17 * phase + 0.3 * high;
+                milliseconds((int)ceil(2000.0 / HZ[n]) + 1, HZ[n], trip_pu(), phase, high != 0);
+                TEST_ASSERT_EQUAL_INT(high != 0 ? BRIDGE_SHORT_HIGH : BRIDGE_SHORT, out.side);
+            }
+        }
+    }
+}
+
+/* The diodes of an open bridge above the EMF limit: a symmetrical current at its limit. */
+void test_a_healthy_rectified_current_has_no_side(void)
+{
+    const double limit_pu = CONFIG_LU2013.current_loop.max_current_pu_q15;
+    for (int hz = 5; hz < 1500; hz += 7) {
+        setUp();
+        turns = hz * 0.37;
+        milliseconds(60, hz, limit_pu, -1, false);
+        TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.side);
+        TEST_ASSERT_FALSE(out.release_break);
+    }
+}
+
+void test_no_side_without_a_trip_while_switching_or_with_a_sensor_in_question(void)
+{
+    for (int reason = 0; reason < 5; reason++) {
+        setUp();
+        in.tripped = reason != 0;
+        in.bridge = reason == 1 ? BRIDGE_PWM : BRIDGE_OFF;
+        in.currents_known = reason != 2;
+        in.rotor_valid = reason != 3;
+        in.sum_good = reason != 4;
+        milliseconds(200, 40.0, 2.0 * trip_pu(), 1, false);
+        TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.side);
+    }
+}
+
+/* Half waves beyond the sensors' range do not add up in parts of a turn. */
+void test_a_sum_that_is_good_now_and_then_is_enough(void)
+{
+    int steps = 0;
+    while (out.side == BRIDGE_OFF && steps < 30) {
+        in.sum_good = steps % 3 == 0;
+        milliseconds(1, 163.0, trip_pu(), 2, true);
+        steps++;
+    }
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT_HIGH, out.side);
+    TEST_ASSERT_TRUE(steps <= 14);
+}
+
+/* A current that only decays in a short circuit fades within the first windows. */
+void test_a_commanded_short_circuit_has_a_side_after_three_equal_windows(void)
+{
+    in.bridge = BRIDGE_SHORT;
+    milliseconds(14, 163.0, trip_pu(), 0, true);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.side);
+    milliseconds(10, 163.0, trip_pu(), 0, true);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT_HIGH, out.side);
+}
+
+void test_the_latch_is_released_for_ten_steps_and_the_side_stays_until_acknowledged(void)
+{
+    int released = 0;
+    for (int n = 0; n < 100; n++) {
+        milliseconds(1, 163.0, trip_pu(), 0, false);
+        released += out.release_break ? 1 : 0;
+        in.bridge = out.side == BRIDGE_OFF ? BRIDGE_OFF : BRIDGE_SHORT;
+    }
+    TEST_ASSERT_EQUAL_INT(MONITOR_STUCK_RELEASE_STEPS, released);
+    milliseconds(500, 163.0, 0.0, -1, false);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, out.side);
+    in.tripped = false;
+    milliseconds(1, 0.0, 0.0, -1, false);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.side);
+}
+
+/* Any input: a side only with a trip, and no undefined behaviour. */
+void test_extreme_inputs_are_harmless(void)
+{
+    static const int32_t SPEEDS[] = {INT32_MIN, -1, 0, 1, INT32_MAX};
+    for (unsigned n = 0; n < 5000; n++) {
+        in.tripped = n % 7 != 0;
+        in.speed_mrad_s = SPEEDS[n % 5];
+        in.alpha_pu = n * 2654435761U;
+        in.beta_pu = n * 40503U * 65537U;
+        in.fast_step_count = (uint16_t)(n * 977U);
+        out = monitor_stuck_step(&state, &CONFIG_LU2013, &in);
+        TEST_ASSERT_TRUE(in.tripped || out.side == BRIDGE_OFF);
+        TEST_ASSERT_NOT_EQUAL_INT(BRIDGE_PWM, out.side);
+    }
+}
