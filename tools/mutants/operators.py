@@ -89,6 +89,7 @@ class Source:
 
     text: bytes
     root: Node
+    objects: frozenset[str]  # const objects and macros with arguments: not constants
 
     def of(self, node: Node) -> str:
         """Return the text of a node."""
@@ -97,7 +98,11 @@ class Source:
 
 def parse(text: bytes) -> Source:
     """Return the syntax tree of a C file."""
-    return Source(text, _PARSER.parse(text).root_node)
+    root = _PARSER.parse(text).root_node
+    names = re.findall(rb"\bconst\s+\w+\s*\*?\s*(?:const\s+)?([A-Z][A-Z0-9_]+)\b", text)
+    names += re.findall(rb"#\s*define\s+(\w+)\(|\b([A-Z][A-Z0-9_]+)\(", text)
+    flat = (name if isinstance(name, bytes) else name[0] or name[1] for name in names)
+    return Source(text, root, frozenset(name.decode() for name in flat))
 
 
 def one_line(text: str) -> str:
@@ -252,7 +257,7 @@ def _of_call(source: Source, node: Node) -> Iterator[tuple[str, str, bool]]:
 def _of_constant(source: Source, node: Node) -> Iterator[tuple[str, str, bool]]:
     text = source.of(node)
     if node.type == "identifier":
-        if not _CONSTANT.fullmatch(text) or text == "NULL":
+        if not _CONSTANT.fullmatch(text) or text == "NULL" or text in source.objects:
             return
         value = None
     else:

@@ -74,7 +74,11 @@ def _run(words: Iterable[str], folder: Path = HOST) -> str:
     done = subprocess.run(list(words), cwd=folder, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         lines = (done.stdout + done.stderr).splitlines()
-        wrong = [line for line in lines if "error" in line.lower()] or lines or ["?"]
+        wrong = (
+            [line for line in lines if re.search("error|undefined|multiple", line)]
+            or lines
+            or ["?"]
+        )
         raise MutantsError(wrong[0].replace(f"{ROOT}/", ""))
     return done.stdout
 
@@ -136,7 +140,8 @@ def build(module: str, folder: Path, jobs: int, numbered: dict[int, tuple[Path, 
     with ThreadPoolExecutor(jobs) as pool:
         _each(pool, compile_one, compiles)
         _run((*unity.words, "-O1", "-w", "-c", str(TOOL / "runtime.c"), "-o", str(runtime)))
-        library = [str(path) for name, path in made.items() if name.startswith(own[0])]
+        library = folder / f"lib{module}.a"
+        _run(("ar", "qc", str(library), *(str(made[n]) for n in made if n.startswith(own[0]))))
         links = [words for words in commands if "-o" in words and "-c" not in words]
 
         def link(words: list[str]) -> Path:
@@ -149,9 +154,7 @@ def build(module: str, folder: Path, jobs: int, numbered: dict[int, tuple[Path, 
     return Build(module, numbered, programs, compiles)
 
 
-def _link_words(
-    words: list[str], made: dict[str, Path], library: list[str], module: str
-) -> list[str]:
+def _link_words(words: list[str], made: dict[str, Path], library: Path, module: str) -> list[str]:
     """Return a link command of the host preset with what has mutants in place of what has none."""
     out, skip = [], False
     for word in words:
@@ -162,8 +165,7 @@ def _link_words(
         elif word in made:
             out.append(str(made[word]))
         elif word == f"firmware/{module}/libhubfoc_{module}.a":
-            out.extend(library)
-            library = []
+            out.append(str(library))
         elif word not in (":", "&&"):
             out.append(word)
     return [*out, "-Wl,--wrap=UnityConcludeTest"]

@@ -61,6 +61,11 @@ def test_code_outside_functions_stays() -> None:
     assert changes(parse(b"enum { A = 1 }; static const int x = 3; int y[4];")) == []
 
 
+def test_an_object_with_the_name_of_a_constant_stays() -> None:
+    text = b"static const pair_t ZERO = {0};\nint f(void)\n{\n    return g(ZERO);\n}\n"
+    assert changes(parse(text)) == []
+
+
 def test_a_function_that_is_not_understood_is_refused() -> None:
     with pytest.raises(ValueError, match="line 3"):
         found_in("return a +* ;;) b;")
