@@ -49,6 +49,10 @@ typedef struct {
     int32_t i_d_mA, i_q_mA;   /* of the latest period, peak phase */
 } bridge_choice_input_t;
 
+/* @post state->idle_steps == 0 && state->infeasible_steps == 0 && state->return_steps == 0
+ *
+ * @post state->overspeed_steps == 0 && !state->overspeed
+ */
 void bridge_choice_init(bridge_choice_state_t *state);
 
 /* The phase voltage that PWM would have instead of a bridge whose diodes charge the battery and so
@@ -56,7 +60,10 @@ void bridge_choice_init(bridge_choice_state_t *state);
 int32_t bridge_choice_phase_mV(const config_t *config, int32_t phase_mV, int32_t bus_mV,
                                int32_t charging_mA);
 
-/* BRIDGE_PWM or safe_bridge. */
+/* @post result == BRIDGE_PWM || result == in->safe_bridge
+ *
+ * @post in->torque_enabled || result == in->safe_bridge
+ */
 bridge_mode_t bridge_choice_step(bridge_choice_state_t *state, const config_t *config,
                                  const bridge_choice_input_t *in);
 

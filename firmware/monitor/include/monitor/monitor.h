@@ -131,6 +131,10 @@ typedef struct {
     int32_t speed_bound_mrad_s; /* the speed upper bound, mechanical, magnitude */
 } monitor_output_t;
 
+/* @post !state->started && !state->release_trip && state->steps == 0 && state->return_steps == 0
+ *
+ * @post state->flow_steps == 0 && state->bus_steps == 0 && state->rotor_steps == 0
+ */
 void monitor_slow_init(monitor_slow_state_t *state);
 
 monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *config,

@@ -7,7 +7,24 @@
 
 #include "monitor/monitor.h"
 
-/* Reason of the first trip condition that is true in this period, or REASON_NONE. */
+/* Reason of the first trip condition that is true in this period, or REASON_NONE.
+ *
+ * @pre state->overcurrent_periods >= 0 && state->overcurrent_periods < state->trip_periods
+ *
+ * @pre q_abs(in->i_pu.v.x) <= Q15_ONE && q_abs(in->i_pu.v.y) <= Q15_ONE
+ *
+ * @pre state->periods_left >= 0 && state->periods_left <= state->stale_limit_periods
+ *
+ * @post !in->power_stage_fault || result == REASON_HARDWARE_BREAK
+ *
+ * @post in->v_dc_pu <= state->overvoltage_pu || result != REASON_NONE
+ *
+ * @post state->overcurrent_periods >= 0 && state->overcurrent_periods <= state->trip_periods
+ *
+ * @post result != REASON_NONE || state->overcurrent_periods < state->trip_periods
+ *
+ * @post state->periods_left >= 0 && state->periods_left <= state->stale_limit_periods
+ */
 static inline reason_t monitor_fast_look(monitor_fast_state_t *state,
                                          const monitor_fast_input_t *in)
 {
@@ -40,7 +57,26 @@ static inline reason_t monitor_fast_look(monitor_fast_state_t *state,
     return REASON_NONE;
 }
 
-/* The trip, latched; REASON_NONE when healthy. */
+/* The trip, latched; REASON_NONE when healthy.
+ *
+ * @pre state->trip_periods > 0 && state->overcurrent_periods >= 0
+ *
+ * @pre state->trip != REASON_NONE || state->overcurrent_periods < state->trip_periods
+ *
+ * @pre q_abs(in->i_pu.v.x) <= Q15_ONE && q_abs(in->i_pu.v.y) <= Q15_ONE
+ *
+ * @pre state->periods_left >= 0 && state->periods_left <= state->stale_limit_periods
+ *
+ * @post result == state->trip && (!in->power_stage_fault || result != REASON_NONE)
+ *
+ * @post old(state->trip) == REASON_NONE || in->clear_trip || result == old(state->trip)
+ *
+ * @post in->v_dc_pu <= state->overvoltage_pu || result != REASON_NONE
+ *
+ * @post state->trip != REASON_NONE || state->overcurrent_periods < state->trip_periods
+ *
+ * @post state->periods_left >= 0 && state->periods_left <= state->stale_limit_periods
+ */
 static inline reason_t monitor_fast_step(monitor_fast_state_t *state,
                                          const monitor_fast_input_t *in)
 {

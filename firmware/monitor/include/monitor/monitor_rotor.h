@@ -53,6 +53,28 @@ typedef struct {
     bool sensor_wrong;  /* contradicted by the confirmed observer */
 } monitor_rotor_output_t;
 
+/* 1 kHz. Any speed, angle and flux; magnitudes of the speed fit 32 bits.
+ *
+ * @pre config->rotor.observer_speed_mrad_s >= 0 && in->observer_mrad_s > INT32_MIN
+ *
+ * @pre config->monitor.rotor_warning_time_ms > 0 && config->monitor.rotor_warning_time_ms <= 60000
+ *
+ * @pre state->agreed_steps >= 0 && state->agreed_steps <= config->monitor.rotor_warning_time_ms
+ *
+ * @post state->agreed_steps >= 0 && state->agreed_steps <= config->monitor.rotor_warning_time_ms
+ *
+ * @post config->rotor.observer_takeover != 0 || result.valid == in->sensor_valid
+ *
+ * @post config->rotor.observer_takeover != 0 || (!result.observer_used && !result.sensor_wrong)
+ *
+ * @post config->rotor.observer_takeover == 0 || in->switching || !state->confirmed
+ *
+ * @post !result.valid || in->sensor_valid || (result.observer_used && state->confirmed)
+ *
+ * @post !result.valid || !result.sensor_wrong || result.observer_used
+ *
+ * @post !result.sensor_wrong || !in->cleared
+ */
 monitor_rotor_output_t monitor_rotor_step(monitor_rotor_state_t *state, const config_t *config,
                                           const monitor_rotor_input_t *in);
 

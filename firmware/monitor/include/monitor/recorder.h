@@ -122,7 +122,14 @@ void recorder_init(recorder_t *recorder, recorder_memory_t *memory, const record
 void recorder_expect_restart(recorder_t *recorder);
 
 /* PWM period, after the compare values are known, while recorder_t.takes_samples was true in the
- * latest slow step. memory: not NULL. */
+ * latest slow step. memory: not NULL.
+ *
+ * @pre memory->fast_next < RECORDER_FAST_ENTRIES
+ *
+ * @post memory->fast_next == (old(memory->fast_next) + 1) % RECORDER_FAST_ENTRIES
+ *
+ * @post memory->fast[old(memory->fast_next)].rotor == sample->rotor
+ */
 static inline void recorder_fast(recorder_memory_t *memory, const recorder_fast_t *sample,
                                  bridge_mode_t bridge)
 {
