@@ -5,6 +5,7 @@ A contract is the `@pre` and `@post` lines of the comment before a declaration, 
 expression. `result` is what the function returns, `old(expression)` a value before the call.
 
     python contracts.py list
+    python contracts.py without > without_contract.txt
     python contracts.py prove CBMC FUNCTION [--reached]
 """
 
@@ -19,6 +20,10 @@ PROOFS = Path(__file__).resolve().parent
 FIRMWARE = PROOFS.parents[1] / "firmware"
 MODULES = ("torque", "monitor", "modes", "controller")
 WITHOUT = PROOFS / "without_contract.txt"
+WITHOUT_HEAD = """\
+# SPDX-License-Identifier: Apache-2.0
+# Public functions of torque, monitor, modes and controller without a contract that is proved.
+"""
 CHECKS = (
     "--signed-overflow-check",
     "--undefined-shift-check",
@@ -112,6 +117,11 @@ def public() -> dict[str, Contract]:
     return {one.name: one for header in sorted(headers) for one in read(header)}
 
 
+def bare() -> list[str]:
+    """Return the public functions without a contract."""
+    return sorted(name for name, one in public().items() if not one.post)
+
+
 def sources(contract: Contract) -> list[Path]:
     """Return what the function is made of: its module, and core without what proofs replace."""
     module = contract.header.relative_to(FIRMWARE).parts[0]
@@ -143,10 +153,13 @@ def prove(cbmc: str, name: str, reached: bool) -> int:
 
 
 def main() -> int:
-    """List the functions with a contract, or prove one."""
+    """List the functions with a contract or those without, or prove one."""
     match sys.argv[1:]:
         case ["list"]:
             print("\n".join(name for name, one in public().items() if one.post))
+            return 0
+        case ["without"]:
+            print(WITHOUT_HEAD + "\n".join(bare()))
             return 0
         case ["prove", cbmc, name, *rest]:
             return prove(cbmc, name, rest == ["--reached"])
