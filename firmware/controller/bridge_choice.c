@@ -93,7 +93,8 @@ bridge_mode_t bridge_choice_step(bridge_choice_state_t *state, const config_t *c
     if (!in->torque_enabled) {
         return in->safe_bridge;
     }
-    if (!in->rotor_valid) {
+    const bool rests = idle && in->observer_used && in->bridge != BRIDGE_PWM;
+    if (!in->rotor_valid && !rests) {
         return BRIDGE_PWM;
     }
     const bool begins = in->bridge != BRIDGE_PWM;

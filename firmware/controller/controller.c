@@ -257,6 +257,7 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
         .torque_feasible = torque.current.feasible,
         .forced_mNm = torque.current.forced_mNm,
         .rotor_valid = rotor.valid,
+        .observer_used = rotor.observer_used,
         .bridge = report->bridge,
         .safe_bridge = watch.safe_bridge,
         .safe_torque_mNm = watch.safe_torque_mNm,

@@ -7,26 +7,38 @@
 #include "core/scaled.h"
 #include "foc/foc.h"
 
-enum { LARGEST_RESISTANCE_Q15 = 8191 };
+enum { LARGEST_RESISTANCE_Q15 = 8191, LEAK_SHARE = 32, LEAST_LEAK_Q24 = 1 << 15 };
+
+static int32_t cotangent_q24(int32_t leak_q24)
+{
+    return scaled_ratio(leak_q24 / 2, SCALED_ONE - leak_q24 / 2);
+}
 
 observer_constants_t observer_constants(const config_t *config)
 {
-    const int32_t half_q24 = foc_observer_leak_q24(config) / 2;
+    const int32_t leak_q24 = foc_observer_leak_q24(config);
     const observer_constants_t out = {
         .resistance_q15 = foc_observer_resistance_q15(config),
         .volt_q15 = foc_observer_volt_q15(config),
         .flux_q14 = foc_observer_flux_q14(config),
-        .cotangent_q24 = scaled_ratio(half_q24, SCALED_ONE - half_q24),
+        .start = {.leak_q24 = leak_q24, .cotangent_q24 = cotangent_q24(leak_q24)},
+        .follows_speed = config->motor.q_inductance_nH > config->motor.d_inductance_nH / 8 * 9,
     };
     return out;
 }
 
-/* tan(w T/2) of a speed below a quarter turn per period: h + h^3/3. pi/256: turns in Q32 to half
- * the angle in radians, Q24. */
-static int32_t tangent_q24(int32_t speed_q32)
+/* |w| T/2 in radians of a speed below a quarter turn per period. pi/256: turns in Q32 to half the
+ * angle in Q24. */
+static int32_t half_angle_q24(int32_t speed_q32)
 {
     const int32_t size_q32 = q_abs(q_clamp(speed_q32, -(1 << 30), 1 << 30));
-    const int32_t h_q24 = (int32_t)((INT64_C(52707179) * size_q32) >> 32);
+    return (int32_t)((INT64_C(52707179) * size_q32) >> 32);
+}
+
+/* tan(w T/2): h + h^3/3. */
+static int32_t tangent_q24(int32_t speed_q32)
+{
+    const int32_t h_q24 = half_angle_q24(speed_q32);
     const int32_t cube_q24 = scaled_multiply(scaled_multiply(h_q24, h_q24), h_q24);
     return h_q24 + cube_q24 / 3;
 }
@@ -40,10 +52,23 @@ static int32_t arctangent_turn(int32_t ratio_q24)
     return scaled_multiply(factor_turn, ratio_q24);
 }
 
-uint16_t observer_lead_turn(const observer_constants_t *constants, int32_t speed_q32)
+void observer_leak_step(observer_leak_t *leak, const observer_constants_t *constants,
+                        int32_t speed_q32, bool acquired)
+{
+    if (!constants->follows_speed || !acquired) {
+        *leak = constants->start;
+        return;
+    }
+    const int32_t wanted_q24 =
+        q_clamp(half_angle_q24(speed_q32), LEAST_LEAK_Q24, constants->start.leak_q24);
+    leak->leak_q24 += (wanted_q24 - leak->leak_q24) / LEAK_SHARE;
+    leak->cotangent_q24 = cotangent_q24(leak->leak_q24);
+}
+
+uint16_t observer_lead_turn(const observer_leak_t *leak, int32_t speed_q32)
 {
     const int32_t along_q24 = tangent_q24(speed_q32);
-    const int32_t across_q24 = constants->cotangent_q24;
+    const int32_t across_q24 = leak->cotangent_q24;
     const int32_t size_turn =
         across_q24 <= along_q24
             ? arctangent_turn(scaled_ratio(across_q24, along_q24))
@@ -56,7 +81,8 @@ int32_t observer_expected_flux_q14(const observer_constants_t *constants, uint16
     return (constants->flux_q14 * angle_sincos(lead_turn).cos) >> 15;
 }
 
-observer_tuning_t observer_tuning(const observer_constants_t *constants, const config_t *config,
+observer_tuning_t observer_tuning(const observer_constants_t *constants,
+                                  const observer_leak_t *leak, const config_t *config,
                                   int32_t v_dc_pu, uint16_t lead_turn,
                                   int32_t winding_temperature_cC)
 {
@@ -64,9 +90,11 @@ observer_tuning_t observer_tuning(const observer_constants_t *constants, const c
     const int32_t resistance_q15 = q_min(
         bases_at_winding_temperature(config, constants->resistance_q15, winding_temperature_cC),
         LARGEST_RESISTANCE_Q15);
+    const int32_t leak_q16 = (leak->leak_q24 + (1 << 7)) >> 8;
     const observer_tuning_t out = {
         .volt = q_pair(volt_q15, volt_q15),
         .minus_resistance = q_pair(-resistance_q15, -resistance_q15),
+        .minus_leak = q_pair(-leak_q16, -leak_q16),
         .lead_turn = lead_turn,
     };
     return out;

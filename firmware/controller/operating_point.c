@@ -9,6 +9,7 @@
 #include "tuning.h"
 
 enum {
+    LEAD_SHARE = 4,
     SQRT3_HALF_Q15 = 28378,   /* 32 768 sqrt(3)/2 */
     INVERSE_SQRT3_Q15 = 18919 /* 32 768/sqrt(3) */
 };
@@ -28,6 +29,7 @@ void operating_point_init(operating_point_state_t *state, const config_t *config
         .v_dc_pu = per_unit_of_mV(config, middle_mV),
     };
     *state = fresh;
+    state->observer_leak = state->observer.start;
 }
 
 /* The difference of two wrapping sums, as long as it is below 2^31. */
@@ -79,7 +81,12 @@ static int32_t phase_voltage_mV(const operating_point_state_t *state, const conf
 observer_view_t operating_point_observer(operating_point_state_t *state, const config_t *config,
                                          const observer_report_t *observer)
 {
-    const uint16_t lead_turn = observer_lead_turn(&state->observer, observer->speed_q32);
+    const int32_t change_q32 = observer->speed_q32 - state->observer_speed_q32;
+    state->observer_speed_q32 +=
+        observer->acquired && state->observer.follows_speed ? change_q32 / LEAD_SHARE : change_q32;
+    observer_leak_step(&state->observer_leak, &state->observer, state->observer_speed_q32,
+                       observer->acquired);
+    const uint16_t lead_turn = observer_lead_turn(&state->observer_leak, state->observer_speed_q32);
     const uint16_t rotor_turn = (uint16_t)(observer->theta_turn - lead_turn);
     state->observer_lead_turn = lead_turn;
     const observer_view_t out = {
@@ -135,8 +142,9 @@ void operating_point_setpoint(const operating_point_state_t *state, const config
     setpoint->tuning = current_tuning(config, state->modulation_limit_q15, state->v_dc_pu,
                                       state->speed_q32, state->winding_temperature_cC);
     setpoint->dead_time_slope = dead_time_slope_at(config, state->v_dc_pu);
-    setpoint->observer = observer_tuning(&state->observer, config, state->v_dc_pu,
-                                         state->observer_lead_turn, state->winding_temperature_cC);
+    setpoint->observer =
+        observer_tuning(&state->observer, &state->observer_leak, config, state->v_dc_pu,
+                        state->observer_lead_turn, state->winding_temperature_cC);
 }
 
 void operating_point_initial_setpoint(const config_t *config, fast_setpoint_t *setpoint)

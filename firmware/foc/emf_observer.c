@@ -85,10 +85,8 @@ void emf_observer_init(emf_observer_t *observer, const config_t *config)
         (int64_t)config->motor.q_inductance_nH * config->drive.current_full_scale_mA / 1000;
     const int32_t inductance_q15 = share_q15(config, current_nWb, INT16_MAX);
     const int32_t leak_q24 = foc_observer_leak_q24(config);
-    const int32_t leak_q16 = (leak_q24 + (1 << 7)) >> 8;
     const emf_observer_t fresh = {
         .minus_inductance = q_pair(-inductance_q15, -inductance_q15),
-        .minus_leak = q_pair(-leak_q16, -leak_q16),
         .acquisition = tracking_gains(leak_q24 * ACQUISITION_PER_LEAK),
         .tracking = tracking_gains(leak_q24 * TRACKING_PER_LEAK),
         .acquisition_periods = (uint32_t)config->drive.pwm_frequency_Hz / ACQUISITION_DIVISOR,
@@ -100,6 +98,9 @@ void emf_observer_init(emf_observer_t *observer, const config_t *config)
 void emf_observer_reset(emf_observer_t *observer)
 {
     const ab16_t zero = {.v = q_pair(0, 0)};
+    if (observer->periods >= observer->acquisition_periods) {
+        observer->start_speed_q32 = observer->speed_q32;
+    }
     observer->alpha_q30 = 0;
     observer->beta_q30 = 0;
     observer->x = zero;
@@ -129,7 +130,7 @@ void emf_observer_acquire(emf_observer_t *observer)
     observer->periods += EMF_OBSERVER_ACQUIRE_PERIODS;
     if (observer->periods == EMF_OBSERVER_CAPTURE_PERIODS) {
         observer->theta_q32 = octant_q32(observer->x.v);
-        observer->speed_q32 = 0;
+        observer->speed_q32 = observer->start_speed_q32;
     }
     if (observer->periods >= observer->acquisition_periods) {
         observer->gains = observer->tracking;

@@ -30,9 +30,9 @@ static bool fast_enough(const monitor_rotor_state_t *state, const config_t *conf
 static void confirm(monitor_rotor_state_t *state, const config_t *config,
                     const monitor_rotor_input_t *in)
 {
-    const bool plausible = in->switching && in->acquired &&
-                           in->flux_q14 >= 4 * q_abs(in->across_q14) &&
-                           in->flux_q14 >= in->expected_q14 / 2;
+    const bool plausible =
+        in->switching && in->acquired && in->flux_q14 >= 4 * q_abs(in->across_q14) &&
+        in->flux_q14 >= in->expected_q14 / 2 && in->flux_q14 <= in->expected_q14 * 4;
     state->plausible = counted(state->plausible, plausible);
     state->implausible = counted(state->implausible, !plausible);
     const bool consistent =

@@ -2,7 +2,8 @@
 /*
  * Loss of the rotor sensor where the EMF exceeds the bus voltage: the bridge must stay in active
  * short circuit until the speed is below the freewheel limit, and must freewheel then, because the
- * braking torque of the short circuit rises with falling speed.
+ * braking torque of the short circuit rises with falling speed. Without the EMF observer, which
+ * would take over.
  */
 #include <math.h>
 #include <stdio.h>
@@ -34,6 +35,7 @@ static bench_t *with_encoder(const char *name, double rad_s)
     config.rotor.sensor = CONFIG_ROTOR_ENCODER;
     config.rotor.encoder_counts = 4096;
     config.rotor.encoder_index_turn = (int32_t)lround(77.0 / 360.0 * 65536.0);
+    config.rotor.observer_takeover = 0;
     bench_t *bench = fixture_start(&params, &config);
     fixture_run(bench, 0.2);
     TEST_ASSERT_EQUAL_INT(REASON_NONE, bench->wheel[0].first_fault);

@@ -90,8 +90,8 @@ static stop_t stop_from_40(double demand_nm, bool plug_off)
     bench_params_t params = fixture_quarter_vehicle();
     params.run.initial_speed_m_per_s = 42.0 * KMH;
     params.driver.brake_demand_nm = demand_nm;
-    config_t config = fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_HALL);
-    config.rotor.observer_takeover = 1;
+    const config_t config =
+        fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_HALL);
     bench_t *bench = fixture_start(&params, &config);
     while (bench->vehicle.speed_m_per_s > 40.0 * KMH) {
         bench_period(bench);

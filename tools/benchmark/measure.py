@@ -59,9 +59,9 @@ BUDGETS = (
     Budget("cortex-m3", CURRENT_LOOP, 175),
     Budget("cortex-m0plus", CURRENT_LOOP, 369),
 )
-SLOW_BUDGET = Budget("cortex-m4", SLOW_STEP, 9500, max_at_most=16500)
+SLOW_BUDGET = Budget("cortex-m4", SLOW_STEP, 9600, max_at_most=16500)
 """Of a configuration in every state of the envelope."""
-SLOW_MEDIANS = {"scooter48v": 10000, "ipm400v": 11400}
+SLOW_MEDIANS = {"scooter48v": 10000, "ipm400v": 11500}
 """Of the configurations with another one: salient, and a map over temperature."""
 LOOP_BYTES_AT_MOST = 3840
 REFERENCE_GCC = 12

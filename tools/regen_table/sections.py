@@ -377,7 +377,7 @@ class Rotor(Section):
                 "the EMF observer watches the sensor and takes over from it; else it only reports"
             )
         ),
-    ] = False
+    ] = True
 
 
 class Drive(Section):

@@ -145,7 +145,7 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
         /* [mrad/s] mechanical, from which the EMF observer watches the sensor and takes over
          * from it */
         .observer_speed_mrad_s          = 9068,
-        .observer_takeover              = 0, /* 1: it does; 0: it is only reported */
+        .observer_takeover              = 1, /* 1: it does; 0: it is only reported */
         .edge_turn = {0, 10923, 21845, 32768, 43691, 54613},
     },
     .battery = {
@@ -392,5 +392,5 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
             -282, -352, -283, -480, -539,
         },
     },
-    .crc32 = 0xF4C0087C,
+    .crc32 = 0xABF5E742,
 };

@@ -145,7 +145,7 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         /* [mrad/s] mechanical, from which the EMF observer watches the sensor and takes over
          * from it */
         .observer_speed_mrad_s          = 31664,
-        .observer_takeover              = 0, /* 1: it does; 0: it is only reported */
+        .observer_takeover              = 1, /* 1: it does; 0: it is only reported */
         .edge_turn = {0, 10923, 21845, 32768, 43691, 54613},
     },
     .battery = {
@@ -643,5 +643,5 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
             -224967, -234291, -243312,
         },
     },
-    .crc32 = 0x535C4651,
+    .crc32 = 0x0C69A96F,
 };

@@ -145,7 +145,7 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
         /* [mrad/s] mechanical, from which the EMF observer watches the sensor and takes over
          * from it */
         .observer_speed_mrad_s          = 5374,
-        .observer_takeover              = 0, /* 1: it does; 0: it is only reported */
+        .observer_takeover              = 1, /* 1: it does; 0: it is only reported */
         .edge_turn = {0, 10923, 21845, 32768, 43691, 54613},
     },
     .battery = {
@@ -411,5 +411,5 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
             -7364, -7790, -7021, -8871, -9455,
         },
     },
-    .crc32 = 0x6B887DCD,
+    .crc32 = 0x34BD92F3,
 };

@@ -145,7 +145,7 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
         /* [mrad/s] mechanical, from which the EMF observer watches the sensor and takes over
          * from it */
         .observer_speed_mrad_s          = 4418,
-        .observer_takeover              = 0, /* 1: it does; 0: it is only reported */
+        .observer_takeover              = 1, /* 1: it does; 0: it is only reported */
         .edge_turn = {0, 10923, 21845, 32768, 43691, 54613},
     },
     .battery = {
@@ -404,5 +404,5 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
             -5218, -5966, -6796, -7744, -8823, -10033, -11370, -12827, -14396,
         },
     },
-    .crc32 = 0x683CC8F5,
+    .crc32 = 0x370927CB,
 };

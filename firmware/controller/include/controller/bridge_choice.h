@@ -40,6 +40,7 @@ typedef struct {
     bool torque_wanted;   /* demand or torque command is not zero */
     bool torque_feasible; /* voltage and phase current suffice for PWM, forced torque or not */
     int32_t forced_mNm;   /* braking torque that PWM makes whatever is commanded, magnitude */
+    bool observer_used;   /* no sensor: a coasting bridge does not switch to find the angle */
     bool rotor_valid;     /* without it the bridge keeps switching, so that an observer sees */
     bridge_mode_t bridge; /* actual mode */
     bridge_mode_t safe_bridge;

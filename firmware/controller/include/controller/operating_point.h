@@ -13,6 +13,7 @@
 #ifndef CONTROLLER_OPERATING_POINT_H
 #define CONTROLLER_OPERATING_POINT_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "config/config.h"
@@ -26,12 +27,19 @@ typedef struct {
     int32_t magnets_pu;  /* psi/L_d, Q15 of the current base, at most 16 */
 } sampling_correction_t;
 
+/* observer_tuning.h: lambda of the EMF observer */
+typedef struct {
+    int32_t leak_q24;      /* lambda T */
+    int32_t cotangent_q24; /* (lambda T/2)/(1 - lambda T/2) */
+} observer_leak_t;
+
 /* observer_tuning.h: constants of the configuration, as shares of the EMF observer's full scale */
 typedef struct {
     int32_t resistance_q15; /* R I_base T at the reference temperature */
     int32_t volt_q15;       /* flux of one period at the bus voltage base */
     int32_t flux_q14;       /* the magnets' */
-    int32_t cotangent_q24;  /* (lambda T/2)/(1 - lambda T/2) */
+    observer_leak_t start;  /* lambda at a start; of a motor without saliency at all times */
+    bool follows_speed;     /* salient: lambda is lower at low speed */
 } observer_constants_t;
 
 /* Complete only so that a caller can own one; no other module reads a member. */
@@ -48,6 +56,8 @@ typedef struct {
     int32_t power_pu; /* of u_d i_d + u_q i_q */
     int32_t v_dc_pu;
     int32_t speed_q32;
+    int32_t observer_speed_q32; /* filtered: of its lead */
+    observer_leak_t observer_leak;
     uint16_t observer_lead_turn;
     int32_t winding_temperature_cC;
     sampling_correction_t sampling;

@@ -43,6 +43,7 @@ typedef struct {
     /* Shares of the flux full scale, Q15, both components the same. */
     q_pair_t volt;             /* flux of one period with the voltage circle's radius, < 1/4 */
     q_pair_t minus_resistance; /* -R T I_base, > -1/4 */
+    q_pair_t minus_leak;       /* -lambda T, Q16, >= -1/8 */
     uint16_t lead_turn; /* by which its flux leads the rotor at the present speed, with its sign */
     bool used;          /* the current controller uses the observer's angle */
 } observer_tuning_t;

@@ -88,9 +88,9 @@ typedef struct {
 typedef struct {
     uint32_t theta_q32;          /* of x at the next sample, turns */
     int32_t speed_q32;           /* turns per period */
+    int32_t start_speed_q32;     /* when the bridge last stopped to switch */
     int32_t alpha_q30, beta_q30; /* integrated voltage less R i, with its leak */
     q_pair_t minus_inductance;   /* -L_q I_base, Q15 */
-    q_pair_t minus_leak;         /* -lambda T, Q16 */
     observer_gains_t gains;      /* in use */
     ab16_t u;                    /* voltage of the latest step, modulation units */
     ab16_t x;                    /* active flux, Q14 */

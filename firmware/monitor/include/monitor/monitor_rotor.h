@@ -3,12 +3,13 @@
  * monitor_rotor.h: which rotor angle may be used for torque: the sensor's, the EMF observer's, or
  * none. Slow loop, 1 kHz.
  *
- * The observer is confirmed while the bridge switches, its flux has at least half the magnitude
- * that the magnets have at its speed and lies within 14 degrees of its angle, and the speed is at
- * least rotor.observer_speed. It then watches the sensor: 60 degrees for 2 ms, or 16 degrees for
- * 12 ms, make the sensor wrong, until they have agreed for monitor.rotor_warning_time. While the
- * sensor is wrong or invalid the observer's angle is used. Above 15/16 of its speed torque is
- * permitted with it; below, the angle is still there for the torque to ramp out.
+ * The observer is confirmed while the bridge switches, its flux has half to four times the
+ * magnitude that the magnets have at its speed (in a salient machine the current adds to it) and
+ * lies within 14 degrees of its angle, and the speed is at least rotor.observer_speed. It then
+ * watches the sensor: 60 degrees for 2 ms, or 16 degrees for 12 ms, make the sensor wrong, until
+ * they have agreed for monitor.rotor_warning_time. While the sensor is wrong or invalid the
+ * observer's angle is used. Above 15/16 of its speed torque is permitted with it; below, the angle
+ * is still there for the torque to ramp out.
  *
  * Without rotor.observer_takeover the sensor alone decides.
  *

@@ -142,6 +142,7 @@ void test_an_offset_beyond_the_tolerance_is_a_fault(void)
 void test_codes_are_converted_to_volts_amperes_and_rad_per_second(void)
 {
     rig_start_running(&rig);
+    rig.follows = true;
     rig_set_speed_rpm(&rig, 300.0);
     rig.fast_in.bus_voltage_code = rig_bus_code(&rig, 48.0);
     rig_run(&rig, 500);

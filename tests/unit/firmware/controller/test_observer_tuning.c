@@ -35,7 +35,7 @@ void test_lead_is_the_angle_of_the_leaking_integrator(void)
         const double im = sin(w * T);
         const double lead = atan2(im, re) - atan2(im, re + leak);
         const int32_t speed_q32 = (int32_t)lround(w * T / (2.0 * PI) * 4294967296.0);
-        const uint16_t lead_turn = observer_lead_turn(&constants, speed_q32);
+        const uint16_t lead_turn = observer_lead_turn(&constants.start, speed_q32);
         TEST_ASSERT_DOUBLE_WITHIN(0.2, 0.0,
                                   360.0 * remainder(lead_turn / 65536.0 - lead / (2.0 * PI), 1.0));
         const double share = hypot(re, im) / hypot(re + leak, im);
@@ -53,7 +53,7 @@ void test_voltage_and_resistance_are_shares_of_the_flux_full_scale(void)
     const int32_t cold_cC = config.motor.reference_temperature_cC;
     for (int k = 1; k <= 4; k++) {
         const observer_tuning_t at =
-            observer_tuning(&constants, &config, 8192 * k, 0, cold_cC + 2500 * k);
+            observer_tuning(&constants, &constants.start, &config, 8192 * k, 0, cold_cC + 2500 * k);
         const double warm = 1.0 + 0.00393 * 25.0 * k;
         TEST_ASSERT_DOUBLE_WITHIN(1.5, 32768.0 * T * circle_v * k / 4.0 / FULL_SCALE_WB,
                                   q_pair_x(at.volt));

@@ -81,15 +81,15 @@ static void period(machine_t *m, double with_r_ohm)
     if (++period_count % EMF_OBSERVER_ACQUIRE_PERIODS == 0) {
         emf_observer_acquire(&observer);
     }
-    const observer_tuning_t tuning =
-        observer_tuning(&constants, &config, V_DC_PU, 0, config.motor.reference_temperature_cC);
+    const observer_tuning_t tuning = observer_tuning(&constants, &constants.start, &config, V_DC_PU,
+                                                     0, config.motor.reference_temperature_cC);
     emf_observer_step(&observer, voltage, current, &tuning);
     m->theta += m->w * T;
 }
 
 static double error_deg(const machine_t *m)
 {
-    const uint16_t lead = observer_lead_turn(&constants, observer.speed_q32);
+    const uint16_t lead = observer_lead_turn(&constants.start, observer.speed_q32);
     const double turn = observer.theta_q32 / 4294967296.0 - lead / 65536.0;
     return 360.0 * remainder(turn - m->theta / (2.0 * PI), 1.0);
 }
@@ -157,7 +157,7 @@ void test_magnitude_is_the_expected_one(void)
 {
     machine_t m = {.w = 400.0, .q_a = 30.0};
     run(&m, 3000);
-    const uint16_t lead = observer_lead_turn(&constants, observer.speed_q32);
+    const uint16_t lead = observer_lead_turn(&constants.start, observer.speed_q32);
     const double seen = sqrt((double)q_pair_square(observer.x.v));
     TEST_ASSERT_DOUBLE_WITHIN(0.02 * seen, observer_expected_flux_q14(&constants, lead), seen);
 }

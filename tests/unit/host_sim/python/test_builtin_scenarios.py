@@ -49,6 +49,7 @@ SABOTAGE = {
     "pedal_stab": ("plant.brake.hydraulic_time_constant_s=0.3", "goes"),
     "ramp150": ("plant.motor.phase_resistance_ohm=0.04", "best_power"),
     "reverse": ("plant.motor.flux_linkage_wb=0.015", "speeds_up"),
+    "rotor_sensor_lost": ("rotor.observer_takeover=false", "goes_on"),
     "rolling_start": ("initial_speed_kmh=75", "current"),
     "stop": ("plant.motor.flux_linkage_wb=0.015", "torque"),
     "udds": ("plant.driver.demand_age_s=1", "follows"),

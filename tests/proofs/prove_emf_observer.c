@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * One period of the EMF observer: for every state, voltage, current and tuning nothing overflows,
+ * and flux and speed stay in their ranges. The flux may be anywhere in its range: no machine, no
+ * sensor and no rotor angle is assumed.
+ */
+#include "vectors.h"
+
+/* Any axis in the octagon around the unit circle instead of the table's 256. */
+static const q_pair_t *any_axes;
+#define ANGLE_TABLE any_axes
+#include "emf_observer.h"
+#undef ANGLE_TABLE
+
+/* L_q I_base over 2 psi + 5/4 L_q I_base; poles of the tracking loop at most 5/16 of 1/T. */
+enum {
+    MOST_INDUCTANCE_Q15 = 26215,
+    MOST_STEP_Q15 = 8191,
+    MOST_LEAK_Q16 = 8192,
+    MOST_PROPORTIONAL = 18625,
+    MOST_INTEGRAL = 2910
+};
+
+static q_pair_t both(int32_t x)
+{
+    return q_pair(x, x);
+}
+
+static ab16_t any_ab(int32_t radius)
+{
+    const dq_t v = any_vector(radius);
+    const ab16_t out = {.v = q_pair(v.d, v.q)};
+    return out;
+}
+
+static int32_t any_31_bits(void)
+{
+    return any_within(-(INT32_C(1) << 30), (INT32_C(1) << 30) - 1);
+}
+
+void prove_emf_observer(void)
+{
+    q_pair_t axes[ANGLE_TABLE_POINTS]; /* of any content */
+    any_axes = axes;
+    emf_observer_t observer = {
+        .theta_q32 = nondet_uint32(),
+        .speed_q32 = any_31_bits(),
+        .alpha_q30 = any_31_bits(),
+        .beta_q30 = any_31_bits(),
+        .minus_inductance = both(any_within(-MOST_INDUCTANCE_Q15, 0)),
+        .gains = {.proportional = any_within(0, MOST_PROPORTIONAL),
+                  .integral = any_within(1, MOST_INTEGRAL)},
+    };
+    axes[observer.theta_q32 >> 24] = any_rotation().v;
+    const observer_tuning_t tuning = {
+        .volt = both(any_within(0, MOST_STEP_Q15)),
+        .minus_resistance = both(any_within(-MOST_STEP_Q15, 0)),
+        .minus_leak = both(any_within(-MOST_LEAK_Q16, 0)),
+    };
+    const ab16_t u = any_ab(32767);
+    const ab16_t i = {.v = q_pair(any_within(-32768, 32767), any_within(-32768, 32767))};
+    emf_observer_step(&observer, u, i, &tuning);
+    PROVE(q_abs(q_pair_x(observer.x.v)) <= 32768 && q_abs(q_pair_y(observer.x.v)) <= 32768);
+    PROVE(observer.alpha_q30 >= -(INT32_C(1) << 30) && observer.alpha_q30 < INT32_C(1) << 30);
+    PROVE(observer.beta_q30 >= -(INT32_C(1) << 30) && observer.beta_q30 < INT32_C(1) << 30);
+    PROVE(observer.speed_q32 >= -(INT32_C(1) << 30) && observer.speed_q32 < INT32_C(1) << 30);
+    PROOF_END();
+}
