@@ -24,6 +24,7 @@ typedef struct {
 #define PEDALS_ARRAY(name, count, lowest, highest, unit, text) FIELD(pedals, name, count)
 #define MODES_FIELD(name, lowest, highest, unit, text) FIELD(modes, name, 1)
 #define MONITOR_FIELD(name, lowest, highest, unit, text) FIELD(monitor, name, 1)
+#define THERMAL_FIELD(name, lowest, highest, unit, text) FIELD(thermal, name, 1)
 #define REGEN_MAP_FIELD(name, lowest, highest, unit, text) FIELD(regen_map, name, 1)
 #define CURRENT_MAP_FIELD(name, lowest, highest, unit, text) FIELD(current_map, name, 1)
 #define ROTOR_ARRAY(name, count, lowest, highest, unit, text) FIELD(rotor, name, count)
@@ -42,6 +43,7 @@ static const field_t FIELDS[] = {
     CONFIG_PEDALS_ARRAY(PEDALS_ARRAY)
     CONFIG_MODES_FIELDS(MODES_FIELD)
     CONFIG_MONITOR_FIELDS(MONITOR_FIELD)
+    CONFIG_THERMAL_FIELDS(THERMAL_FIELD)
     CONFIG_REGEN_MAP_FIELDS(REGEN_MAP_FIELD)
     CONFIG_CURRENT_MAP_FIELDS(CURRENT_MAP_FIELD)
 };

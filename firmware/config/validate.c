@@ -33,6 +33,7 @@ typedef struct {
     ARRAY(pedals, name, count, lowest, highest)
 #define MODES(name, lowest, highest, unit, text) SCALAR(modes, name, lowest, highest)
 #define MONITOR(name, lowest, highest, unit, text) SCALAR(monitor, name, lowest, highest)
+#define THERMAL(name, lowest, highest, unit, text) SCALAR(thermal, name, lowest, highest)
 #define REGEN_MAP(name, lowest, highest, unit, text) SCALAR(regen_map, name, lowest, highest)
 #define REGEN_ARRAY(name, count, lowest, highest, unit, text)                                      \
     ARRAY(regen_map, name, count, lowest, highest)
@@ -46,9 +47,10 @@ static const field_range_t FIELDS[] = {
             CONFIG_BRAKE_FIELDS(BRAKE) CONFIG_VEHICLE_FIELDS(VEHICLE) CONFIG_DRIVER_FIELDS(DRIVER)
                 CONFIG_PEDALS_FIELDS(PEDALS) CONFIG_PEDALS_ARRAY(PEDALS_ARRAY)
                     CONFIG_MODES_FIELDS(MODES) CONFIG_MONITOR_FIELDS(MONITOR)
-                        CONFIG_REGEN_MAP_FIELDS(REGEN_MAP) CONFIG_REGEN_MAP_ARRAY(REGEN_ARRAY)
-                            CONFIG_CURRENT_MAP_FIELDS(CURRENT_MAP)
-                                CONFIG_CURRENT_MAP_ARRAY(CURRENT_MAP_POINTS)};
+                        CONFIG_THERMAL_FIELDS(THERMAL) CONFIG_REGEN_MAP_FIELDS(REGEN_MAP)
+                            CONFIG_REGEN_MAP_ARRAY(REGEN_ARRAY)
+                                CONFIG_CURRENT_MAP_FIELDS(CURRENT_MAP)
+                                    CONFIG_CURRENT_MAP_ARRAY(CURRENT_MAP_POINTS)};
 
 _Static_assert(sizeof(config_t) % sizeof(int32_t) == 0, "no padding at the end");
 _Static_assert(offsetof(config_t, crc32) == sizeof(config_t) - sizeof(uint32_t),

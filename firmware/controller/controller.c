@@ -27,6 +27,7 @@ void controller_init(controller_t *controller, const config_t *config)
     torque_init(&controller->slow.torque, config);
     monitor_slow_init(&controller->slow.monitor);
     modes_init(&controller->slow.modes);
+    temperatures_init(&controller->slow.temperatures, config);
     const monitor_rotor_state_t no_rotor = {.confirmed = false};
     controller->slow.rotor = no_rotor;
     bridge_choice_init(&controller->slow.bridge_choice);
@@ -118,8 +119,10 @@ static monitor_slow_input_t monitor_input(const controller_slow_t *slow, const c
             q_min(q_max(in->bms.charge_current_mA, 0) / config->battery.driven_wheels,
                   config->battery.max_charge_current_mA),
         .speed_mrad_s = at->speed_mrad_s,
-        .winding_temperature_cC = in->temperature.winding_cC,
-        .switch_temperature_cC = in->temperature.switch_cC,
+        .winding_temperature_cC = slow->temperatures.used.winding_cC,
+        .switch_temperature_cC = slow->temperatures.used.switch_cC,
+        .winding_sensor_broken = slow->temperatures.winding_broken,
+        .switch_sensor_broken = slow->temperatures.switch_broken,
         .i_d_mA = at->latest_i_d_mA,
         .i_q_mA = at->latest_i_q_mA,
         .u_d_mV = at->latest_u_d_mV,
@@ -216,8 +219,8 @@ static torque_output_t step_torque(controller_slow_t *slow, const config_t *conf
         .bms_discharge_current_mA = in->bms.discharge_current_mA,
         .bms_charge_peak_mA = in->bms.charge_peak_current_mA,
         .hydraulic = in->hydraulic,
-        .winding_temperature_cC = in->temperature.winding_cC,
-        .switch_temperature_cC = in->temperature.switch_cC,
+        .winding_temperature_cC = slow->temperatures.used.winding_cC,
+        .switch_temperature_cC = slow->temperatures.used.switch_cC,
         .torque_enable = *torque_enable,
     };
     const torque_output_t out = torque_step(&slow->torque, config, &torque_in);
@@ -238,7 +241,8 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
     operating_point_t at =
         operating_point_of(&slow->operating_point, config, report,
                            rotor.observer_used ? report->observer.speed_q32 : report->speed_q32,
-                           in->temperature.winding_cC);
+                           slow->temperatures.used.winding_cC);
+    temperatures_step(&slow->temperatures, config, &in->temperature, &at);
     const monitor_slow_input_t watched = monitor_input(slow, config, report, in, &at, rotor.valid);
     const monitor_output_t watch = monitor_slow_step(&slow->monitor, config, &watched);
     const modes_output_t modes = decide_mode(slow, config, report, in, &watch, rotor.valid);

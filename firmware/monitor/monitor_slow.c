@@ -3,6 +3,7 @@
 #include "core/divide.h"
 #include "core/q15.h"
 #include "monitor/monitor.h"
+#include "monitor/monitor_temperature.h"
 
 enum {
     FLOW_TOLERANCE_SHARE = 4, /* fast steps in a slow step may differ by a quarter: of the
@@ -119,29 +120,31 @@ static bool bus_unexplained(monitor_slow_state_t *state, const config_t *config,
                          (state->bus_was_low ? monitor->voltage_fault_time_ms : 0));
 }
 
-static reason_t one_temperature_fault(const config_monitor_t *config, int32_t temperature_cC,
-                                      int32_t limit_cC, reason_t broken, reason_t hot)
+static bool too_hot(const config_t *config, int32_t temperature_cC, int32_t limit_cC)
 {
-    if (limit_cC >= MONITOR_TEMPERATURE_OFF_cC) {
-        return REASON_NONE;
-    }
-    if (temperature_cC > config->highest_temperature_cC ||
-        temperature_cC < config->lowest_temperature_cC) {
-        return broken;
-    }
-    return temperature_cC > limit_cC + config->overtemperature_margin_cC ? hot : REASON_NONE;
+    return limit_cC < MONITOR_TEMPERATURE_OFF_cC &&
+           !monitor_temperature_outside(config, temperature_cC) &&
+           temperature_cC > limit_cC + config->monitor.overtemperature_margin_cC;
 }
 
+/* An estimate in place of a broken sensor derates, but is no fault. */
 static reason_t temperature_fault(const config_t *config, const monitor_slow_input_t *in)
 {
-    const reason_t winding = one_temperature_fault(
-        &config->monitor, in->winding_temperature_cC, config->motor.max_winding_temperature_cC,
-        REASON_WINDING_SENSOR, REASON_WINDING_OVERTEMPERATURE);
-    return winding != REASON_NONE
-               ? winding
-               : one_temperature_fault(&config->monitor, in->switch_temperature_cC,
-                                       config->drive.max_switch_temperature_cC,
-                                       REASON_SWITCH_SENSOR, REASON_SWITCH_OVERTEMPERATURE);
+    if (!in->winding_sensor_broken &&
+        too_hot(config, in->winding_temperature_cC, config->motor.max_winding_temperature_cC)) {
+        return REASON_WINDING_OVERTEMPERATURE;
+    }
+    return !in->switch_sensor_broken && too_hot(config, in->switch_temperature_cC,
+                                                config->drive.max_switch_temperature_cC)
+               ? REASON_SWITCH_OVERTEMPERATURE
+               : REASON_NONE;
+}
+
+static reason_t sensor_warning(const monitor_slow_input_t *in)
+{
+    return in->winding_sensor_broken  ? REASON_WINDING_SENSOR
+           : in->switch_sensor_broken ? REASON_SWITCH_SENSOR
+                                      : REASON_NONE;
 }
 
 /* A skipped sector is a warning for a while: one may be dirt, a dead sensor makes one every
@@ -267,6 +270,7 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
     const bool switching = in->bridge == BRIDGE_PWM;
     const int32_t sensor_time_ms = config->monitor.sensor_fault_time_ms;
     const reason_t current_warning = current_sensor_warning(in);
+    const reason_t sensor_warns = sensor_warning(in);
     const bool sum_wrong = current_sum_wrong(state, config, in);
     const bool sensor_wrong =
         qualified(&state->sensor_steps, switching && in->current_saturated, sensor_time_ms);
@@ -301,6 +305,7 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
         .fault = REASON_NONE,
         .warning = battery_lost                     ? REASON_BATTERY_DISCONNECTED
                    : current_warning != REASON_NONE ? current_warning
+                   : sensor_warns != REASON_NONE    ? sensor_warns
                    : rotor_warns                    ? REASON_ROTOR_UNCERTAIN
                                                     : REASON_NONE,
         .safe_bridge = safe.bridge,

@@ -115,6 +115,7 @@ def fields(drive: Drive) -> Values:
             "offset_wait_ms": nearest(drive.control.offset_wait_s * 1e3),
         },
         "monitor": _monitor(drive),
+        "thermal": _thermal(drive),
         "regen_map": {
             "speed_points": table.torque_mNm.shape[1],
             "speed_step_log2": table.speed_step_log2,
@@ -351,4 +352,18 @@ def _monitor(drive: Drive) -> dict[str, Any]:
         "coasting_mm_s2": nearest(monitor.coasting_m_per_s2 * 1e3),
         "standstill_mrad_s": nearest(monitor.standstill_rpm * RPM_TO_MRAD_S),
         "short_release_permille": nearest(monitor.short_release_share * 1e3),
+        "warmest_ambient_cC": nearest(monitor.warmest_ambient_c * 1e2),
+        "stuck_rise_cC": nearest(monitor.stuck_rise_k * 1e2),
     }
+
+
+def _thermal(drive: Drive) -> dict[str, Any]:
+    thermal = drive.thermal
+    bodies = ("winding", "housing", "switch", "heatsink")
+    out = {}
+    for body in bodies:
+        capacity = getattr(thermal, f"{body}_heat_capacity_j_per_k")
+        resistance = getattr(thermal, f"{body}_thermal_resistance_k_per_w")
+        out[f"{body}_heat_capacity_mJ_K"] = nearest(capacity * 1e3)
+        out[f"{body}_thermal_resistance_mK_W"] = nearest(resistance * 1e3)
+    return out

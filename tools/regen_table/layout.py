@@ -160,14 +160,25 @@ def _integer(text: str) -> int:
     return int(text.replace(" ", ""), 0)
 
 
-def expanded(header: Path = HEADER) -> str:
-    """Return the declarations, then what stands in the field lists and constants."""
-    if installation.INSTALLED and header == HEADER:
-        return EXPANDED.read_text(encoding="utf-8")
+def _whole(header: Path) -> str:
+    """Return a header's text with the project's own headers in place of their include lines."""
     try:
         text = header.read_text(encoding="utf-8")
     except OSError as error:
         raise ConfigurationError(f"{header}: cannot be read: {error.strerror}") from error
+    return re.sub(
+        r'^#include "([\w/]+\.h)"$',
+        lambda line: _whole(header.parents[1] / line[1]),
+        text,
+        flags=re.MULTILINE,
+    )
+
+
+def expanded(header: Path = HEADER) -> str:
+    """Return the declarations, then what stands in the field lists and constants."""
+    if installation.INSTALLED and header == HEADER:
+        return EXPANDED.read_text(encoding="utf-8")
+    text = _whole(header)
     lists = re.findall(
         r"^#define\s+(CONFIG_\w+_(?:FIELDS|ARRAY))\((\w)\)", text, flags=re.MULTILINE
     )

@@ -128,3 +128,23 @@ class Monitor(Section):
             "of the speed where it begins, below which an active short circuit ends",
         ),
     ] = 0.9
+    warmest_ambient_c: Annotated[
+        float,
+        number(
+            0.0,
+            100.0,
+            "degC",
+            "the controller's estimate takes the colder sensor's reading at the start for the"
+            " ambient, at most this",
+        ),
+    ] = 40.0
+    stuck_rise_k: Annotated[
+        float,
+        number(
+            0.0,
+            200.0,
+            "K",
+            "a temperature sensor that moves less than a quarter of it while the estimate moves by"
+            " it is stuck; 0: not checked",
+        ),
+    ] = 15.0

@@ -72,26 +72,27 @@ class Bms(Section):
 class Thermal(Section):
     """Heat of one motor and one inverter.
 
-    Read by the simulated plant only, and only where a scenario lets them warm up.
+    The simulated plant warms up where a scenario lets it; the controller estimates a temperature
+    whose sensor is broken.
     """
 
-    winding_heat_capacity_j_per_k: Annotated[float, number(0.0, 1e7, "J/K", "copper")] = 0.0
+    winding_heat_capacity_j_per_k: Annotated[float, number(0.0, 2e6, "J/K", "copper")] = 0.0
     winding_thermal_resistance_k_per_w: Annotated[
         float, number(0.0, 1e3, "K/W", "winding to housing; 0: insulated")
     ] = 0.0
     housing_heat_capacity_j_per_k: Annotated[
-        float, number(0.0, 1e7, "J/K", "iron and housing; 0: none")
+        float, number(0.0, 2e6, "J/K", "iron and housing; 0: none")
     ] = 0.0
     housing_thermal_resistance_k_per_w: Annotated[
         float, number(0.0, 1e3, "K/W", "housing to ambient; 0: insulated")
     ] = 0.0
-    switch_heat_capacity_j_per_k: Annotated[float, number(0.0, 1e7, "J/K", "all six switches")] = (
+    switch_heat_capacity_j_per_k: Annotated[float, number(0.0, 2e6, "J/K", "all six switches")] = (
         0.0
     )
     switch_thermal_resistance_k_per_w: Annotated[
         float, number(0.0, 1e3, "K/W", "switches to heat sink; 0: insulated")
     ] = 0.0
-    heatsink_heat_capacity_j_per_k: Annotated[float, number(0.0, 1e7, "J/K", "0: none")] = 0.0
+    heatsink_heat_capacity_j_per_k: Annotated[float, number(0.0, 2e6, "J/K", "0: none")] = 0.0
     heatsink_thermal_resistance_k_per_w: Annotated[
         float, number(0.0, 1e3, "K/W", "heat sink to ambient; 0: insulated")
     ] = 0.0

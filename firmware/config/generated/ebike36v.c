@@ -16,7 +16,7 @@ extern const config_t CONFIG_EBIKE36V;
 
 CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 12,
+    .format_version = 13,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "ebike36v",
@@ -352,6 +352,27 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
         /* [permille] of the speed where it begins, below which an active short circuit ends;
          * default 900 */
         .short_release_permille    = 900,
+        /* [cC] the ambient of the estimate is the colder sensor's reading at the start, at
+         * most this; default 4000 */
+        .warmest_ambient_cC        = 4000,
+        /* [cC] a temperature sensor that moves less than a quarter of it while the estimate
+         * moves by it is stuck; 0: not checked; default 1500 */
+        .stuck_rise_cC             = 1500,
+    },
+    .thermal = {
+        /* [mJ/K] of one motor's winding; 0: its temperature is not estimated, and a broken
+         * sensor ends the torque */
+        .winding_heat_capacity_mJ_K       = 230000,
+        .winding_thermal_resistance_mK_W  = 400, /* [mK/W] winding to housing; 0: insulated */
+        /* [mJ/K] of one motor's iron and housing; 0: none between winding and ambient */
+        .housing_heat_capacity_mJ_K       = 1500000,
+        .housing_thermal_resistance_mK_W  = 750, /* [mK/W] housing to ambient; 0: insulated */
+        /* [mJ/K] of one inverter's switches; 0: as of the winding */
+        .switch_heat_capacity_mJ_K        = 2500,
+        .switch_thermal_resistance_mK_W   = 1000, /* [mK/W] switches to heat sink; 0: insulated */
+        /* [mJ/K] of one inverter's heat sink; 0: none between switches and ambient */
+        .heatsink_heat_capacity_mJ_K      = 180000,
+        .heatsink_thermal_resistance_mK_W = 1500, /* [mK/W] heat sink to ambient; 0: insulated */
     },
     .regen_map = {
         .speed_points          = 12, /* points along speed, from standstill */
@@ -392,5 +413,5 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
             -282, -352, -283, -480, -539,
         },
     },
-    .crc32 = 0xABF5E742,
+    .crc32 = 0xD7C37C88,
 };

@@ -16,7 +16,7 @@ extern const config_t CONFIG_SCOOTER48V;
 
 CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 12,
+    .format_version = 13,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "scooter48v",
@@ -351,6 +351,27 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
         /* [permille] of the speed where it begins, below which an active short circuit ends;
          * default 900 */
         .short_release_permille    = 900,
+        /* [cC] the ambient of the estimate is the colder sensor's reading at the start, at
+         * most this; default 4000 */
+        .warmest_ambient_cC        = 4000,
+        /* [cC] a temperature sensor that moves less than a quarter of it while the estimate
+         * moves by it is stuck; 0: not checked; default 1500 */
+        .stuck_rise_cC             = 1500,
+    },
+    .thermal = {
+        /* [mJ/K] of one motor's winding; 0: its temperature is not estimated, and a broken
+         * sensor ends the torque */
+        .winding_heat_capacity_mJ_K       = 150000,
+        .winding_thermal_resistance_mK_W  = 400, /* [mK/W] winding to housing; 0: insulated */
+        /* [mJ/K] of one motor's iron and housing; 0: none between winding and ambient */
+        .housing_heat_capacity_mJ_K       = 1100000,
+        .housing_thermal_resistance_mK_W  = 800, /* [mK/W] housing to ambient; 0: insulated */
+        /* [mJ/K] of one inverter's switches; 0: as of the winding */
+        .switch_heat_capacity_mJ_K        = 4000,
+        .switch_thermal_resistance_mK_W   = 600, /* [mK/W] switches to heat sink; 0: insulated */
+        /* [mJ/K] of one inverter's heat sink; 0: none between switches and ambient */
+        .heatsink_heat_capacity_mJ_K      = 270000,
+        .heatsink_thermal_resistance_mK_W = 1200, /* [mK/W] heat sink to ambient; 0: insulated */
     },
     .regen_map = {
         .speed_points          = 37, /* points along speed, from standstill */
@@ -404,5 +425,5 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
             -5218, -5966, -6796, -7744, -8823, -10033, -11370, -12827, -14396,
         },
     },
-    .crc32 = 0x370927CB,
+    .crc32 = 0x06832E34,
 };

@@ -11,9 +11,9 @@
  *       "meaning, meaning of zero, effect of raising")
  *
  * Every scalar is an int32_t, so there is no padding on any machine. The unit is part of the name:
- * _mNm, _mA, _mV, _mW, _uOhm, _nH, _nWb, _cC (hundredths of a degree Celsius), _mrad_s
- * (mechanical), _turn (65 536 = one electrical turn), _pu_qN (per unit, fixed point with N fraction
- * bits). Per-unit bases: firmware/config/include/config/bases.h.
+ * _mNm, _mA, _mV, _mW, _uOhm, _nH, _nWb, _cC (hundredths of a degree Celsius), _mJ_K, _mK_W,
+ * _mrad_s (mechanical), _turn (65 536 = one electrical turn), _pu_qN (per unit, fixed point with N
+ * fraction bits). Per-unit bases: firmware/config/include/config/bases.h.
  *
  * Limits are those of ONE motor and its share of the battery (the pack's current divided by the
  * driven wheels). Braking torques are magnitudes >= 0; signed torques drive forward when positive.
@@ -23,8 +23,10 @@
 
 #include <stdint.h>
 
+#include "config/pedals_fields.h"
+
 #define CONFIG_MAGIC 0x434F4648 /* "HFOC" in memory, little endian */
-#define CONFIG_FORMAT_VERSION 12
+#define CONFIG_FORMAT_VERSION 13
 #define CONFIG_NAME_LENGTH 32
 #define CONFIG_REGEN_POINTS_MAX 833 /* such as 49 speeds at 17 temperatures, or 65 at 12 */
 /* such as 33 torques and 19 speeds at 2 temperatures */
@@ -288,40 +290,6 @@
     X(demand_rise_ms,     0, 1000, "ms", "from zero to the largest, faster is refused; 0: none") \
     X(demand_lost_frames, 0, 3,    "1",  "Demand frames in a row that may be missing; default 2")
 
-#define CONFIG_PEDALS_FIELDS(X) \
-    X(accelerator_channels,   0,   2,        "1",   "0: the driving demand comes by CAN") \
-    X(brake_channels,         0,   2,        "1",   "0: the braking demand comes by CAN") \
-    X(interpretation,         0,   1,        "",    "brake pedal: 0 proportional, 1 free travel") \
-    X(drive_torque_mNm,       0,   20000000, "mNm", \
-      "whole accelerator, wheel of share 1; default motor.max_torque_mNm") \
-    X(lift_off_torque_mNm,    0,   20000000, "mNm", \
-      "braking torque of the released accelerator, wheel of share 1; 0: it coasts") \
-    X(lift_off_travel_q15,    328, 16384,    "1", \
-      "share of the accelerator over which lift-off braking fades out; default 0.15") \
-    X(brake_torque_mNm,       0,   20000000, "mNm", \
-      "whole brake pedal, motor and hydraulic, wheel of share 1; default both limits' sum") \
-    X(free_travel_q15,        328, 32440,    "1", \
-      "share of the brake pedal that is the friction brake's free travel; default 0.3") \
-    X(free_travel_torque_mNm, 0,   20000000, "mNm", \
-      "braking torque at its end; default brake.electric_rated_torque_mNm") \
-    X(dead_band_q15,          164, 8192,     "1",   "travel of a released pedal; default 0.05") \
-    X(difference_q15,         328, 16384,    "1", \
-      "of the travel: two channels farther apart are implausible; default 0.1") \
-    X(fault_time_ms,          1,   1000,     "ms", \
-      "qualify and heal time of a channel that is implausible or out of range; default 100") \
-    X(override_q15,           0,   32768,    "1", \
-      "accelerator beyond it with the brake pressed must be released; 1: never; default 0.25") \
-    X(other_wheels,           0,   15,       "",    "bit of each wheel position to send Demand to")
-
-/* Channels: accelerator a and b, brake pedal a and b; ratios are of the sensors' supply. */
-#define CONFIG_PEDALS_ARRAY(Y) \
-    Y(lowest_q15,      CONFIG_PEDAL_CHANNELS, 0, 32768, "1", "below: shorted to ground, or open") \
-    Y(highest_q15,     CONFIG_PEDAL_CHANNELS, 0, 32768, "1", "above: shorted to the supply") \
-    Y(released_q15,    CONFIG_PEDAL_CHANNELS, 0, 32768, "1", "ratio at 0 % travel") \
-    Y(pressed_q15,     CONFIG_PEDAL_CHANNELS, 0, 32768, "1", "ratio at 100 % travel") \
-    Y(drive_share_q15, CONFIG_WHEELS,         0, 32768, "1", "of drive and lift-off torque") \
-    Y(brake_share_q15, CONFIG_WHEELS,         0, 32768, "1", "of the braking torque")
-
 #define CONFIG_MODES_FIELDS(X) \
     X(limp_drive_share_q15,                  0,         32767,      "1", \
       "share of motor.max_torque_mNm enabled for driving in LIMP, after a warning; braking is " \
@@ -379,7 +347,32 @@
     X(standstill_mrad_s,                     10,        5000,       "mrad/s", \
       "speed upper bound below which the wheel counts as at standstill; default 300") \
     X(short_release_permille,                500,       999,        "permille", \
-      "of the speed where it begins, below which an active short circuit ends; default 900")
+      "of the speed where it begins, below which an active short circuit ends; default 900") \
+    X(warmest_ambient_cC,                    0,         10000,      "cC", \
+      "the ambient of the estimate is the colder sensor's reading at the start, at most this; " \
+      "default 4000") \
+    X(stuck_rise_cC,                         0,         20000,      "cC", \
+      "a temperature sensor that moves less than a quarter of it while the estimate moves by it " \
+      "is stuck; 0: not checked; default 1500")
+
+#define CONFIG_THERMAL_FIELDS(X) \
+    X(winding_heat_capacity_mJ_K,            0,         2000000000, "mJ/K", \
+      "of one motor's winding; 0: its temperature is not estimated, and a broken sensor ends " \
+      "the torque") \
+    X(winding_thermal_resistance_mK_W,       0,         1000000,    "mK/W", \
+      "winding to housing; 0: insulated") \
+    X(housing_heat_capacity_mJ_K,            0,         2000000000, "mJ/K", \
+      "of one motor's iron and housing; 0: none between winding and ambient") \
+    X(housing_thermal_resistance_mK_W,       0,         1000000,    "mK/W", \
+      "housing to ambient; 0: insulated") \
+    X(switch_heat_capacity_mJ_K,             0,         2000000000, "mJ/K", \
+      "of one inverter's switches; 0: as of the winding") \
+    X(switch_thermal_resistance_mK_W,        0,         1000000,    "mK/W", \
+      "switches to heat sink; 0: insulated") \
+    X(heatsink_heat_capacity_mJ_K,           0,         2000000000, "mJ/K", \
+      "of one inverter's heat sink; 0: none between switches and ambient") \
+    X(heatsink_thermal_resistance_mK_W,      0,         1000000,    "mK/W", \
+      "heat sink to ambient; 0: insulated")
 
 #define CONFIG_REGEN_MAP_FIELDS(X) \
     X(speed_points,                          2,         65,         "1", \
@@ -442,6 +435,7 @@ typedef struct {
 } config_pedals_t;
 typedef struct { CONFIG_MODES_FIELDS(CONFIG_SCALAR_MEMBER) } config_modes_t;
 typedef struct { CONFIG_MONITOR_FIELDS(CONFIG_SCALAR_MEMBER) } config_monitor_t;
+typedef struct { CONFIG_THERMAL_FIELDS(CONFIG_SCALAR_MEMBER) } config_thermal_t;
 typedef struct {
     CONFIG_REGEN_MAP_FIELDS(CONFIG_SCALAR_MEMBER)
     CONFIG_REGEN_MAP_ARRAY(CONFIG_ARRAY_MEMBER)
@@ -470,6 +464,7 @@ typedef struct {
     config_pedals_t pedals;
     config_modes_t modes;
     config_monitor_t monitor;
+    config_thermal_t thermal;
     config_regen_map_t regen_map;
     config_current_map_t current_map;
     uint32_t crc32; /* CRC-32 (IEEE 802.3, reflected, initial and final 0xFFFFFFFF) of all bytes

@@ -34,6 +34,7 @@
 #include "config/config.h"
 #include "controller/bridge_choice.h"
 #include "controller/operating_point.h"
+#include "controller/temperatures.h"
 #include "core/slow_messages.h"
 #include "core/torque_enable.h"
 #include "foc/exchange.h"
@@ -68,6 +69,7 @@ typedef struct {
     monitor_rotor_state_t rotor;
     modes_state_t modes;
     bridge_choice_state_t bridge_choice;
+    temperatures_t temperatures;
     int32_t last_command_mNm;
     int32_t last_estimate_mNm;
     uint16_t step_count;

@@ -91,10 +91,10 @@
       "monitor.sensor_fault_time_ms", "never", FREEWHEEL, ACKNOWLEDGED, SERVICE)                   \
     X(79, ROTOR_IMPLAUSIBLE, "rotor angle contradicts the back-EMF",                               \
       "monitor.angle_fault_time_ms", "never", FREEWHEEL, ACKNOWLEDGED, SERVICE)                    \
-    X(80, WINDING_SENSOR, "winding temperature sensor broken",                                     \
-      "monitor.sensor_fault_time_ms", "never", FREEWHEEL, ACKNOWLEDGED, SERVICE)                   \
-    X(81, SWITCH_SENSOR, "inverter temperature sensor broken",                                     \
-      "monitor.sensor_fault_time_ms", "never", FREEWHEEL, ACKNOWLEDGED, SERVICE)                   \
+    X(80, WINDING_SENSOR, "winding temperature sensor broken or stuck, estimated",                 \
+      "monitor.sensor_fault_time_ms", "1000 ms", LIMIT, HEALS, SERVICE)                            \
+    X(81, SWITCH_SENSOR, "inverter temperature sensor broken or stuck, estimated",                 \
+      "monitor.sensor_fault_time_ms", "1000 ms", LIMIT, HEALS, SERVICE)                            \
     X(82, ACCELERATOR_SENSOR, "accelerator channels implausible or out of range",                  \
       "pedals.fault_time_ms", "pedals.fault_time_ms", LIMIT, SHOWN, SERVICE)                       \
     X(83, BRAKE_PEDAL_SENSOR, "brake pedal channels implausible or out of range",                  \

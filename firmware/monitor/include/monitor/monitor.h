@@ -100,6 +100,7 @@ typedef struct {
     int32_t speed_mrad_s;
     int32_t winding_temperature_cC;
     int32_t switch_temperature_cC;
+    bool winding_sensor_broken, switch_sensor_broken; /* the temperature is an estimate */
     int32_t i_d_mA, i_q_mA;      /* of the latest period, peak phase, estimated frame */
     int32_t u_d_mV, u_q_mV;      /* likewise, as applied */
     bool voltage_limited;        /* likewise */

@@ -11,7 +11,7 @@ ROOT = Path(__file__).resolve().parents[4]
 FIRMWARE = ROOT / "firmware"
 MODULE = FIRMWARE / "monitor"
 REASONS = Path("core", "include", "core", "reason.h")
-CONFIG = FIRMWARE / "config" / "include" / "config" / "config.h"
+CONFIG = FIRMWARE / "config" / "include" / "config"
 BEGIN, END = "<!-- from core/reason.h by generate.py -->", "<!-- end -->"
 WORDS = re.compile(r"at once|never|at calibration|at restart|\d+ (ms|PWM periods?)")
 
@@ -37,7 +37,8 @@ def rows() -> dict[int, list[str]]:
 
 def configured() -> set[str]:
     """Return the fields of the configuration as the list of faults names them."""
-    text = CONFIG.read_text(encoding="utf-8")
+    texts = [path.read_text(encoding="utf-8") for path in sorted(CONFIG.glob("*.h"))]
+    text = "\n".join(texts)
     sections = re.findall(r"#define CONFIG_(\w+)_FIELDS\(X\)(.*?)\n\n", text, re.DOTALL)
     return {
         f"{section.lower()}.{name}"

@@ -37,7 +37,7 @@ static double mean_brake_nm(const bench_t *bench)
     return out;
 }
 
-void test_hydraulic_brake_replaces_a_motor_with_a_broken_winding_sensor(void)
+void test_a_motor_with_a_broken_winding_sensor_goes_on_braking(void)
 {
     for (int k = 0; k < 2; k++) {
         bench_t *bench = fixture_start(&params, &config);
@@ -47,11 +47,13 @@ void test_hydraulic_brake_replaces_a_motor_with_a_broken_winding_sensor(void)
         bench->params.wheel[1].winding_sensor_shorted = k == 0 ? 0.0 : 1.0;
         bench_refresh(bench);
         fixture_run(bench, 0.6);
-        TEST_ASSERT_EQUAL_INT(REASON_WINDING_SENSOR, bench->wheel[1].first_fault);
-        TEST_ASSERT_EQUAL_INT(REASON_NONE, bench->wheel[0].first_fault);
-        TEST_ASSERT_TRUE(bench->wheel[1].active.bridge != BRIDGE_PWM);
-        TEST_ASSERT_DOUBLE_WITHIN(1.0, 40.0, bench->wheel[1].brake_capacity_nm);
+        TEST_ASSERT_EQUAL_INT(REASON_WINDING_SENSOR, bench->wheel[1].slow.warning_reason);
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, bench->wheel[1].first_fault);
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, bench->wheel[0].slow.warning_reason);
+        TEST_ASSERT_TRUE(bench->wheel[1].active.bridge == BRIDGE_PWM);
         TEST_ASSERT_DOUBLE_WITHIN(1.0, 40.0, mean_brake_nm(bench));
+        TEST_ASSERT_DOUBLE_WITHIN(0.5, -40.0,
+                                  1e-3 * bench->wheel[1].slow.motor_torque_estimate_mNm);
     }
 }
 

@@ -53,6 +53,7 @@ SABOTAGE = {
     "rolling_start": ("initial_speed_kmh=75", "current"),
     "stop": ("plant.motor.flux_linkage_wb=0.015", "torque"),
     "udds": ("plant.driver.demand_age_s=1", "follows"),
+    "winding_sensor_open": ("plant.thermal.winding_heat_capacity_j_per_k=60", "estimate"),
 }
 SHORTENED = {
     "udds": ("max_duration_s=60",),

@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * thermal_model.h: temperatures of winding and switches estimated from their losses, for a sensor
+ * that is broken or stuck. Two lumps of heat capacity in a row each; README, Thermal model.
+ *
+ *     C1 dT1/dt = P1 - (T1 - T2)/R1                      winding, switches
+ *     C2 dT2/dt = P2 + (T1 - T2)/R1 - (T2 - T_a)/R2      housing, heat sink
+ *
+ * P1 of the winding is its copper loss, P2 the iron loss; P1 of the switches is the bridge's loss.
+ * Slow loop: the squared current is summed every millisecond, a row advances every 64 ms.
+ */
+#ifndef TORQUE_THERMAL_MODEL_H
+#define TORQUE_THERMAL_MODEL_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "config/config.h"
+
+enum { THERMAL_MODEL_STEP_MS = 64 };
+
+/* One row. Temperatures in hundredths of a degree Celsius, 2^16. */
+typedef struct {
+    int32_t inner_q16, outer_q16, ambient_q16;
+    /* Made once: hundredths of a kelvin a milliwatt of one step adds, 2^16; shares of a difference
+     * of temperature that one step levels out, 2^30. */
+    int32_t inner_per_mW_q16, outer_per_mW_q16;
+    int32_t inner_share_q30, outer_gain_q30, ambient_share_q30;
+    bool known; /* the row is configured */
+} thermal_lumps_t;
+
+typedef struct {
+    thermal_lumps_t winding, switches;
+    int64_t square_sum; /* of the current vector's length, mA^2, in this step */
+    int32_t length_sum; /* of the length, mA */
+    uint16_t steps;     /* of the present 64 ms */
+    bool started;
+} thermal_model_state_t;
+
+/* Divides; once at start. */
+void thermal_model_init(thermal_model_state_t *state, const config_t *config);
+
+/* First step: the temperatures that the sensors show, and where one is broken the other's; the
+ * colder is the ambient, at most monitor.warmest_ambient. */
+void thermal_model_start(thermal_model_state_t *state, const config_t *config, int32_t winding_cC,
+                         bool winding_broken, int32_t switch_cC, bool switch_broken);
+
+/* i_d_mA, i_q_mA: means of the millisecond, peak phase; speed mechanical, signed. Any values. */
+void thermal_model_step(thermal_model_state_t *state, const config_t *config, int32_t i_d_mA,
+                        int32_t i_q_mA, int32_t speed_mrad_s);
+
+/* The estimate of a row's inner and outer lump, -327 to 327 degC. */
+static inline int32_t thermal_model_inner_cC(const thermal_lumps_t *row)
+{
+    return row->inner_q16 >> 16;
+}
+
+static inline int32_t thermal_model_outer_cC(const thermal_lumps_t *row)
+{
+    return row->outer_q16 >> 16;
+}
+
+#endif
