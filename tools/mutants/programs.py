@@ -116,6 +116,7 @@ def build(module: str, folder: Path, jobs: int, numbered: dict[int, tuple[Path, 
         shlex.split(line) for line in _run(("ninja", "-t", "commands", *targets)).splitlines()
     ]
     _write(module, folder, numbered)
+    _copy(ROOT / "firmware" / module, folder / "unchanged" / "firmware" / module)
     original = f"{ROOT}/firmware/{module}"
     changed = f"{folder}/firmware/{module}"
 
@@ -194,6 +195,7 @@ class SameCode:
     def __init__(self, build: Build, folder: Path) -> None:
         self._build = build
         self._folder = folder / "one"
+        self._plain = folder / "unchanged"
         self._unchanged: dict[Path, str] = {}
 
     def __call__(self, number: int) -> bool:
@@ -204,22 +206,30 @@ class SameCode:
         if path.suffix == ".c":
             units = [one for one in units if one.source == path]
         copy = self._folder / str(number)
-        shutil.copytree(ROOT / own, copy / own, ignore=shutil.ignore_patterns("*.md", "generated"))
-        for generated in (ROOT / own).rglob("generated"):
-            (copy / generated.relative_to(ROOT)).symlink_to(generated)
-        (copy / path.relative_to(ROOT)).write_bytes(schema.with_one(path.read_bytes(), change))
+        _copy(self._plain / own, copy / own)
+        (copy / path.relative_to(ROOT)).write_bytes(
+            schema.with_one((self._plain / path.relative_to(ROOT)).read_bytes(), change)
+        )
         same = bool(units) and all(self._is_same(one, copy, own) for one in units)
         shutil.rmtree(copy)
         return same
 
     def _is_same(self, one: Compile, copy: Path, own: str) -> bool:
         if one.source not in self._unchanged:
-            self._unchanged[one.source] = _assembly(one.words, one.source)
-        words = [word.replace(str(ROOT / own), str(copy / own)) for word in one.words]
-        changed = _assembly(words, copy / one.source.relative_to(ROOT))
+            self._unchanged[one.source] = self._assembly(one, self._plain, own)
+        changed = self._assembly(one, copy, own)
         return changed == self._unchanged[one.source]
 
+    def _assembly(self, one: Compile, root: Path, own: str) -> str:
+        words = (word.replace(str(ROOT / own), str(root / own)) for word in one.words)
+        source = root / one.source.relative_to(ROOT)
+        text = _run((*words, "-O2", "-w", "-g0", "-S", "-o", "-", str(source)))
+        kept = (line for line in text.splitlines() if not line.strip().startswith(".file"))
+        return "\n".join(kept)
 
-def _assembly(words: Iterable[str], source: Path) -> str:
-    text = _run((*words, "-O2", "-w", "-g0", "-S", "-o", "-", str(source)))
-    return "\n".join(line for line in text.splitlines() if not line.strip().startswith(".file"))
+
+def _copy(module: Path, copy: Path) -> None:
+    """Copy a module; what is generated stays where it is."""
+    shutil.copytree(module, copy, ignore=shutil.ignore_patterns("*.md", "generated"))
+    for generated in module.rglob("generated"):
+        (copy / generated.relative_to(module)).symlink_to(generated)
