@@ -70,6 +70,16 @@
       "number of a bit of the controller's state, from 1, that flips once; 0: none") \
     X(config_bit,            0.0,   1e6,    "",    "likewise of the configuration")
 
+#define LINK_FAULT_PARAMETERS(X) \
+    X(can_delay_s,           0.0,   1.0,    "s",   "frames reach the wheel so much later") \
+    X(can_repeated,          0.0,   1.0,    "", \
+      "1: the demand's last frame comes again and again instead of a new one") \
+    X(can_replay_s,          0.0,   1.0,    "s", \
+      "the frames of so many seconds from the fault on come again and again after them") \
+    X(can_corrupt,           0.0,   1.0,    "1",   "share of frames of which a byte is another") \
+    X(can_wrong_wheel,       0.0,   1.0,    "", \
+      "1: the demand's frames are those of another wheel, under this wheel's identifier")
+
 #define FAULT_PARAMETERS(X) \
     X(wheels,                0.0,   65535.0, "", \
       "wheels with the faults of this section: 1 = first, 2 = second, 4 = third ..., sums; " \
@@ -90,6 +100,7 @@
     X(hydraulic_late_s,      0.0,   1.0,    "s",   "dead time of the hydraulic brake added") \
     X(hydraulic_drag,        0.0,   100.0,  "1", \
       "brake torque that never releases, share of the largest hydraulic torque") \
+    LINK_FAULT_PARAMETERS(X) \
     PROGRAM_FAULT_PARAMETERS(X)
 /* clang-format on */
 
