@@ -63,10 +63,10 @@ static struct {
     double_buffer_t from_slow; /* low side background, high side millisecond */
     snapshot_t snapshot[2];
 
-    volatile bool memory_good; /* background */
-    pedal_link_t pedals;       /* millisecond */
-    slow_input_t slow_input;   /* millisecond */
-    supervisor_t supervisor;   /* background, like everything below */
+    volatile bool memory_good, config_good; /* background */
+    pedal_link_t pedals;                    /* millisecond */
+    slow_input_t slow_input;                /* millisecond */
+    supervisor_t supervisor;                /* background, like everything below */
     background_check_t check;
     can_link_t can;
     pedal_sender_t pedal_sender;
@@ -94,6 +94,7 @@ static void start_control(const config_t *config)
     start_recorder(config);
     background_check_init(&app.check, config, flash_firmware(), flash_firmware_crc32());
     app.memory_good = true;
+    app.config_good = true;
     controller_init(&app.controller, config);
     for (int i = 0; i < 2; i++) {
         app.fast_setpoint[i] = controller_initial_setpoint(config);
@@ -243,7 +244,7 @@ static slow_input_t slow_input(const node_command_t *command)
         .temperature = {.winding_cC = analog_winding_temperature_cC(),
                         .switch_cC = analog_switch_temperature_cC()},
         .selftest_passed = boot_selftest_passed(&app.boot) && app.memory_good,
-        .config_accepted = true, /* otherwise no slow step runs */
+        .config_accepted = app.config_good, /* accepted at boot, or no slow step runs */
     };
     return in;
 }
@@ -361,6 +362,7 @@ void app_background(void)
     } else {
         if (!background_check_step(&app.check, memory_stack_free_bytes())) {
             app.memory_good = false;
+            app.config_good = !app.check.config_damaged;
         }
         if (supervisor_may_feed(&app.supervisor, snapshot->counts)) {
             watchdog_feed();

@@ -25,7 +25,9 @@ bool background_check_step(background_check_t *check, uint32_t stack_free_bytes)
     check->at_bytes += part_bytes;
     if (check->at_bytes == size_bytes) {
         const uint32_t right = check->in_firmware ? check->firmware_crc32 : check->config->crc32;
-        check->damaged = check->damaged || check->crc != right;
+        const bool differs = check->crc != right;
+        check->damaged = check->damaged || differs;
+        check->config_damaged = check->config_damaged || (differs && !check->in_firmware);
         check->rounds += check->in_firmware ? 1U : 0U;
         check->in_firmware = !check->in_firmware;
         check->at_bytes = 0;

@@ -40,8 +40,11 @@ void bench_refresh(bench_t *bench)
         flip_config_bit(bench, bench->flipped_config_bit);
         flip_config_bit(bench, bit);
         bench->flipped_config_bit = bit;
+        const config_watch_t fresh = {.at_bytes = 0};
+        bench->config_watch = fresh;
     }
     bench->world = wheel_world(&bench->params, &bench->config);
+    bench->world.config_damaged = bench->config_watch.damaged;
     bench->road = motion_world(&bench->params, bench->world.step_s);
     for (int k = 0; k < bench->wheels; k++) {
         wheel_refresh(&bench->wheel[k], &bench->world);
@@ -271,6 +274,9 @@ static void slow_step(bench_t *bench)
                       (params->driver.abs_active > 0.5 || bench->abs_unit.anti_lock.at_work),
         .abs_motor_share = params->driver.abs_motor_share,
     };
+    if (bench->flipped_config_bit > 0U) {
+        bench->world.config_damaged = config_watch_step(&bench->config_watch, &bench->config);
+    }
     for (int k = 0; k < bench->wheels; k++) {
         const wheel_order_t own = order_of(bench, &order, k);
         wheel_slow(&bench->wheel[k], &bench->world, &own);

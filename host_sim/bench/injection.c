@@ -2,6 +2,9 @@
 #include "bench/injection.h"
 
 #include <math.h>
+#include <stddef.h>
+
+#include "config/validate.h"
 
 enum { BITS = 8 };
 static const double ON = 0.5; /* a switch given as a number */
@@ -11,6 +14,26 @@ bool injection_present(const fault_params_t *p)
 #define PRESENT(name, lowest, highest, unit, text) || p->name != 0.0
     return p->hydraulic_late_s != 0.0 PROGRAM_FAULT_PARAMETERS(PRESENT);
 #undef PRESENT
+}
+
+bool config_watch_step(config_watch_t *watch, const config_t *config)
+{
+    if (watch->program_ms > 0) {
+        watch->program_ms--;
+        return watch->damaged;
+    }
+    const uint32_t size_bytes = (uint32_t)offsetof(config_t, crc32);
+    const uint32_t left_bytes = size_bytes - watch->at_bytes;
+    const uint32_t part_bytes = left_bytes < CONFIG_WATCH_BYTES ? left_bytes : CONFIG_WATCH_BYTES;
+    const unsigned char *bytes = (const unsigned char *)config;
+    watch->crc = config_crc32_continue(watch->crc, &bytes[watch->at_bytes], part_bytes);
+    watch->at_bytes += part_bytes;
+    if (watch->at_bytes == size_bytes) {
+        const config_watch_t next = {.program_ms = CONFIG_WATCH_PROGRAM_MS,
+                                     .damaged = watch->damaged || watch->crc != config->crc32};
+        *watch = next;
+    }
+    return watch->damaged;
 }
 
 static void restart(const injection_target_t *target)

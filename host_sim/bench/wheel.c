@@ -115,6 +115,10 @@ void wheel_refresh(wheel_t *wheel, const wheel_world_t *world)
     if (!wheel->has_broken_bridge) {
         wheel->bridge.desaturated = false;
     }
+    wheel->has_broken_link = wheel->is_faulty && link_fault_present(&params->fault);
+    if (!wheel->has_broken_link) {
+        link_reset(&wheel->link);
+    }
     at_temperature(wheel, world);
     hydraulic_brake_refresh(&params->brake, &wheel->brake, own->brake_torque_loss, world->step_s);
     const bool had_broken_sensors = wheel->has_broken_sensors;
@@ -176,7 +180,7 @@ void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t 
         world->params->wheel[wheel->index].current_offset_a + order->current_drift_a;
     const brake_sensor_report_t brake = brake_sensor_step(
         &world->params->brake_sensor, &wheel->brake_sensor, wheel->brake_capacity_nm);
-    const slow_input_t in = {
+    slow_input_t in = {
         .demand = {.drive_torque_mNm = rounded(order->drive_nm, MILLI),
                    .brake_torque_mNm = rounded(order->brake_nm, MILLI),
                    .direction = order->direction,
@@ -195,8 +199,11 @@ void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t 
         .temperature = {.winding_cC = rounded(measured_winding_c(wheel, world->params), CENTI),
                         .switch_cC = rounded(measured_switches_c(wheel, world->params), CENTI)},
         .selftest_passed = true,
-        .config_accepted = true,
+        .config_accepted = !world->config_damaged,
     };
+    if (wheel->has_broken_link) {
+        link_step(&world->params->fault, &wheel->link, world->config, &in);
+    }
     if (wheel->coupling != NULL) {
         wheel->slow = wheel->coupling->millisecond(wheel->coupling->context, &in);
     } else if (wheel->has_broken_program) {

@@ -11,10 +11,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from hubsim.errors import HubsimError
 
-TABLE = Path(__file__).with_name("faults.toml")
+TABLES = tuple(Path(__file__).with_name(name) for name in ("faults.toml", "faults_links.toml"))
 EXPECTED = Path(__file__).with_name("expected_reasons.toml")
 SENSORS = ("hall", "encoder", "angle")
 
@@ -52,8 +53,10 @@ class Fault:
 
 @cache
 def table() -> dict[str, Fault]:
-    """Return all faults by name, in the order of the file."""
-    data = tomllib.loads(TABLE.read_text(encoding="utf-8"))
+    """Return all faults by name, in the order of the files."""
+    data: dict[str, Any] = {}
+    for path in TABLES:
+        data |= tomllib.loads(path.read_text(encoding="utf-8"))
     return {
         name: Fault(
             name,

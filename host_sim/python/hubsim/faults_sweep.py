@@ -366,7 +366,7 @@ class _Vehicle:
             bus_peak_v=engine.value("bus.peak_v"),
             bus_limit_v=drive.inverter.device_voltage_v or math.inf,
             first_reason=reason,
-            reason_expected=int(reason in faults.expected()[case.fault]),
+            reason_expected=int(reason in (faults.expected()[case.fault] or ("",))),
             time_to_reason_ms=1e3 * (at_s - case.instant_s),
             harmless=int(harmless),
             final_mode=engine.mode_text(rows[-1, MODE]),

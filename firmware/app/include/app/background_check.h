@@ -5,7 +5,8 @@
  * takes size / BACKGROUND_CHECK_BYTES passes of the background.
  *
  * Independent of both interrupts: it uses nothing that they write. What it finds stays found and
- * withdraws the self-test, which ends torque in the next slow step (modes.h). If the slow step does
+ * withdraws the self-test, or the configuration if that is damaged, which ends torque in the next
+ * slow step (modes.h). If the slow step does
  * not come either, the watchdog restarts the core, and the boot checks refuse.
  */
 #ifndef APP_BACKGROUND_CHECK_H
@@ -31,7 +32,8 @@ typedef struct {
     uint32_t crc;
     bool in_firmware; /* else in the configuration */
     bool damaged;
-    uint32_t rounds; /* complete, of both images */
+    bool config_damaged; /* what is damaged is the configuration */
+    uint32_t rounds;     /* complete, of both images */
 } background_check_t;
 
 /* config: accepted at boot. */

@@ -65,6 +65,7 @@ typedef struct {
     double time_s;
     double bus_peak_v;           /* since the run began */
     uint32_t flipped_config_bit; /* from 1; 0: none */
+    config_watch_t config_watch; /* while one is flipped */
     bool speed_prescribed;       /* the vehicle's speed is set from outside */
 } bench_t;
 

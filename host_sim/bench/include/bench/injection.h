@@ -6,7 +6,8 @@
  * Around them stands what the board does: the watchdog of app/supervisor.h restarts the core after
  * SUPERVISOR_TIMEOUT_ms in which steps were missing or their rates were off by more than a quarter,
  * and again for as long as the cause stays: bridge off, no messages. The brake system takes its own
- * path once the counter of the wheel's messages has stood still for five cycles.
+ * path once the counter of the wheel's messages has stood still for five cycles. A flipped bit of
+ * the configuration is found as app/background_check.h finds it: in parts, once each round.
  */
 #ifndef BENCH_INJECTION_H
 #define BENCH_INJECTION_H
@@ -37,6 +38,19 @@ typedef struct {
     const config_t *config;
     fast_setpoint_t *to_fast;
 } injection_target_t;
+
+/* The application's background check, 640 bytes of configuration and program a millisecond. */
+enum { CONFIG_WATCH_BYTES = 640, CONFIG_WATCH_PROGRAM_MS = 205 /* 128 KiB */ };
+
+/* All zero: at the beginning of a round. */
+typedef struct {
+    uint32_t at_bytes, crc;
+    uint32_t program_ms; /* left until the configuration is read again */
+    bool damaged;        /* for ever, as in the application */
+} config_watch_t;
+
+/* Once per millisecond. Returns watch->damaged. */
+bool config_watch_step(config_watch_t *watch, const config_t *config);
 
 bool injection_present(const fault_params_t *params);
 

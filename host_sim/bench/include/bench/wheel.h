@@ -19,6 +19,7 @@
 #include <stdint.h>
 
 #include "bench/injection.h"
+#include "bench/link.h"
 #include "bench/parameters.h"
 #include "controller/controller.h"
 #include "plant/bms.h"
@@ -36,6 +37,7 @@ typedef struct {
     sensors_t sensors;
     double step_s; /* of the plant: a PWM period or an equal part of it */
     double duty_per_count;
+    bool config_damaged; /* the background check has found it */
 } wheel_world_t;
 
 /* An external controller in place of the two steps. */
@@ -96,6 +98,8 @@ typedef struct {
     bool has_broken_program; /* injection.h */
     broken_bridge_t bridge;
     injection_t injection;
+    bool has_broken_link; /* link.h */
+    link_t link;
     plant_abc_t sampled_a; /* what stood in front of the current converters at the last sample */
     shunts_t shunts;
     plant_ab_t at_top; /* A, at the last top of the count */

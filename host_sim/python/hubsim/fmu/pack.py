@@ -57,11 +57,12 @@ def source_files(listed: Iterable[Path], table: Path) -> dict[str, Path]:
     found: dict[str, Path] = {"table.c": table}
     for path in listed:
         module = path.parent
-        found[f"{module.name}/{path.name}"] = path
+        folder = module.name if module.name != "generated" else f"{module.parent.name}/generated"
+        found[f"{folder}/{path.name}"] = path
         for header in sorted((module / "include").rglob("*.h")):
             found[header.relative_to(module / "include").as_posix()] = header
         for header in sorted(module.glob("*.h")):
-            found[f"{module.name}/{header.name}"] = header
+            found[f"{folder}/{header.name}"] = header
     return found
 
 

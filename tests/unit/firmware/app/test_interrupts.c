@@ -292,7 +292,7 @@ void test_a_damaged_configuration_ends_run_and_cannot_be_acknowledged(void)
     vehicle_sends(true, false, 1000);
     TEST_ASSERT_EQUAL_INT(INVERTER_MODE_OFF, board.mode);
     TEST_ASSERT_EQUAL_INT(MODE_FAULT, mode_on_can());
-    TEST_ASSERT_EQUAL_UINT8(REASON_SELFTEST_FAILED, board.last_state.data[2]);
+    TEST_ASSERT_EQUAL_UINT8(REASON_CONFIG_INVALID, board.last_state.data[2]);
     board.config.vehicle.wheel_radius_um--;
     vehicle_sends(false, true, 1000);
     TEST_ASSERT_EQUAL_INT(MODE_FAULT, mode_on_can());

@@ -2,8 +2,10 @@
 /* Faults of the program that need no controller; the others: tests/unit/host_sim/python. */
 #include "bench/injection.h"
 
+#include <stddef.h>
 #include <string.h>
 
+#include "config/validate.h"
 #include "unity.h"
 
 static fault_params_t fault;
@@ -49,5 +51,28 @@ void test_the_slow_step_that_has_stopped_keeps_its_messages_until_their_counter_
         TEST_ASSERT_EQUAL_INT(30000, last.hydraulic_torque_mNm);
         TEST_ASSERT_EQUAL_INT(MODE_RUN, last.mode);
         TEST_ASSERT_TRUE(last.hydraulic_valid);
+    }
+}
+
+void test_a_flipped_bit_of_the_configuration_is_found_within_a_round_and_for_ever(void)
+{
+    static config_t config;
+    config.crc32 = config_crc32(&config, (uint32_t)offsetof(config_t, crc32));
+    config_watch_t watch = {.at_bytes = 0};
+    const int round_ms = (int)(sizeof(config) / CONFIG_WATCH_BYTES) + 2 + CONFIG_WATCH_PROGRAM_MS;
+    for (int ms = 0; ms < 3 * round_ms; ms++) {
+        (void)config_watch_step(&watch, &config);
+        TEST_ASSERT_FALSE(watch.damaged);
+    }
+    unsigned char *bytes = (unsigned char *)&config;
+    bytes[1234] ^= 0x10U;
+    for (int ms = 0; ms < 2 * round_ms; ms++) {
+        (void)config_watch_step(&watch, &config);
+    }
+    TEST_ASSERT_TRUE(watch.damaged);
+    bytes[1234] ^= 0x10U;
+    for (int ms = 0; ms < 2 * round_ms; ms++) {
+        (void)config_watch_step(&watch, &config);
+        TEST_ASSERT_TRUE(watch.damaged);
     }
 }
