@@ -71,7 +71,8 @@ static void add_sums(foc_sums_t *sums, const foc_period_t *period)
 Q_TARGET_INLINE uint32_t begin_period(foc_state_t *state, const config_t *config,
                                       const fast_setpoint_t *setpoint, const foc_input_t *in)
 {
-    rotor_step(&state->rotor, config, in, &state->period.rotor);
+    rotor_step(&state->rotor, config, in, &state->observer, setpoint->observer.lead_turn,
+               &state->period.rotor);
     state->period.theta_turn = state->period.rotor.theta_turn;
     if (setpoint->observer.used) {
         state->period.theta_turn =

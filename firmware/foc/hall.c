@@ -220,9 +220,60 @@ static unsigned smoothing_log2(const hall_t *hall, int32_t sector_periods)
     return sector_periods < HALL_HIGH_SPEED_PERIODS ? 3 : 2;
 }
 
-/* An edge in the direction of the last one: a sector was crossed from end to end. The edge lay on
- * average half a period before this sample. */
-static void follow_edge(hall_t *hall, const config_t *config, uint8_t sector)
+/* How far the rotor is past an edge seen at this sample, by the observed angle: at most the
+ * movement of one period. What contradicts that corrects the observed angle's lead. */
+static int32_t passed_turn(hall_t *hall, uint32_t edge_q32, hall_observed_t observed)
+{
+    const int32_t moved_turn = hall->speed_q32 / 65536;
+    const uint16_t without_lead_turn =
+        (uint16_t)(observed.theta_turn - (hall->observer_lead_q32 >> 16));
+    const int32_t seen_turn = angle_difference(without_lead_turn, (uint16_t)(edge_q32 >> 16));
+    const int32_t passed = q_clamp(seen_turn, q_min(moved_turn, 0), q_max(moved_turn, 0));
+    hall->observer_lead_q32 += (uint32_t)((seen_turn - passed) * (65536 >> HALL_LEAD_LOG2));
+    return passed;
+}
+
+/* High speed and an observed angle: a critically damped tracking loop over the edges. The speed
+ * stays inside what a period more or less makes of the last turn's time. */
+static void follow_observed_edge(hall_t *hall, uint32_t edge_q32, hall_observed_t observed,
+                                 unsigned log2)
+{
+    const uint32_t theta_q32 = hall->theta_q32 + (uint32_t)hall->speed_q32;
+    const uint32_t now_turn = (edge_q32 >> 16) + (uint32_t)passed_turn(hall, edge_q32, observed);
+    const int32_t error_turn = angle_difference((uint16_t)now_turn, (uint16_t)(theta_q32 >> 16));
+    hall->theta_q32 = theta_q32 + ((uint32_t)error_turn << (16 - HALL_ANGLE_GAIN_LOG2));
+
+    const int32_t measured_q32 = measured_speed_q32(hall);
+    const int32_t measured_q16 = measured_q32 / 65536;
+    const int32_t period_q32 = measured_q16 * measured_q16;
+    const int32_t speed_q32 = q_clamp(hall->speed_q32 + error_turn * (HALL_SPEED_GAIN << log2),
+                                      measured_q32 - period_q32, measured_q32 + period_q32);
+    hall->speed_q32 = q_limit(speed_q32, 2 * HALL_FASTEST_Q31);
+}
+
+/* Without one the edge lay on average half a period before this sample. At low speed half of the
+ * angle's error, the whole of the speed's. */
+static void follow_unobserved_edge(hall_t *hall, uint32_t edge_q32, unsigned log2)
+{
+    const int32_t speed_q32 =
+        hall->speed_q32 + ((measured_speed_q32(hall) - hall->speed_q32) >> log2);
+    hall->speed_q32 = speed_q32;
+    const uint32_t now_q32 = edge_q32 + (uint32_t)(speed_q32 / 2);
+    if (hall->sectors_timed < HALL_SECTORS) {
+        hall->theta_q32 = now_q32;
+    } else {
+        /* This period's movement, before the comparison. */
+        const uint32_t theta_q32 = hall->theta_q32 + (uint32_t)speed_q32;
+        const int32_t error_turn =
+            angle_difference((uint16_t)(now_q32 >> 16), (uint16_t)(theta_q32 >> 16));
+        hall->theta_q32 = theta_q32 + ((uint32_t)error_turn << (log2 > 0 ? 16U - log2 : 15U));
+        clamp_to_sector(hall);
+    }
+}
+
+/* An edge in the direction of the last one: a sector was crossed from end to end. */
+static void follow_edge(hall_t *hall, const config_t *config, uint8_t sector,
+                        hall_observed_t observed)
 {
     const uint8_t left = hall->sector;
     const int32_t periods = hall->periods_since_edge;
@@ -233,19 +284,11 @@ static void follow_edge(hall_t *hall, const config_t *config, uint8_t sector)
     hall->overdue_periods = q_min(periods * HALL_OVERDUE_FACTOR, hall->standstill_periods);
     hall->bounce_periods = (int32_t)((uint32_t)periods / HALL_BOUNCE_DIVISOR);
     const unsigned log2 = smoothing_log2(hall, periods);
-    const int32_t speed_q32 =
-        hall->speed_q32 + ((measured_speed_q32(hall) - hall->speed_q32) >> log2);
-    hall->speed_q32 = speed_q32;
-    const uint32_t now_q32 = edge_q32 + (uint32_t)(speed_q32 / 2);
-    if (hall->sectors_timed < HALL_SECTORS) {
-        hall->theta_q32 = now_q32;
-    } else {
-        /* This period's movement, before the comparison; at low speed half of the error. */
-        const uint32_t theta_q32 = hall->theta_q32 + (uint32_t)speed_q32;
-        const int32_t error_turn =
-            angle_difference((uint16_t)(now_q32 >> 16), (uint16_t)(theta_q32 >> 16));
-        hall->theta_q32 = theta_q32 + ((uint32_t)error_turn << (log2 > 0 ? 16U - log2 : 15U));
+    if (log2 > 0 && observed.known) {
+        follow_observed_edge(hall, edge_q32, observed, log2);
         clamp_to_sector(hall);
+    } else {
+        follow_unobserved_edge(hall, edge_q32, log2);
     }
     note_plausible_edge(hall);
 }
@@ -313,11 +356,12 @@ static void process_impossible_state(hall_t *hall)
 }
 
 /* An edge, the bounce of the last one, an impossible reversal, or a skipped sector. */
-static void process_other_sector(hall_t *hall, const config_t *config, uint8_t sector)
+static void process_other_sector(hall_t *hall, const config_t *config, uint8_t sector,
+                                 hall_observed_t observed)
 {
     const int32_t step = sector_step(hall->sector, sector);
     if (step != 0 && step == hall->direction) {
-        follow_edge(hall, config, sector);
+        follow_edge(hall, config, sector, observed);
     } else if (step != 0 && hall->periods_since_edge <= hall->bounce_periods) {
         extrapolate(hall);
     } else if (step == 0 || impossible_reversal(hall, step)) {
@@ -328,7 +372,8 @@ static void process_other_sector(hall_t *hall, const config_t *config, uint8_t s
     }
 }
 
-static void process_plausible(hall_t *hall, const config_t *config, uint8_t sector)
+static void process_plausible(hall_t *hall, const config_t *config, uint8_t sector,
+                              hall_observed_t observed)
 {
     if (sector == HALL_NO_SECTOR) {
         process_impossible_state(hall);
@@ -338,7 +383,7 @@ static void process_plausible(hall_t *hall, const config_t *config, uint8_t sect
     if (sector == hall->sector) {
         process_same_sector(hall);
     } else {
-        process_other_sector(hall, config, sector);
+        process_other_sector(hall, config, sector, observed);
     }
 }
 
@@ -352,12 +397,13 @@ static void start(hall_t *hall, const config_t *config, uint8_t sector)
     }
 }
 
-void hall_process_event(hall_t *hall, const config_t *config, uint8_t sensors)
+void hall_process_event(hall_t *hall, const config_t *config, uint8_t sensors,
+                        hall_observed_t observed)
 {
     const uint8_t sector = SECTOR_OF_SENSORS[sensors & 7U];
     hall->periods_since_edge = q_min(hall->periods_since_edge + 1, UINT16_MAX);
     if (hall->valid) {
-        process_plausible(hall, config, sector);
+        process_plausible(hall, config, sector, observed);
     } else if (!hall->started) {
         start(hall, config, sector);
     } else if (ride_through_step(hall, config, sector)) {

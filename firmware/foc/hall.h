@@ -4,7 +4,8 @@
  *
  * Speed: the time of the latest sectors, up to one electrical turn, so that misplaced sensors
  * cancel. Angle: extrapolated between edges, corrected at each edge, always inside the sector that
- * the sensors report. When the next edge is overdue the speed decays; after a quarter of a second
+ * the sensors report. At high speed the observed angle tells when in the last period an edge was
+ * passed. When the next edge is overdue the speed decays; after a quarter of a second
  * the rotor counts as at standstill and the angle is the middle of the sector (within 30 degrees
  * for evenly spaced sensors: torque at least 87 % of the nominal).
  *
@@ -33,6 +34,9 @@ enum {
     HALL_BOUNCE_DIVISOR = 8,      /* of the last sector's time: a reversal sooner is a bounce */
     HALL_HIGH_SPEED_PERIODS = 32, /* sector time below which an edge corrects an eighth, below
                                      twice that a quarter */
+    HALL_LEAD_LOG2 = 3,           /* of what contradicts the observed angle's lead: an eighth */
+    HALL_ANGLE_GAIN_LOG2 = 2,     /* of the error of an edge with an observed angle: a quarter */
+    HALL_SPEED_GAIN = 16,         /* of that error in turns Q16 to speed Q32, times 8 or 4 */
     HALL_DECAY_LOG2 = 6,          /* an overdue edge takes 1/64 of the speed a period */
     HALL_REVERSAL_DIVISOR = 67,   /* 15 ms: no rotor reverses within two sectors of less time */
     HALL_PLAUSIBLE_EDGES = 6,     /* in sequence end the ride-through */
@@ -45,8 +49,16 @@ enum {
 
 void hall_init(hall_t *hall, const config_t *config);
 
+/* Angle of the EMF observer at this sample. It is used within the last period's movement only, so
+ * that the sensors stay what decides. */
+typedef struct {
+    uint16_t theta_turn;
+    bool known;
+} hall_observed_t;
+
 /* A period with an event: an edge, an impossible state, an overdue edge, the end of a sector. */
-void hall_process_event(hall_t *hall, const config_t *config, uint8_t sensors);
+void hall_process_event(hall_t *hall, const config_t *config, uint8_t sensors,
+                        hall_observed_t observed);
 
 /* One period without an event: the rotor moves inside its sector, as in nearly every period. False
  * if there is an event; then nothing has changed. sensors: bit 0 A, bit 1 B, bit 2 C. */
@@ -66,11 +78,12 @@ static inline bool hall_extrapolate(hall_t *hall, uint8_t sensors)
     return true;
 }
 
-/* One period. */
+/* One period without an observed angle. */
 static inline void hall_step(hall_t *hall, const config_t *config, uint8_t sensors)
 {
     if (!hall_extrapolate(hall, sensors)) {
-        hall_process_event(hall, config, sensors);
+        const hall_observed_t observed = {.known = false};
+        hall_process_event(hall, config, sensors, observed);
     }
 }
 

@@ -24,7 +24,7 @@ void rotor_other_step(rotor_state_t *state, const config_t *config, const foc_in
  * in a period with an event; without hall sensors that is every period, because hall_init() leaves
  * an edge overdue. */
 static inline void rotor_step(rotor_state_t *state, const config_t *config, const foc_input_t *in,
-                              rotor_out_t *out)
+                              const emf_observer_t *observer, uint16_t lead_turn, rotor_out_t *out)
 {
     hall_t *hall = &state->hall;
     if (!hall_extrapolate(hall, in->hall_state)) {
@@ -32,7 +32,11 @@ static inline void rotor_step(rotor_state_t *state, const config_t *config, cons
             rotor_other_step(state, config, in, out);
             return;
         }
-        hall_process_event(hall, config, in->hall_state);
+        const hall_observed_t observed = {
+            .theta_turn = (uint16_t)((observer->theta_q32 >> 16) - lead_turn),
+            .known = observer->periods >= observer->acquisition_periods,
+        };
+        hall_process_event(hall, config, in->hall_state, observed);
         out->speed_q32 = hall->speed_q32;
         out->faults = hall->faults;
         out->valid = hall->valid;

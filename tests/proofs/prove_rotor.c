@@ -76,6 +76,7 @@ static hall_t any_hall(const config_t *config)
     hall.reversal_periods = nondet_int32();
     hall.edge_theta_q32 = nondet_uint32();
     hall.edge_speed_q32 = nondet_int32();
+    hall.observer_lead_q32 = nondet_uint32();
     hall.plausible_edges = nondet_uint8();
     hall.started = true;
     hall.valid = nondet_bool();
@@ -100,7 +101,11 @@ void prove_hall_step(void)
     config_t config;
     any_rotor_configuration(&config);
     hall_t hall = any_hall(&config);
-    hall_step(&hall, &config, nondet_uint8());
+    const uint8_t sensors = nondet_uint8();
+    const hall_observed_t observed = {.theta_turn = nondet_uint16(), .known = nondet_bool()};
+    if (!hall_extrapolate(&hall, sensors)) {
+        hall_process_event(&hall, &config, sensors, observed);
+    }
     PROVE(hall_invariant(&hall, &config));
     PROOF_END();
 }
@@ -118,7 +123,8 @@ void prove_angle_tracker(void)
     hall_init(&state.hall, &config);
     const foc_input_t in = {.rotor_angle_turn = nondet_uint16(), .hall_state = nondet_uint8()};
     rotor_out_t out;
-    rotor_step(&state, &config, &in, &out);
+    const emf_observer_t observer = {.theta_q32 = nondet_uint32(), .periods = nondet_uint32()};
+    rotor_step(&state, &config, &in, &observer, nondet_uint16(), &out);
     PROVE(out.valid && out.faults == 0);
     /* The next period reads the sensor again. */
     PROVE(state.hall.periods_since_edge >= state.hall.overdue_periods);

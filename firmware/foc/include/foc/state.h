@@ -39,6 +39,7 @@ typedef struct {
     uint32_t timed_turn, timed_periods; /* sums over the sectors timed in this movement, <= 6 */
     uint32_t edge_theta_q32;            /* at the last plausible edge */
     int32_t edge_speed_q32;             /* from there on */
+    uint32_t observer_lead_q32;         /* of the observed angle over the sensors', learned */
     uint16_t faults;                    /* wrapping */
     uint8_t sector;                     /* 0 .. 5 */
     uint8_t steady_sensors;  /* unchanged reading that is skipped; HALL_NO_READING: none */

@@ -70,6 +70,66 @@ void test_mean_angle_error_is_zero_at_constant_speed(void)
     }
 }
 
+/* Speeds at which a sector takes nearly a whole number of periods, both ways: the edges fall on
+ * nearly the same place between two samples for a long time. */
+static const double BEATS[] = {1.0 / 84.0 + 2e-7, 1.0 / 90.0 - 3e-7, 1.0 / 120.0 + 1e-7,
+                               -1.0 / 84.0 - 2e-7, -1.0 / 204.0 + 1e-7};
+enum { BEAT_COUNT = sizeof BEATS / sizeof BEATS[0], TURNS_TO_SETTLE = 600 };
+
+/* Largest error in periods' movements at these speeds. */
+static double largest_error(double speed, bool observed, double observed_error_turns)
+{
+    restart();
+    double largest = 0.0;
+    const int count = (int)(2 * TURNS_TO_SETTLE / fabs(speed));
+    for (int n = 0; n < count; n++) {
+        if (observed) {
+            turn_observed(speed, observed_error_turns);
+        } else {
+            turn(speed);
+        }
+        const double error = fabs(angle_error_turns() / speed);
+        largest = n >= count / 2 && error > largest ? error : largest;
+        assert_inside_sector();
+    }
+    TEST_ASSERT_TRUE(hall.valid);
+    return largest;
+}
+
+void test_observed_angle_removes_the_beat_of_edges_and_samples(void)
+{
+    for (int s = 0; s < BEAT_COUNT; s++) {
+        TEST_ASSERT_TRUE(largest_error(BEATS[s], false, 0.0) > 0.4);
+        /* The place is known to 1/65 536 turn; the end of a sector still shows a sample late. */
+        TEST_ASSERT_TRUE(largest_error(BEATS[s], true, 0.0) < 0.1);
+    }
+}
+
+void test_lead_of_the_observed_angle_is_learned_within_a_beat(void)
+{
+    const double leads[] = {0.05, -0.02};
+    for (int k = 0; k < 2; k++) {
+        TEST_ASSERT_TRUE(largest_error(0.0117, true, leads[k]) < 0.2);
+        TEST_ASSERT_TRUE(largest_error(-0.0093, true, leads[k]) < 0.2);
+    }
+}
+
+void test_wrong_observed_angle_leaves_what_the_edges_allow(void)
+{
+    for (int s = 0; s < SPEED_COUNT; s++) {
+        restart();
+        uint32_t random = 1;
+        for (int n = 0; n < 20000; n++) {
+            random = random * 1664525U + 1013904223U;
+            turn_observed(SPEEDS[s], (random >> 8) / 16777216.0);
+            if (n > 3.0 / fabs(SPEEDS[s])) {
+                TEST_ASSERT_DOUBLE_WITHIN(2.0 * fabs(SPEEDS[s]) + 1e-4, 0.0, angle_error_turns());
+                assert_inside_sector();
+            }
+        }
+    }
+}
+
 static void misplace_sensors(void)
 {
     /* Up to 5 degrees electrical, different for each edge. */

@@ -36,7 +36,8 @@ static rotor_out_t look(uint16_t angle_turn, uint8_t hall_state, const encoder_i
 {
     const foc_input_t in = {
         .rotor_angle_turn = angle_turn, .hall_state = hall_state, .encoder = *encoder};
-    rotor_step(&rotor, &config, &in, &out);
+    static const emf_observer_t NO_OBSERVER = {.acquisition_periods = 1};
+    rotor_step(&rotor, &config, &in, &NO_OBSERVER, 0, &out);
     return out;
 }
 

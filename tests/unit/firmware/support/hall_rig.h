@@ -58,6 +58,19 @@ static inline void turn(double speed_turns_per_period)
     hall_step(&hall, &config, STATE_OF_SECTOR[true_sector()]);
 }
 
+/* The same with an EMF observer that is wrong by a constant angle. */
+static inline void turn_observed(double speed_turns_per_period, double observed_error_turns)
+{
+    theta_turns += speed_turns_per_period;
+    const double seen_turns = theta_turns + observed_error_turns;
+    const hall_observed_t observed = {
+        .theta_turn = (uint16_t)lround((seen_turns - floor(seen_turns)) * 65535.0), .known = true};
+    const uint8_t sensors = STATE_OF_SECTOR[true_sector()];
+    if (!hall_extrapolate(&hall, sensors)) {
+        hall_process_event(&hall, &config, sensors, observed);
+    }
+}
+
 static inline void turn_for(int periods, double speed_turns_per_period)
 {
     for (int n = 0; n < periods; n++) {
