@@ -1,12 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Write drives and what ``regen_table`` answers about them as a C++ header: ``optimum_values.py
-OUT.hpp``.
+OUT.hpp [SHARED]``.
+
+Several builds of the same tree share the folder SHARED: the first computes, the others copy, as
+long as the contents of all sources and the versions of Python and NumPy are the same.
 
 The drives' numbers come straight from the TOML files and the random drives of the Python tests, the
 answers from ``solve`` and ``evaluate``. Torques and speeds of either sign; NaN where an answer is
 null.
 """
 
+import fcntl
+import hashlib
 import math
 import sys
 from collections.abc import Iterable
@@ -115,8 +120,8 @@ def literal(value: float | bool | str | None) -> str:
     return "INFINITY" if math.isinf(value) else repr(value)
 
 
-def main() -> int:
-    """Compute everything, write the header."""
+def text() -> str:
+    """Compute everything; return the header."""
     shipped = [schema.load(path) for path in sorted((ROOT / "tools" / "motors").glob("*.toml"))]
     random = plausible.drives()
     solved, evaluated = answers(random)
@@ -142,7 +147,53 @@ def main() -> int:
         "} // namespace values",
         "",
     ]
-    Path(sys.argv[1]).write_text("\n".join(lines), encoding="utf-8")
+    return "\n".join(lines)
+
+
+def state_of_sources() -> str:
+    """Return a hash of all that the header depends on."""
+    here = Path(__file__).resolve().parent
+    found = [here / "optimum_values.py", here / "plausible.py"]
+    for folder, pattern in (
+        ("tools/regen_table", "*.py"),
+        ("tools/motors", "*.toml"),
+        ("firmware/config/include", "**/*.h"),
+    ):
+        found += sorted((ROOT / folder).glob(pattern))
+    state = hashlib.sha256(f"{sys.version} {np.__version__}".encode())
+    for path in found:
+        content = hashlib.sha256(path.read_bytes()).hexdigest()
+        state.update(f"{path.relative_to(ROOT)} {content}\n".encode())
+    return state.hexdigest()
+
+
+def shared_text(folder: Path) -> str:
+    """Return the header that another build computed from the same sources, or compute it there.
+
+    A build that comes while another computes waits for it.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    header, stamp = folder / "optimum_values.hpp", folder / "optimum_values.sha256"
+    with (folder / "optimum_values.lock").open("w", encoding="utf-8") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        state = state_of_sources()
+        if header.is_file() and stamp.is_file() and stamp.read_text(encoding="utf-8") == state:
+            return header.read_text(encoding="utf-8")
+        stamp.unlink(missing_ok=True)
+        computed = text()
+        header.write_text(computed, encoding="utf-8")
+        if state_of_sources() == state:  # no source was edited meanwhile
+            stamp.write_text(state, encoding="utf-8")
+        return computed
+
+
+def main() -> int:
+    """Write the header; half of one is never seen."""
+    out = Path(sys.argv[1])
+    content = shared_text(Path(sys.argv[2])) if len(sys.argv) > 2 else text()
+    new = out.with_suffix(".new")
+    new.write_text(content, encoding="utf-8")
+    new.replace(out)
     return 0
 
 

@@ -66,7 +66,7 @@ function(hubfoc_add_python_test)
   add_test(NAME ${T_NAME} COMMAND "${HUBFOC_PYTHON}" -m pytest -q -p no:cacheprovider ${T_FILES}
     WORKING_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}")
   set_property(TEST ${T_NAME} PROPERTY ENVIRONMENT "HUBFOC_BUILD_DIR=${PROJECT_BINARY_DIR}"
-    "HUBFOC_SOURCE_DIR=${PROJECT_SOURCE_DIR}" PYTHONDONTWRITEBYTECODE=1)
+    "HUBFOC_SOURCE_DIR=${PROJECT_SOURCE_DIR}")
   hubfoc_test_properties(${T_NAME} "python;${T_LABELS}" "${T_TIMEOUT}")
 endfunction()
 
