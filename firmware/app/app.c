@@ -26,7 +26,8 @@
 enum {
     FINISH_PASSES =
         100000, /* of the console, more than the closing line needs at the lowest bit rate */
-    FAST_TIMEOUT_ms = 3 /* without a fast step; a millisecond has at least four */
+    FAST_TIMEOUT_ms = 3, /* without a fast step; a millisecond has at least four */
+    DAMAGED_PASSES = 2   /* of the background */
 };
 
 /* Results of the slow step for the background. */
@@ -68,6 +69,7 @@ static struct {
     slow_input_t slow_input;                /* millisecond */
     supervisor_t supervisor;                /* background, like everything below */
     background_check_t check;
+    uint32_t damaged_passes; /* in a row, of the fast monitor's variables */
     can_link_t can;
     pedal_sender_t pedal_sender;
     console_t console;
@@ -95,6 +97,7 @@ static void start_control(const config_t *config)
     background_check_init(&app.check, config, flash_firmware(), flash_firmware_crc32());
     app.memory_good = true;
     app.config_good = true;
+    app.damaged_passes = 0;
     controller_init(&app.controller, config);
     for (int i = 0; i < 2; i++) {
         app.fast_setpoint[i] = controller_initial_setpoint(config);
@@ -351,6 +354,14 @@ static bool slow_loop_steps(const snapshot_t *snapshot, uint32_t now_ms)
     return now_ms - app.slow_step_ms < APP_SLOW_STOPPED_ms;
 }
 
+/* Trip and limits of the fast monitor, twice in a row because a trip may come in between. */
+static bool safety_variables_good(void)
+{
+    const bool intact = monitor_fast_intact(&app.controller.fast.monitor, app.config);
+    app.damaged_passes = intact ? 0 : app.damaged_passes + 1U;
+    return app.damaged_passes < DAMAGED_PASSES;
+}
+
 void app_background(void)
 {
     const uint32_t now_ms = time_ms();
@@ -363,6 +374,9 @@ void app_background(void)
         if (!background_check_step(&app.check, memory_stack_free_bytes())) {
             app.memory_good = false;
             app.config_good = !app.check.config_damaged;
+        }
+        if (!safety_variables_good()) {
+            app.memory_good = false;
         }
         if (supervisor_may_feed(&app.supervisor, snapshot->counts)) {
             watchdog_feed();

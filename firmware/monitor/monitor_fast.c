@@ -13,6 +13,7 @@ void monitor_fast_init(monitor_fast_state_t *state, const config_t *config)
     const int32_t overcurrent_pu = q_min(config->monitor.overcurrent_pu_q15, Q15_ONE - 1);
     const monitor_fast_state_t fresh = {
         .trip = REASON_NONE,
+        .inverted_trip = ~(uint32_t)REASON_NONE,
         .overcurrent_square = (uint32_t)(overcurrent_pu * overcurrent_pu),
         .overvoltage_pu = q_scale(config->battery.overvoltage_trip_mV, 32768,
                                   config->drive.voltage_full_scale_mV),
@@ -21,4 +22,15 @@ void monitor_fast_init(monitor_fast_state_t *state, const config_t *config)
         .periods_left = stale_limit_periods,
     };
     *state = fresh;
+}
+
+bool monitor_fast_intact(const monitor_fast_state_t *state, const config_t *config)
+{
+    monitor_fast_state_t fresh;
+    monitor_fast_init(&fresh, config);
+    return state->inverted_trip == ~(uint32_t)state->trip &&
+           state->overcurrent_square == fresh.overcurrent_square &&
+           state->overvoltage_pu == fresh.overvoltage_pu &&
+           state->stale_limit_periods == fresh.stale_limit_periods &&
+           state->trip_periods == fresh.trip_periods;
 }

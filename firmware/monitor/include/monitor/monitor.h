@@ -46,6 +46,7 @@ typedef struct {
     int32_t trip_periods;        /* qualify time of an over-current */
     /* State. */
     reason_t trip;
+    uint32_t inverted_trip; /* ~trip: a bit that flips in RAM is found (monitor_fast_intact()) */
     int32_t overcurrent_periods;
     int32_t periods_left; /* left until PROGRAM_FLOW without a slow step */
     uint16_t last_slow_step;
@@ -61,6 +62,11 @@ typedef struct {
 } monitor_fast_input_t;
 
 void monitor_fast_init(monitor_fast_state_t *state, const config_t *config);
+
+/* Background: false if the trip differs from its inverted copy, or a limit from what the
+ * configuration makes it. A trip that comes in the middle of the comparison may look like damage:
+ * two calls in a row decide. */
+bool monitor_fast_intact(const monitor_fast_state_t *state, const config_t *config);
 
 /* monitor_fast_step() is in monitor_fast.h. */
 

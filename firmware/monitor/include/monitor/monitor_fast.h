@@ -86,11 +86,13 @@ static inline reason_t monitor_fast_step(monitor_fast_state_t *state,
             return state->trip;
         }
         state->trip = REASON_NONE;
+        state->inverted_trip = ~(uint32_t)REASON_NONE;
         state->overcurrent_periods = 0;
     }
     const reason_t wrong = monitor_fast_look(state, in);
     if (wrong != REASON_NONE) {
         state->trip = wrong;
+        state->inverted_trip = ~(uint32_t)wrong;
     }
     return wrong;
 }

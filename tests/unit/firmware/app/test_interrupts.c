@@ -298,6 +298,25 @@ void test_a_damaged_configuration_ends_run_and_cannot_be_acknowledged(void)
     TEST_ASSERT_EQUAL_INT(MODE_FAULT, mode_on_can());
 }
 
+/* The fast monitor's limit and the configuration it was made from differ, as after a bit that
+ * flips in either; found before the CRC of the configuration, in two passes. */
+void test_a_changed_limit_of_the_fast_monitor_ends_run(void)
+{
+    app_boot();
+    milliseconds(300);
+    vehicle_sends(true, false, 100);
+    TEST_ASSERT_EQUAL_INT(INVERTER_MODE_PWM, board.mode);
+    board.config.monitor.overcurrent_pu_q15--;
+    vehicle_sends(true, false, 5);
+    TEST_ASSERT_EQUAL_INT(INVERTER_MODE_OFF, board.mode);
+    vehicle_sends(true, false, 50);
+    TEST_ASSERT_EQUAL_INT(MODE_FAULT, mode_on_can());
+    TEST_ASSERT_EQUAL_UINT8(REASON_SELFTEST_FAILED, board.last_state.data[2]);
+    board.config.monitor.overcurrent_pu_q15++;
+    vehicle_sends(false, true, 500);
+    TEST_ASSERT_EQUAL_INT(MODE_FAULT, mode_on_can());
+}
+
 /* The brake system must see that its command is no longer made: no frame, so no new counter. */
 void test_frames_end_while_the_slow_loop_is_stopped(void)
 {

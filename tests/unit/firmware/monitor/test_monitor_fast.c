@@ -258,3 +258,26 @@ void test_bus_voltage_at_the_trip_voltage_does_not_trip(void)
     in.v_dc_pu++;
     TEST_ASSERT_EQUAL_INT(REASON_BUS_OVERVOLTAGE, step());
 }
+
+/* Every bit of the trip, of its copy and of each limit; what runs by itself may have any value. */
+void test_a_flipped_bit_of_trip_or_limits_is_found_and_counters_are_not_watched(void)
+{
+    for (int tripped = 0; tripped < 2; tripped++) {
+        setUp();
+        in.power_stage_fault = tripped != 0;
+        step();
+        TEST_ASSERT_TRUE(monitor_fast_intact(&state, &config));
+        unsigned char *bytes = (unsigned char *)&state;
+        int found = 0;
+        for (unsigned bit = 0; bit < 8U * sizeof(state); bit++) {
+            bytes[bit / 8U] ^= (unsigned char)(1U << bit % 8U);
+            found += monitor_fast_intact(&state, &config) ? 0 : 1;
+            bytes[bit / 8U] ^= (unsigned char)(1U << bit % 8U);
+        }
+        TEST_ASSERT_EQUAL_INT(6 * 32, found);
+    }
+    in.power_stage_fault = false;
+    in.clear_trip = true;
+    step();
+    TEST_ASSERT_TRUE(monitor_fast_intact(&state, &config));
+}
