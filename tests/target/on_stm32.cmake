@@ -26,13 +26,21 @@ add_test(NAME stm32_image_is_laid_out_as_documented
   "-DCONFIG=CONFIG_${config_symbol}"
     -P "${CMAKE_CURRENT_LIST_DIR}/check_layout.cmake")
 
+# ---- on the model of the chip ----
+
+find_program(HUBFOC_PYTHON python3 HINTS "${PROJECT_SOURCE_DIR}/.dev/venv/bin"
+  NO_DEFAULT_PATH NO_CMAKE_FIND_ROOT_PATH
+  DOC "Python of the project's private environment (./tools/dev setup makes it)")
+
+# The vehicle is the paper's, so is the image.
+if(HUBFOC_CONFIG STREQUAL "lu2013")
+  include(chip.cmake)
+endif()
+
 # ---- counted instructions ----
 
 # Exact, so a test: the PWM interrupt of this image within its budget, on a model of the chip
 # (tools/benchmark).
-find_program(HUBFOC_PYTHON python3 HINTS "${PROJECT_SOURCE_DIR}/.dev/venv/bin"
-  NO_DEFAULT_PATH NO_CMAKE_FIND_ROOT_PATH
-  DOC "Python of the project's private environment (./tools/dev setup makes it)")
 if(HUBFOC_PYTHON)
   add_test(NAME pwm_interrupt_budget COMMAND "${HUBFOC_PYTHON}"
     "${PROJECT_SOURCE_DIR}/tools/benchmark/measure.py" --only interrupt

@@ -28,7 +28,8 @@ list_tools() {
     for path in "$CMOCK_PREFIX"/usr/share/cmock/lib/cmock.rb /usr/share/cmock/lib/cmock.rb \
         "$CBMC_PREFIX"/cbmc \
         /usr/include/eigen3 /usr/local/include/eigen3 \
-        "$VENV"/pyvenv.cfg "$VENV"/lib/python*/site-packages/{fmpy,pytest}-*.dist-info; do
+        "$VENV"/pyvenv.cfg "$VENV"/lib/python*/site-packages/{fmpy,pytest,unicorn}-*.dist-info \
+        "$ROOT"/.dev/svd/pyocd-*.whl; do
         [[ -e $path ]] && printf '%s\n' "$path"
     done
     return 0

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+# The flashable image of the paper's vehicle on the model of its chip (chip/README.md).
+# The program is of the host's build (chip/CMakeLists.txt).
+set(chip_test "${PROJECT_SOURCE_DIR}/build/host/tests/target/chip/chip_test")
+
+# chip_test(NAME MODE ELF TIMEOUT)
+function(chip_test name mode elf)
+  add_test(NAME ${name} COMMAND "${chip_test}" "${elf}" ${mode})
+  set_tests_properties(${name} PROPERTIES LABELS target TIMEOUT 120)
+endfunction()
+chip_test(chip_boots_and_brakes stop "$<TARGET_FILE:hubfoc_stm32f405>")
+chip_test(chip_answers_faults faults "$<TARGET_FILE:hubfoc_stm32f405>")
+
+# Errors planted in the driver, of which the model must find each:
+# planted(NAME FILE OLD NEW [LABEL]): the image with OLD replaced by NEW in one file of the port.
+# Those that only the whole stop finds are labelled full, but for two.
+function(planted name file old new)
+  if(NOT HUBFOC_PYTHON) # pwm_interrupt_budget says so
+    return()
+  endif()
+  set(port "${PROJECT_SOURCE_DIR}/hal/stm32f405")
+  file(READ "${port}/${file}" text)
+  string(FIND "${text}" "${old}" at)
+  if(at EQUAL -1)
+    message(FATAL_ERROR "planted error ${name}: '${old}' is not in hal/stm32f405/${file}")
+  endif()
+  string(REPLACE "${old}" "${new}" text "${text}")
+  set(copy "${CMAKE_CURRENT_BINARY_DIR}/planted/${name}/${file}")
+  file(CONFIGURE OUTPUT "${copy}" CONTENT "${text}" @ONLY)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${port}/${file}")
+  get_filename_component(stem "${file}" NAME_WE)
+  set(target planted_${name})
+  add_executable(${target} "${copy}"
+    "$<FILTER:$<TARGET_OBJECTS:hubfoc_port_stm32f405>,EXCLUDE,/${stem}[.]c[.]obj$>")
+  set_source_files_properties("${copy}" PROPERTIES GENERATED TRUE)
+  target_include_directories(${target} PRIVATE "${port}")
+  target_link_libraries(${target} PRIVATE hubfoc_app_main hubfoc_app hubfoc_hal
+    hubfoc_config_image)
+  target_link_options(${target} PRIVATE -nostartfiles --specs=nano.specs "-T${port}/link.ld"
+    "-Wl,--defsym=link_stack_size=4096")
+  set_target_properties(${target} PROPERTIES SUFFIX .elf LINK_DEPENDS "${port}/link.ld")
+  add_custom_command(TARGET ${target} POST_BUILD
+    COMMAND "${HUBFOC_PYTHON}" "${PROJECT_SOURCE_DIR}/tests/target/chip/seal.py"
+      "${CMAKE_OBJCOPY}" "$<TARGET_FILE:${target}>" VERBATIM)
+  if(name STREQUAL "no_error")
+    chip_test(chip_finds_no_error stop "$<TARGET_FILE:${target}>")
+  else()
+    chip_test(chip_finds_${name} planted "$<TARGET_FILE:${target}>")
+  endif()
+  if(ARGN)
+    set_tests_properties(chip_finds_${name} PROPERTIES LABELS "target;${ARGN}")
+  endif()
+endfunction()
+# The same without an error.
+planted(no_error inverter.c "TIM1->PSC = 0;" "TIM1->PSC = 0;" full)
+planted(a_gate_of_reversed_polarity inverter.c "TIM_CCER_CC1NE |" "TIM_CCER_CC1NE | (1U << 3) |")
+planted(a_gate_that_is_not_enabled inverter.c "TIM_CCER_CC2NE |" "" full)
+planted(a_short_dead_time inverter.c "(dead_time_code <<" "(dead_time_code / 4U <<")
+planted(a_trigger_at_the_bottom inverter.c "TIM1->CCR4 = top_counts - 1U" "TIM1->CCR4 = 1U" full)
+planted(an_update_at_both_ends inverter.c "TIM1->RCR = 1;" "TIM1->RCR = 0;")
+planted(compare_values_at_once inverter.c "TIM_CCMR1_OC1PE |" "" full)
+planted(a_break_that_is_not_enabled inverter.c "| TIM_BDTR_BKE |" "|" full)
+planted(gates_of_another_timer inverter.c "BOARD_GATE_LOW_C, BOARD_AF_TIM1"
+  "BOARD_GATE_LOW_C, BOARD_AF_TIM3" full)
+planted(swapped_currents analog.c
+  "ADC2, BOARD_CHANNEL_CURRENT_B" "ADC2, BOARD_CHANNEL_CURRENT_C" full)
+planted(a_current_of_wrong_sign analog.c
+  "BOARD_CURRENT_INVERTED != 0" "BOARD_CURRENT_INVERTED == 0" full)
+planted(too_few_wait_states time.c "FLASH_WAIT_STATES = 5" "FLASH_WAIT_STATES = 2")
+planted(a_wrong_can_filter can.c "<< 5; /*" "<< 4; /*")
+planted(a_watchdog_not_fed watchdog.c "void watchdog_feed(void)
+{
+    IWDG->KR = IWDG_KR_KEY_RELOAD;" "void watchdog_feed(void)
+{")
+planted(a_timer_without_its_clock inverter.c "RCC->APB2ENR |= RCC_APB2ENR_TIM1EN;" "")

@@ -1,0 +1,297 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* bxCAN on a bus of 500 kbit/s (RM0090 section 32): three mailboxes, a FIFO of three frames, filter
+ * banks in 16-bit list mode. */
+#include <string.h>
+
+#include "parts.h"
+
+enum {
+    BIT_TICKS = 672, /* 500 kbit/s */
+    OVERHEAD_BITS = 47,
+    JOIN_BITS = 11,
+    MAILBOXES = 3,
+    FIFO_FRAMES = 3,
+    BANKS = 28
+};
+static const uint32_t FULL_TSR = CHIP_CAN1_TSR_TME0 | CHIP_CAN1_TSR_TME1 | CHIP_CAN1_TSR_TME2;
+static const uint32_t EMPTY[MAILBOXES] = {CHIP_CAN1_TSR_TME0, CHIP_CAN1_TSR_TME1,
+                                          CHIP_CAN1_TSR_TME2};
+static const uint32_t MAILBOX[MAILBOXES] = {CHIP_CAN1_TI0R, CHIP_CAN1_TI1R, CHIP_CAN1_TI2R};
+
+static chip_ticks_t frame_ticks(const chip_frame_t *frame)
+{
+    return (chip_ticks_t)(OVERHEAD_BITS + 8U * frame->length) * BIT_TICKS;
+}
+
+void chip_can_reset(chip_t *chip)
+{
+    chip_can_t *can = &chip->can;
+    can->fifo_count = 0;
+    can->order_count = 0;
+    can->is_sending = false;
+    can->joined = CHIP_NEVER;
+    *chip_at(chip, CHIP_CAN1_TSR) = FULL_TSR;
+}
+
+static bool timing_is_right(chip_t *chip)
+{
+    const uint32_t timing = chip_get(chip, CHIP_CAN1_BTR);
+    const uint32_t quanta = 3U + (timing >> 16 & 0xFU) + (timing >> 20 & 7U);
+    const uint32_t quantum = ((timing & 0x3FFU) + 1U) * chip_bus_ticks(chip, CHIP_RCC_CFGR_PPRE1);
+    if (quanta * quantum != BIT_TICKS) {
+        chip_note(chip, "CAN: a bit of %u ns on a bus of 2000", quanta * quantum * 1000U / 336U);
+        return false;
+    }
+    return chip_pin_function(chip, 'B', 8, 9) && chip_pin_function(chip, 'B', 9, 9);
+}
+
+static bool is_on_bus(const chip_t *chip)
+{
+    return chip->now >= chip->can.joined && !chip->fault.can_silent;
+}
+
+/* 32.7.4. */
+static bool is_accepted(chip_t *chip, uint16_t identifier)
+{
+    const uint32_t active = chip_get(chip, CHIP_CAN1_FA1R);
+    for (uint32_t bank = 0; bank < BANKS; bank++) {
+        if ((active >> bank & 1U) == 0) {
+            continue;
+        }
+        if ((chip_get(chip, CHIP_CAN1_FM1R) >> bank & 1U) == 0 ||
+            (chip_get(chip, CHIP_CAN1_FS1R) >> bank & 1U) != 0 ||
+            (chip_get(chip, CHIP_CAN1_FFA1R) >> bank & 1U) != 0) {
+            chip_note(chip, "CAN: filter bank %u is of a kind that is not modelled", bank);
+            continue;
+        }
+        for (uint32_t entry = 0; entry < 4; entry++) {
+            const uint32_t at = CHIP_CAN1_F0R1 + 8U * bank + 4U * (entry / 2U);
+            const uint32_t wanted = chip_get(chip, at) >> 16U * (entry & 1U) & 0xFFFFU;
+            if (wanted == (uint32_t)identifier << 5) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+static void deliver(chip_t *chip, const chip_frame_t *frame)
+{
+    chip_can_t *can = &chip->can;
+    if (!is_accepted(chip, frame->identifier)) {
+        return;
+    }
+    if (can->fifo_count == FIFO_FRAMES) {
+        *chip_at(chip, CHIP_CAN1_RF0R) |= CHIP_CAN1_RF0R_FOVR0;
+        can->fifo[FIFO_FRAMES - 1] = *frame; /* not locked: the newest replaces the last */
+        return;
+    }
+    can->fifo[can->fifo_count] = *frame;
+    can->fifo_count++;
+}
+
+static uint32_t fifo_word(const chip_t *chip, uint32_t address)
+{
+    if (chip->can.fifo_count == 0) {
+        return 0;
+    }
+    const chip_frame_t *frame = &chip->can.fifo[0];
+    uint32_t words[2];
+    memcpy(words, frame->data, sizeof words);
+    switch (address) {
+    case CHIP_CAN1_RI0R:
+        return (uint32_t)frame->identifier << 21;
+    case CHIP_CAN1_RDT0R:
+        return frame->length;
+    case CHIP_CAN1_RDL0R:
+        return words[0];
+    default:
+        return words[1];
+    }
+}
+
+uint32_t chip_can_read(chip_t *chip, uint32_t address)
+{
+    const uint32_t value = chip_get(chip, address);
+    const uint32_t control = chip_get(chip, CHIP_CAN1_MCR);
+    switch (address) {
+    case CHIP_CAN1_MSR:
+        if ((control & CHIP_CAN1_MCR_INRQ) != 0) {
+            return CHIP_CAN1_MSR_INAK;
+        }
+        if ((control & CHIP_CAN1_MCR_SLEEP) != 0) {
+            return CHIP_CAN1_MSR_SLAK;
+        }
+        return is_on_bus(chip) ? 0 : CHIP_CAN1_MSR_INAK;
+    case CHIP_CAN1_RF0R:
+        return (value & CHIP_CAN1_RF0R_FOVR0) | chip->can.fifo_count;
+    case CHIP_CAN1_RI0R:
+    case CHIP_CAN1_RDT0R:
+    case CHIP_CAN1_RDL0R:
+    case CHIP_CAN1_RDH0R:
+        return fifo_word(chip, address);
+    default:
+        return value;
+    }
+}
+
+static void write_master_control(chip_t *chip, uint32_t value)
+{
+    const uint32_t before = chip_get(chip, CHIP_CAN1_MCR);
+    *chip_at(chip, CHIP_CAN1_MCR) = value;
+    if ((value & (CHIP_CAN1_MCR_INRQ | CHIP_CAN1_MCR_SLEEP)) != 0) {
+        chip->can.joined = CHIP_NEVER;
+    } else if ((before & CHIP_CAN1_MCR_INRQ) != 0) {
+        chip->can.joined = timing_is_right(chip) ? chip->now + JOIN_BITS * BIT_TICKS : CHIP_NEVER;
+    }
+}
+
+static void request(chip_t *chip, unsigned mailbox)
+{
+    chip_can_t *can = &chip->can;
+    if ((chip_get(chip, CHIP_CAN1_TSR) & EMPTY[mailbox]) == 0) {
+        chip_note(chip, "CAN: mailbox %u written while it is full", mailbox);
+        return;
+    }
+    *chip_at(chip, CHIP_CAN1_TSR) &= ~EMPTY[mailbox];
+    can->order[can->order_count] = mailbox;
+    can->order_count++;
+}
+
+bool chip_can_write(chip_t *chip, uint32_t address, uint32_t value)
+{
+    chip_can_t *can = &chip->can;
+    const bool in_initialisation = (chip_get(chip, CHIP_CAN1_MCR) & CHIP_CAN1_MCR_INRQ) != 0;
+    switch (address) {
+    case CHIP_CAN1_MCR:
+        write_master_control(chip, value);
+        return true;
+    case CHIP_CAN1_BTR:
+        if (!in_initialisation) {
+            chip_note(chip, "CAN: bit timing written outside of initialisation");
+            return true;
+        }
+        return false;
+    case CHIP_CAN1_RF0R:
+        *chip_at(chip, address) &= ~(value & CHIP_CAN1_RF0R_FOVR0);
+        if ((value & CHIP_CAN1_RF0R_RFOM0) != 0 && can->fifo_count > 0) {
+            can->fifo_count--;
+            memmove(&can->fifo[0], &can->fifo[1], can->fifo_count * sizeof can->fifo[0]);
+        }
+        return true;
+    case CHIP_CAN1_TI0R:
+    case CHIP_CAN1_TI1R:
+    case CHIP_CAN1_TI2R:
+        *chip_at(chip, address) = value & ~1U;
+        if ((value & 1U) != 0) {
+            request(chip, (address - CHIP_CAN1_TI0R) / (CHIP_CAN1_TI1R - CHIP_CAN1_TI0R));
+        }
+        return true;
+    default:
+        if (address >= CHIP_CAN1_F0R1 && address <= CHIP_CAN1_F27R2) {
+            const uint32_t bank = (address - CHIP_CAN1_F0R1) / 8U;
+            if ((chip_get(chip, CHIP_CAN1_FA1R) >> bank & 1U) != 0) {
+                chip_note(chip, "CAN: filter bank %u written while it is active", bank);
+            }
+        }
+        return false;
+    }
+}
+
+static chip_frame_t frame_in(const chip_t *chip, unsigned mailbox)
+{
+    const uint32_t at = MAILBOX[mailbox];
+    chip_frame_t frame = {.identifier = (uint16_t)(chip_get(chip, at) >> 21),
+                          .length = (uint8_t)(chip_get(chip, at + 4U) & 0xFU)};
+    const uint32_t words[2] = {chip_get(chip, at + 8U), chip_get(chip, at + 12U)};
+    memcpy(frame.data, words, sizeof words);
+    return frame;
+}
+
+static void begin_sending(chip_t *chip)
+{
+    chip_can_t *can = &chip->can;
+    if (can->is_sending || can->order_count == 0 || !is_on_bus(chip)) {
+        return;
+    }
+    const chip_frame_t frame = frame_in(chip, can->order[0]);
+    const chip_ticks_t begin = chip->now > can->bus_free ? chip->now : can->bus_free;
+    can->is_sending = true;
+    can->sent = begin + frame_ticks(&frame);
+    can->bus_free = can->sent;
+}
+
+static void end_sending(chip_t *chip)
+{
+    chip_can_t *can = &chip->can;
+    const unsigned mailbox = can->order[0];
+    const chip_frame_t frame = frame_in(chip, mailbox);
+    can->is_sending = false;
+    can->order_count--;
+    memmove(&can->order[0], &can->order[1], can->order_count * sizeof can->order[0]);
+    *chip_at(chip, CHIP_CAN1_TSR) |= EMPTY[mailbox];
+    if (can->out_count < CHIP_FRAMES) {
+        can->from_chip[(can->out_first + can->out_count) % CHIP_FRAMES] = frame;
+        can->out_count++;
+    }
+}
+
+static chip_ticks_t arrival(const chip_t *chip)
+{
+    const chip_can_t *can = &chip->can;
+    return can->count == 0 ? CHIP_NEVER : can->bus_free + frame_ticks(&can->to_chip[can->first]);
+}
+
+chip_ticks_t chip_can_next(chip_t *chip)
+{
+    begin_sending(chip);
+    const chip_ticks_t arrives = arrival(chip);
+    const chip_ticks_t sent = chip->can.is_sending ? chip->can.sent : CHIP_NEVER;
+    const chip_ticks_t joined =
+        chip->can.order_count > 0 && !chip->can.is_sending && chip->can.joined > chip->now
+            ? chip->can.joined
+            : CHIP_NEVER;
+    const chip_ticks_t first = arrives < sent ? arrives : sent;
+    return first < joined ? first : joined;
+}
+
+void chip_can_events(chip_t *chip)
+{
+    chip_can_t *can = &chip->can;
+    if (can->is_sending && chip->now >= can->sent) {
+        end_sending(chip);
+    }
+    while (can->count > 0 && !can->is_sending && chip->now >= arrival(chip)) {
+        can->bus_free = arrival(chip);
+        if (is_on_bus(chip)) {
+            deliver(chip, &can->to_chip[can->first]);
+        }
+        can->first = (can->first + 1U) % CHIP_FRAMES;
+        can->count--;
+    }
+}
+
+void chip_send(chip_t *chip, const chip_frame_t *frame)
+{
+    chip_can_t *can = &chip->can;
+    if (can->count == CHIP_FRAMES) {
+        return;
+    }
+    if (can->count == 0 && can->bus_free < chip->now) {
+        can->bus_free = chip->now;
+    }
+    can->to_chip[(can->first + can->count) % CHIP_FRAMES] = *frame;
+    can->count++;
+}
+
+bool chip_receive(chip_t *chip, chip_frame_t *frame)
+{
+    chip_can_t *can = &chip->can;
+    if (can->out_count == 0) {
+        return false;
+    }
+    *frame = can->from_chip[can->out_first];
+    can->out_first = (can->out_first + 1U) % CHIP_FRAMES;
+    can->out_count--;
+    return true;
+}

@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * chip.h: an STM32F405 as far as the flashable image uses it, from the reference manual (RM0090)
+ * and the vendor's description of its registers, around a core emulated by Unicorn. It knows
+ * nothing of the driver in hal/stm32f405.
+ *
+ * Time is counted in ticks of 1 / 336 MHz, of which every clock of the chip is a whole number. An
+ * instruction takes one cycle of the core. Interrupts are taken at the boundaries of basic blocks,
+ * by priority, with the stack frames of the architecture.
+ *
+ * What the manuals forbid is noted (chip_violation()) and has the effect they say, or none: a
+ * register of a peripheral without its clock, a reserved register, a write to a read-only one, a
+ * flash faster than its wait states, a locked field, both switches of a leg on.
+ */
+#ifndef CHIP_H
+#define CHIP_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef uint64_t chip_ticks_t;
+
+#define CHIP_TICKS_PER_SECOND 336000000ULL
+#define CHIP_TICKS_PER_US 336ULL
+
+enum {
+    CHIP_ANALOG_CHANNELS = 16,
+    CHIP_FRAMES = 64,
+    CHIP_TEXT_BYTES = 65536,
+    CHIP_VIOLATIONS = 16,
+    CHIP_VIOLATION_BYTES = 120
+};
+
+/* A register in the vendor's description. access: 1 readable, 2 writable. */
+typedef struct {
+    const char *name;
+    uint32_t address, reset, bits;
+    unsigned access;
+} chip_register_t;
+
+extern const chip_register_t CHIP_REGISTERS[];
+extern const unsigned CHIP_REGISTER_COUNT;
+
+typedef struct {
+    uint16_t identifier; /* 11 bits */
+    uint8_t length;
+    uint8_t data[8];
+} chip_frame_t;
+
+/* What is connected to the pins. Analogue inputs by the channel that the converters share. */
+typedef struct {
+    uint16_t analog_code[CHIP_ANALOG_CHANNELS]; /* 0 .. 4095 */
+    uint16_t driven[3];                         /* ports A, B, C: pins that the board drives */
+    uint16_t level[3];                          /* and how */
+    uint16_t encoder_count;                     /* of the quadrature signals at TIM3 */
+    uint16_t encoder_index_count;               /* count at the latest index pulse */
+    bool encoder_index;                         /* one has come since the last call */
+} chip_inputs_t;
+
+/* What six gates do in a PWM period. */
+typedef enum { CHIP_BRIDGE_OFF, CHIP_BRIDGE_SWITCHES, CHIP_BRIDGE_FORBIDDEN } chip_bridge_t;
+typedef struct {
+    chip_bridge_t bridge;
+    uint32_t high_on_counts[3]; /* of chip_gates_t.top_counts, without the dead time */
+    uint32_t top_counts;
+    uint32_t dead_time_ticks;
+} chip_gates_t;
+
+/* Faults of the chip and of its supply. */
+typedef struct {
+    bool crystal_dead;
+    bool converter_stuck;   /* injected conversions never end */
+    bool timer_stuck;       /* TIM1 has no clock */
+    bool can_silent;        /* the bus is held dominant: nothing is received or sent */
+    bool gate_driver_fault; /* the driver pulls its fault line */
+    bool supply_low;
+    uint32_t flash_cut_after; /* from 1: the supply fails at this flash operation; 0: never */
+} chip_faults_t;
+
+typedef struct chip chip_t;
+
+/* A chip with this ELF in its flash, at power-on. NULL and a line on stderr if the file cannot be
+ * used. */
+chip_t *chip_open(const char *elf_path);
+void chip_close(chip_t *chip);
+
+/* Takes the supply away and gives it back: RAM is random, flash stays. */
+void chip_power_cycle(chip_t *chip);
+
+chip_inputs_t *chip_inputs(chip_t *chip);
+chip_faults_t *chip_faults(chip_t *chip);
+
+/* Runs for so long. */
+void chip_run(chip_t *chip, chip_ticks_t duration);
+
+/* Runs to the next trigger of the converters, or for `most` if there is none. Returns whether there
+ * was one; the converters sample with the next chip_run...(). */
+bool chip_run_to_sample(chip_t *chip, chip_ticks_t most);
+
+/* Converts what is at the pins now and goes on to the update of TIM1 that follows, if a trigger is
+ * due. */
+void chip_sample(chip_t *chip);
+
+chip_gates_t chip_gates(chip_t *chip);
+/* Whether a leg's low side is on at this count, or all gates are off and its diode may conduct. */
+bool chip_low_side_may_conduct(chip_t *chip, unsigned leg);
+chip_ticks_t chip_now(const chip_t *chip);
+
+/* CAN: a frame for the chip, at the end of the bus's queue; a frame from it, oldest first. */
+void chip_send(chip_t *chip, const chip_frame_t *frame);
+bool chip_receive(chip_t *chip, chip_frame_t *frame);
+
+/* The serial line: all that the chip has written, and typing on it. */
+const char *chip_text(const chip_t *chip);
+void chip_type(chip_t *chip, const char *text);
+
+/* Bytes of the memories; false if there are none. */
+bool chip_read(chip_t *chip, uint32_t address, void *bytes, uint32_t size);
+bool chip_write(chip_t *chip, uint32_t address, const void *bytes, uint32_t size);
+
+/* Resets so far, the first included; by the watchdog. */
+unsigned chip_resets(const chip_t *chip);
+unsigned chip_watchdog_resets(const chip_t *chip);
+/* Erases and writes of the flash since power-on. */
+uint32_t chip_flash_operations(const chip_t *chip);
+bool chip_has_power(const chip_t *chip);
+
+/* Notes something forbidden that is seen from outside of the chip. */
+void chip_violate(chip_t *chip, const char *text);
+unsigned chip_violations(const chip_t *chip);
+/* The first ones in words; NULL beyond the last. */
+const char *chip_violation_text(const chip_t *chip, unsigned number);
+
+#endif

@@ -1,0 +1,322 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The flashable image on the model of its chip, braking the paper's vehicle.
+ *
+ *     chip_test ELF stop           boots, brakes to standstill as the bench's own controller does
+ *     chip_test ELF faults         a fault of a peripheral each, and what comes of it
+ *     chip_test ELF planted        an image with an error planted in its driver: must be caught
+ *     chip_test ELF configuration  replaces the configuration by the serial line
+ *
+ * Exit code 0: as expected.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bench/bench.h"
+#include "drive.h"
+#include "unity.h"
+#include "vehicle_fixture.h"
+
+static const double SPEED_M_PER_S = 2.5;
+static const double BRAKE_NM = 90.0;
+/* Of the messages, which CAN adds to the demand and again to the brake's command. */
+static const double CYCLE_S = 0.010;
+enum { PERIODS_A_SECOND = 20000, READY_PERIODS = 8000, LONGEST_STOP_s = 5, WHY_BYTES = 160 };
+
+typedef struct {
+    const char *elf;
+    chip_t *chip;
+    drive_t drive;
+    wheel_coupling_t coupling;
+    config_t config;
+    bench_t bench;
+    char why[WHY_BYTES]; /* the first thing that is wrong; empty: nothing */
+} rig_t;
+
+static rig_t rig;
+
+/* The fixture's checks are Unity's. */
+void setUp(void) {}
+
+void tearDown(void) {}
+
+static bool wrong(const char *text)
+{
+    if (rig.why[0] == '\0') {
+        (void)snprintf(rig.why, sizeof rig.why, "%s", text);
+    }
+    return false;
+}
+
+static bool expect(bool good, const char *text)
+{
+    return good ? true : wrong(text);
+}
+
+static bool obeys_the_manuals(void)
+{
+    const char *violation = chip_violation_text(rig.chip, 0);
+    return violation == NULL ? true : wrong(violation);
+}
+
+static bool says(const char *text)
+{
+    return strstr(chip_text(rig.chip), text) != NULL;
+}
+
+/* A chip as it leaves the programmer, before its first instruction. */
+static bool open_rig(const char *elf)
+{
+    chip_close(rig.chip);
+    memset(&rig, 0, sizeof rig);
+    rig.elf = elf;
+    rig.config = fixture_config(CONFIG_STRATEGY_SERIES_OPTIMAL);
+    rig.chip = chip_open(elf);
+    return rig.chip != NULL;
+}
+
+static void boot(void)
+{
+    drive_begin(&rig.drive, rig.chip, &rig.config);
+    rig.coupling = drive_coupling(&rig.drive);
+}
+
+/* At rest until the controller runs, or long enough for it: calibration takes 0.1 s. Then brought
+ * to speed. */
+static bool drive_off(const wheel_coupling_t *coupling)
+{
+    bench_params_t params = fixture_quarter_vehicle();
+    params.run.initial_speed_m_per_s = SPEED_M_PER_S;
+    const driver_trace_t none = {.points = 0};
+    bench_init(&rig.bench, &params, &rig.config, &none);
+    rig.bench.wheel[0].coupling = coupling;
+    rig.bench.speed_prescribed = true;
+    rig.bench.vehicle.speed_m_per_s = 0.0;
+    for (int i = 0; i < READY_PERIODS && rig.bench.wheel[0].slow.mode != MODE_RUN; i++) {
+        bench_period(&rig.bench);
+    }
+    return rig.bench.wheel[0].slow.mode == MODE_RUN && bench_start(&rig.bench) == BENCH_READY;
+}
+
+static void run(double duration_s)
+{
+    const int64_t periods = llround(duration_s * PERIODS_A_SECOND);
+    for (int64_t i = 0; i < periods; i++) {
+        bench_period(&rig.bench);
+    }
+}
+
+typedef struct {
+    double distance_m, stored_j, kinetic_j;
+} stop_t;
+
+static stop_t stop(void)
+{
+    bench_t *bench = &rig.bench;
+    bench->params.driver.brake_demand_nm = BRAKE_NM;
+    const double kinetic_j = vehicle_kinetic_energy_j(&bench->road.vehicle, &bench->vehicle);
+    for (int i = 0; i < LONGEST_STOP_s * PERIODS_A_SECOND && bench->vehicle.speed_m_per_s > 0.01;
+         i++) {
+        bench_period(bench);
+    }
+    const stop_t out = {bench->vehicle.distance_m, -bench_ledger(bench).chemical_j, kinetic_j};
+    return out;
+}
+
+/* The six gates fall by the timer's own break, without an instruction of the program. */
+static bool break_works(void)
+{
+    rig.bench.params.driver.brake_demand_nm = 0.0;
+    rig.bench.params.driver.drive_demand_nm = 10.0;
+    run(0.2);
+    if (!expect(chip_gates(rig.chip).bridge == CHIP_BRIDGE_SWITCHES, "drives off after the stop")) {
+        return false;
+    }
+    chip_inputs_t *in = chip_inputs(rig.chip);
+    const uint16_t level = in->level[1];
+    in->level[1] = (uint16_t)(level & ~(1U << 12));
+    const bool off = chip_gates(rig.chip).bridge == CHIP_BRIDGE_OFF;
+    in->level[1] = level;
+    run(0.02);
+    return expect(off, "the break input switches the gates off by itself") &&
+           expect(rig.bench.wheel[0].slow.mode == MODE_FAULT, "a break is a fault");
+}
+
+static bool boots(void)
+{
+    boot();
+    return expect(says("configuration accepted"), "boots and accepts its configuration") &&
+           expect(!says("fault") && !says("FAILED"), "boots without a fault") &&
+           obeys_the_manuals() && expect(drive_off(&rig.coupling), "comes to RUN") &&
+           obeys_the_manuals();
+}
+
+/* CAN makes demand and brake command older by a cycle each: the stop is longer by at most that at
+ * full speed, and the battery misses at most the power of two cycles, T w = 90 N m * 9 rad/s. */
+static bool stops_as(const stop_t *direct)
+{
+    const stop_t seen = stop();
+    printf("stop: %.3f m, %.1f J of %.1f stored; the bench's own controller: %.3f m, %.1f J\n",
+           seen.distance_m, seen.stored_j, seen.kinetic_j, direct->distance_m, direct->stored_j);
+    return expect(fabs(seen.distance_m - direct->distance_m) <
+                      2.0 * CYCLE_S * SPEED_M_PER_S + 0.002 * direct->distance_m,
+                  "stops in the distance that it needs") &&
+           expect(fabs(seen.stored_j - direct->stored_j) <
+                      BRAKE_NM * 9.0 * 2.0 * CYCLE_S + 0.002 * seen.kinetic_j,
+                  "stores what there is to store") &&
+           expect(chip_resets(rig.chip) == 1, "runs without a reset") &&
+           expect(rig.bench.wheel[0].first_fault == REASON_NONE, "stops without a fault") &&
+           expect(rig.drive.vehicle.received.mode == MODE_RUN, "stops in mode RUN") &&
+           obeys_the_manuals();
+}
+
+static bool passes(const char *elf)
+{
+    if (!open_rig(elf)) {
+        return wrong("the image cannot be loaded");
+    }
+    if (!expect(drive_off(NULL), "the bench's own controller comes to RUN")) {
+        return false;
+    }
+    const stop_t direct = stop();
+    return boots() && stops_as(&direct) && break_works() && obeys_the_manuals();
+}
+
+/* ---- faults of the peripherals ---- */
+
+typedef enum { AT_BOOT, BRAKING } instant_t;
+typedef struct {
+    const char *name;
+    instant_t instant;
+    void (*inject)(chip_faults_t *fault);
+    const char *says;      /* on the serial line; NULL: nothing in particular */
+    double quiet_within_s; /* the bridge off, or at most 1 N m */
+    bool resets;
+} fault_case_t;
+
+static void crystal(chip_faults_t *fault)
+{
+    fault->crystal_dead = true;
+}
+
+static void timer(chip_faults_t *fault)
+{
+    fault->timer_stuck = true;
+}
+
+static void converter(chip_faults_t *fault)
+{
+    fault->converter_stuck = true;
+}
+
+static void can_bus(chip_faults_t *fault)
+{
+    fault->can_silent = true;
+}
+
+static void supply(chip_faults_t *fault)
+{
+    fault->supply_low = true;
+}
+
+/*
+ * quiet_within_s: the converters' stop is seen after 3 ms without a fast step (app.c), and the
+ * supervisor no longer feeds the watchdog; a demand that is lost is kept for timeout and hold,
+ * 50 + 300 ms, then leaves with the brake's lag, three of which are 0.3 s; the supply detector has
+ * the highest priority and ends in the watchdog's reset.
+ */
+static const fault_case_t FAULTS[] = {
+    {"crystal dead at the start", AT_BOOT, crystal, "clock fault: the crystal did not start", 0.0,
+     false},
+    {"TIM1 without its clock at the start", AT_BOOT, timer, "timer", 0.0, false},
+    {"converters stop", BRAKING, converter, NULL, 0.005, true},
+    {"CAN bus held dominant", BRAKING, can_bus, NULL, 1.0, false},
+    {"supply below 2.8 V", BRAKING, supply, NULL, 0.001, true},
+};
+
+static bool is_off(void)
+{
+    return chip_gates(rig.chip).bridge == CHIP_BRIDGE_OFF;
+}
+
+static bool is_quiet(void)
+{
+    const wheel_t *wheel = &rig.bench.wheel[0];
+    const plant_ab_t current_a = wheel->rotor.terminal;
+    const double nm_per_a = 1.5 * rig.bench.params.motor.pole_pairs * wheel->machine.flux_wb;
+    return is_off() || nm_per_a * hypot(current_a.alpha, current_a.beta) < 1.0;
+}
+
+static bool at_boot(const fault_case_t *fault)
+{
+    fault->inject(chip_faults(rig.chip));
+    boot();
+    const bool runs = drive_off(&rig.coupling);
+    return expect(!runs && is_off(), "the bridge stays off") &&
+           expect(says(fault->says), "the serial line says why");
+}
+
+static bool while_braking(const fault_case_t *fault)
+{
+    boot();
+    if (!expect(drive_off(&rig.coupling), "comes to RUN")) {
+        return false;
+    }
+    rig.bench.params.driver.brake_demand_nm = 20.0;
+    run(0.2);
+    fault->inject(chip_faults(rig.chip));
+    double quiet_s = 0.0;
+    while (quiet_s <= fault->quiet_within_s && !is_quiet()) {
+        run(1.0 / PERIODS_A_SECOND);
+        quiet_s += 1.0 / PERIODS_A_SECOND;
+    }
+    const bool in_time = is_quiet();
+    run(0.1);
+    printf("    no torque after %.2f ms, %u resets by the watchdog\n", quiet_s * 1000.0,
+           chip_watchdog_resets(rig.chip));
+    return expect(in_time && is_quiet(), "the torque goes in time and stays away") &&
+           expect((chip_watchdog_resets(rig.chip) > 0) == fault->resets, "resets as it must");
+}
+
+static bool answers_faults(const char *elf)
+{
+    bool good = true;
+    for (unsigned i = 0; i < sizeof FAULTS / sizeof FAULTS[0]; i++) {
+        if (!open_rig(elf)) {
+            return false;
+        }
+        const fault_case_t *fault = &FAULTS[i];
+        printf("%s\n", fault->name);
+        const bool right = fault->instant == AT_BOOT ? at_boot(fault) : while_braking(fault);
+        printf("    %s\n", right ? "as expected" : rig.why);
+        good = good && right;
+    }
+    return good;
+}
+
+int main(int argc, char **argv)
+{
+    if (argc != 3) {
+        (void)fprintf(stderr, "usage: chip_test ELF stop|faults|planted\n");
+        return 2;
+    }
+    bool good = false;
+    if (strcmp(argv[2], "faults") == 0) {
+        good = answers_faults(argv[1]);
+    } else {
+        good = passes(argv[1]);
+        printf("%s\n", good ? "brakes as it must" : rig.why);
+        if (!good && rig.chip != NULL) {
+            printf("%s\n", chip_text(rig.chip));
+        }
+    }
+    const bool planted = strcmp(argv[2], "planted") == 0;
+    if (planted) {
+        printf("%s\n", good ? "NOT CAUGHT" : "caught");
+        good = !good && rig.chip != NULL;
+    }
+    chip_close(rig.chip);
+    return good ? 0 : 1;
+}

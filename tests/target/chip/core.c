@@ -1,0 +1,358 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The core, its memory map, and time. */
+#include <string.h>
+
+#include "parts.h"
+
+/* ---- registers ---- */
+
+static uint32_t peripheral_read(chip_t *chip, uint32_t address)
+{
+    const unsigned known = chip->known[(address - CHIP_PERIPHERAL_BASE) / 4];
+    if (known == 0) {
+        chip_note(chip, "read of 0x%08X, where there is no register", address);
+        return 0;
+    }
+    if (!chip_has_clock(chip, address)) {
+        chip_note(chip, "read of %s without its clock", CHIP_REGISTERS[known - 1].name);
+        return 0;
+    }
+    switch (address & 0xFFFFFC00U) {
+    case CHIP_RCC_CR:
+    case CHIP_PWR_CR:
+    case CHIP_IWDG_KR:
+        return chip_clocks_read(chip, address);
+    case CHIP_FLASH_ACR:
+        return chip_flash_read(chip, address);
+    case CHIP_TIM1_CR1:
+        return chip_timer1_read(chip, address);
+    case CHIP_ADC1_SR:
+        return chip_adc_read(chip, address);
+    case CHIP_CAN1_MCR:
+        return chip_can_read(chip, address);
+    case CHIP_USART3_SR:
+        return chip_serial_read(chip, address);
+    case CHIP_GPIOA_MODER:
+    case CHIP_GPIOB_MODER:
+    case CHIP_GPIOC_MODER:
+    case CHIP_TIM3_CR1:
+        return chip_pins_read(chip, address);
+    default:
+        return chip_get(chip, address);
+    }
+}
+
+/* Whether a part has taken the write; if not, it is stored. */
+static bool part_takes(chip_t *chip, uint32_t address, uint32_t value)
+{
+    switch (address & 0xFFFFFC00U) {
+    case CHIP_RCC_CR:
+    case CHIP_PWR_CR:
+    case CHIP_IWDG_KR:
+    case CHIP_EXTI_IMR:
+        return chip_clocks_write(chip, address, value);
+    case CHIP_FLASH_ACR:
+        return chip_flash_register(chip, address, value);
+    case CHIP_TIM1_CR1:
+        return chip_timer1_write(chip, address, value);
+    case CHIP_ADC1_SR:
+        return chip_adc_write(chip, address, value);
+    case CHIP_CAN1_MCR:
+        return chip_can_write(chip, address, value);
+    case CHIP_USART3_SR:
+        return chip_serial_write(chip, address, value);
+    case CHIP_GPIOA_MODER:
+    case CHIP_GPIOB_MODER:
+    case CHIP_GPIOC_MODER:
+    case CHIP_TIM3_CR1:
+        return chip_pins_write(chip, address, value);
+    default:
+        return false;
+    }
+}
+
+static void peripheral_write(chip_t *chip, uint32_t address, uint32_t value)
+{
+    const unsigned known = chip->known[(address - CHIP_PERIPHERAL_BASE) / 4];
+    if (known == 0) {
+        chip_note(chip, "write of 0x%08X, where there is no register", address);
+        return;
+    }
+    const chip_register_t *row = &CHIP_REGISTERS[known - 1];
+    if (!chip_has_clock(chip, address)) {
+        chip_note(chip, "write of %s without its clock", row->name);
+        return;
+    }
+    if ((row->access & 2U) == 0) {
+        chip_note(chip, "write of %s, which is read-only", row->name);
+        return;
+    }
+    chip->deadline = chip->now; /* the next event may be an earlier one now */
+    if (!part_takes(chip, address, value)) {
+        *chip_at(chip, address) = value & row->bits;
+    }
+}
+
+static uint64_t on_read(uc_engine *core, uint64_t offset, unsigned size, void *user)
+{
+    (void)core;
+    chip_t *chip = user;
+    const uint32_t word = (uint32_t)offset & ~3U;
+    const uint32_t value = peripheral_read(chip, CHIP_PERIPHERAL_BASE + word);
+    return value >> 8U * (offset & 3U) & (size == 4 ? UINT32_MAX : (1U << 8U * size) - 1U);
+}
+
+static void on_write(uc_engine *core, uint64_t offset, unsigned size, uint64_t value, void *user)
+{
+    (void)core;
+    chip_t *chip = user;
+    if (size != 4) {
+        chip_note(chip, "write of %u bytes at 0x%08X", size,
+                  CHIP_PERIPHERAL_BASE + (uint32_t)offset);
+        return;
+    }
+    peripheral_write(chip, CHIP_PERIPHERAL_BASE + (uint32_t)offset, (uint32_t)value);
+}
+
+static uint64_t on_core_read(uc_engine *core, uint64_t offset, unsigned size, void *user)
+{
+    (void)core;
+    const uint32_t address = (uint32_t)CHIP_CORE_BASE + ((uint32_t)offset & ~3U);
+    const uint32_t value = address >= CHIP_DBG_DBGMCU_IDCODE
+                               ? ((chip_t *)user)->core_word[offset / 4]
+                               : chip_core_read(user, address);
+    return value >> 8U * (offset & 3U) & (size == 4 ? UINT32_MAX : (1U << 8U * size) - 1U);
+}
+
+static void on_core_write(uc_engine *core, uint64_t offset, unsigned size, uint64_t value,
+                          void *user)
+{
+    (void)core;
+    chip_t *chip = user;
+    uint32_t *word = &chip->core_word[offset / 4];
+    const uint32_t shift = 8U * ((uint32_t)offset & 3U);
+    const uint32_t mask = size == 4 ? UINT32_MAX : (1U << 8U * size) - 1U;
+    const uint32_t whole = (*word & ~(mask << shift)) | ((uint32_t)value & mask) << shift;
+    *word = whole;
+    chip->deadline = chip->now;
+    chip_core_write(chip, (uint32_t)CHIP_CORE_BASE + ((uint32_t)offset & ~3U), whole);
+}
+
+/* ---- the core ---- */
+
+/* Instructions in a block; those of two halfwords begin with 11101, 11110 or 11111 (Arm DDI 0403,
+ * A5.1). */
+static uint32_t instructions_in(chip_t *chip, uint64_t address, uint32_t size)
+{
+    const bool in_flash = address - CHIP_FLASH_BASE < CHIP_FLASH_BYTES;
+    uint8_t *known = in_flash ? &chip->instructions[(address - CHIP_FLASH_BASE) / 2] : NULL;
+    if (known != NULL && *known != 0) {
+        return *known;
+    }
+    uint8_t code[4096];
+    const uint32_t most = size < sizeof code ? size : sizeof code;
+    uint32_t count = 0;
+    if (uc_mem_read(chip->core, address, code, most) == UC_ERR_OK) {
+        for (uint32_t at = 0; at < most; at += code[at + 1] >> 3 >= 0x1D ? 4 : 2) {
+            count++;
+        }
+    }
+    if (known != NULL && count < 256) {
+        *known = (uint8_t)count;
+    }
+    return count;
+}
+
+/* Before the block is executed; a stop leaves it for later. */
+static void on_block(uc_engine *core, uint64_t address, uint32_t size, void *user)
+{
+    chip_t *chip = user;
+    if (chip->flash.fixes > 0) {
+        chip_flash_settle(chip);
+    }
+    if (chip->now < chip->flash.busy && address - CHIP_FLASH_BASE < CHIP_FLASH_BYTES) {
+        chip->now = chip->flash.busy; /* the core waits for the flash */
+    }
+    if (!chip->has_power || chip->now >= chip->deadline ||
+        (chip->needs_attention && (chip->reset_requested || chip_exception_due(chip) != 0))) {
+        (void)uc_emu_stop(core);
+        return;
+    }
+    chip->now += (chip_ticks_t)instructions_in(chip, address, size) * chip->ticks_per_cycle;
+}
+
+static void on_exception(uc_engine *core, uint32_t number, void *user)
+{
+    enum { EXCEPTION_EXIT = 8 };
+    chip_t *chip = user;
+    if (number == EXCEPTION_EXIT) {
+        chip_exception_return(chip);
+    } else {
+        chip_note(chip, "exception %u of the core", number);
+        chip_pend(chip, EXCEPTION_HARD_FAULT);
+        chip->deadline = 0;
+    }
+    (void)uc_emu_stop(core);
+}
+
+static void on_flash_write(uc_engine *core, uc_mem_type type, uint64_t address, int size,
+                           int64_t value, void *user)
+{
+    (void)core;
+    (void)type;
+    chip_flash_program(user, (uint32_t)address, (uint32_t)size, (uint32_t)value);
+}
+
+static void load_stack_and_entry(chip_t *chip)
+{
+    uint32_t vector[2];
+    (void)uc_mem_read(chip->core, CHIP_FLASH_BASE, vector, sizeof vector);
+    const uint32_t none = 0;
+    const uint32_t link = UINT32_MAX;
+    (void)uc_reg_write(chip->core, UC_ARM_REG_SP, &vector[0]);
+    (void)uc_reg_write(chip->core, UC_ARM_REG_LR, &link);
+    (void)uc_reg_write(chip->core, UC_ARM_REG_IPSR, &none);
+    (void)uc_reg_write(chip->core, UC_ARM_REG_PRIMASK, &none);
+    (void)uc_reg_write(chip->core, UC_ARM_REG_BASEPRI, &none);
+    (void)uc_reg_write(chip->core, UC_ARM_REG_CONTROL, &none);
+    const uint32_t entry = vector[1] | 1U;
+    (void)uc_reg_write(chip->core, UC_ARM_REG_PC, &entry);
+}
+
+void chip_reset(chip_t *chip, bool by_watchdog)
+{
+    memset(chip->word, 0, sizeof chip->word);
+    memset(chip->core_word, 0, sizeof chip->core_word);
+    for (unsigned i = 0; i < CHIP_REGISTER_COUNT; i++) {
+        const chip_register_t *row = &CHIP_REGISTERS[i];
+        if (row->address < (uint32_t)CHIP_CORE_BASE) {
+            *chip_at(chip, row->address) = row->reset;
+        }
+    }
+    chip->reset_requested = false;
+    chip->by_watchdog = by_watchdog;
+    chip->resets++;
+    chip->watchdog_resets += by_watchdog ? 1U : 0U;
+    chip_clocks_reset(chip);
+    chip_nvic_reset(chip);
+    chip_flash_reset(chip);
+    chip_timer1_reset(chip);
+    chip_adc_reset(chip);
+    chip_can_reset(chip);
+    chip_serial_reset(chip);
+    chip->driver_ready = CHIP_NEVER;
+    load_stack_and_entry(chip);
+}
+
+static chip_ticks_t least(chip_ticks_t a, chip_ticks_t b)
+{
+    return a < b ? a : b;
+}
+
+static chip_ticks_t next_event(chip_t *chip)
+{
+    chip_ticks_t next = chip_nvic_next(chip);
+    next = least(next, chip_clocks_next(chip));
+    next = least(next, chip_timer1_next(chip));
+    next = least(next, chip_adc_next(chip));
+    next = least(next, chip_can_next(chip));
+    return least(next, chip_serial_next(chip));
+}
+
+static void events(chip_t *chip)
+{
+    chip_timer1_events(chip);
+    chip_adc_events(chip);
+    chip_can_events(chip);
+    chip_serial_events(chip);
+    chip_nvic_events(chip);
+    chip_clocks_events(chip);
+}
+
+/* Executes until the deadline, an exception or a reset. */
+static void execute(chip_t *chip)
+{
+    uint32_t at;
+    (void)uc_reg_read(chip->core, UC_ARM_REG_PC, &at);
+    const uc_err error = uc_emu_start(chip->core, at | 1U, UINT32_MAX, 0, 0);
+    if (error != UC_ERR_OK) {
+        (void)uc_reg_read(chip->core, UC_ARM_REG_PC, &at);
+        chip_note(chip, "%s at 0x%08X", uc_strerror(error), at);
+        chip_pend(chip, EXCEPTION_HARD_FAULT);
+        if (chip->nvic.active[EXCEPTION_HARD_FAULT]) {
+            chip->now = chip->deadline; /* locked up until the watchdog acts */
+        }
+    }
+}
+
+static void run_until(chip_t *chip, chip_ticks_t end, bool stops_at_sample)
+{
+    while (chip->now < end && chip->has_power && !(stops_at_sample && chip->adc.is_triggered)) {
+        if (chip->reset_requested) {
+            chip_reset(chip, chip->by_watchdog);
+        }
+        const unsigned exception = chip_exception_due(chip);
+        if (exception != 0) {
+            chip_exception_enter(chip, exception);
+        }
+        chip->needs_attention = chip_exception_waits(chip);
+        chip->deadline = least(next_event(chip), end);
+        if (chip->now < chip->deadline) {
+            execute(chip);
+        }
+        events(chip);
+    }
+}
+
+void chip_run(chip_t *chip, chip_ticks_t duration)
+{
+    const chip_ticks_t end = chip->now + duration;
+    while (chip->now < end && chip->has_power) {
+        run_until(chip, end, true);
+        chip_sample(chip);
+    }
+}
+
+bool chip_run_to_sample(chip_t *chip, chip_ticks_t most)
+{
+    run_until(chip, chip->now + most, true);
+    return chip->adc.is_triggered;
+}
+
+void chip_sample(chip_t *chip)
+{
+    if (chip->adc.is_triggered) {
+        chip->adc.is_triggered = false;
+        chip_adc_inject(chip);
+        /* To the top of the count, one count later, where the compare values become active. */
+        const chip_ticks_t top = chip->timer1.next_end;
+        run_until(chip, top + 1U, true);
+    }
+}
+
+bool chip_core_open(chip_t *chip)
+{
+    uc_hook hook;
+    bool good =
+        uc_open(UC_ARCH_ARM, UC_MODE_THUMB | UC_MODE_MCLASS, &chip->core) == UC_ERR_OK &&
+        uc_ctl_set_cpu_model(chip->core, UC_CPU_ARM_CORTEX_M4) == UC_ERR_OK &&
+        uc_mem_map(chip->core, CHIP_FLASH_BASE, CHIP_FLASH_BYTES, UC_PROT_ALL) == UC_ERR_OK &&
+        uc_mem_map(chip->core, CHIP_RAM_BASE, CHIP_RAM_BYTES, UC_PROT_ALL) == UC_ERR_OK &&
+        uc_mmio_map(chip->core, CHIP_PERIPHERAL_BASE, CHIP_PERIPHERAL_BYTES, on_read, chip,
+                    on_write, chip) == UC_ERR_OK &&
+        uc_mmio_map(chip->core, (uint32_t)CHIP_CORE_BASE, CHIP_CORE_BYTES, on_core_read, chip,
+                    on_core_write, chip) == UC_ERR_OK &&
+        uc_mem_write(chip->core, CHIP_FLASH_BASE, chip->flash_at_power_on, CHIP_FLASH_BYTES) ==
+            UC_ERR_OK;
+    good =
+        good &&
+        uc_hook_add(chip->core, &hook, UC_HOOK_BLOCK, (void *)on_block, chip, 1, 0) == UC_ERR_OK &&
+        uc_hook_add(chip->core, &hook, UC_HOOK_INTR, (void *)on_exception, chip, 1, 0) ==
+            UC_ERR_OK &&
+        uc_hook_add(chip->core, &hook, UC_HOOK_MEM_WRITE, (void *)on_flash_write, chip,
+                    CHIP_FLASH_BASE, CHIP_FLASH_BASE + CHIP_FLASH_BYTES - 1) == UC_ERR_OK;
+    for (int i = 0; i < CHIP_NESTING && good; i++) {
+        good = uc_context_alloc(chip->core, &chip->nvic.context[i]) == UC_ERR_OK;
+    }
+    return good;
+}

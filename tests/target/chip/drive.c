@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "drive.h"
+
+#include <math.h>
+#include <string.h>
+
+enum {
+    CHANNEL_CURRENT_A = 10,
+    CHANNEL_BUS = 13,
+    CHANNEL_WINDING = 14,
+    CHANNEL_SWITCH = 3,
+    CODES = 4096,
+    CODE_MOST = CODES - 1,
+    NO_CURRENT_CODE = 2048,
+    HALL_PINS = 7 << 6,
+    BREAK_PIN = 1 << 12,
+    BOOT_ms = 120
+};
+
+static void set_pin(drive_t *drive, int port, unsigned pins, unsigned level)
+{
+    chip_inputs_t *in = chip_inputs(drive->chip);
+    in->driven[port] = (uint16_t)(in->driven[port] | pins);
+    in->level[port] = (uint16_t)((in->level[port] & ~pins) | (level & pins));
+}
+
+/* 10 kOhm at 25 degC, B = 3380 K, in a divider with 10 kOhm. */
+static uint16_t thermistor_code(int32_t temperature_cC, bool to_ground)
+{
+    const double kelvin = temperature_cC / 100.0 + 273.15;
+    const double ratio = exp(3380.0 * (1.0 / kelvin - 1.0 / 298.15));
+    const double share = to_ground ? ratio / (ratio + 1.0) : 1.0 / (ratio + 1.0);
+    return (uint16_t)lround(fmin(CODES * share, CODE_MOST));
+}
+
+static void set_temperatures(drive_t *drive, int32_t winding_cC, int32_t switch_cC)
+{
+    chip_inputs_t *in = chip_inputs(drive->chip);
+    in->analog_code[CHANNEL_WINDING] = thermistor_code(winding_cC, true);
+    in->analog_code[CHANNEL_SWITCH] = thermistor_code(switch_cC, false);
+}
+
+static void set_pins(drive_t *drive, const fast_input_t *sensed)
+{
+    chip_inputs_t *in = chip_inputs(drive->chip);
+    for (int x = 0; x < 3; x++) {
+        in->analog_code[CHANNEL_CURRENT_A + x] =
+            (uint16_t)(CODE_MOST - sensed->phase_current_code[x]);
+    }
+    in->analog_code[CHANNEL_BUS] = sensed->bus_voltage_code;
+    in->encoder_count = sensed->encoder.count;
+    in->encoder_index_count = sensed->encoder.index_count;
+    in->encoder_index = sensed->encoder.index;
+    set_pin(drive, 2, HALL_PINS, (unsigned)sensed->hall_state << 6);
+    set_pin(drive, 1, BREAK_PIN, drive->braked ? 0U : BREAK_PIN);
+    chip_faults(drive->chip)->gate_driver_fault = sensed->power_stage_fault;
+}
+
+void drive_begin(drive_t *drive, chip_t *chip, const config_t *config)
+{
+    const drive_t fresh = {.chip = chip,
+                           .period_counts = config->drive.pwm_period_counts,
+                           .period =
+                               CHIP_TICKS_PER_SECOND / (uint32_t)config->drive.pwm_frequency_Hz,
+                           .dead_time_ns = (uint32_t)config->drive.dead_time_ns};
+    *drive = fresh;
+    vehicle_can_init(&drive->vehicle, (messages_wheel_t)config->vehicle.wheel_position);
+    const fast_input_t at_rest = {
+        .phase_current_code = {NO_CURRENT_CODE, NO_CURRENT_CODE, NO_CURRENT_CODE}, .hall_state = 5};
+    set_pins(drive, &at_rest);
+    set_temperatures(drive, 2500, 2500);
+    chip_run(chip, (chip_ticks_t)BOOT_ms * 1000U * CHIP_TICKS_PER_US);
+}
+
+static fast_output_t bridge_of(drive_t *drive)
+{
+    const chip_gates_t gates = chip_gates(drive->chip);
+    fast_output_t out = {.bridge = BRIDGE_OFF};
+    if (gates.bridge != CHIP_BRIDGE_SWITCHES) {
+        return out;
+    }
+    const uint64_t dead_ns = gates.dead_time_ticks * 1000000000ULL / CHIP_TICKS_PER_SECOND;
+    if (dead_ns < drive->dead_time_ns && !drive->reported) {
+        drive->reported = true;
+        chip_violate(drive->chip, "dead time shorter than configured");
+    }
+    bool all_low = true;
+    for (int x = 0; x < 3; x++) {
+        const double share = (double)gates.high_on_counts[x] / gates.top_counts;
+        out.compare_counts[x] = (uint16_t)lround(share * drive->period_counts);
+        all_low = all_low && gates.high_on_counts[x] == 0;
+    }
+    out.bridge = all_low ? BRIDGE_SHORT : BRIDGE_PWM;
+    drive->switching_periods++;
+    return out;
+}
+
+/* A low-side shunt carries the current of its leg only while the low side is on. */
+static void lose_currents_of_open_low_sides(drive_t *drive)
+{
+    for (unsigned x = 0; x < 3; x++) {
+        if (!chip_low_side_may_conduct(drive->chip, x)) {
+            chip_inputs(drive->chip)->analog_code[CHANNEL_CURRENT_A + x] =
+                CODE_MOST - NO_CURRENT_CODE;
+        }
+    }
+}
+
+static fast_output_t period(void *context, const fast_input_t *in)
+{
+    drive_t *drive = context;
+    /* A quarter more than a period: triggers come once in each. */
+    const bool sampled = chip_run_to_sample(drive->chip, drive->period + drive->period / 4U);
+    set_pins(drive, in);
+    lose_currents_of_open_low_sides(drive);
+    if (sampled) {
+        chip_sample(drive->chip);
+        drive->periods_without_sample = 0;
+    } else {
+        drive->periods_without_sample++;
+    }
+    return bridge_of(drive);
+}
+
+static slow_output_t millisecond(void *context, const slow_input_t *in)
+{
+    drive_t *drive = context;
+    set_temperatures(drive, in->temperature.winding_cC, in->temperature.switch_cC);
+    vehicle_can_send(&drive->vehicle, in);
+    for (uint32_t i = 0; i < drive->vehicle.queued_count; i++) {
+        const messages_frame_t *queued = &drive->vehicle.queued[i];
+        chip_frame_t frame = {.identifier = queued->identifier, .length = queued->length};
+        memcpy(frame.data, queued->data, sizeof frame.data);
+        chip_send(drive->chip, &frame);
+    }
+    drive->vehicle.now_ms++;
+    chip_frame_t sent;
+    while (chip_receive(drive->chip, &sent)) {
+        messages_frame_t frame = {.identifier = sent.identifier, .length = sent.length};
+        memcpy(frame.data, sent.data, sizeof frame.data);
+        vehicle_can_receive(&drive->vehicle, &frame);
+    }
+    return drive->vehicle.received;
+}
+
+wheel_coupling_t drive_coupling(drive_t *drive)
+{
+    const wheel_coupling_t coupling = {
+        .context = drive, .period = period, .millisecond = millisecond};
+    return coupling;
+}

@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * drive.h: the chip with its image as the controller of one wheel of the bench: the plant's
+ * currents, voltages, temperatures and rotor at the pins, the six gates at the plant's bridge, the
+ * vehicle's messages on the CAN bus.
+ *
+ * Wiring (the board that hal/stm32f405/README.md describes): shunt amplifiers a, b, c at channels
+ * 10, 11, 12, falling with current into the motor; bus voltage at 13; switch thermistor at 3, from
+ * the supply; winding thermistor at 14, to ground; halls at PC6 to PC8; break PB12.
+ *
+ * The bench's period ends with the update at the top of the count. What the program changes in
+ * between that acts at once on a board (outputs on and off) reaches the plant at the next top.
+ */
+#ifndef CHIP_DRIVE_H
+#define CHIP_DRIVE_H
+
+#include "bench/vehicle_can.h"
+#include "bench/wheel.h"
+#include "chip.h"
+
+typedef struct {
+    chip_t *chip;
+    vehicle_can_t vehicle;
+    int32_t period_counts; /* of the plant's bridge */
+    chip_ticks_t period;   /* PWM */
+    uint32_t dead_time_ns; /* that the gates must keep, at least */
+    bool braked;           /* the break input is pulled */
+    unsigned periods_without_sample, switching_periods;
+    bool reported; /* a violation of its own is noted once */
+} drive_t;
+
+/* Connects a chip with the pins at rest and lets it boot. `drive` has to stay where it is. */
+void drive_begin(drive_t *drive, chip_t *chip, const config_t *config);
+
+wheel_coupling_t drive_coupling(drive_t *drive);
+
+#endif

@@ -1,0 +1,211 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* parts.h: what the parts of the chip share. A part has reset, read, write and event functions; its
+ * registers are in chip->word, as last written or set. */
+#ifndef CHIP_PARTS_H
+#define CHIP_PARTS_H
+
+#include <unicorn/unicorn.h>
+
+#include "chip.h"
+#include "registers.h"
+
+enum {
+    CHIP_PERIPHERAL_BASE = 0x40000000,
+    CHIP_PERIPHERAL_BYTES = 0x80000,
+    CHIP_CORE_BASE = (int)0xE0000000,
+    CHIP_CORE_BYTES = 0x100000,
+    CHIP_FLASH_BASE = 0x08000000,
+    CHIP_FLASH_BYTES = 1 << 20,
+    CHIP_RAM_BASE = 0x20000000,
+    CHIP_RAM_BYTES = 128 << 10,
+    CHIP_EXCEPTIONS = 16 + 82,
+    CHIP_NESTING = 16,
+    CHIP_FLASH_FIXES = 8,
+    EXCEPTION_NMI = 2,
+    EXCEPTION_HARD_FAULT = 3,
+    EXCEPTION_PENDSV = 14,
+    EXCEPTION_SYSTICK = 15,
+    INTERRUPT_PVD = 16 + 1,
+    INTERRUPT_ADC = 16 + 18,
+    INTERRUPT_USART3 = 16 + 39
+};
+#define CHIP_NEVER UINT64_MAX
+
+typedef struct {
+    chip_ticks_t next_end; /* of the count */
+    chip_ticks_t trigger;  /* of the converters; CHIP_NEVER: none in this half */
+    uint32_t repetitions;
+    uint32_t active_compare[4], active_top;
+    bool runs, down;
+    bool break_active;
+} chip_timer1_t;
+
+typedef struct {
+    chip_ticks_t injected_end, regular_end[2];
+    bool is_triggered; /* chip_sample() is due */
+} chip_converters_t;
+
+typedef struct {
+    chip_ticks_t bus_free; /* when the next frame can be on the bus */
+    chip_frame_t to_chip[CHIP_FRAMES];
+    unsigned first, count; /* of to_chip */
+    chip_frame_t fifo[3];
+    unsigned fifo_count;
+    unsigned order[3], order_count; /* mailboxes in the order of their requests */
+    chip_ticks_t sent;              /* the end of the frame on the bus */
+    bool is_sending;
+    chip_frame_t from_chip[CHIP_FRAMES];
+    unsigned out_first, out_count;
+    chip_ticks_t joined; /* eleven recessive bits after leaving initialisation */
+} chip_can_t;
+
+typedef struct {
+    char text[CHIP_TEXT_BYTES];
+    uint32_t size;
+    chip_ticks_t shifted; /* the shift register is empty again */
+    bool holds;           /* a byte waits behind it */
+    uint8_t next;
+    char typed[256];
+    unsigned typed_first, typed_count;
+    chip_ticks_t next_byte;
+} chip_serial_t;
+
+typedef struct {
+    unsigned keys; /* of the unlock sequence */
+    chip_ticks_t busy;
+    uint32_t operations;
+    unsigned fixes; /* stores that are not yet what the flash makes of them */
+    uint32_t fix_address[CHIP_FLASH_FIXES], fix_value[CHIP_FLASH_FIXES];
+} chip_flash_t;
+
+typedef struct {
+    chip_ticks_t base; /* of DWT_CYCCNT and SysTick */
+    chip_ticks_t tick; /* the next one */
+    bool enabled[CHIP_EXCEPTIONS], pending[CHIP_EXCEPTIONS], active[CHIP_EXCEPTIONS];
+    uint8_t priority[CHIP_EXCEPTIONS];
+    unsigned nesting;
+    unsigned stacked[CHIP_NESTING];
+    uc_context *context[CHIP_NESTING];
+} chip_nvic_t;
+
+struct chip {
+    uc_engine *core;
+    uint32_t word[CHIP_PERIPHERAL_BYTES / 4];
+    uint16_t known[CHIP_PERIPHERAL_BYTES / 4]; /* index in CHIP_REGISTERS + 1 */
+    uint32_t core_word[CHIP_CORE_BYTES / 4];
+    uint8_t flash_at_power_on[CHIP_FLASH_BYTES];
+    uint8_t instructions[CHIP_FLASH_BYTES / 2]; /* of the block that begins there */
+    chip_ticks_t now, deadline;
+    uint32_t ticks_per_cycle;
+    bool needs_attention; /* an exception may have become pending */
+    bool reset_requested, by_watchdog;
+    bool has_power;
+    unsigned resets, watchdog_resets;
+    chip_ticks_t crystal_ready, pll_ready;
+    chip_ticks_t watchdog_end, driver_ready;
+    uint32_t random;
+
+    chip_inputs_t in;
+    chip_faults_t fault;
+    chip_nvic_t nvic;
+    chip_timer1_t timer1;
+    chip_converters_t adc;
+    chip_can_t can;
+    chip_serial_t serial;
+    chip_flash_t flash;
+
+    unsigned violations;
+    char violation[CHIP_VIOLATIONS][CHIP_VIOLATION_BYTES];
+};
+
+/* The register at this address. */
+static inline uint32_t *chip_at(chip_t *chip, uint32_t address)
+{
+    return &chip->word[(address - CHIP_PERIPHERAL_BASE) / 4];
+}
+
+static inline uint32_t chip_get(const chip_t *chip, uint32_t address)
+{
+    return chip->word[(address - CHIP_PERIPHERAL_BASE) / 4];
+}
+
+static inline uint32_t chip_field(const chip_t *chip, uint32_t address, uint32_t mask)
+{
+    return (chip_get(chip, address) & mask) / (mask & -mask);
+}
+
+__attribute__((format(printf, 2, 3))) void chip_note(chip_t *chip, const char *format, ...);
+uint32_t chip_random(chip_t *chip);
+
+/* core.c */
+bool chip_core_open(chip_t *chip);
+void chip_reset(chip_t *chip, bool by_watchdog);
+void chip_pend(chip_t *chip, unsigned exception);
+
+/* exceptions.c: NVIC, SysTick, system control, cycle counter. */
+void chip_nvic_reset(chip_t *chip);
+uint32_t chip_core_read(chip_t *chip, uint32_t address);
+void chip_core_write(chip_t *chip, uint32_t address, uint32_t value);
+/* Number of the exception to be taken now; 0: none. */
+unsigned chip_exception_due(chip_t *chip);
+/* Whether one is pending, masked or not. */
+bool chip_exception_waits(const chip_t *chip);
+void chip_exception_enter(chip_t *chip, unsigned exception);
+void chip_exception_return(chip_t *chip);
+chip_ticks_t chip_nvic_next(chip_t *chip);
+void chip_nvic_events(chip_t *chip);
+
+/* clocks.c: RCC, PWR, the watchdog, wait states. */
+void chip_clocks_reset(chip_t *chip);
+bool chip_clocks_write(chip_t *chip, uint32_t address, uint32_t value);
+uint32_t chip_clocks_read(chip_t *chip, uint32_t address);
+bool chip_has_clock(const chip_t *chip, uint32_t address);
+uint32_t chip_bus_ticks(const chip_t *chip, uint32_t prescaler_mask);
+chip_ticks_t chip_clocks_next(chip_t *chip);
+void chip_clocks_events(chip_t *chip);
+
+/* flash.c */
+void chip_flash_reset(chip_t *chip);
+bool chip_flash_register(chip_t *chip, uint32_t address, uint32_t value);
+uint32_t chip_flash_read(chip_t *chip, uint32_t address);
+void chip_flash_program(chip_t *chip, uint32_t address, uint32_t size, uint32_t value);
+void chip_flash_settle(chip_t *chip);
+
+/* pins.c: GPIO, TIM3, the gate driver. */
+uint32_t chip_pins_read(chip_t *chip, uint32_t address);
+bool chip_pins_write(chip_t *chip, uint32_t address, uint32_t value);
+bool chip_pin_is_analog(const chip_t *chip, char port, unsigned pin);
+bool chip_pin_function(const chip_t *chip, char port, unsigned pin, unsigned function);
+bool chip_pin_level(chip_t *chip, char port, unsigned pin);
+
+/* timer1.c */
+void chip_timer1_reset(chip_t *chip);
+bool chip_timer1_write(chip_t *chip, uint32_t address, uint32_t value);
+uint32_t chip_timer1_read(chip_t *chip, uint32_t address);
+chip_ticks_t chip_timer1_next(chip_t *chip);
+void chip_timer1_events(chip_t *chip);
+
+/* converters.c */
+void chip_adc_reset(chip_t *chip);
+bool chip_adc_write(chip_t *chip, uint32_t address, uint32_t value);
+uint32_t chip_adc_read(chip_t *chip, uint32_t address);
+bool chip_adc_listens(const chip_t *chip);
+void chip_adc_inject(chip_t *chip);
+chip_ticks_t chip_adc_next(chip_t *chip);
+void chip_adc_events(chip_t *chip);
+
+/* can.c */
+void chip_can_reset(chip_t *chip);
+bool chip_can_write(chip_t *chip, uint32_t address, uint32_t value);
+uint32_t chip_can_read(chip_t *chip, uint32_t address);
+chip_ticks_t chip_can_next(chip_t *chip);
+void chip_can_events(chip_t *chip);
+
+/* serial.c */
+void chip_serial_reset(chip_t *chip);
+bool chip_serial_write(chip_t *chip, uint32_t address, uint32_t value);
+uint32_t chip_serial_read(chip_t *chip, uint32_t address);
+chip_ticks_t chip_serial_next(chip_t *chip);
+void chip_serial_events(chip_t *chip);
+
+#endif

@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* GPIO ports A to C (RM0090 section 8), the encoder's timer TIM3 (18.3.12), and the gate driver on
+ * the board: it is enabled by PB5 and holds its fault line, PB7, down while it starts. */
+#include "parts.h"
+
+enum { MODE_OUTPUT = 1, MODE_ALTERNATE = 2, MODE_ANALOG = 3, PULL_UP = 1, DRIVER_START_ms = 5 };
+enum { DRIVER_ENABLE = 5, DRIVER_FAULT = 7, ENCODER_BOTH_EDGES = 3 };
+static const uint32_t MODER[3] = {CHIP_GPIOA_MODER, CHIP_GPIOB_MODER, CHIP_GPIOC_MODER};
+
+static uint32_t of(char port, uint32_t address_in_a)
+{
+    return address_in_a - CHIP_GPIOA_MODER + MODER[port - 'A'];
+}
+
+static uint32_t mode(const chip_t *chip, char port, unsigned pin)
+{
+    return chip_get(chip, of(port, CHIP_GPIOA_MODER)) >> 2U * pin & 3U;
+}
+
+bool chip_pin_is_analog(const chip_t *chip, char port, unsigned pin)
+{
+    return mode(chip, port, pin) == MODE_ANALOG;
+}
+
+bool chip_pin_function(const chip_t *chip, char port, unsigned pin, unsigned function)
+{
+    const uint32_t at = of(port, pin < 8 ? CHIP_GPIOA_AFRL : CHIP_GPIOA_AFRH);
+    return mode(chip, port, pin) == MODE_ALTERNATE &&
+           (chip_get(chip, at) >> 4U * (pin & 7U) & 0xFU) == function;
+}
+
+static bool driver_pulls_fault(const chip_t *chip)
+{
+    return chip->fault.gate_driver_fault || chip->now < chip->driver_ready;
+}
+
+bool chip_pin_level(chip_t *chip, char port, unsigned pin)
+{
+    const unsigned bit = 1U << pin;
+    if (port == 'B' && pin == DRIVER_FAULT && driver_pulls_fault(chip)) {
+        return false;
+    }
+    if (mode(chip, port, pin) == MODE_OUTPUT) {
+        return (chip_get(chip, of(port, CHIP_GPIOA_ODR)) & bit) != 0;
+    }
+    if ((chip->in.driven[port - 'A'] & bit) != 0) {
+        return (chip->in.level[port - 'A'] & bit) != 0;
+    }
+    return (chip_get(chip, of(port, CHIP_GPIOA_PUPDR)) >> 2U * pin & 3U) == PULL_UP;
+}
+
+static uint32_t read_port(chip_t *chip, char port)
+{
+    uint32_t value = 0;
+    for (unsigned pin = 0; pin < 16; pin++) {
+        const bool high = mode(chip, port, pin) != MODE_ANALOG && chip_pin_level(chip, port, pin);
+        value |= high ? 1U << pin : 0U;
+    }
+    return value;
+}
+
+/* Both inputs of the encoder on their pins, counted at both edges. */
+static bool encoder_counts(const chip_t *chip)
+{
+    return (chip_get(chip, CHIP_TIM3_CR1) & CHIP_TIM3_CR1_CEN) != 0 &&
+           chip_field(chip, CHIP_TIM3_SMCR, CHIP_TIM3_SMCR_SMS) == ENCODER_BOTH_EDGES &&
+           chip_pin_function(chip, 'C', 6, 2) && chip_pin_function(chip, 'C', 7, 2);
+}
+
+static uint32_t read_timer3(chip_t *chip, uint32_t address)
+{
+    if (!encoder_counts(chip)) {
+        return chip_get(chip, address);
+    }
+    switch (address) {
+    case CHIP_TIM3_SR:
+        if (chip->in.encoder_index) {
+            chip->in.encoder_index = false;
+            *chip_at(chip, address) |= CHIP_TIM3_SR_CC3IF;
+            *chip_at(chip, CHIP_TIM3_CCR3) = chip->in.encoder_index_count;
+        }
+        return chip_get(chip, address);
+    case CHIP_TIM3_CCR3:
+        *chip_at(chip, CHIP_TIM3_SR) &= ~CHIP_TIM3_SR_CC3IF;
+        return chip_get(chip, address);
+    case CHIP_TIM3_CNT:
+        return chip->in.encoder_count;
+    default:
+        return chip_get(chip, address);
+    }
+}
+
+uint32_t chip_pins_read(chip_t *chip, uint32_t address)
+{
+    for (char port = 'A'; port <= 'C'; port++) {
+        if (address == of(port, CHIP_GPIOA_IDR)) {
+            return read_port(chip, port);
+        }
+    }
+    return address < CHIP_GPIOA_MODER ? read_timer3(chip, address) : chip_get(chip, address);
+}
+
+static void look_at_driver(chip_t *chip)
+{
+    const bool enabled =
+        mode(chip, 'B', DRIVER_ENABLE) == MODE_OUTPUT && chip_pin_level(chip, 'B', DRIVER_ENABLE);
+    if (!enabled) {
+        chip->driver_ready = CHIP_NEVER;
+    } else if (chip->driver_ready == CHIP_NEVER) {
+        chip->driver_ready = chip->now + (chip_ticks_t)DRIVER_START_ms * 1000U * CHIP_TICKS_PER_US;
+    }
+}
+
+bool chip_pins_write(chip_t *chip, uint32_t address, uint32_t value)
+{
+    for (char port = 'A'; port <= 'C'; port++) {
+        if (address == of(port, CHIP_GPIOA_BSRR)) {
+            uint32_t *output = chip_at(chip, of(port, CHIP_GPIOA_ODR));
+            *output = (*output & ~(value >> 16)) | (value & 0xFFFFU);
+            look_at_driver(chip);
+            return true;
+        }
+        if (address == of(port, CHIP_GPIOA_MODER)) {
+            *chip_at(chip, address) = value;
+            look_at_driver(chip);
+            return true;
+        }
+    }
+    if (address == CHIP_TIM3_SR) {
+        *chip_at(chip, address) &= value;
+        return true;
+    }
+    return false;
+}

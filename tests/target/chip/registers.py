@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Registers of the STM32F405 as C, from the vendor's description of the chip.
+
+    registers.py SVD_WHEEL OUTPUT_C OUTPUT_H
+
+The header has an address for each register, CHIP_<PERIPHERAL>_<REGISTER>, and a mask for each
+field, CHIP_<PERIPHERAL>_<REGISTER>_<FIELD>; the source a table of all registers with reset value,
+the bits that exist and access. Nothing in it comes from the driver.
+"""
+
+from __future__ import annotations
+
+import io
+import sys
+import xml.etree.ElementTree as ET
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path
+
+PERIPHERALS = (
+    *("RCC", "FLASH", "PWR", "EXTI", "GPIOA", "GPIOB", "GPIOC", "TIM1", "TIM3"),
+    *("ADC1", "ADC2", "ADC3", "C_ADC", "CAN1", "USART3", "IWDG", "DBG"),
+)
+ACCESS = {"read-write": 3, "read-only": 1, "write-only": 2, None: 3}
+
+
+@dataclass
+class Register:
+    """One register: address, value after reset, bits that exist, 1 readable + 2 writable."""
+
+    name: str
+    address: int
+    reset: int
+    bits: int
+    access: int
+    fields: dict[str, int]
+
+
+def _number(element: ET.Element, tag: str) -> int:
+    text = element.findtext(tag)
+    if text is None:
+        raise SystemExit(f"{sys.argv[0]}: <{tag}> missing in the description")
+    return int(text, 0)
+
+
+def _fields(register: ET.Element) -> dict[str, int]:
+    return {
+        field.findtext("name") or "": ((1 << _number(field, "bitWidth")) - 1)
+        << _number(field, "bitOffset")
+        for field in register.iterfind("fields/field")
+    }
+
+
+def registers(description: bytes) -> list[Register]:
+    """Return the registers of PERIPHERALS, in the order of their addresses."""
+    root = ET.fromstring(description)
+    by_name = {each.findtext("name") or "": each for each in root.iter("peripheral")}
+    found = []
+    for name in PERIPHERALS:
+        peripheral = by_name[name]
+        base = _number(peripheral, "baseAddress")
+        described_by = peripheral.get("derivedFrom")
+        source = by_name[described_by] if described_by else peripheral
+        for register in source.iterfind("registers/register"):
+            fields = _fields(register)
+            bits = 0
+            for mask in fields.values():
+                bits |= mask
+            found.append(
+                Register(
+                    f"{name}_{register.findtext('name')}",
+                    base + _number(register, "addressOffset"),
+                    _number(register, "resetValue"),
+                    bits,
+                    ACCESS[register.findtext("access")],
+                    fields,
+                )
+            )
+    return sorted(found, key=lambda each: each.address)
+
+
+def _merged(all_registers: list[Register]) -> dict[int, Register]:
+    """One register an address: capture and compare are two views of the same."""
+    by_address: dict[int, Register] = {}
+    for each in all_registers:
+        first = by_address.setdefault(each.address, each)
+        first.bits |= each.bits
+    return by_address
+
+
+def main(wheel: str, source: str, header: str) -> None:
+    """Write both files."""
+    with zipfile.ZipFile(wheel) as archive:
+        inner = archive.read("pyocd/debug/svd/svd_data.zip")
+    with zipfile.ZipFile(io.BytesIO(inner)) as archive:
+        found = registers(archive.read("STM32F41x.svd"))
+    lines = ["#ifndef CHIP_REGISTERS_H", "#define CHIP_REGISTERS_H"]
+    for each in found:
+        lines.append(f"#define CHIP_{each.name} 0x{each.address:08X}U")
+        lines.extend(
+            f"#define CHIP_{each.name}_{field} 0x{mask:08X}U" for field, mask in each.fields.items()
+        )
+    Path(header).write_text("\n".join([*lines, "#endif", ""]))
+    rows = [
+        f'{{"{each.name}", 0x{each.address:08X}U, 0x{each.reset:08X}U, '
+        f"0x{each.bits:08X}U, {each.access}U}},"
+        for each in _merged(found).values()
+    ]
+    Path(source).write_text(
+        "\n".join(
+            [
+                '#include "chip.h"',
+                "const chip_register_t CHIP_REGISTERS[] = {",
+                *rows,
+                "};",
+                "const unsigned CHIP_REGISTER_COUNT =",
+                "    sizeof CHIP_REGISTERS / sizeof CHIP_REGISTERS[0];",
+                "",
+            ]
+        )
+    )
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
