@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "controller/controller.h"
 
+#include "config/bases.h"
 #include "core/q15.h"
 #include "monitor/monitor_fast.h"
 
@@ -87,6 +88,7 @@ static monitor_rotor_output_t judge_rotor(controller_slow_t *slow, const config_
         operating_point_observer(&slow->operating_point, config, &report->observer);
     const monitor_rotor_input_t in = {
         .observer_mrad_s = observer.speed_mrad_s,
+        .sensor_mrad_s = bases_speed_mrad_s(config, report->speed_q32),
         .difference_turn = observer.difference_turn,
         .flux_q14 = (int16_t)observer.flux_q14.d,
         .across_q14 = (int16_t)observer.flux_q14.q,
@@ -159,7 +161,10 @@ static modes_output_t decide_mode(controller_slow_t *slow, const config_t *confi
     if (warning == REASON_NONE && slow->bridge_choice.overspeed) {
         warning = REASON_OVERSPEED;
     }
-    if (warning == REASON_NONE && slow->rotor.observer_used && report->bridge == BRIDGE_PWM) {
+    if (warning == REASON_NONE && slow->rotor.sensor_wrong) {
+        warning = slow->rotor.name;
+    } else if (warning == REASON_NONE && slow->rotor.observer_used &&
+               report->bridge == BRIDGE_PWM) {
         warning = REASON_ROTOR_UNCERTAIN;
     }
     warning = warning == REASON_NONE ? demand_warning : warning;

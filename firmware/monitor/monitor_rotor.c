@@ -9,6 +9,8 @@ enum {
     SLIPPED_TURN = 2913,  /* 16 degrees */
     AGREED_TURN = 2185,   /* 12 degrees */
     OPPOSED_STEPS = 2,
+    OPPOSED_SLOW_STEPS = 5, /* below the observer's speed */
+    NAME_STEPS = 12,        /* until a sensor's speed has followed its angle */
     SLIPPED_STEPS = 12,
     CONFIRM_STEPS = 2,
     LOSE_STEPS = 2
@@ -32,7 +34,7 @@ static void confirm(monitor_rotor_state_t *state, const config_t *config,
 {
     const bool plausible =
         in->switching && in->acquired && in->flux_q14 >= 4 * q_abs(in->across_q14) &&
-        in->flux_q14 >= in->expected_q14 / 2 && in->flux_q14 <= in->expected_q14 * 4;
+        in->flux_q14 >= in->expected_q14 / 2 && in->flux_q14 / 4 <= in->expected_q14;
     state->plausible = counted(state->plausible, plausible);
     state->implausible = counted(state->implausible, !plausible);
     const bool consistent =
@@ -41,11 +43,20 @@ static void confirm(monitor_rotor_state_t *state, const config_t *config,
         in->switching && consistent && fast_enough(state, config, in->observer_mrad_s);
 }
 
+/* From half its speed on the observer's angle is good enough to take torque away. */
+static bool watches(const monitor_rotor_state_t *state, const config_t *config,
+                    const monitor_rotor_input_t *in)
+{
+    return state->confirmed ||
+           (in->switching && state->plausible >= CONFIRM_STEPS &&
+            q_abs(in->observer_mrad_s) >= config->rotor.observer_speed_mrad_s / 2);
+}
+
 /* A sensor that is wrong agrees with the observer in passing: it has to for a long time. */
 static void compare(monitor_rotor_state_t *state, const config_t *config,
                     const monitor_rotor_input_t *in)
 {
-    if (!state->confirmed || !in->sensor_valid) {
+    if (!watches(state, config, in) || !in->sensor_valid) {
         state->opposed_steps = 0;
         state->slipped = 0;
         state->agreed_steps = 0;
@@ -53,18 +64,46 @@ static void compare(monitor_rotor_state_t *state, const config_t *config,
     }
     const int32_t size_turn = q_abs(in->difference_turn);
     state->opposed_steps = counted(state->opposed_steps, size_turn >= OPPOSED_TURN);
-    if (size_turn >= SLIPPED_TURN) {
+    if (size_turn >= SLIPPED_TURN && state->confirmed) {
         state->slipped = (uint8_t)q_min(state->slipped + 1, SLIPPED_STEPS);
     } else if (state->slipped > 0) {
         state->slipped--;
     }
-    state->agreed_steps = size_turn < AGREED_TURN ? q_min(state->agreed_steps + 1,
-                                                          config->monitor.rotor_warning_time_ms)
-                                                  : 0;
-    if (state->opposed_steps >= OPPOSED_STEPS || state->slipped >= SLIPPED_STEPS) {
+    state->agreed_steps =
+        size_turn < AGREED_TURN && state->confirmed
+            ? q_min(state->agreed_steps + 1, config->monitor.rotor_warning_time_ms)
+            : 0;
+    const int32_t opposed = state->confirmed ? OPPOSED_STEPS : OPPOSED_SLOW_STEPS;
+    if (state->opposed_steps >= opposed || state->slipped >= SLIPPED_STEPS) {
         state->sensor_wrong = true;
     } else if (state->agreed_steps >= config->monitor.rotor_warning_time_ms) {
         state->sensor_wrong = false;
+    }
+}
+
+static reason_t name_of(const monitor_rotor_input_t *in)
+{
+    const int32_t sensor_mrad_s = q_max(in->sensor_mrad_s, -INT32_MAX);
+    const int32_t along_mrad_s = in->observer_mrad_s >= 0 ? sensor_mrad_s : -sensor_mrad_s;
+    const int32_t half_mrad_s = q_abs(in->observer_mrad_s) / 2;
+    if (along_mrad_s >= half_mrad_s) {
+        return REASON_ROTOR_SLIPPED;
+    }
+    return along_mrad_s > -half_mrad_s ? REASON_ROTOR_FROZEN : REASON_ROTOR_REVERSED;
+}
+
+/* Once, for as long as the sensor is wrong. */
+static void name_sensor(monitor_rotor_state_t *state, const config_t *config,
+                        const monitor_rotor_input_t *in)
+{
+    state->wrong_steps = counted(state->wrong_steps, state->sensor_wrong);
+    if (!state->sensor_wrong) {
+        state->name = REASON_NONE;
+    } else if (state->wrong_steps == 1 && state->slipped >= SLIPPED_STEPS) {
+        state->name = REASON_ROTOR_SLIPPED; /* so near for so long: it turns as fast */
+    } else if (state->name == REASON_NONE && state->wrong_steps >= NAME_STEPS) {
+        /* An observer that is gone by then was wrong itself, as in a wheel that locks. */
+        state->name = watches(state, config, in) ? name_of(in) : REASON_ROTOR_UNCERTAIN;
     }
 }
 
@@ -78,12 +117,15 @@ monitor_rotor_output_t monitor_rotor_step(monitor_rotor_state_t *state, const co
     confirm(state, config, in);
     compare(state, config, in);
     state->sensor_wrong = state->sensor_wrong && !in->cleared;
+    name_sensor(state, config, in);
     const bool sensor = in->sensor_valid && !state->sensor_wrong;
-    state->observer_used = !sensor && (state->observer_used || state->confirmed || !in->switching);
+    state->observer_used =
+        !sensor && (state->observer_used || watches(state, config, in) || !in->switching);
     const monitor_rotor_output_t out = {
         .valid = sensor || (state->observer_used && state->confirmed),
         .observer_used = state->observer_used,
         .sensor_wrong = state->sensor_wrong,
+        .reason = state->name,
     };
     return out;
 }

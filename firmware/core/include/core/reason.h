@@ -108,7 +108,13 @@
     X(87, CURRENT_SENSOR_C, "current sensor c wrong, reconstructed from a and b",                  \
       "2 PWM periods", "at restart", LIMIT, HEALS, SERVICE)                                        \
     X(90, DEMAND_IMPLAUSIBLE, "torque demand refused: beyond the configured torque or its rise",   \
-      "at once", "1000 ms", NONE, HEALS, SERVICE)
+      "at once", "1000 ms", NONE, HEALS, SERVICE)                                                  \
+    X(91, ROTOR_SLIPPED, "rotor sensor displaced against the back-EMF",                            \
+      "12 ms", "monitor.rotor_warning_time_ms", LIMIT, HEALS, SERVICE)                             \
+    X(92, ROTOR_FROZEN, "rotor sensor stands still while the back-EMF turns",                      \
+      "2 ms", "monitor.rotor_warning_time_ms", LIMIT, HEALS, SERVICE)                              \
+    X(93, ROTOR_REVERSED, "rotor sensor turns against the back-EMF",                               \
+      "2 ms", "monitor.rotor_warning_time_ms", LIMIT, HEALS, SERVICE)
 /* clang-format on */
 
 #define REASON_LIMIT_ENUM(number, identifier, text) REASON_##identifier = (number),

@@ -7,9 +7,12 @@
  * magnitude that the magnets have at its speed (in a salient machine the current adds to it) and
  * lies within 14 degrees of its angle, and the speed is at least rotor.observer_speed. It then
  * watches the sensor: 60 degrees for 2 ms, or 16 degrees for 12 ms, make the sensor wrong, until
- * they have agreed for monitor.rotor_warning_time. While the sensor is wrong or invalid the
- * observer's angle is used. Above 15/16 of its speed torque is permitted with it; below, the angle
- * is still there for the torque to ramp out.
+ * they have agreed for monitor.rotor_warning_time. From half that speed on 60 degrees for 5 ms do.
+ * While the sensor is wrong or invalid the observer's angle is used. Above 15/16 of its speed
+ * torque is permitted with it; below, the angle is still there for the torque to ramp out.
+ *
+ * 12 ms after 60 degrees a wrong sensor gets its name, by its speed: frozen below half the
+ * observer's, reversed against it, else slipped.
  *
  * Without rotor.observer_takeover the sensor alone decides.
  *
@@ -23,6 +26,7 @@
 #include <stdint.h>
 
 #include "config/config.h"
+#include "core/reason.h"
 
 typedef struct {
     int32_t agreed_steps;  /* since the sensor was wrong */
@@ -30,14 +34,17 @@ typedef struct {
     uint8_t implausible;   /* likewise */
     uint8_t opposed_steps; /* at 60 degrees and more */
     uint8_t slipped;       /* steps with 16 degrees and more, less steps without */
+    uint8_t wrong_steps;   /* until it has its name */
     bool confirmed;
     bool sensor_wrong;
     bool observer_used;
+    reason_t name; /* REASON_NONE until it is known */
 } monitor_rotor_state_t;
 
 /* Sensor and observer at the same time. */
 typedef struct {
     int32_t observer_mrad_s; /* mechanical, signed */
+    int32_t sensor_mrad_s;   /* likewise */
     int16_t difference_turn; /* rotor angle of the sensor less that of the observer */
     int16_t flux_q14;        /* of the observer along its angle */
     int16_t across_q14;      /* and across it */
@@ -51,7 +58,8 @@ typedef struct {
 typedef struct {
     bool valid;         /* the angle in use may make torque */
     bool observer_used; /* instead of the sensor */
-    bool sensor_wrong;  /* contradicted by the confirmed observer */
+    bool sensor_wrong;  /* contradicted by the observer */
+    reason_t reason;    /* of a wrong sensor */
 } monitor_rotor_output_t;
 
 /* 1 kHz. Any speed, angle and flux; magnitudes of the speed fit 32 bits.

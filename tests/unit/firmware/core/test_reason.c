@@ -69,6 +69,9 @@ static const frozen_t FROZEN[] = {
     {85, REASON_CURRENT_SENSOR_A},
     {86, REASON_CURRENT_SENSOR_B},
     {87, REASON_CURRENT_SENSOR_C},
+    {91, REASON_ROTOR_SLIPPED},
+    {92, REASON_ROTOR_FROZEN},
+    {93, REASON_ROTOR_REVERSED},
 };
 enum { FROZEN_COUNT = sizeof(FROZEN) / sizeof(FROZEN[0]) };
 

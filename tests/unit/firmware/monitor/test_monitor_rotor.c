@@ -16,6 +16,7 @@ void setUp(void)
     const monitor_rotor_state_t fresh = {.confirmed = false};
     const monitor_rotor_input_t rolling = {
         .observer_mrad_s = 20000,
+        .sensor_mrad_s = 20000,
         .flux_q14 = 4000,
         .across_q14 = 100,
         .expected_q14 = 4000,
@@ -123,10 +124,13 @@ void test_an_invalid_sensor_is_replaced_at_once_if_the_observer_is_confirmed(voi
 void test_below_its_speed_the_observer_permits_no_torque(void)
 {
     const int32_t from_mrad_s = CONFIG_LU2013.rotor.observer_speed_mrad_s;
-    at.observer_mrad_s = from_mrad_s - 1;
+    at.observer_mrad_s = from_mrad_s / 2 - 1;
     at.sensor_valid = false;
     run(100);
     TEST_ASSERT_FALSE(seen.valid || seen.observer_used);
+    at.observer_mrad_s = from_mrad_s / 2;
+    run(10);
+    TEST_ASSERT_TRUE(!seen.valid && seen.observer_used);
     at.observer_mrad_s = -from_mrad_s;
     run(10);
     TEST_ASSERT_TRUE(seen.valid && seen.observer_used);
@@ -182,4 +186,73 @@ void test_without_takeover_the_sensor_alone_decides(void)
     at.sensor_valid = false;
     run(100);
     TEST_ASSERT_FALSE(seen.valid || seen.observer_used);
+}
+
+/* Steps from a contradiction to its name; at most 20. */
+static void assert_named_within_20_milliseconds(reason_t name)
+{
+    int steps = 0;
+    do {
+        run(1);
+        steps++;
+    } while (seen.reason == REASON_NONE && steps <= 20);
+    TEST_ASSERT_EQUAL_INT(name, seen.reason);
+    TEST_ASSERT_TRUE(steps <= 20);
+}
+
+void test_slip_freeze_and_reversal_are_named_forwards_and_backwards(void)
+{
+    static const struct {
+        int32_t sensor_mrad_s;
+        int16_t difference_turn;
+        reason_t name;
+    } wrong[] = {{20000, DEGREES_20, REASON_ROTOR_SLIPPED},
+                 {20000, DEGREES_60, REASON_ROTOR_SLIPPED},
+                 {0, DEGREES_60, REASON_ROTOR_FROZEN},
+                 {-20000, DEGREES_60, REASON_ROTOR_REVERSED}};
+    for (int k = 0; k < 4; k++) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            setUp();
+            at.observer_mrad_s *= sign;
+            at.sensor_mrad_s *= sign;
+            run(100);
+            TEST_ASSERT_EQUAL_INT(REASON_NONE, seen.reason);
+            at.difference_turn = wrong[k].difference_turn;
+            at.sensor_mrad_s = sign * wrong[k].sensor_mrad_s;
+            assert_named_within_20_milliseconds(wrong[k].name);
+            at.sensor_mrad_s = sign * 20000; /* the first name stays */
+            run(100);
+            TEST_ASSERT_EQUAL_INT(wrong[k].name, seen.reason);
+        }
+    }
+}
+
+/* Below its speed the observer only takes torque away. */
+void test_an_opposed_sensor_below_the_observer_s_speed_loses_its_torque(void)
+{
+    at.observer_mrad_s = CONFIG_LU2013.rotor.observer_speed_mrad_s * 3 / 4;
+    run(100);
+    TEST_ASSERT_TRUE(seen.valid);
+    at.difference_turn = DEGREES_20;
+    run(1000);
+    TEST_ASSERT_TRUE(seen.valid && !seen.sensor_wrong);
+    at.difference_turn = DEGREES_60;
+    run(4);
+    TEST_ASSERT_TRUE(seen.valid);
+    run(1);
+    TEST_ASSERT_TRUE(!seen.valid && seen.observer_used);
+    at.difference_turn = 0;
+    run(CONFIG_LU2013.monitor.rotor_warning_time_ms + 1);
+    TEST_ASSERT_FALSE(seen.valid);
+}
+
+void test_more_flux_than_magnets_and_current_have_confirms_nothing(void)
+{
+    at.sensor_valid = false;
+    at.flux_q14 = (int16_t)(4 * at.expected_q14 + 4);
+    run(100);
+    TEST_ASSERT_FALSE(seen.valid);
+    at.flux_q14--;
+    run(2);
+    TEST_ASSERT_TRUE(seen.valid);
 }
