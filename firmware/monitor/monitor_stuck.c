@@ -71,10 +71,10 @@ static void watch(monitor_stuck_state_t *state, const config_t *config,
     const int64_t w_mrad_s =
         (int64_t)q_clamp(in->speed_mrad_s, -MOST_mrad_s, MOST_mrad_s) * config->motor.pole_pairs;
     const int32_t step_mrad = q_saturate64(divide_by_thousand(w_mrad_s));
-    state->turned_mrad = q_limit((int64_t)state->turned_mrad + step_mrad, MOST_mrad_s);
+    state->turned_mrad = q_saturate64((int64_t)state->turned_mrad + step_mrad);
     state->steps++;
     state->good_steps += in->sum_good ? 1 : 0;
-    if (q_abs(state->turned_mrad) >= TURN_mrad) {
+    if (state->turned_mrad >= TURN_mrad || state->turned_mrad <= -TURN_mrad) {
         end_window(state, config, in);
     } else if (state->steps >= MONITOR_STUCK_STEPS) {
         forget(state, in);
