@@ -43,6 +43,12 @@ void test_the_initial_report_is_unlimited_with_mid_range_offsets(void)
     TEST_ASSERT_EQUAL_INT32(SENSE_CODE_MID * 16, report.offset_q4[2]);
 }
 
+void test_faults_of_the_rotor_sensor_are_reported_as_they_are_counted(void)
+{
+    foc.period.rotor.faults = 40000;
+    TEST_ASSERT_EQUAL_UINT16(40000, reported().rotor_faults);
+}
+
 void test_limited_flag_is_set_if_either_axis_is_saturated(void)
 {
     for (int axis = 0; axis < 3; axis++) {

@@ -46,6 +46,23 @@ void test_mid_range_is_zero_current_and_the_ends_are_full_scale(void)
     check_vector(-32768.0, 2047.0 * 16.0 - 16.0, sense_step(&state, ends, on).i);
 }
 
+/* Each phase has its own sensor: a reading at its own offset is zero current, and one code above it
+ * is 16 in that phase alone. */
+void test_each_phase_has_its_own_offset(void)
+{
+    const config_drive_t offsets = {
+        .offset_a_q4 = 16 * 2000, .offset_b_q4 = 16 * 2010, .offset_c_q4 = 16 * 2030};
+    sense_init(&state, &offsets);
+    for (int phase = 0; phase < SENSE_PHASES; phase++) {
+        uint16_t codes[SENSE_PHASES] = {2000, 2010, 2030};
+        codes[phase]++;
+        const abc_t i_pu = sense_phases(&state, codes);
+        TEST_ASSERT_EQUAL_INT32(phase == 0 ? 16 : 0, i_pu.a);
+        TEST_ASSERT_EQUAL_INT32(phase == 1 ? 16 : 0, i_pu.b);
+        TEST_ASSERT_EQUAL_INT32(phase == 2 ? 16 : 0, i_pu.c);
+    }
+}
+
 void test_phase_with_the_longest_on_time_is_reconstructed_from_the_others(void)
 {
     static const int32_t ON[6][3] = {{9, 5, 1}, {9, 1, 5}, {5, 9, 1},
