@@ -246,7 +246,7 @@ void test_an_opposed_sensor_below_the_observer_s_speed_loses_its_torque(void)
     TEST_ASSERT_FALSE(seen.valid);
 }
 
-void test_more_flux_than_magnets_and_current_have_confirms_nothing(void)
+void test_more_flux_than_magnets_and_current_have_does_not_confirm(void)
 {
     at.sensor_valid = false;
     at.flux_q14 = (int16_t)(4 * at.expected_q14 + 4);
