@@ -168,6 +168,7 @@ static modes_output_t decide_mode(controller_slow_t *slow, const config_t *confi
         warning = REASON_ROTOR_UNCERTAIN;
     }
     warning = warning == REASON_NONE ? demand_warning : warning;
+    warning = warning == REASON_NONE ? watch->flux_warning : warning;
     const modes_input_t modes_in = {
         .config_accepted = in->config_accepted,
         .selftest_passed = in->selftest_passed,

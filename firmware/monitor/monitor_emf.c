@@ -26,7 +26,12 @@ static int64_t reactance_uOhm(int64_t w_mrad_s, int32_t inductance_nH)
     return q_saturate64(divide_by_million(w_mrad_s * inductance_nH));
 }
 
-static bool contradicted(const config_t *config, const monitor_emf_input_t *in, bool *judged)
+typedef struct {
+    int64_t across_nV, along_nV;  /* e, along: in the direction of w psi */
+    int64_t emf_nV, uncertain_nV; /* |w psi| at the reference temperature, U */
+} view_t;
+
+static view_t view_of(const config_t *config, const monitor_emf_input_t *in)
 {
     const config_motor_t *motor = &config->motor;
     const int64_t w_mrad_s = bases_electrical_mrad_s(config, in->speed_mrad_s);
@@ -49,17 +54,52 @@ static bool contradicted(const config_t *config, const monitor_emf_input_t *in, 
     const int64_t uncertain_nV = (motor->phase_resistance_uOhm / 2 + x_uOhm / 4) * i_mA +
                                  dead_two_thirds * in->bus_voltage_mV;
 
-    *judged = magnitude(emf_nV) >= MARGIN * larger(uncertain_nV, NV_PER_MV);
-    const int64_t along_nV = emf_nV >= 0 ? e_q_nV : -e_q_nV;
-    return magnitude(e_d_nV) >= along_nV;
+    const view_t out = {
+        .across_nV = e_d_nV,
+        .along_nV = emf_nV >= 0 ? e_q_nV : -e_q_nV,
+        .emf_nV = magnitude(emf_nV),
+        .uncertain_nV = larger(uncertain_nV, NV_PER_MV),
+    };
+    return out;
+}
+
+/* Steps beyond the tolerance less steps within it; below 0 weak, above strong. */
+static void watch_flux(monitor_emf_state_t *state, const config_t *config,
+                       const monitor_emf_input_t *in, const view_t *view)
+{
+    const int32_t share_q24 = bases_share_at_q24(config, config->motor.flux_coefficient_ppm_K,
+                                                 in->winding_temperature_cC);
+    /* The share with 10 bits of fraction, so that any flux fits 64 bits. */
+    const int64_t expected_nV = (view->emf_nV >> 10) * (share_q24 >> 14);
+    const int64_t tolerance_nV =
+        divide_by_thousand(expected_nV) * config->monitor.flux_tolerance_permille +
+        view->uncertain_nV;
+    const int64_t apart_nV = view->along_nV - expected_nV;
+    if (magnitude(apart_nV) > tolerance_nV) {
+        const int32_t step = apart_nV < 0 ? -1 : 1;
+        state->flux_level = (int16_t)q_limit(state->flux_level + step, MONITOR_EMF_FLUX_STEPS);
+    } else if (state->flux_level != 0) {
+        state->flux_level = (int16_t)(state->flux_level - (state->flux_level < 0 ? -1 : 1));
+    }
+    if (state->flux_level <= -MONITOR_EMF_FLUX_STEPS) {
+        state->flux = MONITOR_EMF_FLUX_WEAK;
+    } else if (state->flux_level >= MONITOR_EMF_FLUX_STEPS) {
+        state->flux = MONITOR_EMF_FLUX_STRONG;
+    } else if (state->flux_level == 0) {
+        state->flux = MONITOR_EMF_FLUX_PLAUSIBLE;
+    }
 }
 
 bool monitor_emf_step(monitor_emf_state_t *state, const config_t *config,
                       const monitor_emf_input_t *in)
 {
     const int32_t most = config->monitor.angle_fault_time_ms;
-    bool judged = false;
-    const bool wrong = contradicted(config, in, &judged);
+    const view_t view = view_of(config, in);
+    const bool judged = view.emf_nV >= MARGIN * view.uncertain_nV;
+    const bool wrong = magnitude(view.across_nV) >= view.along_nV;
+    if (in->switching && in->rotor_valid && judged && !wrong) {
+        watch_flux(state, config, in, &view);
+    }
     if (!in->switching || !in->rotor_valid) {
         state->level = 0;
     } else if (judged && wrong && !in->voltage_limited) {

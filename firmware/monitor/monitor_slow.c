@@ -199,6 +199,13 @@ static bool current_sum_wrong(monitor_slow_state_t *state, const config_t *confi
     return lasts || (in->current_undetermined && !named);
 }
 
+static reason_t flux_warning(const monitor_emf_state_t *emf)
+{
+    return emf->flux == MONITOR_EMF_FLUX_WEAK     ? REASON_FLUX_WEAK
+           : emf->flux == MONITOR_EMF_FLUX_STRONG ? REASON_BUS_SENSOR
+                                                  : REASON_NONE;
+}
+
 static monitor_emf_input_t emf_input(const monitor_slow_input_t *in)
 {
     const monitor_emf_input_t out = {
@@ -207,6 +214,7 @@ static monitor_emf_input_t emf_input(const monitor_slow_input_t *in)
         .i_d_mA = in->i_d_mA,
         .i_q_mA = in->i_q_mA,
         .bus_voltage_mV = in->bus_voltage_mV,
+        .winding_temperature_cC = in->winding_temperature_cC,
         .speed_mrad_s = in->speed_mrad_s,
         .switching = in->bridge == BRIDGE_PWM,
         .voltage_limited = in->voltage_limited,
@@ -308,6 +316,7 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
                    : sensor_warns != REASON_NONE    ? sensor_warns
                    : rotor_warns                    ? REASON_ROTOR_UNCERTAIN
                                                     : REASON_NONE,
+        .flux_warning = flux_warning(&state->emf),
         .safe_bridge = safe.bridge,
         .emf_conducts = safe.bridge != BRIDGE_OFF || safe.freewheel.current_mA > 0,
         .charging_mA = safe.bridge == BRIDGE_OFF ? safe.freewheel.charging_mA : 0,

@@ -353,6 +353,7 @@ def _monitor(drive: Drive) -> dict[str, Any]:
         "standstill_mrad_s": nearest(monitor.standstill_rpm * RPM_TO_MRAD_S),
         "short_release_permille": nearest(monitor.short_release_share * 1e3),
         "warmest_ambient_cC": nearest(monitor.warmest_ambient_c * 1e2),
+        "flux_tolerance_permille": nearest(monitor.flux_tolerance * 1e3),
         "stuck_rise_cC": nearest(monitor.stuck_rise_k * 1e2),
     }
 

@@ -138,6 +138,15 @@ class Monitor(Section):
             " ambient, at most this",
         ),
     ] = 40.0
+    flux_tolerance: Annotated[
+        float,
+        number(
+            0.02,
+            1.0,
+            "1",
+            "the back-EMF differs this share, and its uncertainty, from the magnets': a warning",
+        ),
+    ] = 0.15
     stuck_rise_k: Annotated[
         float,
         number(

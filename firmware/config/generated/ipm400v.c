@@ -356,6 +356,9 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         /* [cC] the ambient of the estimate is the colder sensor's reading at the start, at
          * most this; default 4000 */
         .warmest_ambient_cC        = 4000,
+        /* [permille] the back-EMF differs this much, and its uncertainty, from the magnets':
+         * a warning; default 150 */
+        .flux_tolerance_permille   = 150,
         /* [cC] a temperature sensor that moves less than a quarter of it while the estimate
          * moves by it is stuck; 0: not checked; default 1500 */
         .stuck_rise_cC             = 1500,
@@ -664,5 +667,5 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
             -224967, -234291, -243312,
         },
     },
-    .crc32 = 0x4C1EC832,
+    .crc32 = 0x26F6D1CA,
 };

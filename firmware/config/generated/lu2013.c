@@ -355,6 +355,9 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
         /* [cC] the ambient of the estimate is the colder sensor's reading at the start, at
          * most this; default 4000 */
         .warmest_ambient_cC        = 4000,
+        /* [permille] the back-EMF differs this much, and its uncertainty, from the magnets':
+         * a warning; default 150 */
+        .flux_tolerance_permille   = 150,
         /* [cC] a temperature sensor that moves less than a quarter of it while the estimate
          * moves by it is stuck; 0: not checked; default 1500 */
         .stuck_rise_cC             = 1500,
@@ -432,5 +435,5 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
             -7364, -7790, -7021, -8871, -9455,
         },
     },
-    .crc32 = 0xD1AF7833,
+    .crc32 = 0xC2093291,
 };

@@ -354,6 +354,9 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
         /* [cC] the ambient of the estimate is the colder sensor's reading at the start, at
          * most this; default 4000 */
         .warmest_ambient_cC        = 4000,
+        /* [permille] the back-EMF differs this much, and its uncertainty, from the magnets':
+         * a warning; default 150 */
+        .flux_tolerance_permille   = 150,
         /* [cC] a temperature sensor that moves less than a quarter of it while the estimate
          * moves by it is stuck; 0: not checked; default 1500 */
         .stuck_rise_cC             = 1500,
@@ -425,5 +428,5 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
             -5218, -5966, -6796, -7744, -8823, -10033, -11370, -12827, -14396,
         },
     },
-    .crc32 = 0x06832E34,
+    .crc32 = 0xADCFE847,
 };

@@ -351,6 +351,9 @@
     X(warmest_ambient_cC,                    0,         10000,      "cC", \
       "the ambient of the estimate is the colder sensor's reading at the start, at most this; " \
       "default 4000") \
+    X(flux_tolerance_permille,               20,        1000,       "permille", \
+      "the back-EMF differs this much, and its uncertainty, from the magnets': a warning; " \
+      "default 150") \
     X(stuck_rise_cC,                         0,         20000,      "cC", \
       "a temperature sensor that moves less than a quarter of it while the estimate moves by it " \
       "is stuck; 0: not checked; default 1500")

@@ -114,7 +114,11 @@
     X(92, ROTOR_FROZEN, "rotor sensor stands still while the back-EMF turns",                      \
       "2 ms", "monitor.rotor_warning_time_ms", LIMIT, HEALS, SERVICE)                              \
     X(93, ROTOR_REVERSED, "rotor sensor turns against the back-EMF",                               \
-      "2 ms", "monitor.rotor_warning_time_ms", LIMIT, HEALS, SERVICE)
+      "2 ms", "monitor.rotor_warning_time_ms", LIMIT, HEALS, SERVICE)                              \
+    X(96, FLUX_WEAK, "back-EMF below the magnets': magnets weak, or the bus voltage reads low",    \
+      "200 ms", "200 ms", NONE, HEALS, SERVICE)                                                    \
+    X(97, BUS_SENSOR, "back-EMF above the magnets': the bus voltage reads high",                   \
+      "200 ms", "200 ms", LIMIT, HEALS, SERVICE)
 /* clang-format on */
 
 #define REASON_LIMIT_ENUM(number, identifier, text) REASON_##identifier = (number),

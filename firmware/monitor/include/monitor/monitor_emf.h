@@ -19,8 +19,19 @@
 
 #include "config/config.h"
 
+enum { MONITOR_EMF_FLUX_STEPS = 200 /* ms, qualify and heal time */ };
+
+/* What e_q says of the magnets' flux at the configured temperature coefficient. */
+typedef enum {
+    MONITOR_EMF_FLUX_PLAUSIBLE,
+    MONITOR_EMF_FLUX_WEAK,  /* magnets weak, or the bus voltage reads low */
+    MONITOR_EMF_FLUX_STRONG /* the bus voltage reads high: magnets never gain flux */
+} monitor_emf_flux_t;
+
 typedef struct {
     uint16_t level;
+    int16_t flux_level;
+    monitor_emf_flux_t flux; /* qualified; stays where it cannot be judged */
 } monitor_emf_state_t;
 
 /* Of the same PWM period, in the estimated frame: peak phase quantities, applied
@@ -29,6 +40,7 @@ typedef struct {
     int32_t u_d_mV, u_q_mV;
     int32_t i_d_mA, i_q_mA;
     int32_t bus_voltage_mV;
+    int32_t winding_temperature_cC;
     int32_t speed_mrad_s; /* mechanical, signed, as estimated */
     bool switching;       /* the voltage was applied */
     bool voltage_limited; /* the motor may be disconnected: not checked */

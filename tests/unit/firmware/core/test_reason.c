@@ -72,6 +72,8 @@ static const frozen_t FROZEN[] = {
     {91, REASON_ROTOR_SLIPPED},
     {92, REASON_ROTOR_FROZEN},
     {93, REASON_ROTOR_REVERSED},
+    {96, REASON_FLUX_WEAK},
+    {97, REASON_BUS_SENSOR},
 };
 enum { FROZEN_COUNT = sizeof(FROZEN) / sizeof(FROZEN[0]) };
 

@@ -281,3 +281,110 @@ void test_any_input_is_accepted(void)
         TEST_ASSERT_TRUE(state.level <= config.monitor.angle_fault_time_ms);
     }
 }
+
+/* Flux: the same motor. What is named after a second at a share of the configured flux and a gain
+ * of the bus voltage's reading, with which the applied voltage is computed. */
+static monitor_emf_flux_t named(double rpm, double i_q_a, double flux, double reading)
+{
+    plant_t plant = AS_CONFIGURED;
+    plant.flux = flux;
+    monitor_emf_input_t in = measured(rpm, 0.0, i_q_a, 0.0, &plant);
+    in.u_d_mV = (int32_t)lround(reading * in.u_d_mV);
+    in.u_q_mV = (int32_t)lround(reading * in.u_q_mV);
+    in.winding_temperature_cC = config.motor.reference_temperature_cC;
+    const monitor_emf_state_t fresh = {.level = 0};
+    state = fresh;
+    for (int n = 0; n < 1000; n++) {
+        monitor_emf_step(&state, &config, &in);
+    }
+    return state.flux;
+}
+
+/* At 500 r/min w psi = 24.6 V; U is 0.71 V without a current, 2.9 V with 40 A: 15 % and U are 18
+ * and 27 % of w psi. */
+void test_weak_magnets_and_a_bus_voltage_that_reads_high_are_distinguished(void)
+{
+    config.monitor.flux_tolerance_permille = 150;
+    TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_PLAUSIBLE, named(500.0, 0.0, 0.85, 1.0));
+    TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_WEAK, named(500.0, 0.0, 0.80, 1.0));
+    TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_WEAK, named(500.0, -40.0, 0.70, 1.0));
+    TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_STRONG, named(500.0, 0.0, 1.0, 1.25));
+    TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_STRONG, named(-500.0, 0.0, 1.0, 1.25));
+    /* A bus voltage that reads low looks like weak magnets. */
+    TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_WEAK, named(500.0, 0.0, 1.0, 0.75));
+}
+
+void test_flux_is_named_after_200_ms_and_heals_after_200_ms(void)
+{
+    config.monitor.flux_tolerance_permille = 150;
+    TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_WEAK, named(500.0, 0.0, 0.7, 1.0));
+    monitor_emf_input_t in = measured(500.0, 0.0, 0.0, 0.0, &AS_CONFIGURED);
+    in.winding_temperature_cC = config.motor.reference_temperature_cC;
+    for (int n = 1; n < MONITOR_EMF_FLUX_STEPS; n++) {
+        monitor_emf_step(&state, &config, &in);
+    }
+    TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_WEAK, state.flux);
+    monitor_emf_step(&state, &config, &in);
+    TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_PLAUSIBLE, state.flux);
+    plant_t weak = AS_CONFIGURED;
+    weak.flux = 0.7;
+    in = measured(500.0, 0.0, 0.0, 0.0, &weak);
+    in.winding_temperature_cC = config.motor.reference_temperature_cC;
+    for (int n = 1; n < MONITOR_EMF_FLUX_STEPS; n++) {
+        monitor_emf_step(&state, &config, &in);
+    }
+    TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_PLAUSIBLE, state.flux);
+    monitor_emf_step(&state, &config, &in);
+    TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_WEAK, state.flux);
+    in.switching = false; /* not judged: it stays */
+    for (int n = 0; n < 1000; n++) {
+        monitor_emf_step(&state, &config, &in);
+    }
+    TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_WEAK, state.flux);
+}
+
+/* R and dead time a half, L a quarter wrong, magnets 15 % apart from the configuration. */
+void test_a_motor_within_its_tolerances_is_never_named(void)
+{
+    config.monitor.flux_tolerance_permille = 150;
+    random_t random = random_seeded(11);
+    for (int n = 0; n < 2000; n++) {
+        const plant_t plant = {.resistance = random_real(&random, 0.5, 1.5),
+                               .inductance = random_real(&random, 0.75, 1.25),
+                               .flux = random_real(&random, 0.86, 1.14),
+                               .dead_time_share = random_real(&random, -0.5, 0.5)};
+        monitor_emf_input_t in =
+            measured(random_real(&random, -640.0, 640.0), random_real(&random, -40.0, 0.0),
+                     random_real(&random, -60.0, 60.0), 0.0, &plant);
+        in.winding_temperature_cC = config.motor.reference_temperature_cC;
+        const monitor_emf_state_t fresh = {.level = 0};
+        state = fresh;
+        for (int step = 0; step < 300; step++) {
+            monitor_emf_step(&state, &config, &in);
+        }
+        TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_PLAUSIBLE, state.flux);
+    }
+}
+
+/* NdFeB, 100 K warmer: 11 % less flux is as it should be, the cold flux then reads as too much. */
+void test_the_flux_is_expected_at_the_winding_temperature(void)
+{
+    config.monitor.flux_tolerance_permille = 50;
+    config.motor.flux_coefficient_ppm_K = -1100;
+    plant_t plant = AS_CONFIGURED;
+    plant.flux = 0.89;
+    monitor_emf_input_t in = measured(500.0, 0.0, 0.0, 0.0, &plant);
+    in.winding_temperature_cC = config.motor.reference_temperature_cC + 10000;
+    const monitor_emf_state_t fresh = {.level = 0};
+    state = fresh;
+    for (int n = 0; n < 300; n++) {
+        monitor_emf_step(&state, &config, &in);
+    }
+    TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_PLAUSIBLE, state.flux);
+    in = measured(500.0, 0.0, 0.0, 0.0, &AS_CONFIGURED);
+    in.winding_temperature_cC = config.motor.reference_temperature_cC + 10000;
+    for (int n = 0; n < 300; n++) {
+        monitor_emf_step(&state, &config, &in);
+    }
+    TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_STRONG, state.flux);
+}
