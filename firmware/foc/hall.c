@@ -233,22 +233,32 @@ static int32_t passed_turn(hall_t *hall, uint32_t edge_q32, hall_observed_t obse
     return passed;
 }
 
-/* High speed and an observed angle: a critically damped tracking loop over the edges. The speed
- * stays inside what a period more or less makes of the last turn's time. */
+/* Once a turn: the speed stays inside what a period more or less makes of the last turn's time. */
+static void check_speed(hall_t *hall)
+{
+    const int32_t measured_q32 = measured_speed_q32(hall);
+    const int32_t measured_q16 = measured_q32 / 65536;
+    const int32_t period_q32 = measured_q16 * measured_q16;
+    const int32_t speed_q32 =
+        q_clamp(hall->speed_q32, measured_q32 - period_q32, measured_q32 + period_q32);
+    hall->theta_q32 += (uint32_t)hall->speed_q32;
+    hall->speed_q32 = q_limit(speed_q32, 2 * HALL_FASTEST_Q31);
+}
+
+/* High speed and an observed angle: a critically damped tracking loop over the edges. */
 static void follow_observed_edge(hall_t *hall, uint32_t edge_q32, hall_observed_t observed,
                                  unsigned log2)
 {
+    if (hall->sector == 0) {
+        check_speed(hall);
+        return;
+    }
     const uint32_t theta_q32 = hall->theta_q32 + (uint32_t)hall->speed_q32;
     const uint32_t now_turn = (edge_q32 >> 16) + (uint32_t)passed_turn(hall, edge_q32, observed);
     const int32_t error_turn = angle_difference((uint16_t)now_turn, (uint16_t)(theta_q32 >> 16));
     hall->theta_q32 = theta_q32 + ((uint32_t)error_turn << (16 - HALL_ANGLE_GAIN_LOG2));
-
-    const int32_t measured_q32 = measured_speed_q32(hall);
-    const int32_t measured_q16 = measured_q32 / 65536;
-    const int32_t period_q32 = measured_q16 * measured_q16;
-    const int32_t speed_q32 = q_clamp(hall->speed_q32 + error_turn * (HALL_SPEED_GAIN << log2),
-                                      measured_q32 - period_q32, measured_q32 + period_q32);
-    hall->speed_q32 = q_limit(speed_q32, 2 * HALL_FASTEST_Q31);
+    hall->speed_q32 =
+        q_limit(hall->speed_q32 + error_turn * (HALL_SPEED_GAIN << log2), 2 * HALL_FASTEST_Q31);
 }
 
 /* Without one the edge lay on average half a period before this sample. At low speed half of the

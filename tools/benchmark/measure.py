@@ -55,7 +55,7 @@ INTERRUPT_BUDGET = Budget(IMAGE_CORE, INTERRUPT, 485, max_at_most=905)
 """From entry to return on the linked image."""
 BUDGETS = (
     Budget("cortex-m4", CURRENT_LOOP, 159, 1.05),
-    Budget("cortex-m4", FAST_STEP, 315, p99_at_most=545, max_at_most=615),
+    Budget("cortex-m4", FAST_STEP, 315, p99_at_most=510, max_at_most=610),
     Budget("cortex-m3", CURRENT_LOOP, 175),
     Budget("cortex-m0plus", CURRENT_LOOP, 369),
 )
