@@ -32,6 +32,7 @@ void controller_init(controller_t *controller, const config_t *config)
     const monitor_rotor_state_t no_rotor = {.confirmed = false};
     controller->slow.rotor = no_rotor;
     bridge_choice_init(&controller->slow.bridge_choice);
+    current_expectation_init(&controller->slow.expected_current, config);
     controller->slow.last_command_mNm = 0;
     controller->slow.last_estimate_mNm = 0;
     controller->slow.step_count = 0;
@@ -68,6 +69,7 @@ const fast_output_t *controller_fast_step(controller_fast_t *fast, const config_
         .switching = enabled,
         .clear_trip = setpoint->clear_trip,
         .slow_step_count = setpoint->sequence,
+        .least_square = setpoint->least_square,
     };
     const reason_t trip = monitor_fast_step(&fast->monitor, &watched);
     update_output(fast, bridge_command(setpoint, enabled, trip));
@@ -130,6 +132,9 @@ static monitor_slow_input_t monitor_input(const controller_slow_t *slow, const c
         .u_d_mV = at->latest_u_d_mV,
         .u_q_mV = at->latest_u_q_mV,
         .voltage_limited = report->voltage_limited,
+        .sampled_pu = at->sampled_pu,
+        .reference_pu = {.d = slow->expected_current.reference_pu.d + report->i_d_weakening_pu,
+                         .q = slow->expected_current.reference_pu.q},
         .torque_command_mNm = slow->last_command_mNm,
         .torque_estimate_mNm = slow->last_estimate_mNm,
         .offset_q4 = {report->offset_q4[0], report->offset_q4[1], report->offset_q4[2]},
@@ -282,6 +287,8 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
     setpoint->sequence = slow->step_count;
     operating_point_setpoint(&slow->operating_point, config, torque.current.i_d_mA,
                              torque.current.i_q_mA, setpoint);
+    setpoint->least_square = current_expectation_step(
+        &slow->expected_current, setpoint->i_reference_pu, report->bridge == BRIDGE_PWM);
     setpoint->observer.used = rotor.observer_used;
     setpoint->calibrate_offsets = modes.calibrate_offsets;
     setpoint->torque_enabled =

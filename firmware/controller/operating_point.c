@@ -117,6 +117,7 @@ operating_point_t operating_point_of(operating_point_state_t *state, const confi
         .speed_mrad_s = bases_speed_mrad_s(config, speed_q32),
         .i_d_mA = bases_current_mA(config, i_pu.d),
         .i_q_mA = bases_current_mA(config, i_pu.q),
+        .sampled_pu = state->i_pu,
         .bus_voltage_mV = bus_mV,
         .bus_current_mA = bus_current_mA(state, config),
         .i_d_weakening_mA = bases_current_mA(

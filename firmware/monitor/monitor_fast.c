@@ -19,6 +19,7 @@ void monitor_fast_init(monitor_fast_state_t *state, const config_t *config)
                                   config->drive.voltage_full_scale_mV),
         .stale_limit_periods = stale_limit_periods,
         .trip_periods = config->monitor.overcurrent_periods,
+        .dead_periods = config->monitor.current_dead_periods,
         .periods_left = stale_limit_periods,
     };
     *state = fresh;

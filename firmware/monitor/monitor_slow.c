@@ -223,6 +223,17 @@ static monitor_emf_input_t emf_input(const monitor_slow_input_t *in)
     return out;
 }
 
+static monitor_current_input_t current_input(const monitor_slow_input_t *in)
+{
+    const monitor_current_input_t out = {
+        .sampled_pu = in->sampled_pu,
+        .reference_pu = in->reference_pu,
+        .switching = in->bridge == BRIDGE_PWM,
+        .voltage_limited = in->voltage_limited,
+    };
+    return out;
+}
+
 static monitor_speed_input_t speed_input(const monitor_slow_input_t *in)
 {
     const monitor_speed_input_t out = {
@@ -287,6 +298,8 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
                                        rotor_missing ? rotor_qualify_steps(config) : 1);
     const monitor_emf_input_t emf = emf_input(in);
     const bool angle_wrong = monitor_emf_step(&state->emf, config, &emf);
+    const monitor_current_input_t current = current_input(in);
+    const bool no_current = monitor_current_step(&state->current, config, &current);
     const bool torque_wrong =
         qualified(&state->torque_steps, switching && torque_unwanted(config, in),
                   config->monitor.torque_fault_time_ms);
@@ -338,7 +351,7 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
         out.fault = in->fast_trip;
     } else if (flow_wrong) {
         out.fault = REASON_PROGRAM_FLOW;
-    } else if (sensor_wrong) {
+    } else if (sensor_wrong || no_current) {
         out.fault = REASON_CURRENT_SENSOR;
     } else if (sum_wrong) {
         out.fault = REASON_CURRENT_SUM;

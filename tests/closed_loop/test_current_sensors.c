@@ -231,3 +231,54 @@ void test_slow_drift_ends_in_a_fault_with_the_current_inside_its_limits(void)
     TEST_ASSERT_EQUAL_INT(REASON_CURRENT_SUM, broken.wheel[0].first_fault);
     TEST_ASSERT_TRUE(most_a < trip_a);
 }
+
+/* All of them dead: no sum shows it, and the loop adds a share of the reference every period. The
+ * jump to zero is seen in two periods. */
+static void check_all_dead(const char *name, double share_of_speed, double demand_nm)
+{
+    const failure_t dead = {.name = "all dead", .stuck = 1.0};
+    const double trip_a = brake_at(name, share_of_speed, demand_nm);
+    double most_a = 0.0;
+    for (int instant = 0; instant < INSTANTS; instant++) {
+        const outcome_t out = fail(&dead, 7, instant);
+        most_a = fmax(most_a, out.most_a);
+        TEST_ASSERT_EQUAL_INT(REASON_CURRENT_SENSOR, broken.wheel[0].first_fault);
+        TEST_ASSERT_EQUAL_INT(MODE_FAULT, broken.wheel[0].slow.mode);
+    }
+    printf("%s at %.0f %% of its speed, %g N m, all dead: current at most %.2f of the trip\n", name,
+           100.0 * share_of_speed, demand_nm, most_a / trip_a);
+    TEST_ASSERT_TRUE(most_a < CURRENT_OVER_TRIP * trip_a);
+}
+
+void test_all_dead_sensors_end_the_torque_before_the_current_leaves_its_limits(void)
+{
+    check_all_dead("lu2013", 0.66, 75.0);
+    check_all_dead("lu2013", 0.2, 40.0);
+    check_all_dead("ebike36v", 0.5, 20.0);
+    check_all_dead("scooter48v", 0.5, 25.0);
+    check_all_dead("ipm400v", 0.3, 175.0);
+    check_all_dead("ipm400v", 0.7, 175.0);
+}
+
+/* Dead before there is a current: the reference rises and none is seen. */
+void test_sensors_that_die_while_coasting_are_named_with_the_next_torque(void)
+{
+    static const char *const NAMES[] = {"lu2013", "ebike36v", "scooter48v", "ipm400v"};
+    for (int n = 0; n < 4; n++) {
+        const double trip_a = brake_at(NAMES[n], 0.4, 0.0);
+        const failure_t dead = {.name = "all dead", .stuck = 1.0};
+        broken = moving;
+        break_sensors(&broken, &dead, 7);
+        broken.params.driver.brake_demand_nm = 2.5e-3 * broken.config.motor.rated_torque_mNm;
+        bench_refresh(&broken);
+        double most_a = 0.0;
+        for (int k = 0; k < 4 * WATCHED_PERIODS; k++) {
+            bench_period(&broken);
+            most_a = fmax(most_a, current_a(&broken));
+        }
+        printf("%s, dead while coasting: current at most %.2f of the trip\n", NAMES[n],
+               most_a / trip_a);
+        TEST_ASSERT_EQUAL_INT(REASON_CURRENT_SENSOR, broken.wheel[0].first_fault);
+        TEST_ASSERT_TRUE(most_a < CURRENT_OVER_TRIP * trip_a);
+    }
+}

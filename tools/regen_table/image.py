@@ -332,6 +332,8 @@ def _monitor(drive: Drive) -> dict[str, Any]:
     if torque is None:
         torque = max(0.1 * drive.motor.max_torque_nm, 0.5)
     return {
+        "current_dead_periods": monitor.current_dead_periods,
+        "current_missing_pu_q15": loops.fixed(loops.current_missing_ms(drive), 15),
         "overcurrent_pu_q15": loops.fixed(loops.overcurrent_pu(drive), 15),
         "overcurrent_periods": monitor.overcurrent_periods,
         "current_sum_pu_q15": loops.fixed(summed, 15),

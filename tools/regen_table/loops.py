@@ -290,6 +290,19 @@ def overcurrent_share_max(drive: Drive) -> float:
     return (2047 - drive.monitor.offset_tolerance_codes) / 2048
 
 
+def current_missing_ms(drive: Drive) -> float:
+    """Return the per-unit reference times ms in which the sensors may show no current.
+
+    As configured, or what a disturbance that decays with L_q / R leaves room for: while the
+    reference is r such a current passes zero, within one and a half codes z, in 2 z (L_q / R) / r.
+    """
+    wanted = drive.monitor.current_missing_as
+    if wanted is not None:
+        return 1e3 * wanted / drive.inverter.current_full_scale_a
+    resistance = drive.motor.phase_resistance_ohm + drive.inverter.switch_resistance_ohm
+    return 1.5 / 2048.0 * max(60.0, 3e3 * drive.motor.q_inductance_h / resistance)
+
+
 def overcurrent_pu(drive: Drive) -> float:
     """Per-unit length of the current vector that trips.
 

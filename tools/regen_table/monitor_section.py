@@ -51,6 +51,19 @@ class Monitor(Section):
             " noise adds",
         ),
     ] = None
+    current_dead_periods: Annotated[
+        int, number(2, 16, "1", "PWM periods after which a current that vanished is a dead sensor")
+    ] = 2
+    current_missing_as: Annotated[
+        float | None,
+        number(
+            1e-6,
+            100.0,
+            "A s",
+            "current demanded times time in which the sensors show none; absent: 60 ms times one"
+            " and a half codes, three times L_q / R if that is longer",
+        ),
+    ] = None
     offset_tolerance_codes: Annotated[
         int, number(1, 1024, "1", "a current sensor's zero from the middle of its range")
     ] = 200

@@ -306,9 +306,10 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
         /* [pu] magnitude of the current vector that trips, peak; default 1.3 times
          * motor.max_phase_current_mA */
         .overcurrent_pu_q15        = 29552,
-        /* PWM periods in a row that trip; 1: a single disturbed sample trips; default 2 */
-        .overcurrent_periods       = 2,
+        .overcurrent_periods       = 2, /* PWM periods in a row that trip; default 2 */
         .current_sum_pu_q15        = 1638, /* [pu] largest |i_a + i_b + i_c| */
+        .current_dead_periods      = 2, /* a current that vanishes: PWM periods; default 2 */
+        .current_missing_pu_q15    = 1440, /* [pu ms] reference times time without any current */
         /* largest distance of a current sensor's offset from mid-range */
         .offset_tolerance_codes    = 200,
         /* [mNm] largest excess of the estimated over the permitted torque */
@@ -416,5 +417,5 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
             -282, -352, -283, -480, -539,
         },
     },
-    .crc32 = 0x5C5073D3,
+    .crc32 = 0xCC42F56F,
 };

@@ -307,9 +307,10 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         /* [pu] magnitude of the current vector that trips, peak; default 1.3 times
          * motor.max_phase_current_mA */
         .overcurrent_pu_q15        = 29552,
-        /* PWM periods in a row that trip; 1: a single disturbed sample trips; default 2 */
-        .overcurrent_periods       = 2,
+        .overcurrent_periods       = 2, /* PWM periods in a row that trip; default 2 */
         .current_sum_pu_q15        = 1638, /* [pu] largest |i_a + i_b + i_c| */
+        .current_dead_periods      = 2, /* a current that vanishes: PWM periods; default 2 */
+        .current_missing_pu_q15    = 3927, /* [pu ms] reference times time without any current */
         /* largest distance of a current sensor's offset from mid-range */
         .offset_tolerance_codes    = 200,
         /* [mNm] largest excess of the estimated over the permitted torque */
@@ -667,5 +668,5 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
             -224967, -234291, -243312,
         },
     },
-    .crc32 = 0x26F6D1CA,
+    .crc32 = 0xDCA713ED,
 };

@@ -307,9 +307,10 @@
     X(overcurrent_pu_q15,                    164,       32767,      "pu", \
       "magnitude of the current vector that trips, peak; default " \
       "1.3 times motor.max_phase_current_mA") \
-    X(overcurrent_periods,                   1,         16,         "1", \
-      "PWM periods in a row that trip; 1: a single disturbed sample trips; default 2") \
+    X(overcurrent_periods, 1, 16, "1", "PWM periods in a row that trip; default 2") \
     X(current_sum_pu_q15, 16, 32767, "pu", "largest |i_a + i_b + i_c|") \
+    X(current_dead_periods, 2, 16, "1", "a current that vanishes: PWM periods; default 2") \
+    X(current_missing_pu_q15, 1, 1000000000, "pu ms", "reference times time without any current") \
     X(offset_tolerance_codes,                1,         1024,       "1", \
       "largest distance of a current sensor's offset from mid-range") \
     X(torque_tolerance_mNm,                  1,         1000000,    "mNm", \

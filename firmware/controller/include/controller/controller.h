@@ -33,6 +33,7 @@
 
 #include "config/config.h"
 #include "controller/bridge_choice.h"
+#include "controller/current_expectation.h"
 #include "controller/operating_point.h"
 #include "controller/temperatures.h"
 #include "core/slow_messages.h"
@@ -72,6 +73,7 @@ typedef struct {
     temperatures_t temperatures;
     int32_t last_command_mNm;
     int32_t last_estimate_mNm;
+    current_expectation_t expected_current;
     uint16_t step_count;
 } controller_slow_t;
 

@@ -68,6 +68,7 @@ typedef struct {
     int32_t speed_mrad_s; /* mechanical, signed */
     /* Means over the averaging window, the periods since the previous report. */
     int32_t i_d_mA, i_q_mA;
+    dq_t sampled_pu; /* of the samples, without correction, Q15 */
     int32_t bus_voltage_mV;
     int32_t bus_current_mA; /* out of the battery positive; from phase voltage and current */
     /* Of the latest period. */

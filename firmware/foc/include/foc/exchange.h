@@ -4,9 +4,9 @@
  * the caller of the steps transfers them; no module keeps one as state.
  *
  * Currents are Q15 of the current base, bus voltages Q15 of the voltage base, phase voltages Q15 of
- * the voltage circle (modulation units). The fields `trip`, `bridge`, `safe_bridge` and
- * `clear_trip` belong to the controller, which decides what the bridge does; the current loop uses
- * only `clear_trip`, for the sum of currents.
+ * the voltage circle (modulation units). The fields `trip`, `bridge`, `safe_bridge`,
+ * `clear_trip` and `least_square` belong to the controller, which decides what the bridge does; the
+ * current loop uses only `clear_trip`, for the sum of currents.
  */
 #ifndef FOC_EXCHANGE_H
 #define FOC_EXCHANGE_H
@@ -62,6 +62,7 @@ typedef struct {
     bool release_break;        /* for the application: release the hardware's latch, so that the
                                   bridge can be shorted on the side of a stuck switch */
     bridge_mode_t safe_bridge; /* off or a short circuit: without enable, or with a trip */
+    uint32_t least_square;     /* of the current vector's length, Q30: current_expectation.h */
 } fast_setpoint_t;
 
 /* Running sums since the start, wrapping: a difference over n periods is their exact mean. */

@@ -20,6 +20,7 @@
 #include "core/bridge.h"
 #include "core/frames.h"
 #include "core/reason.h"
+#include "monitor/monitor_current.h"
 #include "monitor/monitor_emf.h"
 #include "monitor/monitor_speed.h"
 #include "monitor/monitor_stuck.h"
@@ -32,6 +33,8 @@ enum {
     MONITOR_BUS_RETURN_STEPS = 100,
     /* Milliseconds with a wrong number of fast steps after which the slow loop reports a fault. */
     MONITOR_FLOW_STEPS = 5,
+    /* Square of the current that a dead sensor may show, Q30: six codes of a 12-bit converter. */
+    MONITOR_DEAD_SQUARE = 96 * 96,
     /* A temperature limit of this value is switched off, for example if there is no sensor. */
     MONITOR_TEMPERATURE_OFF_cC = 30000
 };
@@ -44,10 +47,12 @@ typedef struct {
     int32_t overvoltage_pu;      /* Q15 of the voltage base */
     int32_t stale_limit_periods; /* PWM periods without a slow step */
     int32_t trip_periods;        /* qualify time of an over-current */
+    int32_t dead_periods;        /* qualify time of a current that has vanished */
     /* State. */
     reason_t trip;
     uint32_t inverted_trip; /* ~trip: a bit that flips in RAM is found (monitor_fast_intact()) */
-    int32_t overcurrent_periods;
+    int32_t
+        current_periods;  /* above the trip; negative: at zero since the latest one that was not */
     int32_t periods_left; /* left until PROGRAM_FLOW without a slow step */
     uint16_t last_slow_step;
 } monitor_fast_state_t;
@@ -59,6 +64,7 @@ typedef struct {
     bool switching;  /* PWM: slow steps must come, and no current may exceed its limit */
     bool clear_trip; /* the fault has been acknowledged */
     uint16_t slow_step_count;
+    uint32_t least_square; /* Q30, of the current vector at the present setpoint; below the trip */
 } monitor_fast_input_t;
 
 void monitor_fast_init(monitor_fast_state_t *state, const config_t *config);
@@ -83,6 +89,7 @@ typedef struct {
     uint16_t return_steps;  /* left until torque returns after that */
     bridge_mode_t safe_bridge;
     monitor_emf_state_t emf;
+    monitor_current_state_t current;
     monitor_speed_state_t speed;
     monitor_stuck_state_t stuck;
     bool bus_was_low; /* of the latest bus beyond a trip */
@@ -110,6 +117,8 @@ typedef struct {
     int32_t i_d_mA, i_q_mA;      /* of the latest period, peak phase, estimated frame */
     int32_t u_d_mV, u_q_mV;      /* likewise, as applied */
     bool voltage_limited;        /* likewise */
+    dq_t sampled_pu;             /* mean of the sampled currents over the last millisecond, Q15 */
+    dq_t reference_pu;           /* of that millisecond, Q15 */
     int32_t torque_command_mNm;  /* of the last step, signed */
     int32_t torque_estimate_mNm; /* signed */
     int32_t offset_q4[3];        /* zero-current codes * 16 */

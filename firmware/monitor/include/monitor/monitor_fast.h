@@ -7,9 +7,28 @@
 
 #include "monitor/monitor.h"
 
+/* A current vector that is too long, or that has vanished from one sample to the next. The count is
+ * of periods above the trip, or negative, of periods at zero. */
+static inline reason_t monitor_fast_current(monitor_fast_state_t *state,
+                                            const monitor_fast_input_t *in, uint32_t square)
+{
+    if (square >= in->least_square) {
+        state->current_periods = q_max(state->current_periods, 0) + 1;
+        return state->current_periods >= state->trip_periods ? REASON_OVERCURRENT : REASON_NONE;
+    }
+    /* INT16_MIN: gone by degrees, which a broken sensor does not do. */
+    const bool gradual = square > MONITOR_DEAD_SQUARE || state->current_periods == INT16_MIN;
+    state->current_periods = gradual ? INT16_MIN : q_min(state->current_periods, 0) - 1;
+    return state->current_periods == -state->dead_periods ? REASON_CURRENT_SENSOR : REASON_NONE;
+}
+
 /* Reason of the first trip condition that is true in this period, or REASON_NONE.
  *
- * @pre state->overcurrent_periods >= 0 && state->overcurrent_periods < state->trip_periods
+ * @pre state->current_periods > -state->dead_periods || state->current_periods == INT16_MIN
+ *
+ * @pre state->current_periods < state->trip_periods
+ *
+ * @pre in->least_square <= state->overcurrent_square
  *
  * @pre q_abs(in->i_pu.v.x) <= Q15_ONE && q_abs(in->i_pu.v.y) <= Q15_ONE
  *
@@ -19,9 +38,13 @@
  *
  * @post in->v_dc_pu <= state->overvoltage_pu || result != REASON_NONE
  *
- * @post state->overcurrent_periods >= 0 && state->overcurrent_periods <= state->trip_periods
+ * @post state->current_periods >= -state->dead_periods || state->current_periods == INT16_MIN
  *
- * @post result != REASON_NONE || state->overcurrent_periods < state->trip_periods
+ * @post state->current_periods <= state->trip_periods
+ *
+ * @post result != REASON_NONE || state->current_periods < state->trip_periods
+ *
+ * @post result != REASON_NONE || state->current_periods != -state->dead_periods
  *
  * @post state->periods_left >= 0 && state->periods_left <= state->stale_limit_periods
  */
@@ -34,13 +57,14 @@ static inline reason_t monitor_fast_look(monitor_fast_state_t *state,
     /* The vector's length is the peak of the three phases; below 2, so its square in Q30 fits 32
      * bits unsigned. */
     const uint32_t square = q_pair_square(in->i_pu.v);
-    if (square > state->overcurrent_square && in->switching) {
-        state->overcurrent_periods++;
-        if (state->overcurrent_periods >= state->trip_periods) {
-            return REASON_OVERCURRENT;
+    /* Outside least_square .. overcurrent_square, as one unsigned comparison. */
+    if (square - in->least_square > state->overcurrent_square - in->least_square && in->switching) {
+        const reason_t wrong = monitor_fast_current(state, in, square);
+        if (wrong != REASON_NONE) {
+            return wrong;
         }
     } else {
-        state->overcurrent_periods = 0;
+        state->current_periods = 0;
     }
     if (in->v_dc_pu > state->overvoltage_pu) {
         return REASON_BUS_OVERVOLTAGE;
@@ -59,9 +83,15 @@ static inline reason_t monitor_fast_look(monitor_fast_state_t *state,
 
 /* The trip, latched; REASON_NONE when healthy.
  *
- * @pre state->trip_periods > 0 && state->overcurrent_periods >= 0
+ * @pre state->trip_periods > 0 && state->dead_periods > 1
  *
- * @pre state->trip != REASON_NONE || state->overcurrent_periods < state->trip_periods
+ * @pre state->current_periods >= -state->dead_periods || state->current_periods == INT16_MIN
+ *
+ * @pre in->least_square <= state->overcurrent_square
+ *
+ * @pre state->trip != REASON_NONE || state->current_periods < state->trip_periods
+ *
+ * @pre state->trip != REASON_NONE || state->current_periods != -state->dead_periods
  *
  * @pre q_abs(in->i_pu.v.x) <= Q15_ONE && q_abs(in->i_pu.v.y) <= Q15_ONE
  *
@@ -73,7 +103,7 @@ static inline reason_t monitor_fast_look(monitor_fast_state_t *state,
  *
  * @post in->v_dc_pu <= state->overvoltage_pu || result != REASON_NONE
  *
- * @post state->trip != REASON_NONE || state->overcurrent_periods < state->trip_periods
+ * @post state->trip != REASON_NONE || state->current_periods < state->trip_periods
  *
  * @post state->periods_left >= 0 && state->periods_left <= state->stale_limit_periods
  */
@@ -87,7 +117,7 @@ static inline reason_t monitor_fast_step(monitor_fast_state_t *state,
         }
         state->trip = REASON_NONE;
         state->inverted_trip = ~(uint32_t)REASON_NONE;
-        state->overcurrent_periods = 0;
+        state->current_periods = 0;
     }
     const reason_t wrong = monitor_fast_look(state, in);
     if (wrong != REASON_NONE) {

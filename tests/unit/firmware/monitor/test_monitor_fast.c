@@ -109,6 +109,75 @@ void test_current_at_the_limit_never_trips(void)
     TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1000));
 }
 
+/* A reference of 40 % of the range, of which a quarter is the least that may flow. */
+static void expect_current(void)
+{
+    in.least_square = 3277U * 3277U;
+    set_current(-3000, 12500);
+}
+
+/* Six codes of noise are no current; the trip comes in the second period, not in the first. */
+void test_current_that_vanishes_from_one_sample_to_the_next_trips_in_the_second_period(void)
+{
+    expect_current();
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(100));
+    set_current(60, -70);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, step());
+    TEST_ASSERT_EQUAL_INT(REASON_CURRENT_SENSOR, step());
+}
+
+void test_current_that_comes_back_in_time_does_not_trip(void)
+{
+    expect_current();
+    for (int n = 0; n < 1000; n++) {
+        set_current(n % 2 == 0 ? 5000 : 0, 0);
+        in.slow_step_count++;
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, step());
+    }
+}
+
+/* A real current takes at least a period below the least one before it is gone. */
+void test_current_that_decays_does_not_trip(void)
+{
+    expect_current();
+    step();
+    set_current(2000, 1000);
+    step();
+    set_current(0, 0);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1000));
+    /* Once it has been there again, a loss at once is seen again. */
+    set_current(0, 5000);
+    step();
+    set_current(0, 0);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, step());
+    TEST_ASSERT_EQUAL_INT(REASON_CURRENT_SENSOR, step());
+}
+
+void test_no_current_is_expected_without_a_reference_and_without_pwm(void)
+{
+    set_current(5000, 0);
+    step();
+    set_current(0, 0);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1000));
+    in.switching = false;
+    expect_current();
+    step();
+    set_current(0, 0);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1000));
+}
+
+/* Counts of the two do not add up. */
+void test_over_current_after_a_missing_one_needs_its_whole_qualify_time(void)
+{
+    expect_current();
+    step();
+    set_current(0, 0);
+    step();
+    set_current(0, LIMIT + 10);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, step());
+    TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, step());
+}
+
 void test_single_samples_above_the_limit_do_not_trip(void)
 {
     for (int n = 0; n < 1000; n++) {

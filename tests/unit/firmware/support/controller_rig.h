@@ -46,6 +46,8 @@ static inline void rig_start(rig_t *rig)
     rig->config = paper_vehicle();
     rig->config.rotor.sensor = CONFIG_ROTOR_ANGLE;
     rig->config.modes.coast_delay_ms = 0; /* the bridge switches without demand as well */
+    rig->config.monitor.current_missing_pu_q15 = 1000000000; /* no motor, no current */
+    rig->config.monitor.current_dead_periods = 40000;
     controller_init(&rig->controller, &rig->config);
     rig->to_fast = controller_initial_setpoint(&rig->config);
     controller_fast_report(&rig->controller.fast, &rig->to_slow);

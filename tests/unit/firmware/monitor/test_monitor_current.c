@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A reference without any current. */
+#include "monitor/monitor_current.h"
+
+#include "paper_vehicle.h"
+#include "unity.h"
+
+static config_t config;
+static monitor_current_state_t state;
+
+void setUp(void)
+{
+    const monitor_current_state_t fresh = {.missing_pu = 0};
+    config = paper_vehicle();
+    config.monitor.current_missing_pu_q15 = 1440;
+    state = fresh;
+}
+
+void tearDown(void) {}
+
+static const monitor_current_input_t demanded = {
+    .reference_pu = {.d = 0, .q = 10000},
+    .switching = true,
+};
+
+static int time_to_missing(int32_t d_pu, int32_t q_pu, int32_t shown_pu)
+{
+    const monitor_current_state_t fresh = {.missing_pu = 0};
+    monitor_current_input_t in = demanded;
+    state = fresh;
+    in.reference_pu.d = d_pu;
+    in.reference_pu.q = q_pu;
+    in.sampled_pu.d = 0;
+    in.sampled_pu.q = shown_pu;
+    for (int n = 1; n <= 1000; n++) {
+        if (monitor_current_step(&state, &config, &in)) {
+            return n;
+        }
+    }
+    return -1;
+}
+
+/* 1440 LSB ms: the current that flows unseen is the same at every reference. */
+void test_missing_current_is_named_when_reference_times_time_is_reached(void)
+{
+    TEST_ASSERT_EQUAL_INT(3, time_to_missing(0, 2000, 0));
+    TEST_ASSERT_EQUAL_INT(3, time_to_missing(0, -480, 0));
+    TEST_ASSERT_EQUAL_INT(3, time_to_missing(-480, 0, -20));
+    TEST_ASSERT_EQUAL_INT(15, time_to_missing(0, 100, 20));
+}
+
+void test_no_current_is_missing_where_some_flows_or_none_is_demanded(void)
+{
+    TEST_ASSERT_EQUAL_INT(-1, time_to_missing(0, 2000, 40));
+    TEST_ASSERT_EQUAL_INT(-1, time_to_missing(0, 2000, -40));
+    TEST_ASSERT_EQUAL_INT(-1, time_to_missing(0, 0, 0));
+    TEST_ASSERT_EQUAL_INT(-1, time_to_missing(20, -20, 0));
+}
+
+/* A current that passes zero once in a while is none that is missing. */
+void test_missing_time_begins_again_with_every_current(void)
+{
+    monitor_current_input_t in = demanded;
+    in.reference_pu.q = 480;
+    for (int n = 0; n < 1000; n++) {
+        in.sampled_pu.q = n % 3 == 2 ? 300 : 0;
+        TEST_ASSERT_FALSE(monitor_current_step(&state, &config, &in));
+    }
+}
+
+void test_no_current_is_missing_without_pwm_and_at_the_voltage_limit_none_is_counted(void)
+{
+    monitor_current_input_t in = demanded;
+    in.voltage_limited = true;
+    for (int n = 0; n < 1000; n++) {
+        TEST_ASSERT_FALSE(monitor_current_step(&state, &config, &in));
+    }
+    in.voltage_limited = false;
+    in.switching = false;
+    for (int n = 0; n < 1000; n++) {
+        TEST_ASSERT_FALSE(monitor_current_step(&state, &config, &in));
+    }
+}
