@@ -26,6 +26,6 @@ uint32_t current_expectation_step(current_expectation_t *state, dq_t reference_p
                                     product(state->reference_pu, state->reference_pu));
     const int64_t square = smaller(product(reference_pu, state->reference_pu), shorter) / 16;
     state->reference_pu = reference_pu;
-    const bool distinct = square >= 4 * MONITOR_DEAD_SQUARE;
+    const bool distinct = square >= (int64_t)4 * MONITOR_DEAD_SQUARE;
     return switching && distinct ? (uint32_t)smaller(square, state->most_square) : 0U;
 }

@@ -24,6 +24,8 @@ static inline reason_t monitor_fast_current(monitor_fast_state_t *state,
 
 /* Reason of the first trip condition that is true in this period, or REASON_NONE.
  *
+ * @pre state->trip_periods > 0 && state->dead_periods > 0 && state->dead_periods <= INT16_MAX
+ *
  * @pre state->current_periods > -state->dead_periods || state->current_periods == INT16_MIN
  *
  * @pre state->current_periods < state->trip_periods
@@ -83,7 +85,7 @@ static inline reason_t monitor_fast_look(monitor_fast_state_t *state,
 
 /* The trip, latched; REASON_NONE when healthy.
  *
- * @pre state->trip_periods > 0 && state->dead_periods > 1
+ * @pre state->trip_periods > 0 && state->dead_periods > 0 && state->dead_periods <= INT16_MAX
  *
  * @pre state->current_periods >= -state->dead_periods || state->current_periods == INT16_MIN
  *

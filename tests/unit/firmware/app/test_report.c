@@ -343,7 +343,8 @@ void test_faults_are_printed_with_the_configured_times(void)
     assert_on_page("69 BUS_UNDERVOLTAGE: bus under-voltage; ");
     assert_on_page("after monitor.battery_message_time_ms 300 + monitor.voltage_fault_time_ms 5: ");
     assert_on_page("ends latched until acknowledged at standstill without a torque demand\n");
-    TEST_ASSERT_FALSE(report_faults(&boot, "BUS_", 4, &line));
+    assert_on_page("97 BUS_SENSOR: ");
+    TEST_ASSERT_FALSE(report_faults(&boot, "BUS_", 6, &line));
 }
 
 void test_every_fault_has_two_lines_that_fit_and_a_refused_configuration_shows_no_values(void)
