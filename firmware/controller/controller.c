@@ -172,6 +172,9 @@ static modes_output_t decide_mode(controller_slow_t *slow, const config_t *confi
                report->bridge == BRIDGE_PWM) {
         warning = REASON_ROTOR_UNCERTAIN;
     }
+    if (warning == REASON_NONE) {
+        warning = slow->torque.blending.watch.reason;
+    }
     warning = warning == REASON_NONE ? demand_warning : warning;
     warning = warning == REASON_NONE ? watch->flux_warning : warning;
     const modes_input_t modes_in = {
@@ -216,6 +219,7 @@ static torque_output_t step_torque(controller_slow_t *slow, const config_t *conf
         .abs_active = in->demand.abs_active,
         .abs_share_percent = in->demand.abs_motor_share_percent,
         .standstill = watch->standstill,
+        .acknowledged = in->demand.fault_reset && watch->at_rest,
         .speed_mrad_s = at->speed_mrad_s,
         .current = {.d_mA = at->i_d_mA, .q_mA = at->i_q_mA},
         .i_d_weakening_mA = at->i_d_weakening_mA,

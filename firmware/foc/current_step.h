@@ -31,7 +31,8 @@ Q_TARGET_INLINE void current_step_with(foc_state_t *restrict state,
     /* The voltage acts in the next period: on average 1.5 periods after the sample. */
     const rotation_t angle_applied = transforms_advance(angle, current->advance);
     const ab_t u = transforms_inverse_park(period->voltage.applied, angle_applied);
-    state->observer.u.v = q_pair(u.alpha, u.beta);
+    /* Full voltage is 32 768, which a packed pair would turn round. */
+    state->observer.u.v = q_pair(q_saturate16(u.alpha), q_saturate16(u.beta));
     const dq16_t predicted = current_predictor_step(&current->predictor);
     const ab_t i_applied = transforms_inverse_park(predicted, angle_applied);
     const abc_t trim = modulation_dead_time(current->slope, i_applied);

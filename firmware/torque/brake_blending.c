@@ -17,6 +17,7 @@ void brake_blending_init(brake_blending_state_t *state, const config_t *config)
 {
     hydraulic_model_init(&state->hydraulic);
     hydraulic_feedback_init(&state->feedback, config);
+    hydraulic_watch_init(&state->watch);
     state->bridged_q6_mNm = 0;
     state->within_q6_mNm = 0;
     state->bridging_ms = 0;
@@ -160,6 +161,53 @@ static int32_t beside_hydraulic_mNm(const config_brake_t *brake, const brake_ble
     return q_max(made_mNm - made_mNm / (brake->hydraulic_time_constant_ms + 1) - 1, 0);
 }
 
+/* The hydraulic torque of this step, measured or modelled, and what is found of it. */
+static hydraulic_feedback_out_t hydraulic_torque(brake_blending_state_t *state,
+                                                 const config_t *config,
+                                                 const brake_blending_input_t *in)
+{
+    const hydraulic_model_t *model = &state->hydraulic;
+    hydraulic_feedback_state_t *feedback = &state->feedback;
+    const hydraulic_feedback_out_t now =
+        hydraulic_feedback_step(feedback, config, model, &in->hydraulic);
+    const hydraulic_watch_input_t seen = {
+        .speed_mrad_s = in->speed_mrad_s,
+        .motor_mNm = in->motor_achieved_mNm,
+        .modelled_mNm =
+            now.used && !feedback->confirmed ? now.torque_mNm : hydraulic_model_torque_mNm(model),
+        .commanded_mNm = hydraulic_model_torque_mNm(model),
+        .uncertain_mNm = q_abs(hydraulic_model_early_mNm(model) - hydraulic_model_late_mNm(model)) +
+                         (now.used ? q_abs(feedback->change_mNm) : 0),
+        .outside_ms = now.used ? feedback->outside_ms : 0,
+        .contradicts_mNm = feedback->contradicts_mNm,
+        .reported_mNm = feedback->report_mNm,
+        .reported = feedback->seen && feedback->since_ms <= config->brake.hydraulic_timeout_ms,
+        .trusted = in->watched,
+        .acknowledged = in->acknowledged,
+    };
+    hydraulic_watch_step(&state->watch, config, &seen);
+    if (state->watch.confirms_report && !feedback->confirmed) {
+        feedback->heal_ms = 0;
+    }
+    feedback->confirmed = state->watch.confirms_report;
+    return now;
+}
+
+/* Bounds of the motor that makes up for the hydraulic brake: all but the lines of the strategy,
+ * fading to zero from a quarter of the end of the blend-out to standstill. */
+static torque_limits_classes_t beyond_strategy(const config_t *config,
+                                               const torque_limits_t *limits, int32_t speed_mrad_s)
+{
+    const int32_t end_mrad_s = config->brake.blend_out_end_mrad_s / 4 + 1;
+    const int32_t share_q15 = limit_fade_q15(q_abs(speed_mrad_s), end_mrad_s, 0);
+    torque_limits_classes_t out = torque_limits_beyond_strategy(limits->braking);
+    if (share_q15 < Q15_ONE) {
+        out.hard_mNm =
+            q_min(out.hard_mNm, q15_share_of(config->motor.max_torque_mNm, (int16_t)share_q15));
+    }
+    return out;
+}
+
 brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const config_t *config,
                                          const torque_limits_t *limits,
                                          const brake_blending_input_t *in)
@@ -186,11 +234,14 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
     const int32_t commanded_mNm = command_mNm(&state->feedback, required_mNm, motor.expected_mNm);
     const int32_t hydraulic_mNm = q_min(commanded_mNm, brake->max_hydraulic_torque_mNm);
     hydraulic_model_step(&state->hydraulic, config, hydraulic_mNm + state->added_mNm);
-    const hydraulic_feedback_out_t now =
-        hydraulic_feedback_step(&state->feedback, config, &state->hydraulic, &in->hydraulic);
-
-    const int32_t bound_mNm = q_min(q_min(bounds.hard_mNm, share_mNm),
-                                    bridged_mNm(state, brake, bounds.deferrable_mNm, in, now.used));
+    const hydraulic_feedback_out_t now = hydraulic_torque(state, config, in);
+    /* What only the deceleration shows is a warning: a slope, a tow or a test bench that holds the
+     * speed looks the same, and the motor would brake beside a brake that works. */
+    const bool makes_up = now.used && hydraulic_watch_is_short(&state->watch);
+    const torque_limits_classes_t most =
+        makes_up ? beyond_strategy(config, limits, in->speed_mrad_s) : bounds;
+    const int32_t bound_mNm = q_min(makes_up ? most.hard_mNm : q_min(most.hard_mNm, share_mNm),
+                                    bridged_mNm(state, brake, most.deferrable_mNm, in, now.used));
     limit_t electric = limit_init(demand_mNm, REASON_NONE);
     limit_tighten(&electric, bound_mNm, available.reason);
     /* Hydraulic torque that covers a motor shortfall does not reduce the motor command. */
@@ -209,9 +260,10 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
         .arrived_mNm = arrived_mNm,
         .available = available,
         .reason = electric.reason,
-        .hydraulic_reason = beyond     ? REASON_HYDRAULIC_LIMIT
-                            : now.lost ? REASON_HYDRAULIC_FEEDBACK
-                                       : REASON_NONE,
+        .hydraulic_reason = state->watch.reason != REASON_NONE ? state->watch.reason
+                            : beyond                           ? REASON_HYDRAULIC_LIMIT
+                            : now.lost                         ? REASON_HYDRAULIC_FEEDBACK
+                                                               : REASON_NONE,
     };
     return out;
 }

@@ -7,7 +7,8 @@ enum {
     ONE_Q15 = 1 << 15,
     SIGNIFICANT_LOG2 = 6, /* below a 64th of the largest torque a ratio says nothing */
     MODEL_LOG2 = 4,
-    LEARN_LOG2 = 2, /* share of the way to a new interval that one report goes */
+    OUTSIDE_SHARE = 4, /* of the tolerance, for a gain outside the band */
+    LEARN_LOG2 = 2,    /* share of the way to a new interval that one report goes */
     MOST_mNm = 1 << 25
 };
 
@@ -117,11 +118,28 @@ static bool arrived(hydraulic_feedback_state_t *state, const hydraulic_feedback_
     return is_new;
 }
 
-static bool plausible(const config_brake_t *brake, const possible_t *could,
-                      const hydraulic_feedback_t *report)
+/* By how much a report is beyond, or short of, what the commands explain. */
+static int32_t contradiction_mNm(const possible_t *could, int32_t reported_mNm,
+                                 int32_t tolerance_mNm)
 {
-    return report->torque_mNm >= could->least_mNm - brake->hydraulic_tolerance_mNm &&
-           report->torque_mNm <= could->most_mNm + brake->hydraulic_tolerance_mNm;
+    const int32_t least_mNm = could->least_mNm - tolerance_mNm;
+    return reported_mNm < least_mNm
+               ? reported_mNm - least_mNm
+               : q_max(q_saturate64((int64_t)reported_mNm - could->most_mNm - tolerance_mNm), 0);
+}
+
+/* A brake whose gain is not within the band, although the sensor may be right. */
+static void count_outside(hydraulic_feedback_state_t *state, int32_t outside_mNm)
+{
+    const int32_t before_ms = state->outside_ms;
+    const int32_t longest_ms = INT16_MAX;
+    if (outside_mNm > 0) {
+        state->outside_ms = q_min(q_max(before_ms, 0) + state->between_ms, longest_ms);
+    } else if (outside_mNm < 0) {
+        state->outside_ms = q_max(q_min(before_ms, 0) - state->between_ms, -longest_ms);
+    } else {
+        state->outside_ms = 0;
+    }
 }
 
 static int32_t modelled_ago_mNm(const hydraulic_feedback_state_t *state, int32_t ago_ms)
@@ -174,8 +192,12 @@ hydraulic_feedback_out_t hydraulic_feedback_step(hydraulic_feedback_state_t *sta
     if (brake->hydraulic_timeout_ms > 0 && arrived(state, report)) {
         const possible_t could =
             possible(config, model, modelled_ago_mNm(state, brake->hydraulic_report_delay_ms));
-        state->good = plausible(brake, &could, report);
-        if (state->good) {
+        state->contradicts_mNm =
+            contradiction_mNm(&could, report->torque_mNm, brake->hydraulic_tolerance_mNm);
+        count_outside(state, contradiction_mNm(&could, report->torque_mNm,
+                                               brake->hydraulic_tolerance_mNm / OUTSIDE_SHARE));
+        state->good = state->contradicts_mNm == 0 || state->confirmed;
+        if (state->contradicts_mNm == 0) {
             learn(state, config, &could, state->report_mNm);
         }
     }

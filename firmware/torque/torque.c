@@ -60,6 +60,17 @@ static demand_input_t demand_input(const torque_input_t *in)
     return out;
 }
 
+/* True where speed and motor torque tell what the hydraulic brake makes: no wheel slips, no sensor
+ * is wrong. */
+static bool hydraulic_is_seen(const torque_limits_t *table, const torque_input_t *in)
+{
+    const reason_t reason = in->torque_enable.reason;
+    const bool healthy = reason == REASON_NONE || reason == REASON_TORQUE_ENABLE ||
+                         (reason >= REASON_HYDRAULIC_WEAK && reason <= REASON_HYDRAULIC_LATE);
+    return in->rotor_valid && healthy &&
+           table->braking[TORQUE_LINE_ABS].torque_mNm == FEASIBLE_UNBOUNDED;
+}
+
 torque_output_t torque_step(torque_state_t *state, const config_t *config, const torque_input_t *in)
 {
     static const hydraulic_feedback_t NO_REPORT = {.age_ms = UINT32_MAX};
@@ -92,6 +103,8 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
         .motor_achieved_mNm = achieved_mNm,
         .short_mNm = in->short_mNm,
         .hydraulic = *(demand.hydraulic_valid ? &in->hydraulic : &NO_REPORT),
+        .watched = hydraulic_is_seen(&state->table, in) && demand.hydraulic_valid,
+        .acknowledged = in->acknowledged,
         .handed_over = demand.handed_over,
         .torque_enable = in->torque_enable,
     };

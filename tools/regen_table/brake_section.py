@@ -61,6 +61,31 @@ class Brake(Section):
             " max_hydraulic_torque_nm",
         ),
     ] = None
+    hydraulic_watch_speed_m_per_s: Annotated[
+        float,
+        number(
+            0.0,
+            10.0,
+            "m/s",
+            "speed lost or gained beyond the tolerance that counts as a wrong hydraulic brake;"
+            " 0: its torque is not watched by the deceleration",
+        ),
+    ] = 0.12
+    hydraulic_watch_floor_m_per_s2: Annotated[
+        float, number(0.0, 10.0, "m/s2", "tolerated difference of the deceleration")
+    ] = 0.1
+    hydraulic_watch_share: Annotated[
+        float,
+        number(
+            0.0, 1.0, "1", "and as a share of the hydraulic torque and of changes of the motor's"
+        ),
+    ] = 0.15
+    hydraulic_watch_slope_per_m: Annotated[
+        float,
+        number(
+            0.0, 0.1, "1/m", "largest change of the road's slope in a metre, 1 / radius of a crest"
+        ),
+    ] = 0.001
     bridging_time_s: Annotated[
         float | None,
         number(

@@ -98,6 +98,12 @@ def bridging_time_s(drive: Drive) -> float:
     return brake.hydraulic_dead_time_s + 2.3 * brake.hydraulic_time_constant_s
 
 
+def inertia_at_wheel_kg_m2(drive: Drive) -> float:
+    """Inertia in kg m2 of the vehicle's share of one wheel, about the wheel's axis."""
+    vehicle = drive.vehicle
+    return vehicle.mass_kg / vehicle.driven_wheels * vehicle.wheel_radius_m**2
+
+
 def hydraulic_tolerance_nm(drive: Drive) -> float:
     """Torque in N m that a report may be beside what the commands explain."""
     wanted = drive.brake.hydraulic_tolerance_nm

@@ -17,6 +17,8 @@ from hubsim.errors import HubsimError
 
 TABLES = tuple(Path(__file__).with_name(name) for name in ("faults.toml", "faults_links.toml"))
 EXPECTED = Path(__file__).with_name("expected_reasons.toml")
+MEASURED_SUFFIX = "_measured"
+MEASURED = {"brake_sensor.fitted": 1.0}
 SENSORS = ("hall", "encoder", "angle")
 
 
@@ -58,19 +60,24 @@ def table() -> dict[str, Fault]:
     for path in TABLES:
         data |= tomllib.loads(path.read_text(encoding="utf-8"))
     return {
-        name: Fault(
-            name,
+        variant: Fault(
+            variant,
             line["group"],
-            line["text"],
+            line["text"] + (", its torque measured" if variant != name else ""),
             _numbers(line["set"]),
-            _numbers(line.get("needs", {})),
+            _numbers(line.get("needs", {})) | (MEASURED if variant != name else {}),
             line.get("amount", ""),
             tuple(line.get("sensors", SENSORS)),
             line.get("at_start", False),
             line.get("sweep", True),
         )
         for name, line in data.items()
+        for variant in _variants(name, line.get("measured", False))
     }
+
+
+def _variants(name: str, measured: bool) -> list[str]:
+    return [name, name + MEASURED_SUFFIX] if measured else [name]
 
 
 def _numbers(section: Mapping[str, float]) -> dict[str, float]:
@@ -98,7 +105,10 @@ def named(names: Sequence[str]) -> list[Fault]:
 def expected() -> dict[str, tuple[str, ...]]:
     """Return the reasons that are right for each fault."""
     data = tomllib.loads(EXPECTED.read_text(encoding="utf-8"))
-    return {name: tuple(line["right"]) for name, line in data["reasons"].items()}
+    return {
+        name: tuple(data["reasons"][name.removesuffix(MEASURED_SUFFIX)]["right"])
+        for name in (*data["reasons"], *(n for n in table() if n.endswith(MEASURED_SUFFIX)))
+    }
 
 
 @cache

@@ -53,11 +53,9 @@
 /* clang-format off */
 
 #define CONFIG_MOTOR_FIELDS(X) \
-    X(type,                                  0,         1,          "", \
-      "0 surface magnets (L_d = L_q), 1 interior magnets") \
+    X(type, 0, 1, "", "0 surface magnets (L_d = L_q), 1 interior magnets") \
     X(pole_pairs, 1, 60, "1", "electrical turns in a mechanical turn") \
-    X(phase_resistance_uOhm,                 10,        100000000,  "uOhm", \
-      "one phase, at reference_temperature_cC") \
+    X(phase_resistance_uOhm, 10, 100000000, "uOhm", "one phase, at reference_temperature_cC") \
     X(reference_temperature_cC,              -5000,     15000,      "cC", \
       "winding temperature of phase_resistance_uOhm") \
     X(resistance_coefficient_ppm_K,          0,         10000,      "ppm/K", \
@@ -73,8 +71,7 @@
       "constant part of R_i = a0 + a1 omega_e; both parts 0: no iron loss") \
     X(iron_loss_resistance_slope_nOhm_s,     0,         2000000000, "nOhm s", \
       "part of R_i proportional to electrical speed") \
-    X(friction_torque_mNm,                   0,         1000000,    "mNm", \
-      "Coulomb friction of bearings and seals") \
+    X(friction_torque_mNm, 0, 1000000, "mNm", "Coulomb friction of bearings and seals") \
     X(viscous_friction_uNm_s,                0,         1000000000, "uNm s", \
       "friction proportional to mechanical speed") \
     X(rated_torque_mNm,                      10,        20000000,   "mNm",    "continuous torque") \
@@ -232,6 +229,11 @@
     X(hydraulic_tolerance_mNm,               1,         20000000,   "mNm", \
       "a report is implausible farther from what the commands explain; default 5 % of " \
       "max_hydraulic_torque_mNm") \
+    X(hydraulic_watch_inertia_g_m2, 0, 100000000, "g m^2", "vehicle's share here; 0: no watch") \
+    X(hydraulic_watch_speed_mrad_s, 1, 1000000, "mrad/s", "lost or gained beyond the tolerance") \
+    X(hydraulic_watch_floor_mrad_s2, 0, 1000000, "mrad/s^2", "tolerated; default 0.1 m/s^2") \
+    X(hydraulic_watch_share_q15, 0, 32768, "1", "and of the hydraulic torque; default 0.15") \
+    X(hydraulic_watch_road_mrad_s2, 0, 1000, "mrad/s^2", "of a road, per rad; default 0.001/m") \
     X(bridging_time_ms,                      0,         10000,      "ms", \
       "in which motor torque above a fallen deferrable limit goes down to a tenth, with feedback " \
       "at most twice as long; 0: at once; default hydraulic_dead_time_ms and 2.3 " \

@@ -118,7 +118,17 @@
     X(96, FLUX_WEAK, "back-EMF below the magnets': magnets weak, or the bus voltage reads low",    \
       "200 ms", "200 ms", NONE, HEALS, SERVICE)                                                    \
     X(97, BUS_SENSOR, "back-EMF above the magnets': the bus voltage reads high",                   \
-      "200 ms", "200 ms", LIMIT, HEALS, SERVICE)
+      "200 ms", "200 ms", LIMIT, HEALS, SERVICE)                                                   \
+    X(98, HYDRAULIC_WEAK, "hydraulic brake makes less torque than commanded",                      \
+      "brake.hydraulic_watch_speed_mrad_s", "at once", NONE, HEALS, REDUCED)                       \
+    X(99, HYDRAULIC_DEAD, "hydraulic brake makes less than a quarter of its command",              \
+      "1000 ms", "at once", NONE, HEALS, REDUCED)                                                  \
+    X(100, HYDRAULIC_STRONG, "hydraulic brake makes more torque than commanded",                   \
+      "brake.hydraulic_watch_speed_mrad_s", "at once", NONE, HEALS, SERVICE)                       \
+    X(101, HYDRAULIC_STUCK, "hydraulic brake does not release",                                    \
+      "brake.hydraulic_watch_speed_mrad_s", "at once", NONE, HEALS, SERVICE)                       \
+    X(102, HYDRAULIC_LATE, "hydraulic brake comes later than configured",                          \
+      "brake.hydraulic_watch_speed_mrad_s", "at once", NONE, HEALS, SERVICE)
 /* clang-format on */
 
 #define REASON_LIMIT_ENUM(number, identifier, text) REASON_##identifier = (number),

@@ -20,6 +20,9 @@
  *     command if the voltage permits no rise;
  *   - where the brake system takes its own path, the motor torque falls with the lag with which
  * that arrives, and no report says anything of the command;
+ *   - a brake whose reports say that it makes less than its command (hydraulic_watch.h) is made up
+ *     for by the motor, beyond the lines of the strategy and down to standstill, and one that makes
+ *     more by less motor torque; what only the deceleration shows is a warning;
  *   - with feedback the command is divided by the learned gain, and larger while the gain may be
  *     less, by up to half the motor torque: the motor takes back at once what is too much.
  *
@@ -38,11 +41,13 @@
 #include "core/torque_enable.h"
 #include "torque/hydraulic_feedback.h"
 #include "torque/hydraulic_model.h"
+#include "torque/hydraulic_watch.h"
 #include "torque/torque_limits.h"
 
 typedef struct {
     hydraulic_model_t hydraulic;
     hydraulic_feedback_state_t feedback;
+    hydraulic_watch_t watch;
     filter_t limit_lp_mNm;    /* low-passed limit of the strategy */
     filter_t speed_lp_mrad_s; /* low-passed magnitude of the speed */
     int32_t bridged_q6_mNm;   /* what is left of a deferrable limit that has fallen */
@@ -61,7 +66,9 @@ typedef struct {
     int32_t short_mNm;          /* braking torque of the shorted motor by its model, magnitude */
     torque_enable_t torque_enable;
     hydraulic_feedback_t hydraulic;
-    bool handed_over; /* the brake system makes the demand by itself, with its own lag */
+    bool watched;      /* speed and motor torque show what the hydraulic brake makes */
+    bool acknowledged; /* its finding is, by the driver at rest */
+    bool handed_over;  /* the brake system makes the demand by itself, with its own lag */
 } brake_blending_input_t;
 
 typedef struct {

@@ -37,6 +37,10 @@ typedef struct {
     int32_t heal_ms;                       /* until it is used again; 0: in use */
     bool seen;                             /* a valid report has come since the start */
     bool good;                             /* the last one was plausible */
+    bool confirmed;          /* reports beyond the band are right: hydraulic_watch.h */
+    int32_t outside_ms;      /* reports are outside the band for so long; < 0: short of it */
+    int32_t contradicts_mNm; /* the last report beyond (> 0) or short of (< 0) what the commands
+                                explain */
 } hydraulic_feedback_state_t;
 
 typedef struct {

@@ -33,6 +33,7 @@ typedef struct {
     drive_direction_t direction;
     bool abs_active;
     uint8_t abs_share_percent; /* of the demand, for the motor meanwhile */
+    bool acknowledged;         /* warnings are, at rest and without a demand */
     bool standstill;           /* by the monitor's speed upper bound */
     /* Measured by the fast loop */
     int32_t speed_mrad_s; /* mechanical, signed */

@@ -33,7 +33,9 @@ void test_cleared_memory_is_a_fault(void)
 
 void test_each_flipped_bit_of_mode_or_fault_is_a_fault(void)
 {
-    for (unsigned bit = 0; bit < 16U; bit++) {
+    /* An enumeration has one byte on the target. */
+    const unsigned bits = sizeof state.mode == 1 ? 8U : 16U;
+    for (unsigned bit = 0; bit < bits; bit++) {
         for (operating_mode_t mode = MODE_BOOT; mode <= MODE_FAULT; mode++) {
             start_in(mode);
             state.mode = (operating_mode_t)((unsigned)state.mode ^ 1U << bit);

@@ -1,0 +1,336 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "torque/hydraulic_watch.h"
+
+#include "core/q15.h"
+
+enum {
+    ONE_Q15 = 1 << 15,
+    FILTER_LOG2 = 6,    /* 64 ms */
+    MOTOR_LOG2 = 9,     /* 0.5 s, of 16 mN m */
+    ACQUIRE_SHARE = 32, /* of the difference, in each step */
+    MOST_mNm = 1 << 23, /* largest input of the filter */
+    MOST_GAIN_Q15 = 2 * ONE_Q15,
+    SLOW_LOG2 = 8,           /* 256 ms */
+    FADE_LOG2 = 13,          /* 8 s */
+    MOST_STEP_mNm = 1 << 22, /* largest input of the slow filters */
+    QUIET_SHARE = 3,         /* of the tolerance, without a command */
+    REPORT_SHARE = 3         /* of the sum, where two of three agree */
+};
+
+static void end_finding(hydraulic_watch_t *watch)
+{
+    watch->reason = REASON_NONE;
+    watch->gain_q15 = ONE_Q15;
+    watch->extra_mNm = 0;
+    watch->by_report = false;
+    watch->confirms_report = false;
+}
+
+static void clear_sums(hydraulic_watch_t *watch)
+{
+    watch->missing_mNm_ms = 0;
+    watch->excess_mNm_ms = 0;
+    watch->report_mNm_ms = 0;
+}
+
+void hydraulic_watch_init(hydraulic_watch_t *watch)
+{
+    const hydraulic_watch_t fresh = {.weight_q15 = ONE_Q15};
+    *watch = fresh;
+    end_finding(watch);
+}
+
+static int32_t times_q15(int32_t torque_mNm, int32_t gain_q15)
+{
+    return q_saturate64(((int64_t)torque_mNm * gain_q15) >> 15);
+}
+
+int32_t hydraulic_watch_corrected_mNm(const hydraulic_watch_t *watch, int32_t modelled_mNm)
+{
+    return q_max(q_saturate64((int64_t)times_q15(modelled_mNm, watch->gain_q15) + watch->extra_mNm),
+                 0);
+}
+
+/* Torque of an angular acceleration; mrad/s^2 g m^2 / 1000, by way of 2^10 (2 % less). */
+static int32_t torque_of_mNm(const config_brake_t *brake, int32_t acceleration_mrad_s2)
+{
+    return q_saturate64(((int64_t)brake->hydraulic_watch_inertia_g_m2 * acceleration_mrad_s2) >>
+                        10);
+}
+
+/* What the road may change in a millisecond; mrad/s^2 a radian, times the angle: / 10^9, by way of
+ * 2^30 (7 % less), with 8 fraction bits. */
+static int32_t road_change_q8_mNm(const config_brake_t *brake, int32_t speed_mrad_s)
+{
+    const int64_t per_rad =
+        (int64_t)brake->hydraulic_watch_inertia_g_m2 * brake->hydraulic_watch_road_mrad_s2;
+    return q_saturate64((q_saturate64(per_rad) * (int64_t)speed_mrad_s) >> 22) + 1;
+}
+
+/* Speed at which a vehicle that does not stop may still be seen to roll; below it nothing is
+ * counted. A wheel that turns round rolls on another slope. */
+static bool rolls(hydraulic_watch_t *watch, const config_t *config,
+                  const hydraulic_watch_input_t *in)
+{
+    const int32_t slowest_mrad_s = config->brake.blend_out_end_mrad_s / 2 + 1;
+    const bool fast = q_abs(in->speed_mrad_s) > slowest_mrad_s;
+    const bool backwards = in->speed_mrad_s < 0;
+    if (fast && backwards != watch->backwards) {
+        watch->backwards = backwards;
+        watch->acquired_ms = 0;
+        watch->rolls = false;
+    }
+    return fast;
+}
+
+/* A wheel that slips slows down faster than a tyre can slow a vehicle. mrad/s in a millisecond
+ * times um: um/s^2, with 8 fraction bits. */
+static bool slips(const config_t *config, int32_t change_q8_mrad_s)
+{
+    const int64_t rim_um_s2_q8 = (int64_t)q_abs(change_q8_mrad_s) * config->vehicle.wheel_radius_um;
+    return rim_um_s2_q8 > (int64_t)config->monitor.tyre_grip_mm_s2 * 256000;
+}
+
+/* Steps of the motor's torque, faster than a road's slope can follow, show the inertia:
+ * least squares of inertial over known torque. */
+static void learn_inertia(hydraulic_watch_t *watch, int32_t known_mNm, int32_t inertial_mNm,
+                          int32_t floor_mNm)
+{
+    const int32_t x = q_limit(known_mNm, MOST_STEP_mNm);
+    const int32_t y = q_limit(inertial_mNm, MOST_STEP_mNm);
+    const int32_t step_mNm = x - filter_step(&watch->known_slow_mNm, x, SLOW_LOG2);
+    const int32_t follows_mNm = y - filter_step(&watch->inertial_slow_mNm, y, SLOW_LOG2);
+    if (watch->quiet_ms < HYDRAULIC_WATCH_QUIET_ms || q_abs(step_mNm) <= 2 * floor_mNm) {
+        return;
+    }
+    watch->known_square += (int64_t)step_mNm * step_mNm - (watch->known_square >> FADE_LOG2);
+    watch->known_by_inertial +=
+        (int64_t)step_mNm * follows_mNm - watch->known_by_inertial / (1 << FADE_LOG2);
+    /* Steps of four floors for half a second. */
+    const int64_t enough = (int64_t)floor_mNm * floor_mNm << 13;
+    if (watch->known_square > enough) {
+        const int64_t one = watch->known_square >> 15;
+        const int64_t by = watch->known_by_inertial;
+        watch->weight_q15 =
+            by <= one * (ONE_Q15 / 2)
+                ? HYDRAULIC_WATCH_HEAVIEST_Q15
+                : q_clamp(q_saturate64(watch->known_square / (by >> 15)),
+                          HYDRAULIC_WATCH_LIGHTEST_Q15, HYDRAULIC_WATCH_HEAVIEST_Q15);
+    }
+}
+
+/* Braking torque that is missing, from speed and known torques filtered alike. */
+static int32_t missing_mNm(hydraulic_watch_t *watch, const config_t *config,
+                           const hydraulic_watch_input_t *in, int32_t floor_mNm,
+                           int32_t *change_q8_mrad_s)
+{
+    const int32_t speed_q8 = q_saturate64((int64_t)q_abs(in->speed_mrad_s) * 256);
+    const int32_t along_mNm = in->speed_mrad_s >= 0 ? in->motor_mNm : -in->motor_mNm;
+    const int32_t hydraulic_mNm = watch->confirms_report
+                                      ? in->reported_mNm
+                                      : hydraulic_watch_corrected_mNm(watch, in->modelled_mNm);
+    const int32_t known_mNm = q_limit(q_saturate64((int64_t)along_mNm - hydraulic_mNm), MOST_mNm);
+    if (!watch->rolls) {
+        watch->rolls = true;
+        watch->speed_lp_q8_mrad_s = speed_q8;
+        filter_reset(&watch->known_lp_mNm, known_mNm, FILTER_LOG2);
+        watch->quiet_ms = 0;
+        watch->pause_ms = q_max(watch->pause_ms, HYDRAULIC_WATCH_SETTLE_ms);
+        clear_sums(watch);
+    }
+    const int32_t change_q8 = (speed_q8 - watch->speed_lp_q8_mrad_s) / (1 << FILTER_LOG2);
+    watch->speed_lp_q8_mrad_s += change_q8;
+    *change_q8_mrad_s = change_q8;
+    const int32_t filtered_mNm = filter_step(&watch->known_lp_mNm, known_mNm, FILTER_LOG2);
+    const int32_t inertial_mNm = q_limit(
+        q_saturate64(((int64_t)config->brake.hydraulic_watch_inertia_g_m2 * change_q8) >> 8),
+        MOST_mNm);
+    learn_inertia(watch, filtered_mNm, inertial_mNm, floor_mNm);
+    return q_limit(times_q15(inertial_mNm, watch->weight_q15) - filtered_mNm, MOST_mNm);
+}
+
+/* Sum of what exceeds the tolerance, from zero up to the end. */
+static int32_t summed(int32_t sum_mNm_ms, int32_t beyond_mNm, int32_t end_mNm_ms)
+{
+    return q_clamp(q_saturate64((int64_t)sum_mNm_ms + beyond_mNm), 0, end_mNm_ms);
+}
+
+static void find(hydraulic_watch_t *watch, reason_t reason)
+{
+    watch->reason = reason;
+    watch->found_ms = 0;
+    watch->quiet_ms = 0;
+    watch->pause_ms = q_max(watch->pause_ms, HYDRAULIC_WATCH_SETTLE_ms);
+    clear_sums(watch);
+}
+
+/* Less torque than expected: the end of an excess, or a weak brake. */
+static void found_missing(hydraulic_watch_t *watch, int32_t modelled_mNm, int32_t by_mNm)
+{
+    if (watch->reason == REASON_HYDRAULIC_STRONG || watch->reason == REASON_HYDRAULIC_STUCK) {
+        end_finding(watch);
+        clear_sums(watch);
+        return;
+    }
+    const int64_t loss_q15 = ((int64_t)by_mNm << 15) / q_max(modelled_mNm, 1);
+    watch->gain_q15 = q_clamp(q_saturate64(watch->gain_q15 - loss_q15), 0, ONE_Q15);
+    const bool known = hydraulic_watch_is_short(watch);
+    const int32_t since_ms = watch->found_ms;
+    find(watch, known ? watch->reason : REASON_HYDRAULIC_WEAK);
+    watch->found_ms = known ? since_ms : 0;
+}
+
+/* More torque than expected: a brake that was only late, the end of its weakness, or an excess. */
+static void found_excess(hydraulic_watch_t *watch, int32_t modelled_mNm, int32_t by_mNm,
+                         bool commanded)
+{
+    if (hydraulic_watch_is_short(watch)) {
+        const bool late = watch->found_ms < HYDRAULIC_WATCH_LATE_ms;
+        end_finding(watch);
+        find(watch, late ? REASON_HYDRAULIC_LATE : REASON_NONE);
+        return;
+    }
+    if (commanded) {
+        const int64_t more_q15 = ((int64_t)by_mNm << 15) / q_max(modelled_mNm, 1);
+        watch->gain_q15 = q_min(q_saturate64(watch->gain_q15 + more_q15), MOST_GAIN_Q15);
+    } else {
+        watch->extra_mNm = q_saturate64((int64_t)watch->extra_mNm + by_mNm);
+    }
+    const bool stuck = watch->reason == REASON_HYDRAULIC_STUCK || !commanded;
+    find(watch, stuck ? REASON_HYDRAULIC_STUCK : REASON_HYDRAULIC_STRONG);
+}
+
+/* Reports that contradict the commands: the deceleration shows half of the difference or more if
+ * the brake is wrong, less if its sensor is. */
+static void decide_report(hydraulic_watch_t *watch, const hydraulic_watch_input_t *in,
+                          int32_t lacking_mNm, int32_t enough_mNm_ms)
+{
+    const int32_t differs_mNm = in->modelled_mNm - in->reported_mNm;
+    const int32_t towards_mNm = differs_mNm >= 0 ? lacking_mNm : -lacking_mNm;
+    const int32_t end_mNm_ms = enough_mNm_ms / REPORT_SHARE;
+    watch->report_mNm_ms =
+        q_limit(q_saturate64((int64_t)watch->report_mNm_ms + towards_mNm - q_abs(differs_mNm) / 2),
+                end_mNm_ms);
+    if (watch->report_mNm_ms >= end_mNm_ms) {
+        watch->confirms_report = true;
+    }
+}
+
+/* A brake that its reports show to be wrong, as long as they do. difference: > 0 beyond, < 0 short
+ * of its command. */
+static void follow_report(hydraulic_watch_t *watch, const hydraulic_watch_input_t *in,
+                          int32_t difference, int32_t floor_mNm)
+{
+    if (!in->reported || difference == 0) {
+        const bool late =
+            hydraulic_watch_is_short(watch) && watch->found_ms < HYDRAULIC_WATCH_LATE_ms;
+        end_finding(watch);
+        find(watch, late ? REASON_HYDRAULIC_LATE : REASON_NONE);
+    } else if (difference < 0) {
+        watch->gain_q15 = in->reported_mNm > in->commanded_mNm / 4 ? ONE_Q15 / 2 : 0;
+        if (!hydraulic_watch_is_short(watch)) {
+            find(watch, REASON_HYDRAULIC_WEAK);
+        }
+    } else if (watch->reason != REASON_HYDRAULIC_STRONG &&
+               watch->reason != REASON_HYDRAULIC_STUCK) {
+        find(watch,
+             in->commanded_mNm > floor_mNm ? REASON_HYDRAULIC_STRONG : REASON_HYDRAULIC_STUCK);
+    }
+}
+
+static void age(hydraulic_watch_t *watch)
+{
+    watch->found_ms = q_min(watch->found_ms + 1, INT16_MAX);
+    if (watch->reason == REASON_HYDRAULIC_WEAK && watch->gain_q15 < ONE_Q15 / 4 &&
+        watch->found_ms >= HYDRAULIC_WATCH_DEAD_ms) {
+        watch->reason = REASON_HYDRAULIC_DEAD;
+    }
+}
+
+void hydraulic_watch_step(hydraulic_watch_t *watch, const config_t *config,
+                          const hydraulic_watch_input_t *in)
+{
+    const config_brake_t *brake = &config->brake;
+    if (in->acknowledged) {
+        end_finding(watch);
+        clear_sums(watch);
+    }
+    age(watch);
+    watch->pause_ms = in->trusted ? q_max(watch->pause_ms - 1, 0) : HYDRAULIC_WATCH_PAUSE_ms;
+    if (brake->hydraulic_watch_inertia_g_m2 == 0 || !rolls(watch, config, in) || !in->trusted) {
+        watch->rolls = false;
+        return;
+    }
+    int32_t change_q8_mrad_s = 0;
+    const int32_t floor_mNm = torque_of_mNm(brake, brake->hydraulic_watch_floor_mrad_s2);
+    const int32_t beside_mNm = missing_mNm(watch, config, in, floor_mNm, &change_q8_mrad_s);
+    if (slips(config, change_q8_mrad_s)) {
+        if (!hydraulic_watch_is_short(watch) && watch->found_ms < HYDRAULIC_WATCH_PAUSE_ms) {
+            end_finding(watch); /* it was the slip that looked like an excess */
+        }
+        watch->pause_ms = HYDRAULIC_WATCH_PAUSE_ms;
+    }
+    const int32_t lacking_mNm = beside_mNm - watch->road_q8_mNm / 256;
+    const bool commanded = in->modelled_mNm > floor_mNm;
+    const bool quiet = in->modelled_mNm + in->uncertain_mNm <= floor_mNm;
+    watch->quiet_ms = quiet && watch->reason == REASON_NONE
+                          ? q_min(watch->quiet_ms + 1, HYDRAULIC_WATCH_QUIET_ms)
+                          : 0;
+    if (watch->acquired_ms < HYDRAULIC_WATCH_ACQUIRE_ms) {
+        if (quiet && watch->pause_ms == 0 &&
+            q_abs(in->speed_mrad_s) > brake->blend_out_start_mrad_s) {
+            watch->acquired_ms++;
+            watch->road_q8_mNm += lacking_mNm * (256 / ACQUIRE_SHARE);
+        }
+        return;
+    }
+    if (watch->pause_ms > 0) {
+        clear_sums(watch);
+        return;
+    }
+    const int32_t change_q8 = road_change_q8_mNm(brake, q_abs(in->speed_mrad_s));
+    watch->road_q8_mNm += q_clamp(lacking_mNm * 256, -change_q8, change_q8);
+    if (watch->confirms_report) {
+        follow_report(watch, in, in->contradicts_mNm, floor_mNm);
+        return;
+    }
+    if (watch->by_report || q_abs(in->outside_ms) > brake->hydraulic_timeout_ms) {
+        follow_report(watch, in, in->outside_ms, floor_mNm);
+        watch->by_report = hydraulic_watch_is_short(watch) ||
+                           watch->reason == REASON_HYDRAULIC_STRONG ||
+                           watch->reason == REASON_HYDRAULIC_STUCK;
+        return;
+    }
+
+    /* What the motor makes for longer has become part of `road`. */
+    const int32_t motor_mNm =
+        filter_step(&watch->motor_lp_mNm, q_limit(in->motor_mNm, MOST_mNm) / 16, MOTOR_LOG2) * 16;
+    const int32_t share_q15 = brake->hydraulic_watch_share_q15;
+    const int32_t tolerated_mNm =
+        floor_mNm + in->uncertain_mNm +
+        times_q15(hydraulic_watch_corrected_mNm(watch, in->modelled_mNm), share_q15) +
+        times_q15(q_abs(in->motor_mNm - motor_mNm), share_q15) / 2;
+    /* Without a command an excess may be a hill, sand, a heavier or lighter load, or a brake that
+     * is not commanded here. */
+    const int32_t excess_mNm =
+        commanded ? -lacking_mNm - tolerated_mNm
+                  : -lacking_mNm - QUIET_SHARE * floor_mNm -
+                        QUIET_SHARE * times_q15(q_abs(in->motor_mNm - motor_mNm), share_q15);
+    const int32_t enough_mNm_ms = q_saturate64((int64_t)brake->hydraulic_watch_inertia_g_m2 *
+                                               brake->hydraulic_watch_speed_mrad_s);
+    watch->missing_mNm_ms =
+        commanded || watch->extra_mNm > 0
+            ? summed(watch->missing_mNm_ms, lacking_mNm - tolerated_mNm, enough_mNm_ms)
+            : 0;
+    watch->excess_mNm_ms = summed(watch->excess_mNm_ms, excess_mNm, enough_mNm_ms);
+    if (in->reported && in->contradicts_mNm != 0) {
+        decide_report(watch, in, lacking_mNm, enough_mNm_ms);
+    } else {
+        watch->report_mNm_ms = 0;
+    }
+    if (watch->missing_mNm_ms >= enough_mNm_ms) {
+        found_missing(watch, in->modelled_mNm, lacking_mNm);
+    } else if (watch->excess_mNm_ms >= enough_mNm_ms) {
+        found_excess(watch, in->modelled_mNm, -lacking_mNm, commanded);
+    }
+}

@@ -1,0 +1,250 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What the deceleration of a wheel says of the hydraulic brake. The vehicle is a mass on a slope,
+ * in double precision; its brake makes what it wants of the commands. */
+#include "torque/hydraulic_watch.h"
+
+#include <math.h>
+
+#include "paper_vehicle.h"
+#include "unity.h"
+
+/* 165 kg on a wheel of 0.25 m: 41 N m for 1 m/s^2. */
+static const double INERTIA_KG_M2 = 10.3, RADIUS_M = 0.25, PER_MS = 1e-3, G_M_S2 = 9.81;
+static const double TORQUE_PER_M_S2 = 10.3 / 0.25;
+enum { COAST_ms = 1500, MINUTE_ms = 60000 };
+
+static config_t config;
+static hydraulic_watch_t watch;
+static hydraulic_watch_input_t in;
+static double speed_rad_s, mass_factor, slope, found_after_ms, direction;
+static double motor_nm, commanded_nm, made_nm;
+
+void setUp(void)
+{
+    config = paper_vehicle();
+    config.brake.blend_out_start_mrad_s = 2600;
+    config.brake.blend_out_end_mrad_s = 800;
+    config.brake.hydraulic_watch_inertia_g_m2 = 10300;
+    config.brake.hydraulic_watch_speed_mrad_s = 480;
+    config.brake.hydraulic_watch_floor_mrad_s2 = 400;
+    config.brake.hydraulic_watch_share_q15 = 4915;
+    config.brake.hydraulic_watch_road_mrad_s2 = 10;
+    config.vehicle.wheel_radius_um = 250000;
+    config.monitor.tyre_grip_mm_s2 = 11768;
+    hydraulic_watch_init(&watch);
+    const hydraulic_watch_input_t still = {.trusted = true};
+    in = still;
+    speed_rad_s = 50.0;
+    direction = 1.0;
+    mass_factor = 1.0;
+    slope = 0.0;
+    motor_nm = 0.0;
+    commanded_nm = 0.0;
+    made_nm = 0.0;
+    found_after_ms = NAN;
+}
+
+void tearDown(void) {}
+
+/* Torques against the motion are positive here but the motor's, which is along it. */
+static void millisecond(void)
+{
+    const double against_nm = made_nm + slope * G_M_S2 * TORQUE_PER_M_S2 * mass_factor;
+    speed_rad_s += (motor_nm - against_nm) / (INERTIA_KG_M2 * mass_factor) * PER_MS;
+    speed_rad_s = fmax(speed_rad_s, 0.0);
+    in.speed_mrad_s = (int32_t)lround(direction * speed_rad_s * 1e3);
+    in.motor_mNm = (int32_t)lround(direction * motor_nm * 1e3);
+    in.modelled_mNm = (int32_t)lround(commanded_nm * 1e3);
+    in.commanded_mNm = in.modelled_mNm;
+    hydraulic_watch_step(&watch, &config, &in);
+}
+
+static reason_t run(int duration_ms)
+{
+    for (int n = 0; n < duration_ms; n++) {
+        millisecond();
+        if (watch.reason != REASON_NONE && isnan(found_after_ms)) {
+            found_after_ms = n + 1;
+        }
+    }
+    return watch.reason;
+}
+
+/* A command, of which the brake makes a part. */
+static reason_t brake(double command_nm, double gain, int duration_ms)
+{
+    commanded_nm = command_nm;
+    made_nm = gain * command_nm;
+    return run(duration_ms);
+}
+
+void test_a_brake_that_makes_what_is_commanded_has_no_finding_on_any_constant_slope(void)
+{
+    static const double SLOPES[] = {-0.08, 0.0, 0.08};
+    for (unsigned i = 0; i < sizeof SLOPES / sizeof SLOPES[0]; i++) {
+        setUp();
+        slope = SLOPES[i];
+        run(COAST_ms);
+        motor_nm = -40.0;
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(60.0, 1.0, 3000));
+        motor_nm = 0.0;
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(0.0, 1.0, 1000));
+    }
+}
+
+/* 60 N m are 1.46 m/s^2. Beyond the tolerance, 0.1 m/s^2 and 15 %, 1.14 m/s^2 are missing of a dead
+ * brake: 0.12 m/s after 0.11 s, and 64 ms of the filter. */
+void test_a_dead_brake_is_found_when_the_speed_is_missing_and_named_after_a_second(void)
+{
+    run(COAST_ms);
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_WEAK, brake(60.0, 0.0, 600));
+    TEST_ASSERT_DOUBLE_WITHIN(60.0, 170.0, found_after_ms);
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_DEAD, brake(60.0, 0.0, 1000));
+    TEST_ASSERT_TRUE(hydraulic_watch_is_short(&watch));
+    TEST_ASSERT_TRUE(hydraulic_watch_corrected_mNm(&watch, 60000) < 15000);
+}
+
+void test_half_and_one_and_a_half_times_the_torque_are_found_in_both_directions(void)
+{
+    for (direction = -1.0; direction <= 1.0; direction += 2.0) {
+        const double way = direction;
+        setUp();
+        direction = way;
+        run(COAST_ms);
+        TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_WEAK, brake(80.0, 0.5, 1000));
+        TEST_ASSERT_INT32_WITHIN(15000, 40000, hydraulic_watch_corrected_mNm(&watch, 80000));
+        setUp();
+        direction = way;
+        run(COAST_ms);
+        TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_STRONG, brake(80.0, 1.5, 1000));
+        TEST_ASSERT_INT32_WITHIN(15000, 120000, hydraulic_watch_corrected_mNm(&watch, 80000));
+        direction = way;
+    }
+}
+
+void test_drag_without_a_command_is_a_brake_that_does_not_release(void)
+{
+    run(COAST_ms);
+    made_nm = 45.0;
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_STUCK, run(1000));
+    TEST_ASSERT_INT32_WITHIN(20000, 45000, hydraulic_watch_corrected_mNm(&watch, 0));
+    made_nm = 0.0;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1500));
+}
+
+/* A hill that begins as fast as a road's slope may change is followed. */
+void test_a_road_that_changes_no_faster_than_configured_has_no_finding(void)
+{
+    run(COAST_ms);
+    motor_nm = -20.0;
+    commanded_nm = 40.0;
+    made_nm = 40.0;
+    for (int n = 0; n < 4000; n++) {
+        /* 0.001 a metre, times 0.9 for the roundings of the limit */
+        slope += 0.9e-3 * speed_rad_s * RADIUS_M * PER_MS;
+        millisecond();
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, watch.reason);
+    }
+    TEST_ASSERT_TRUE(slope > 0.01);
+}
+
+void test_what_was_missing_and_comes_is_late(void)
+{
+    run(COAST_ms);
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_WEAK, brake(80.0, 0.0, 400));
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_LATE, brake(80.0, 1.0, 800));
+    TEST_ASSERT_EQUAL_INT32(80000, hydraulic_watch_corrected_mNm(&watch, 80000));
+    TEST_ASSERT_FALSE(hydraulic_watch_is_short(&watch));
+}
+
+void test_a_finding_ends_when_the_deceleration_contradicts_it_or_it_is_acknowledged(void)
+{
+    speed_rad_s = 200.0;
+    run(COAST_ms);
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_DEAD, brake(60.0, 0.0, 3000));
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(60.0, 1.0, 1000));
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_WEAK, brake(60.0, 0.0, 800));
+    in.acknowledged = true;
+    millisecond();
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, watch.reason);
+}
+
+/* A load of 1.3 or 0.7 times the vehicle is learned from steps of the motor torque. */
+void test_another_mass_is_learned_and_no_finding(void)
+{
+    for (mass_factor = 0.7; mass_factor < 1.4; mass_factor += 0.6) {
+        const double factor = mass_factor;
+        setUp();
+        mass_factor = factor;
+        speed_rad_s = 30.0;
+        run(COAST_ms);
+        for (int n = 0; n < 10; n++) {
+            motor_nm = n % 2 == 0 ? 35.0 : -35.0;
+            TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1000));
+        }
+        TEST_ASSERT_DOUBLE_WITHIN(0.05 * factor, factor, watch.weight_q15 / 32768.0);
+        motor_nm = -20.0;
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(100.0, 1.0, 1000));
+        mass_factor = factor;
+    }
+}
+
+/* A report of zero of a dead brake is right, the same of a healthy one is the sensor's. */
+void test_deceleration_decides_between_brake_and_sensor(void)
+{
+    in.reported = true;
+    run(COAST_ms);
+    in.reported_mNm = 0;
+    in.contradicts_mNm = -40000;
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_WEAK, brake(60.0, 0.0, 400));
+    TEST_ASSERT_TRUE(watch.confirms_report);
+    in.contradicts_mNm = 0;
+    in.reported_mNm = 60000;
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_LATE, brake(60.0, 1.0, 400));
+
+    setUp();
+    in.reported = true;
+    run(COAST_ms);
+    in.contradicts_mNm = -40000;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(60.0, 1.0, 1500));
+    TEST_ASSERT_FALSE(watch.confirms_report);
+}
+
+void test_used_reports_outside_the_band_name_the_brake(void)
+{
+    in.reported = true;
+    run(COAST_ms);
+    in.modelled_mNm = 100000;
+    in.reported_mNm = 100000;
+    in.outside_ms = config.brake.hydraulic_timeout_ms + 1;
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_STRONG, brake(70.0, 1.0, 10));
+    in.outside_ms = -in.outside_ms;
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_WEAK, run(2 * HYDRAULIC_WATCH_SETTLE_ms));
+}
+
+void test_a_slipping_wheel_and_values_that_are_not_trusted_have_no_finding(void)
+{
+    run(COAST_ms);
+    in.trusted = false;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(80.0, 0.0, 2000));
+    setUp();
+    run(COAST_ms);
+    /* 20 m/s^2 at the rim */
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(80.0, 20.0 * TORQUE_PER_M_S2 / 80.0, 400));
+}
+
+void test_without_an_inertia_there_is_no_finding(void)
+{
+    config.brake.hydraulic_watch_inertia_g_m2 = 0;
+    run(COAST_ms);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(80.0, 0.0, 5000));
+}
+
+void test_standstill_and_a_road_not_known_yet_have_no_finding(void)
+{
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(80.0, 0.0, 2000));
+    setUp();
+    run(COAST_ms);
+    speed_rad_s = 0.0;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(80.0, 0.0, MINUTE_ms));
+}
