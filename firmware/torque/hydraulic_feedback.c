@@ -122,10 +122,9 @@ static bool arrived(hydraulic_feedback_state_t *state, const hydraulic_feedback_
 static int32_t contradiction_mNm(const possible_t *could, int32_t reported_mNm,
                                  int32_t tolerance_mNm)
 {
-    const int32_t least_mNm = could->least_mNm - tolerance_mNm;
-    return reported_mNm < least_mNm
-               ? reported_mNm - least_mNm
-               : q_max(q_saturate64((int64_t)reported_mNm - could->most_mNm - tolerance_mNm), 0);
+    const int64_t below_mNm = (int64_t)reported_mNm - could->least_mNm + tolerance_mNm;
+    const int64_t above_mNm = (int64_t)reported_mNm - could->most_mNm - tolerance_mNm;
+    return below_mNm < 0 ? q_saturate64(below_mNm) : q_max(q_saturate64(above_mNm), 0);
 }
 
 /* A brake whose gain is not within the band, although the sensor may be right. */
