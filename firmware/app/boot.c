@@ -2,6 +2,7 @@
 #include "app/boot.h"
 
 #include "app/selftest.h"
+#include "hal/analog.h"
 #include "hal/flash.h"
 #include "hal/memory.h"
 #include "hal/rotor_sensor.h"
@@ -39,6 +40,38 @@ static inverter_status_t start_inverter(const config_t *config)
     return inverter_init(&settings);
 }
 
+/* Shunts and dividers have a tolerance, and a configuration may hold what was measured. */
+enum { SCALE_TOLERANCE = 20 };
+
+static bool scale_fits(const char *field, int32_t value, int32_t of_board, config_result_t *result)
+{
+    const int32_t tolerance = of_board / SCALE_TOLERANCE;
+    if (of_board == 0 || (value >= of_board - tolerance && value <= of_board + tolerance)) {
+        return true;
+    }
+    const config_result_t refused = {.code = CONFIG_RESULT_RANGE,
+                                     .field = field,
+                                     .value = value,
+                                     .lowest = of_board - tolerance,
+                                     .highest = of_board + tolerance};
+    *result = refused;
+    return false;
+}
+
+/* A configuration for another board would control with wrong currents and voltages. */
+static config_result_t validate(const config_t *config, uint32_t size_bytes)
+{
+    config_result_t result = config_validate(config, size_bytes);
+    const analog_scale_t board = analog_scale();
+    if (result.code == CONFIG_RESULT_OK &&
+        scale_fits("drive.current_full_scale_mA on this board", config->drive.current_full_scale_mA,
+                   board.current_full_scale_mA, &result)) {
+        (void)scale_fits("drive.voltage_full_scale_mV on this board",
+                         config->drive.voltage_full_scale_mV, board.voltage_full_scale_mV, &result);
+    }
+    return result;
+}
+
 boot_report_t boot_run(void)
 {
     boot_report_t report = {.inverter = INVERTER_OK};
@@ -52,7 +85,7 @@ boot_report_t boot_run(void)
 
     const flash_image_t image = flash_configuration();
     report.config = (const config_t *)image.begin;
-    report.config_result = config_validate(report.config, image.size_bytes);
+    report.config_result = validate(report.config, image.size_bytes);
     if (report.clock_good && report.config_result.code == CONFIG_RESULT_OK) {
         report.rotor_sensor_missing =
             !rotor_sensor_init(rotor_sensor_kind(report.config->rotor.sensor));

@@ -126,6 +126,12 @@ void inverter_clear_fault(void)
     board.tripped = false;
 }
 
+analog_scale_t analog_scale(void)
+{
+    const analog_scale_t any = {0, 0};
+    return any;
+}
+
 void analog_read(analog_sample_t *sample)
 {
     memcpy(sample->phase_current_code, board.sample.phase_current_code,

@@ -6,9 +6,10 @@
  *     ADC1: current a, bus voltage        ADC2: current b, winding temperature
  *     ADC3: current c, switch temperature
  *
- * 21 MHz: 3 cycles of sampling, 12 of conversion for the currents (0.7 us, sampled 0.14 us), 15 +
- * 12 for the slow quantities, whose dividers are stiffened by capacitors. The interrupt comes 2 us
- * after the top.
+ * On a board with two shunts ADC2 has current c, and b is minus their sum.
+ *
+ * 21 MHz: 15 cycles of sampling, 12 of conversion each (README, Sampling). The interrupt comes
+ * 2.6 us after the trigger.
  *
  * The two pedal inputs are regular conversions of ADC1 and ADC2, one a millisecond, started by
  * software; an injected sequence interrupts and restarts them (section 13.3.9). The board has none
@@ -29,23 +30,38 @@ enum {
     MULTI_TRIPLE_INJECTED_SIMULTANEOUS = 0x15,
     PRESCALER_BY_4 = 1,      /* 84 MHz / 4 */
     SAMPLE_84_CYCLES = 4,    /* pedals: 4 us behind a divider */
-    SAMPLE_15_CYCLES = 1,    /* code of the sampling time; 0 is 3 cycles */
+    SAMPLE_15_CYCLES = 1,    /* code of the sampling time; 3 cycles, code 0, are too short */
     TRIGGER_TIM1_TRGO = 1,   /* JEXTSEL */
     TRIGGER_RISING_EDGE = 1, /* JEXTEN */
     TWO_CONVERSIONS = 1,     /* JL: takes JSQ3 and JSQ4, results in JDR1 and JDR2 */
     CODE_RANGE = 4096,
-    CODE_LARGEST = 4095
+    CODE_LARGEST = 4095,
+    CODE_MIDDLE = 2048,
+    TWO_CURRENTS = BOARD_CURRENT_CHANNELS == 2,
+    /* What ADC2 and ADC3 convert together with current a. */
+    CHANNEL_OF_SECOND = TWO_CURRENTS ? BOARD_CHANNEL_CURRENT_C : BOARD_CHANNEL_CURRENT_B,
+    CHANNEL_OF_THIRD = TWO_CURRENTS ? BOARD_CHANNEL_SWITCH_TEMPERATURE : BOARD_CHANNEL_CURRENT_C
 };
-_Static_assert(BOARD_CHANNEL_SWITCH_TEMPERATURE < 10, "its sampling time is set in SMPR2");
+
+/* 13.13.4, 13.13.5: SMPR1 has the channels from 10 on. */
+static void set_sampling_time(adc_registers_t *adc, uint32_t channel, uint32_t code)
+{
+    if (channel >= 10) {
+        adc->SMPR1 |= code << 3U * (channel - 10U);
+    } else {
+        adc->SMPR2 |= code << 3U * channel;
+    }
+}
 
 static void configure(adc_registers_t *adc, uint32_t first_channel, uint32_t second_channel)
 {
     adc->CR1 = ADC_CR1_SCAN;
-    adc->SMPR1 = ((uint32_t)SAMPLE_15_CYCLES << 3 * (BOARD_CHANNEL_BUS_VOLTAGE - 10)) |
-                 ((uint32_t)SAMPLE_15_CYCLES << 3 * (BOARD_CHANNEL_WINDING_TEMPERATURE - 10));
-    adc->SMPR2 = ((uint32_t)SAMPLE_15_CYCLES << 3 * BOARD_CHANNEL_SWITCH_TEMPERATURE) |
-                 ((uint32_t)SAMPLE_84_CYCLES << 3 * BOARD_CHANNEL_ACCELERATOR_A) |
-                 ((uint32_t)SAMPLE_84_CYCLES << 3 * BOARD_CHANNEL_ACCELERATOR_B);
+    adc->SMPR1 = 0;
+    adc->SMPR2 = 0;
+    set_sampling_time(adc, BOARD_CHANNEL_ACCELERATOR_A, SAMPLE_84_CYCLES);
+    set_sampling_time(adc, BOARD_CHANNEL_ACCELERATOR_B, SAMPLE_84_CYCLES);
+    set_sampling_time(adc, first_channel, SAMPLE_15_CYCLES);
+    set_sampling_time(adc, second_channel, SAMPLE_15_CYCLES);
     adc->JSQR = ((uint32_t)TWO_CONVERSIONS << ADC_JSQR_JL_Pos) |
                 (first_channel << ADC_JSQR_JSQ3_Pos) | (second_channel << ADC_JSQR_JSQ4_Pos);
     adc->CR2 = ADC_CR2_ADON;
@@ -54,7 +70,9 @@ static void configure(adc_registers_t *adc, uint32_t first_channel, uint32_t sec
 bool analog_init(void)
 {
     gpio_make_analog(BOARD_CURRENT_A);
-    gpio_make_analog(BOARD_CURRENT_B);
+    if (pin_is_wired(BOARD_CURRENT_B)) {
+        gpio_make_analog(BOARD_CURRENT_B);
+    }
     gpio_make_analog(BOARD_CURRENT_C);
     gpio_make_analog(BOARD_BUS_VOLTAGE);
     gpio_make_analog(BOARD_WINDING_TEMPERATURE);
@@ -66,8 +84,8 @@ bool analog_init(void)
     ADC_COMMON->CCR = ((uint32_t)MULTI_TRIPLE_INJECTED_SIMULTANEOUS << ADC_COMMON_CCR_MULTI_Pos) |
                       ((uint32_t)PRESCALER_BY_4 << ADC_COMMON_CCR_ADCPRE_Pos);
     configure(ADC1, BOARD_CHANNEL_CURRENT_A, BOARD_CHANNEL_BUS_VOLTAGE);
-    configure(ADC2, BOARD_CHANNEL_CURRENT_B, BOARD_CHANNEL_WINDING_TEMPERATURE);
-    configure(ADC3, BOARD_CHANNEL_CURRENT_C, BOARD_CHANNEL_SWITCH_TEMPERATURE);
+    configure(ADC2, CHANNEL_OF_SECOND, BOARD_CHANNEL_WINDING_TEMPERATURE);
+    configure(ADC3, CHANNEL_OF_THIRD, BOARD_CHANNEL_SWITCH_TEMPERATURE);
     ADC1->SQR3 = (uint32_t)BOARD_CHANNEL_ACCELERATOR_A << ADC_SQR3_SQ1_Pos;
     ADC2->SQR3 = (uint32_t)BOARD_CHANNEL_ACCELERATOR_B << ADC_SQR3_SQ1_Pos;
     /* The converters need 3 us from ADON to the first start (data sheet t_STAB): what they convert
@@ -96,12 +114,32 @@ static uint16_t current_code(uint32_t raw)
     return (uint16_t)(BOARD_CURRENT_INVERTED != 0 ? CODE_LARGEST - raw : raw);
 }
 
+/* The code whose current is minus the sum of the two, 0 .. 4095. */
+static uint16_t third_current_code(uint32_t a_code, uint32_t c_code)
+{
+    const int32_t code = 3 * CODE_MIDDLE - (int32_t)(a_code + c_code);
+    return (uint16_t)(code < 0 ? 0 : (code > CODE_LARGEST ? CODE_LARGEST : code));
+}
+
 void analog_read(analog_sample_t *sample)
 {
     sample->phase_current_code[0] = current_code(ADC1->JDR1);
-    sample->phase_current_code[1] = current_code(ADC2->JDR1);
-    sample->phase_current_code[2] = current_code(ADC3->JDR1);
+    if (TWO_CURRENTS) {
+        sample->phase_current_code[2] = current_code(ADC2->JDR1);
+        sample->phase_current_code[1] =
+            third_current_code(sample->phase_current_code[0], sample->phase_current_code[2]);
+    } else {
+        sample->phase_current_code[1] = current_code(ADC2->JDR1);
+        sample->phase_current_code[2] = current_code(ADC3->JDR1);
+    }
     sample->bus_voltage_code = (uint16_t)ADC1->JDR2;
+}
+
+analog_scale_t analog_scale(void)
+{
+    const analog_scale_t scale = {.current_full_scale_mA = BOARD_CURRENT_FULL_SCALE_mA,
+                                  .voltage_full_scale_mV = BOARD_VOLTAGE_FULL_SCALE_mV};
+    return scale;
 }
 
 int32_t analog_winding_temperature_cC(void)

@@ -14,7 +14,8 @@ static void set_two_bits(volatile uint32_t *reg, pin_t pin, uint32_t value)
 
 void gpio_init(void)
 {
-    RCC->AHB1ENR |= RCC_AHB1ENR_GPIOAEN | RCC_AHB1ENR_GPIOBEN | RCC_AHB1ENR_GPIOCEN;
+    RCC->AHB1ENR |=
+        RCC_AHB1ENR_GPIOAEN | RCC_AHB1ENR_GPIOBEN | RCC_AHB1ENR_GPIOCEN | RCC_AHB1ENR_GPIODEN;
     (void)RCC->AHB1ENR; /* the clock is on two cycles after the write; the read takes longer
                            (errata 2.1.13) */
 }

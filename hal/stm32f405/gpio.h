@@ -6,14 +6,22 @@
 #define STM32F405_GPIO_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "registers/gpio.h"
 
 typedef struct {
-    gpio_registers_t *port;
-    uint8_t number; /* 0 .. 15 */
+    gpio_registers_t *port; /* NULL: the board has no such pin */
+    uint8_t number;         /* 0 .. 15 */
 } pin_t;
+
+#define PIN_NONE ((pin_t){NULL, 0})
+
+static inline bool pin_is_wired(pin_t pin)
+{
+    return pin.port != NULL;
+}
 
 typedef enum { GPIO_PULL_NONE = 0, GPIO_PULL_UP = 1, GPIO_PULL_DOWN = 2 } gpio_pull_t;
 

@@ -65,7 +65,9 @@ static void connect_pins(void)
     gpio_make_alternate(BOARD_GATE_LOW_A, BOARD_AF_TIM1, GPIO_PULL_DOWN);
     gpio_make_alternate(BOARD_GATE_LOW_B, BOARD_AF_TIM1, GPIO_PULL_DOWN);
     gpio_make_alternate(BOARD_GATE_LOW_C, BOARD_AF_TIM1, GPIO_PULL_DOWN);
-    gpio_make_alternate(BOARD_BREAK, BOARD_AF_TIM1, GPIO_PULL_UP);
+    if (pin_is_wired(BOARD_BREAK)) {
+        gpio_make_alternate(BOARD_BREAK, BOARD_AF_TIM1, GPIO_PULL_UP);
+    }
 }
 
 static void configure_timer(uint32_t dead_time_code)
@@ -86,10 +88,11 @@ static void configure_timer(uint32_t dead_time_code)
     TIM1->CCR4 = top_counts - 1U;
     TIM1->CCER = TIM_CCER_CC1E | TIM_CCER_CC1NE | TIM_CCER_CC2E | TIM_CCER_CC2NE | TIM_CCER_CC3E |
                  TIM_CCER_CC3NE;
-    /* Break active low (BKP = 0) and never released by itself (AOE = 0); OSSI and OSSR keep the
-     * pins driven to "off". */
-    TIM1->BDTR = (dead_time_code << TIM_BDTR_DTG_Pos) | TIM_BDTR_BKE | TIM_BDTR_OSSI |
-                 TIM_BDTR_OSSR | ((uint32_t)LOCK_LEVEL_1 << TIM_BDTR_LOCK_Pos);
+    /* Break, where it is wired, active low (BKP = 0) and never released by itself (AOE = 0); OSSI
+     * and OSSR keep the pins driven to "off". */
+    TIM1->BDTR = (dead_time_code << TIM_BDTR_DTG_Pos) |
+                 (pin_is_wired(BOARD_BREAK) ? TIM_BDTR_BKE : 0U) | TIM_BDTR_OSSI | TIM_BDTR_OSSR |
+                 ((uint32_t)LOCK_LEVEL_1 << TIM_BDTR_LOCK_Pos);
     TIM1->EGR = TIM_EGR_UG; /* loads every preload register */
     TIM1->SR = 0;
     DBGMCU->APB2_FZ |=
@@ -160,9 +163,14 @@ static inline bool driver_fault(void)
     return (BOARD_DRIVER_FAULT.port->IDR & (1U << BOARD_DRIVER_FAULT.number)) == 0;
 }
 
+static inline bool break_acted(void)
+{
+    return pin_is_wired(BOARD_BREAK) && (TIM1->SR & TIM_SR_BIF) != 0;
+}
+
 static inline bool fault(void)
 {
-    return tripped || (TIM1->SR & TIM_SR_BIF) != 0 || driver_fault();
+    return tripped || break_acted() || driver_fault();
 }
 
 static void switch_off(void)
@@ -250,7 +258,8 @@ bool inverter_fault(void)
 
 void inverter_clear_fault(void)
 {
-    if (gpio_read(BOARD_DRIVER_FAULT) && gpio_read(BOARD_BREAK) && !supply_low()) {
+    const bool break_released = !pin_is_wired(BOARD_BREAK) || gpio_read(BOARD_BREAK);
+    if (gpio_read(BOARD_DRIVER_FAULT) && break_released && !supply_low()) {
         TIM1->SR = ~(uint32_t)TIM_SR_BIF;
         tripped = false;
     }

@@ -54,12 +54,15 @@ bool rotor_sensor_init(rotor_sensor_kind_t kind)
         init_halls();
         return true;
     case ROTOR_SENSOR_ENCODER:
+        if (BOARD_ENCODER_ON_TIM3 == 0) {
+            return false; /* its pins are another timer's */
+        }
         init_encoder();
         return true;
     case ROTOR_SENSOR_ANGLE:
         break;
     }
-    return false; /* there is nothing on this board that reads a resolver */
+    return false; /* no board of these reads a resolver */
 }
 
 uint16_t rotor_sensor_angle_turn(void)
@@ -67,12 +70,23 @@ uint16_t rotor_sensor_angle_turn(void)
     return 0;
 }
 
+/* Where A, B and C are next to each other, one read has all three. */
+static bool are_adjacent(pin_t a, pin_t b, pin_t c)
+{
+    return a.port == b.port && b.port == c.port && b.number == a.number + 1 &&
+           c.number == b.number + 1;
+}
+
 uint8_t rotor_sensor_hall_state(void)
 {
     if (sensor != ROTOR_SENSOR_HALL) {
         return 0;
     }
-    return (uint8_t)((BOARD_HALL_PORT->IDR >> BOARD_HALL_FIRST_PIN) & 7U);
+    if (are_adjacent(BOARD_ROTOR_A, BOARD_ROTOR_B, BOARD_ROTOR_C)) {
+        return (uint8_t)((BOARD_ROTOR_A.port->IDR >> BOARD_ROTOR_A.number) & 7U);
+    }
+    return (uint8_t)((gpio_read(BOARD_ROTOR_A) ? 1U : 0U) | (gpio_read(BOARD_ROTOR_B) ? 2U : 0U) |
+                     (gpio_read(BOARD_ROTOR_C) ? 4U : 0U));
 }
 
 rotor_sensor_encoder_t rotor_sensor_encoder(void)

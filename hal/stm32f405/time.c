@@ -6,6 +6,7 @@
 #include "clock.h"
 #include "hal/upcall.h"
 #include "interrupts.h"
+#include "power.h"
 #include "registers/core.h"
 #include "registers/flash.h"
 #include "registers/rcc.h"
@@ -46,6 +47,7 @@ static bool start_crystal_and_pll(void)
 
 bool time_init(void)
 {
+    power_start();
     *DEBUG_DEMCR |= DEBUG_DEMCR_TRCENA;
     *DWT_CTRL |= DWT_CTRL_CYCCNTENA;
     if (!start_crystal_and_pll()) {

@@ -330,6 +330,30 @@ class DevCommandTest(DevFixture):
         )
         self.assertIn("absent", result.stderr)
 
+    def test_firmware_is_built_for_the_named_board_of_the_ones_that_there_are(self) -> None:
+        cmake = (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
+        listed = re.search(r"set\(HUBFOC_BOARDS_stm32f405 (.*)\)", cmake)
+        assert listed is not None
+        boards = listed[1].split()
+        headers = {path.stem for path in (ROOT / "hal/stm32f405/boards").glob("*.h")}
+        self.assertEqual(set(boards), {name for name in headers if not name.endswith("_common")})
+        self.assert_refused(self.run_dev("firmware", "--board", "avr"), "avr", *boards)
+        self.assert_refused(self.run_dev("firmware", "qemu", "--board", boards[0]), "--board")
+        self.assertIn(" ".join(boards), self.run_dev("firmware", "--help").stdout)
+
+        path, environment = self.pretend_everything_is_installed()
+        generated = self.home / "firmware/config/generated"
+        generated.mkdir(parents=True)
+        (generated / "lu2013.c").touch()
+        (self.home / "build/stm32f405").mkdir(parents=True)
+        for suffix in ("bin", "hex"):
+            (self.home / f"build/stm32f405/hubfoc_stm32f405.{suffix}").touch()
+        for arguments, board in (([], boards[0]), (["--board", boards[-1]], boards[-1])):
+            result = self.run_dev("firmware", *arguments, path=path, environment=environment)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            configured = [c for c in self.calls("cmake") if c.startswith("--preset stm32f405 ")]
+            self.assertTrue(configured[-1].endswith(f"-DHUBFOC_BOARD={board}"), configured)
+
     def test_table_writes_the_requested_files_and_plots_to_the_given_directory(self) -> None:
         path, environment = self.pretend_everything_is_installed()
         (self.base / "mine.toml").touch()

@@ -59,11 +59,12 @@ planted(a_short_dead_time inverter.c "(dead_time_code <<" "(dead_time_code / 4U 
 planted(a_trigger_at_the_bottom inverter.c "TIM1->CCR4 = top_counts - 1U" "TIM1->CCR4 = 1U" full)
 planted(an_update_at_both_ends inverter.c "TIM1->RCR = 1;" "TIM1->RCR = 0;")
 planted(compare_values_at_once inverter.c "TIM_CCMR1_OC1PE |" "" full)
-planted(a_break_that_is_not_enabled inverter.c "| TIM_BDTR_BKE |" "|" full)
+planted(a_driver_fault_of_wrong_polarity inverter.c "DRIVER_FAULT.number)) == 0;"
+  "DRIVER_FAULT.number)) != 0;")
 planted(gates_of_another_timer inverter.c "BOARD_GATE_LOW_C, BOARD_AF_TIM1"
   "BOARD_GATE_LOW_C, BOARD_AF_TIM3" full)
 planted(swapped_currents analog.c
-  "ADC2, BOARD_CHANNEL_CURRENT_B" "ADC2, BOARD_CHANNEL_CURRENT_C" full)
+  "CURRENT_C : BOARD_CHANNEL_CURRENT_B" "CURRENT_C : BOARD_CHANNEL_CURRENT_C" full)
 planted(a_current_of_wrong_sign analog.c
   "BOARD_CURRENT_INVERTED != 0" "BOARD_CURRENT_INVERTED == 0" full)
 planted(too_few_wait_states time.c "FLASH_WAIT_STATES = 5" "FLASH_WAIT_STATES = 2")

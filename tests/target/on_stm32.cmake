@@ -16,7 +16,7 @@ set_tests_properties(target_prerequisites PROPERTIES TIMEOUT 60)
 hubfoc_add_qemu_test(NAME stm32_without_its_crystal_reports_and_stays_in_boot ELF hubfoc_stm32f405
   MACHINE netduinoplus2 SERIAL 3
   MILLIONS 600 EXPECT_EXIT limit
-  EXPECT "${banner} on stm32f405, configuration ${HUBFOC_CONFIG} 0x[0-9A-F]+"
+  EXPECT "${banner} on stm32f405/[a-z0-9_]+, configuration ${HUBFOC_CONFIG} 0x[0-9A-F]+"
          "clock fault: the crystal did not start"
          "self-test RAM: good" "self-test firmware CRC: good" "configuration accepted")
 
@@ -32,8 +32,9 @@ find_program(HUBFOC_PYTHON python3 HINTS "${PROJECT_SOURCE_DIR}/.dev/venv/bin"
   NO_DEFAULT_PATH NO_CMAKE_FIND_ROOT_PATH
   DOC "Python of the project's private environment (./tools/dev setup makes it)")
 
-# The vehicle is the paper's, so is the image.
-if(HUBFOC_CONFIG STREQUAL "lu2013")
+# The vehicle is the paper's, so is the image; the wiring is the first board's.
+list(GET HUBFOC_BOARDS_stm32f405 0 first_board)
+if(HUBFOC_CONFIG STREQUAL "lu2013" AND HUBFOC_BOARD_HEADER STREQUAL "boards/${first_board}.h")
   include(chip.cmake)
 endif()
 

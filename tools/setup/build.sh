@@ -5,6 +5,9 @@
 
 # shellcheck disable=SC2034  # read by tools/dev
 readonly PORTS=(stm32f405 qemu) DEFAULT_CONFIG=lu2013
+# The boards of stm32f405 in CMakeLists.txt, the default first.
+# shellcheck disable=SC2034
+readonly BOARDS=(vesc6_mk3 vesc6_mk6 vesc4_10)
 readonly TESTED_PRESETS=(host host-asan stm32f405 qemu)
 # variables_are FILE [NAME=VALUE...]: does CMake's cache have these values?
 variables_are() {

@@ -71,19 +71,21 @@ TEXT
 }
 
 help_firmware() {
-    cat <<'TEXT'
-Usage: tools/dev firmware [PORT] [--config NAME]
+    cat <<TEXT
+Usage: tools/dev firmware [PORT] [--config NAME] [--board BOARD]
 
 Builds the firmware for PORT, stm32f405 (default) or qemu; prints its sizes, the depth of the stack
 and the paths of ELF, BIN and HEX. NAME is a configuration in firmware/config/generated (made by
-tools/dev table); lu2013 if not given.
+tools/dev table); lu2013 if not given. BOARD, for stm32f405, is one of
+    ${BOARDS[*]}
+(hal/stm32f405/boards); the first if not given.
 TEXT
 }
 
 help_flash() {
     cat <<'TEXT'
-Usage: tools/dev flash [stm32f405] [--config NAME [--only-config]] [--probe stlink|cmsis-dap|jlink]
-                       [--with openocd|pyocd]
+Usage: tools/dev flash [stm32f405] [--config NAME [--only-config]] [--board BOARD]
+                       [--probe stlink|cmsis-dap|jlink] [--with openocd|pyocd]
        tools/dev flash [stm32f405] --config NAME --only-config --with serial --line DEVICE
 
 Builds the firmware (as tools/dev firmware does) and writes it to the board through a debug probe,

@@ -7,8 +7,8 @@ help_release() {
     cat <<'TEXT'
 Usage: tools/dev release [-o DIR] [--trial]
 
-Builds the firmware of the stm32f405 board (BIN, HEX, ELF), the co-simulation units and the Python
-wheel, and puts them with the configurations, the CAN protocol (DBC) and the licences into
+Builds the firmware of the stm32f405's first board (BIN, HEX, ELF), the co-simulation units and the
+Python wheel, and puts them with the configurations, the CAN protocol (DBC) and the licences into
 DIR/hubfoc-VERSION (default: build/release), with the SHA-256 of every file in SHA256SUMS. The
 version is that of project() in CMakeLists.txt. The same commit and compilers give the same BIN from
 any folder.
@@ -38,7 +38,7 @@ cmd_release() {
     fi
     SOURCE_DATE_EPOCH=$(git -C "$ROOT" log -1 --format=%ct 2>/dev/null || echo 0)
     export SOURCE_DATE_EPOCH
-    configure stm32f405 "HUBFOC_CONFIG=$DEFAULT_CONFIG"
+    configure stm32f405 "HUBFOC_CONFIG=$DEFAULT_CONFIG" "HUBFOC_BOARD=${BOARDS[0]}"
     # Changed files besides those that the rules know make a "+" too.
     rm -f "$ROOT/build/stm32f405/firmware/app/commit/stamp" "$ROOT"/build/host/host_sim/fmu/*.fmu
     build_targets stm32f405 hubfoc_stm32f405

@@ -4,8 +4,8 @@
  *
  * The three phase currents are sampled at the same instant, at the top of the centre-aligned count,
  * when the low-side switches carry them. Codes are right-aligned 12-bit. Full scales are properties
- * of the board and are given in the configuration (drive.current_full_scale_mA,
- * drive.voltage_full_scale_mV); ports do not scale.
+ * of the board; the configuration gives them too (drive.current_full_scale_mA,
+ * drive.voltage_full_scale_mV), and start-up compares the two. Ports do not scale.
  */
 #ifndef HAL_ANALOG_H
 #define HAL_ANALOG_H
@@ -23,6 +23,15 @@ typedef struct {
     uint16_t phase_current_code[3];
     uint16_t bus_voltage_code; /* 4096 = full scale */
 } analog_sample_t;
+
+/* By shunt, gain, divider and reference of the board. 0: any, this port has no such parts. */
+typedef struct {
+    int32_t current_full_scale_mA; /* half the range of the codes */
+    int32_t voltage_full_scale_mV; /* all of it */
+} analog_scale_t;
+
+/* Constant. Any context. */
+analog_scale_t analog_scale(void);
 
 /* The sample of this PWM period. Only from app_pwm_period_isr(). */
 void analog_read(analog_sample_t *sample);

@@ -22,5 +22,6 @@ typedef struct {
 #define GPIOA ((gpio_registers_t *)0x40020000U)
 #define GPIOB ((gpio_registers_t *)0x40020400U)
 #define GPIOC ((gpio_registers_t *)0x40020800U)
+#define GPIOD ((gpio_registers_t *)0x40020C00U)
 
 #endif

@@ -50,8 +50,8 @@ typedef struct {
 /* What is connected to the pins. Analogue inputs by the channel that the converters share. */
 typedef struct {
     uint16_t analog_code[CHIP_ANALOG_CHANNELS]; /* 0 .. 4095 */
-    uint16_t driven[3];                         /* ports A, B, C: pins that the board drives */
-    uint16_t level[3];                          /* and how */
+    uint16_t driven[4];                         /* ports A to D: pins that the board drives */
+    uint16_t level[4];                          /* and how */
     uint16_t encoder_count;                     /* of the quadrature signals at TIM3 */
     uint16_t encoder_index_count;               /* count at the latest index pulse */
     bool encoder_index;                         /* one has come since the last call */

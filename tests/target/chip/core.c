@@ -35,6 +35,7 @@ static uint32_t peripheral_read(chip_t *chip, uint32_t address)
     case CHIP_GPIOA_MODER:
     case CHIP_GPIOB_MODER:
     case CHIP_GPIOC_MODER:
+    case CHIP_GPIOD_MODER:
     case CHIP_TIM3_CR1:
         return chip_pins_read(chip, address);
     default:
@@ -64,6 +65,7 @@ static bool part_takes(chip_t *chip, uint32_t address, uint32_t value)
     case CHIP_GPIOA_MODER:
     case CHIP_GPIOB_MODER:
     case CHIP_GPIOC_MODER:
+    case CHIP_GPIOD_MODER:
     case CHIP_TIM3_CR1:
         return chip_pins_write(chip, address, value);
     default:

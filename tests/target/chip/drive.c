@@ -13,7 +13,6 @@ enum {
     CODE_MOST = CODES - 1,
     NO_CURRENT_CODE = 2048,
     HALL_PINS = 7 << 6,
-    BREAK_PIN = 1 << 12,
     BOOT_ms = 120
 };
 
@@ -52,8 +51,7 @@ static void set_pins(drive_t *drive, const fast_input_t *sensed)
     in->encoder_index_count = sensed->encoder.index_count;
     in->encoder_index = sensed->encoder.index;
     set_pin(drive, 2, HALL_PINS, (unsigned)sensed->hall_state << 6);
-    set_pin(drive, 1, BREAK_PIN, drive->braked ? 0U : BREAK_PIN);
-    chip_faults(drive->chip)->gate_driver_fault = sensed->power_stage_fault;
+    chip_faults(drive->chip)->gate_driver_fault = sensed->power_stage_fault || drive->driver_fails;
 }
 
 void drive_begin(drive_t *drive, chip_t *chip, const config_t *config)

@@ -4,9 +4,9 @@
  * currents, voltages, temperatures and rotor at the pins, the six gates at the plant's bridge, the
  * vehicle's messages on the CAN bus.
  *
- * Wiring (the board that hal/stm32f405/README.md describes): shunt amplifiers a, b, c at channels
+ * Wiring (VESC 6 MK3, hal/stm32f405/boards): shunt amplifiers a, b, c at channels
  * 10, 11, 12, falling with current into the motor; bus voltage at 13; switch thermistor at 3, from
- * the supply; winding thermistor at 14, to ground; halls at PC6 to PC8; break PB12.
+ * the supply; winding thermistor at 14, to ground; halls at PC6 to PC8.
  *
  * The bench's period ends with the update at the top of the count. What the program changes in
  * between that acts at once on a board (outputs on and off) reaches the plant at the next top.
@@ -24,7 +24,7 @@ typedef struct {
     int32_t period_counts; /* of the plant's bridge */
     chip_ticks_t period;   /* PWM */
     uint32_t dead_time_ns; /* that the gates must keep, at least */
-    bool braked;           /* the break input is pulled */
+    bool driver_fails;     /* the gate driver reports a fault */
     unsigned periods_without_sample, switching_periods;
     bool reported; /* a violation of its own is noted once */
 } drive_t;

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* GPIO ports A to C (RM0090 section 8), the encoder's timer TIM3 (18.3.12), and the gate driver on
+/* GPIO ports A to D (RM0090 section 8), the encoder's timer TIM3 (18.3.12), and the gate driver on
  * the board: it is enabled by PB5 and holds its fault line, PB7, down while it starts. */
 #include "parts.h"
 
 enum { MODE_OUTPUT = 1, MODE_ALTERNATE = 2, MODE_ANALOG = 3, PULL_UP = 1, DRIVER_START_ms = 5 };
 enum { DRIVER_ENABLE = 5, DRIVER_FAULT = 7, ENCODER_BOTH_EDGES = 3 };
-static const uint32_t MODER[3] = {CHIP_GPIOA_MODER, CHIP_GPIOB_MODER, CHIP_GPIOC_MODER};
+static const uint32_t MODER[4] = {CHIP_GPIOA_MODER, CHIP_GPIOB_MODER, CHIP_GPIOC_MODER,
+                                  CHIP_GPIOD_MODER};
 
 static uint32_t of(char port, uint32_t address_in_a)
 {
@@ -92,7 +93,7 @@ static uint32_t read_timer3(chip_t *chip, uint32_t address)
 
 uint32_t chip_pins_read(chip_t *chip, uint32_t address)
 {
-    for (char port = 'A'; port <= 'C'; port++) {
+    for (char port = 'A'; port <= 'D'; port++) {
         if (address == of(port, CHIP_GPIOA_IDR)) {
             return read_port(chip, port);
         }
@@ -113,7 +114,7 @@ static void look_at_driver(chip_t *chip)
 
 bool chip_pins_write(chip_t *chip, uint32_t address, uint32_t value)
 {
-    for (char port = 'A'; port <= 'C'; port++) {
+    for (char port = 'A'; port <= 'D'; port++) {
         if (address == of(port, CHIP_GPIOA_BSRR)) {
             uint32_t *output = chip_at(chip, of(port, CHIP_GPIOA_ODR));
             *output = (*output & ~(value >> 16)) | (value & 0xFFFFU);

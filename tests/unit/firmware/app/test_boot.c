@@ -3,6 +3,7 @@
 
 #include "app/boot.h"
 #include "config_image.h"
+#include "mock_analog.h"
 #include "mock_flash.h"
 #include "mock_inverter.h"
 #include "mock_memory.h"
@@ -13,6 +14,7 @@
 #include "unity.h"
 
 static config_t config;
+static analog_scale_t scale;
 static bool rotor_sensor_there;
 static volatile uint32_t window[16];
 
@@ -50,9 +52,18 @@ static void expect_ports(inverter_status_t status)
 
 enum { GOOD_CRC32 = (int)0xCBF43926 };
 
+static analog_scale_t scale_of_board(int calls)
+{
+    (void)calls;
+    return scale;
+}
+
 void setUp(void)
 {
     config = CONFIG_IMAGE;
+    scale.current_full_scale_mA = config.drive.current_full_scale_mA;
+    scale.voltage_full_scale_mV = config.drive.voltage_full_scale_mV;
+    analog_scale_Stub(scale_of_board);
     rotor_sensor_there = true;
 }
 
@@ -111,6 +122,41 @@ void test_a_board_without_the_configured_rotor_sensor_does_not_start_control(voi
             TEST_ASSERT_EQUAL(there != 0, boot_may_control(&report));
         }
     }
+}
+
+/* With the amplifiers of another board every current would be wrong by their ratio; 5 % are the
+ * tolerance of shunts and dividers. */
+void test_a_configuration_for_other_shunts_or_dividers_is_refused_with_both_numbers(void)
+{
+    const int32_t of_image = config.drive.current_full_scale_mA;
+    scale.current_full_scale_mA = 2 * of_image;
+    expect_board(true, &config, sizeof config, (uint32_t)GOOD_CRC32);
+    boot_report_t report = boot_run();
+    TEST_ASSERT_FALSE(boot_may_control(&report));
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_RANGE, report.config_result.code);
+    TEST_ASSERT_EQUAL_STRING("drive.current_full_scale_mA on this board",
+                             report.config_result.field);
+    TEST_ASSERT_EQUAL_INT32(of_image, report.config_result.value);
+    TEST_ASSERT_EQUAL_INT32(2 * of_image - of_image / 10, report.config_result.lowest);
+    TEST_ASSERT_EQUAL_INT32(2 * of_image + of_image / 10, report.config_result.highest);
+
+    scale.current_full_scale_mA = of_image + of_image / 25;
+    scale.voltage_full_scale_mV = config.drive.voltage_full_scale_mV / 2;
+    expect_board(true, &config, sizeof config, (uint32_t)GOOD_CRC32);
+    report = boot_run();
+    TEST_ASSERT_FALSE(boot_may_control(&report));
+    TEST_ASSERT_EQUAL_STRING("drive.voltage_full_scale_mV on this board",
+                             report.config_result.field);
+}
+
+void test_a_board_without_shunts_and_dividers_takes_any_scale(void)
+{
+    scale.current_full_scale_mA = 0;
+    scale.voltage_full_scale_mV = 0;
+    expect_board(true, &config, sizeof config, (uint32_t)GOOD_CRC32);
+    expect_ports(INVERTER_OK);
+    const boot_report_t report = boot_run();
+    TEST_ASSERT_TRUE(boot_may_control(&report));
 }
 
 /* Without an expectation for inverter and rotor sensor, a call of either fails the test. */

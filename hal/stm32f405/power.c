@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "power.h"
+
+#include "board.h"
+
+#define DRIVE_PIN(port, number, level) gpio_make_output((pin_t){port, number}, level);
+
+void power_start(void)
+{
+    gpio_init();
+    if (pin_is_wired(BOARD_POWER_HOLD)) {
+        gpio_make_output(BOARD_POWER_HOLD, true);
+    }
+    BOARD_CONSTANT_OUTPUTS(DRIVE_PIN)
+}
