@@ -42,6 +42,9 @@ void bench_refresh(bench_t *bench)
         bench->flipped_config_bit = bit;
         const config_watch_t fresh = {.at_bytes = 0};
         bench->config_watch = fresh;
+        if (bench->processor != NULL) {
+            bench->processor->configure(bench->processor->context, &bench->config);
+        }
     }
     bench->world = wheel_world(&bench->params, &bench->config);
     bench->world.config_damaged = bench->config_watch.damaged;
@@ -49,48 +52,6 @@ void bench_refresh(bench_t *bench)
     for (int k = 0; k < bench->wheels; k++) {
         wheel_refresh(&bench->wheel[k], &bench->world);
     }
-}
-
-const char *bench_world_objection(const bench_params_t *params)
-{
-    if (params->sensors.sampling_delay_s * params->inverter.pwm_frequency_hz >= 0.5) {
-        return "sensors.sampling_delay_s: accepted: less than half a period of "
-               "inverter.pwm_frequency_hz";
-    }
-    const char *const objections[] = {pmsm_objection(&params->motor),
-                                      anti_lock_objection(&params->anti_lock),
-                                      motion_objection(params)};
-    for (size_t k = 0; k < sizeof(objections) / sizeof(objections[0]); k++) {
-        if (objections[k] != NULL) {
-            return objections[k];
-        }
-    }
-    return NULL;
-}
-
-const char *bench_objection(const bench_t *bench, const bench_params_t *changed)
-{
-    if (changed->bus.capacitance_f != bench->params.bus.capacitance_f) {
-        return "bus.capacitance_f: cannot be changed during a run";
-    }
-    if (changed->run.pieces != bench->params.run.pieces) {
-        return "run.pieces: cannot be changed during a run";
-    }
-    if (changed->inverter.switching > 0.5 && bench->pieces > 1) {
-        return "inverter.switching: accepted: 0 as long as run.pieces is more than 1";
-    }
-    if (changed->driver.uses_pedals > 0.5 && !pedals_wired(&bench->config)) {
-        return "driver.uses_pedals: accepted: 0, because no pedal is wired in the configuration";
-    }
-    if (changed->bus.contactor_open > 0.0 && changed->bus.capacitance_f <= 0.0) {
-        return "bus.contactor_open: accepted: 0 as long as bus.capacitance_f is 0";
-    }
-    if ((changed->road.friction > 0.0) != bench->road.slips) {
-        return "road.friction: whether wheels slip is decided before the run, accepted: another "
-               "value above 0, or 0 as "
-               "it was";
-    }
-    return bench_world_objection(changed);
 }
 
 static double kinetic_energy_j(const bench_t *bench)
@@ -147,6 +108,16 @@ void bench_init(bench_t *bench, const bench_params_t *params, const config_t *co
         wheel_init(&bench->wheel[k], &bench->world, k);
     }
     begin_accounts(bench);
+}
+
+void bench_use_processor(bench_t *bench, const processor_t *processor)
+{
+    bench->processor = processor;
+    processor->configure(processor->context, &bench->config);
+    processor->begin(processor->context, bench->wheels);
+    for (int k = 0; k < bench->wheels; k++) {
+        bench->wheel[k].processor = processor;
+    }
 }
 
 double bench_wheel_speed_rad_s(const bench_t *bench)
@@ -365,6 +336,13 @@ void bench_end_period(bench_t *bench)
 {
     for (int k = 0; k < bench->pieces; k++) {
         advance(bench);
+    }
+    if (bench->processor != NULL) {
+        for (int k = 0; k < bench->wheels; k++) {
+            wheel_t *wheel = &bench->wheel[k];
+            bench->processor->finish(bench->processor->context, k, &wheel->next,
+                                     &wheel->controller);
+        }
     }
     bench->period++;
     bench->time_s = (double)bench->period * bench->world.step_s * bench->pieces;

@@ -15,6 +15,9 @@
 static const double CLOCK_ROUNDING_S = 1e-9;
 static const char NOT_THE_FIRMWARE[] =
     "after hubsim_external_take the vehicle goes on with hubsim_external_step only";
+static const char ELSEWHERE[] =
+    "the controllers' state is in another processor: hubsim_save and hubsim_restore are for runs "
+    "without one";
 
 hubsim_t *hubsim_new(void)
 {
@@ -28,6 +31,12 @@ hubsim_t *hubsim_new(void)
 int handle_after_period(hubsim_t *sim)
 {
     const bench_t *bench = &sim->bench;
+    if (sim->has_processor) {
+        const char *objection = sim->processor.objection(sim->processor.context);
+        if (objection != NULL) {
+            return handle_fail(sim, HUBSIM_FAILED, "%s", objection);
+        }
+    }
     if (bench->battery.collapsed || bench->bus.collapsed) {
         return handle_fail(sim, HUBSIM_FAILED,
                            "the %s cannot give the power that was drawn at %.3f s: its voltage "
@@ -40,6 +49,9 @@ int handle_after_period(hubsim_t *sim)
 void hubsim_delete(hubsim_t *sim)
 {
     if (sim != NULL) {
+        if (sim->has_processor) {
+            sim->processor.close(sim->processor.context);
+        }
         free(sim->trace_memory);
         free(sim);
     }
@@ -232,11 +244,14 @@ int hubsim_start(hubsim_t *sim)
     }
     bench_init(&sim->bench, &sim->params, &sim->config, &sim->trace);
     sim->has_started = true;
+    if (sim->has_processor) {
+        bench_use_processor(&sim->bench, &sim->processor);
+    }
     switch (bench_start(&sim->bench)) {
     case BENCH_READY:
         break;
     case BENCH_NOT_RUN:
-        return not_run(sim);
+        return handle_after_period(sim) == HUBSIM_OK ? not_run(sim) : HUBSIM_FAILED;
     case BENCH_UNRESOLVED:
         return handle_fail(
             sim, HUBSIM_FAILED,
@@ -373,6 +388,9 @@ int hubsim_save(hubsim_t *sim, void *state)
     if (!sim->has_started) {
         return handle_fail(sim, HUBSIM_BAD_ORDER, "hubsim_start comes first");
     }
+    if (sim->has_processor) {
+        return handle_fail(sim, HUBSIM_BAD_ORDER, "%s", ELSEWHERE);
+    }
     memcpy(state, &sim->recorder, sizeof(sim->recorder));
     memcpy((unsigned char *)state + offsetof(snapshot_t, bench), &sim->bench, sizeof(sim->bench));
     return HUBSIM_OK;
@@ -385,6 +403,9 @@ int hubsim_restore(hubsim_t *sim, const void *state)
     }
     if (!sim->has_started) {
         return handle_fail(sim, HUBSIM_BAD_ORDER, "hubsim_start comes first");
+    }
+    if (sim->has_processor) {
+        return handle_fail(sim, HUBSIM_BAD_ORDER, "%s", ELSEWHERE);
     }
     memcpy(&sim->recorder, state, sizeof(sim->recorder));
     memcpy(&sim->bench, (const unsigned char *)state + offsetof(snapshot_t, bench),

@@ -173,6 +173,12 @@ static injection_target_t target_of(wheel_t *wheel, const wheel_world_t *world)
     return out;
 }
 
+/* For another processor. */
+static const fault_params_t *program_fault(const wheel_t *wheel, const wheel_world_t *world)
+{
+    return wheel->has_broken_program ? &world->params->fault : NULL;
+}
+
 void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t *order)
 {
     warm(wheel, world);
@@ -206,6 +212,9 @@ void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t 
     }
     if (wheel->coupling != NULL) {
         wheel->slow = wheel->coupling->millisecond(wheel->coupling->context, &in);
+    } else if (wheel->processor != NULL) {
+        wheel->slow = wheel->processor->slow(wheel->processor->context, wheel->index,
+                                             program_fault(wheel, world), &in, &wheel->controller);
     } else if (wheel->has_broken_program) {
         const injection_target_t target = target_of(wheel, world);
         wheel->slow =
@@ -275,6 +284,11 @@ void wheel_sample(wheel_t *wheel, const wheel_world_t *world, double bus_voltage
     };
     if (wheel->coupling != NULL) {
         wheel->active = wheel->coupling->period(wheel->coupling->context, &in);
+        return;
+    }
+    if (wheel->processor != NULL) {
+        wheel->processor->fast(wheel->processor->context, wheel->index, program_fault(wheel, world),
+                               &in);
         return;
     }
     if (wheel->has_broken_program) {

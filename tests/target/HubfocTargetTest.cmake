@@ -12,31 +12,13 @@
 #   hubfoc_add_unit_test(...)   the host's function of that name, so that the folders of
 #     tests/unit can be used as they are
 
-find_program(HUBFOC_QEMU qemu-system-arm)
-find_program(HUBFOC_HOST_CC NAMES cc gcc clang)
 set(HUBFOC_RUN_ON_QEMU "${CMAKE_CURRENT_LIST_DIR}/run_on_qemu.cmake")
 
-# The plugin that counts instructions, in the version of the interface that this emulator accepts.
+# The plugin that counts instructions.
+include(HubfocQemuPlugin)
 set(HUBFOC_LIMIT_PLUGIN "${CMAKE_CURRENT_BINARY_DIR}/limit.so")
-if(HUBFOC_QEMU AND HUBFOC_HOST_CC)
-  execute_process(COMMAND "${HUBFOC_QEMU}" --version OUTPUT_VARIABLE qemu_version
-    COMMAND_ERROR_IS_FATAL ANY)
-  string(REGEX MATCH "[0-9]+[.][0-9]+" qemu_version "${qemu_version}")
-  set(interface 1)
-  foreach(since IN ITEMS 9.0=2 9.1=3 9.2=4)
-    string(REPLACE "=" ";" since "${since}")
-    list(GET since 0 version)
-    if(qemu_version VERSION_GREATER_EQUAL version)
-      list(GET since 1 interface)
-    endif()
-  endforeach()
-  add_custom_command(OUTPUT "${HUBFOC_LIMIT_PLUGIN}"
-    COMMAND "${HUBFOC_HOST_CC}" -std=c11 -O2 -Wall -Wextra -Werror -shared -fPIC
-    -DQEMU_PLUGIN_API=${interface}
-      "${CMAKE_CURRENT_LIST_DIR}/limit.c" -o "${HUBFOC_LIMIT_PLUGIN}"
-    DEPENDS "${CMAKE_CURRENT_LIST_DIR}/limit.c" VERBATIM)
-  add_custom_target(hubfoc_limit_plugin ALL DEPENDS "${HUBFOC_LIMIT_PLUGIN}")
-endif()
+hubfoc_add_qemu_plugin(NAME hubfoc_limit_plugin OUTPUT "${HUBFOC_LIMIT_PLUGIN}"
+  SOURCE "${CMAKE_CURRENT_LIST_DIR}/limit.c")
 
 function(hubfoc_add_qemu_test)
   cmake_parse_arguments(T "" "NAME;ELF;MACHINE;SERIAL;MILLIONS;EXPECT_EXIT;SAME_AS"

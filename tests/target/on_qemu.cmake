@@ -129,13 +129,37 @@ add_test(NAME whole_cycle_is_the_hosts_bit_for_bit
 set_tests_properties(whole_cycle_is_the_hosts_bit_for_bit PROPERTIES LABELS "target;full"
   TIMEOUT 900)
 
+# ---- processor in the loop ----
+
+find_program(HUBFOC_PYTHON python3 HINTS "${PROJECT_SOURCE_DIR}/.dev/venv/bin"
+  NO_DEFAULT_PATH NO_CMAKE_FIND_ROOT_PATH
+  DOC "Python of the project's private environment (./tools/dev setup makes it)")
+
+# The engine is the host preset's.
+function(pil_test name timeout labels)
+  if(HUBFOC_PYTHON)
+    add_test(NAME ${name} COMMAND "${HUBFOC_PYTHON}" -m pytest -q -p no:cacheprovider ${ARGN}
+      WORKING_DIRECTORY "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/pil")
+  else()
+    add_test(NAME ${name} COMMAND "${CMAKE_COMMAND}" -DMISSING=python3
+      -P "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/prerequisites.cmake")
+  endif()
+  set_tests_properties(${name} PROPERTIES TIMEOUT ${timeout} LABELS "target;${labels}"
+    ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1;HUBFOC_BUILD_DIR=${PROJECT_SOURCE_DIR}/build/host")
+endfunction()
+pil_test(pil 300 python test_pil.py)
+file(GLOB scenarios
+  CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/host_sim/python/hubsim/scenarios/*.toml")
+foreach(path IN LISTS scenarios)
+  cmake_path(GET path STEM scenario)
+  pil_test(pil_${scenario} 3000 "python;full"
+    "test_scenarios.py::test_the_emulated_run_is_the_hosts[${scenario}]")
+endforeach()
+
 # ---- counted instructions ----
 
 # Exact, so a test: the current loop and both steps within their budgets (tools/benchmark), the slow
 # step in few of the states.
-find_program(HUBFOC_PYTHON python3 HINTS "${PROJECT_SOURCE_DIR}/.dev/venv/bin"
-  NO_DEFAULT_PATH NO_CMAKE_FIND_ROOT_PATH
-  DOC "Python of the project's private environment (./tools/dev setup makes it)")
 if(HUBFOC_PYTHON)
   add_test(NAME instruction_budgets COMMAND "${HUBFOC_PYTHON}"
     "${PROJECT_SOURCE_DIR}/tools/benchmark/measure.py" --no-simulation --only steps --states 4000

@@ -103,7 +103,8 @@ Usage: tools/dev hubsim ARGUMENT...
 
 Brings the simulation engine up to date and hands the arguments to `python -m hubsim`; its own help
 follows once it is installed (tools/dev setup sim), and `tools/dev hubsim COMMAND --help` is its own
-as well. Sweeps and files that end in .parquet or .mf4 install their Python packages first.
+as well. Sweeps and files that end in .parquet or .mf4 install their Python packages first; `run
+SCENARIO --on qemu` installs the emulator and builds the cross-compiled controllers.
 TEXT
 }
 

@@ -24,6 +24,7 @@ from hubsim.errors import HubsimError
 
 DEFAULT_CONFIG = installation.ROOT / "tools" / "motors" / "lu2013.toml"
 STRATEGIES = ("parallel_ratio", "parallel_free_travel", "series_optimal")
+PROCESSORS = ("qemu",)  # besides this one
 RECORDINGS = {
     "csv": "write the recorded signals as text",
     "parquet": "write the recorded signals as a Parquet table with units",
@@ -36,6 +37,7 @@ _REPORT = Path(_SHOWN_REPORT) if installation.INSTALLED else installation.ROOT /
 EXAMPLES = (
     "hubsim list --criteria",
     "hubsim run stop --set initial_speed_kmh=40 --set demand_nm=60 --json stop.json --mdf stop.mf4",
+    "hubsim run stop --on qemu",
     "hubsim run contactor --set plant.bus.capacitance_f=2e-3",
     "hubsim compare stop stop --set-b plant.motor.phase_resistance_ohm=0.032 --relative 0.04",
     (
@@ -156,6 +158,16 @@ def _add_run(commands: Commands) -> None:
         command.add_argument(f"--{name}", type=Path, metavar="FILE", help=text)
     command.add_argument(
         "--json", type=Path, metavar="FILE", help="write energies, shares and criteria"
+    )
+    command.add_argument(
+        "--on",
+        choices=PROCESSORS,
+        metavar="PROCESSOR",
+        help=(
+            "qemu: the controllers as cross-compiled for the Cortex-M4 run on an emulated one, the"
+            " plant on this machine; recordings and figures are the same bit for bit"
+            " (host_sim/pil/README.md); default: this machine"
+        ),
     )
     cli_sweeps.add_date(command)
 

@@ -109,7 +109,7 @@ def run_scenario(options: argparse.Namespace) -> int:
         result = run.simulate(
             name, drive, chosen, beside, patterns if wanted else (), settings.plant,
             lambda now, planned: bar.update(task, completed=int(now), total=int(planned)),
-            date=options.date,
+            date=options.date, processor=options.on,
         )  # fmt: skip
     evaluated = evaluation.evaluate(chosen, drive, result)
     result = replace(

@@ -122,6 +122,13 @@ class Engine:
             self._lib.hubsim_load_config(self._sim, self._ffi.from_buffer(image), len(image))
         )
 
+    def attach_processor(self, path: str) -> None:
+        """Let the emulated core whose RAM is this file execute the controllers, before ``start``.
+
+        ``hubsim.emulator`` starts one.
+        """
+        self._check(self._lib.hubsim_processor(self._sim, path.encode()))
+
     def start(self) -> None:
         """Boot the controllers and bring the vehicle to its initial speed; time is 0 afterwards."""
         self._check(self._lib.hubsim_start(self._sim))

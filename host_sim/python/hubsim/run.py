@@ -4,6 +4,7 @@
 import operator
 import time
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from fnmatch import fnmatchcase
 from functools import reduce
 from pathlib import Path
@@ -148,6 +149,7 @@ def simulate(
     progress: Progress | None = None,
     formulas: Sequence[str] = (),
     date: str | None = None,
+    processor: str | None = None,
 ) -> RunResult:
     """Run to the end.
 
@@ -166,13 +168,15 @@ def simulate(
         too.
     date : str, optional
         Of the run, for its origin (ISO 8601); absent: SOURCE_DATE_EPOCH, or else the clock.
+    processor : str, optional
+        Which emulated one executes the controllers (cli.PROCESSORS); absent: this one.
     """
     origin = origin_of(name, drive, scenario, date)
     try:
         engine, planned_s = prepare(drive, scenario, beside, plant_overrides or {})
     except ConfigurationError as error:
         raise HubsimError(f"{drive.name}: {error}") from error
-    with engine:
+    with engine, on_processor(engine, processor):
         engine.start()
         known = engine.signals()
         parameters = {parameter: engine.get(parameter) for parameter in engine_parameters()}
@@ -221,6 +225,15 @@ def simulate(
             },
             origin=origin,
         )
+
+
+def on_processor(engine: Engine, processor: str | None) -> AbstractContextManager[None]:
+    """Return the time in which a processor executes the controllers of an engine."""
+    if processor is None:
+        return nullcontext()
+    from hubsim import emulator  # noqa: PLC0415, only here
+
+    return emulator.emulated(engine)
 
 
 def origin_of(

@@ -40,7 +40,8 @@ typedef struct {
     wheel_world_t world;
     motion_world_t road;
     int wheels;
-    int pieces; /* plant steps in a PWM period */
+    int pieces;                   /* plant steps in a PWM period */
+    const processor_t *processor; /* NULL: the controllers' steps are called directly */
 
     wheel_t wheel[BENCH_WHEELS_MAX];
     battery_state_t battery;
@@ -72,6 +73,9 @@ typedef struct {
 /* trace: see driver_trace_t; its arrays must outlive the bench. */
 void bench_init(bench_t *bench, const bench_params_t *params, const config_t *config,
                 const driver_trace_t *trace);
+
+/* After bench_init(): from now on another processor executes the controllers' steps. */
+void bench_use_processor(bench_t *bench, const processor_t *processor);
 
 bench_start_t bench_start(bench_t *bench);
 

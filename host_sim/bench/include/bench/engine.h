@@ -59,6 +59,13 @@ int hubsim_set_trace(hubsim_t *sim, const double *time_s, const double *speed_m_
 /* The image of config_t that every controller of the vehicle gets; copied. */
 int hubsim_load_config(hubsim_t *sim, const void *image, uint32_t size_bytes);
 
+/*
+ * Processor in the loop, before hubsim_start: the controllers' steps are executed by the program
+ * host_sim/pil/target.c on an emulated core whose RAM is the file `path`. Waits until it is ready,
+ * 20 s at most. hubsim_save and hubsim_restore are refused then.
+ */
+int hubsim_processor(hubsim_t *sim, const char *path);
+
 /* Boot the controllers and bring the vehicle to its initial speed; time is 0 afterwards. */
 int hubsim_start(hubsim_t *sim);
 

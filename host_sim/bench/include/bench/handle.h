@@ -37,6 +37,8 @@ struct hubsim {
     recorder_t recorder;
     char error[HANDLE_ERROR_LENGTH];
     external_t external;
+    processor_t processor; /* with has_processor */
+    bool has_processor;
     bench_t bench;
 };
 

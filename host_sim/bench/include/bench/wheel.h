@@ -11,7 +11,8 @@
  * wheel_slow() is the millisecond, wheel_sample() the beginning of a PWM period, wheel_step() the
  * plant in it; the bench calls them and closes the loop over battery and vehicle. The exchange
  * structs are carried by assignment, unless a wheel has a coupling of its own: then something else
- * that holds a controller stands there, the whole application on its simulated board (board.h).
+ * that holds a controller stands there, the whole application on its simulated board (board.h). The
+ * two steps may also be executed by another processor (processor.h).
  */
 #ifndef BENCH_WHEEL_H
 #define BENCH_WHEEL_H
@@ -21,6 +22,7 @@
 #include "bench/injection.h"
 #include "bench/link.h"
 #include "bench/parameters.h"
+#include "bench/processor.h"
 #include "controller/controller.h"
 #include "plant/bms.h"
 #include "plant/broken_bridge.h"
@@ -77,6 +79,7 @@ typedef struct {
     fast_output_t active;             /* what the bridge does in this period */
     fast_output_t next;               /* from the next one on */
     const wheel_coupling_t *coupling; /* NULL after wheel_init(): the two steps, called directly */
+    const processor_t *processor;     /* NULL after wheel_init(): this one */
     /* The plant. */
     pmsm_t machine;
     pmsm_state_t rotor;
