@@ -23,6 +23,7 @@ void brake_blending_init(brake_blending_state_t *state, const config_t *config)
     state->bridging_ms = 0;
     state->added_mNm = 0;
     state->taken_mNm = 0;
+    state->slower_mrad_s = 0;
     filter_reset(&state->limit_lp_mNm, 0, LIMIT_FILTER_LOG2);
     filter_reset(&state->speed_lp_mrad_s, 0, LIMIT_FILTER_LOG2);
 }
@@ -55,8 +56,8 @@ static int32_t expected_limit_mNm(brake_blending_state_t *state, const config_t 
     const int32_t lags = hydraulic_feedback_used(&state->feedback) ? 2 : 1;
     const int32_t made_ms = responds_ms + lags * lag_ms;
     const int32_t by_slope_mNm = expected(&state->limit_lp_mNm, limit_mNm, responds_ms);
-    const int32_t slower_mrad_s = expected(&state->speed_lp_mrad_s, q_abs(speed_mrad_s), made_ms);
-    return q_min(by_slope_mNm, torque_limits_blend_out(config, slower_mrad_s).torque_mNm);
+    state->slower_mrad_s = expected(&state->speed_lp_mrad_s, q_abs(speed_mrad_s), made_ms);
+    return q_min(by_slope_mNm, torque_limits_blend_out(config, state->slower_mrad_s).torque_mNm);
 }
 
 /* Motor torque available when the hydraulic brake responds, and the shortfall of the present motor
@@ -136,17 +137,25 @@ static int32_t bridged_mNm(brake_blending_state_t *state, const config_brake_t *
     return limit_mNm + (share_q15 < Q15_ONE ? faded_mNm : above_mNm);
 }
 
-/* The command that makes a torque, of a brake of the learned gain. */
+/* The command that makes a torque, of a brake of the learned gain. While that may be less, it is
+ * larger by what the motor can take back; while it may be more, smaller by what the motor can
+ * make up for and could not take back. */
 static int32_t command_mNm(const hydraulic_feedback_state_t *brake, int32_t required_mNm,
-                           int32_t motor_mNm)
+                           int32_t motor_mNm, int32_t most_mNm)
 {
     const int32_t nominal_mNm = scaled_ratio(required_mNm, brake->gain_q15 * 512);
     if (!hydraulic_feedback_used(brake)) {
         return nominal_mNm;
     }
-    const int32_t uncertain_mNm =
-        (int32_t)(((int64_t)required_mNm * (brake->gain_q15 - brake->least_q15)) >> 15);
-    return q_saturate64((int64_t)nominal_mNm + q_min(uncertain_mNm, motor_mNm) / 2);
+    const int32_t missing_mNm =
+        q_min(q15_product(required_mNm, brake->gain_q15 - brake->least_q15), motor_mNm);
+    const int32_t excess_mNm =
+        q_max(q15_product(nominal_mNm, brake->most_q15 - brake->gain_q15) - motor_mNm, 0);
+    int32_t less_mNm = 0;
+    if (excess_mNm > 0 && most_mNm > motor_mNm) {
+        less_mNm = q_min(scaled_ratio(excess_mNm, brake->most_q15 * 512), most_mNm - motor_mNm);
+    }
+    return q_saturate64((int64_t)nominal_mNm - less_mNm + missing_mNm - missing_mNm / 4);
 }
 
 /* What the motor may make beside the torque that the hydraulic brake makes now; beside one that
@@ -193,19 +202,43 @@ static hydraulic_feedback_out_t hydraulic_torque(brake_blending_state_t *state,
     return now;
 }
 
-/* Bounds of the motor that makes up for the hydraulic brake: all but the lines of the strategy,
- * fading to zero from a quarter of the end of the blend-out to standstill. */
+/* Share of the motor's torque that makes up for the hydraulic brake: to zero from a quarter of the
+ * end of the blend-out to standstill. */
+static int32_t faded_mNm(const config_t *config, int32_t torque_mNm, int32_t speed_abs_mrad_s)
+{
+    const int32_t end_mrad_s = config->brake.blend_out_end_mrad_s / 4 + 1;
+    const int32_t share_q15 = limit_fade_q15(speed_abs_mrad_s, end_mrad_s, 0);
+    return share_q15 < Q15_ONE
+               ? q_min(torque_mNm, q15_share_of(config->motor.max_torque_mNm, (int16_t)share_q15))
+               : torque_mNm;
+}
+
+/* Bounds of the motor that makes up for a brake that is known to be short: all but the lines of
+ * the strategy. */
 static torque_limits_classes_t beyond_strategy(const config_t *config,
                                                const torque_limits_t *limits, int32_t speed_mrad_s)
 {
-    const int32_t end_mrad_s = config->brake.blend_out_end_mrad_s / 4 + 1;
-    const int32_t share_q15 = limit_fade_q15(q_abs(speed_mrad_s), end_mrad_s, 0);
     torque_limits_classes_t out = torque_limits_beyond_strategy(limits->braking);
-    if (share_q15 < Q15_ONE) {
-        out.hard_mNm =
-            q_min(out.hard_mNm, q15_share_of(config->motor.max_torque_mNm, (int16_t)share_q15));
-    }
+    out.hard_mNm = faded_mNm(config, out.hard_mNm, q_abs(speed_mrad_s));
     return out;
+}
+
+/* The tightest of these. */
+static int32_t least_beyond_mNm(const torque_limits_t *limits)
+{
+    const limit_t least = torque_limits_tightest(limits->braking, 0, TORQUE_LINE_LOSS_OPTIMUM);
+    return q_min(least.torque_mNm, limits->braking[TORQUE_LINE_ABS].torque_mNm);
+}
+
+/* A bound of the motor, higher by what the hydraulic brake may miss of its commands while the
+ * interval of its gain is wide. */
+static int32_t raised_mNm(const brake_blending_state_t *state, int32_t bound_mNm,
+                          int32_t beyond_mNm)
+{
+    const hydraulic_feedback_state_t *feedback = &state->feedback;
+    const int32_t missing_mNm = q15_product(hydraulic_model_torque_mNm(&state->hydraulic),
+                                            feedback->most_q15 - feedback->least_q15);
+    return q_max(bound_mNm, q_min(q_saturate64((int64_t)bound_mNm + missing_mNm), beyond_mNm));
 }
 
 brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const config_t *config,
@@ -226,12 +259,15 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
      */
     const bool anti_lock = limits->braking[TORQUE_LINE_ABS].torque_mNm <= independent_mNm;
     const int32_t later_mNm = anti_lock ? independent_mNm : predicted_mNm;
-    const motor_share_t motor =
-        motor_share(config, in, q_min(q_min(demand_mNm, available.torque_mNm), later_mNm),
-                    hydraulic_feedback_used(&state->feedback));
+    const bool measured = hydraulic_feedback_used(&state->feedback);
+    const motor_share_t motor = motor_share(
+        config, in, q_min(q_min(demand_mNm, available.torque_mNm), later_mNm), measured);
     const int32_t required_mNm =
         q_min(q_max(demand_mNm - motor.expected_mNm + motor.shortfall_mNm, 0), demand_mNm);
-    const int32_t commanded_mNm = command_mNm(&state->feedback, required_mNm, motor.expected_mNm);
+    const int32_t beyond_mNm = measured ? least_beyond_mNm(limits) : 0;
+    const int32_t most_mNm = measured ? faded_mNm(config, beyond_mNm, state->slower_mrad_s) : 0;
+    const int32_t commanded_mNm =
+        command_mNm(&state->feedback, required_mNm, motor.expected_mNm, most_mNm);
     const int32_t hydraulic_mNm = q_min(commanded_mNm, brake->max_hydraulic_torque_mNm);
     hydraulic_model_step(&state->hydraulic, config, hydraulic_mNm + state->added_mNm);
     const hydraulic_feedback_out_t now = hydraulic_torque(state, config, in);
@@ -240,8 +276,12 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
     const bool makes_up = now.used && hydraulic_watch_is_short(&state->watch);
     const torque_limits_classes_t most =
         makes_up ? beyond_strategy(config, limits, in->speed_mrad_s) : bounds;
-    const int32_t bound_mNm = q_min(makes_up ? most.hard_mNm : q_min(most.hard_mNm, share_mNm),
-                                    bridged_mNm(state, brake, most.deferrable_mNm, in, now.used));
+    int32_t bound_mNm = q_min(makes_up ? most.hard_mNm : q_min(most.hard_mNm, share_mNm),
+                              bridged_mNm(state, brake, most.deferrable_mNm, in, now.used));
+    if (now.used && !makes_up) {
+        bound_mNm =
+            raised_mNm(state, bound_mNm, faded_mNm(config, beyond_mNm, q_abs(in->speed_mrad_s)));
+    }
     limit_t electric = limit_init(demand_mNm, REASON_NONE);
     limit_tighten(&electric, bound_mNm, available.reason);
     /* Hydraulic torque that covers a motor shortfall does not reduce the motor command. */

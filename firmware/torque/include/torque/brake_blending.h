@@ -23,8 +23,9 @@
  *   - a brake whose reports say that it makes less than its command (hydraulic_watch.h) is made up
  *     for by the motor, beyond the lines of the strategy and down to standstill, and one that makes
  *     more by less motor torque; what only the deceleration shows is a warning;
- *   - with feedback the command is divided by the learned gain, and larger while the gain may be
- *     less, by up to half the motor torque: the motor takes back at once what is too much.
+ *   - with feedback the command is divided by the learned gain. While that is uncertain the motor
+ *     brakes beyond the lines of the strategy by what the hydraulic brake may miss, and the command
+ *     is larger by what the motor can take back, smaller by what it can make up for only.
  *
  * Figures: README, Brake blending. Source: Lu et al. 2013 section 3.2. Unlike there, in region I of
  * its Fig. 5 the motor brakes with T_opt instead of the friction brake alone, which never returns
@@ -55,6 +56,7 @@ typedef struct {
     int32_t bridging_ms;      /* since it began to fall */
     int32_t added_mNm;        /* to the hydraulic command of the last step */
     int32_t taken_mNm;        /* of the demand, by the hydraulic brake in the last step */
+    int32_t slower_mrad_s;    /* speed expected when the hydraulic brake has followed, magnitude */
 } brake_blending_state_t;
 
 typedef struct {

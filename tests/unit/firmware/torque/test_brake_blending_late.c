@@ -145,6 +145,48 @@ void test_sum_is_the_demand_through_the_blend_out(void)
     }
 }
 
+/* The motor alone makes 30 N m down to the blend-out, so no report has shown the gain before: a
+ * brake of 0.8 or 1.2 would miss or exceed the demand by 6 N m at the end. The motor makes up for
+ * what is missing beyond the line BLEND_OUT, and takes back what is too much. */
+void test_sum_of_a_brake_of_unknown_gain_is_the_demand_through_the_first_blend_out(void)
+{
+    const double gains[] = {0.8, 1.0, 1.2};
+    for (int g = 0; g < 3; g++) {
+        late_hydraulic_brake();
+        config.brake.hydraulic_timeout_ms = 50;
+        config.brake.hydraulic_report_delay_ms = 0;
+        config.brake.hydraulic_gain_band_q15 = 8192;
+        config.brake.hydraulic_tolerance_mNm = 15000;
+        config.motor.max_torque_mNm = 40000;
+        capability.regenerating = limit_init(40000, REASON_MAX_TORQUE);
+        capability.optimal = limit_init(INT32_MAX, REASON_LOSS_OPTIMUM);
+        brake_blending_init(&state, &config);
+        in.demand_mNm = 30000;
+        in.hydraulic.age_ms = 0;
+        in.hydraulic.valid = true;
+        motor_mNm = 30000;
+        const int32_t end_mrad_s = config.brake.blend_out_end_mrad_s;
+        for (int n = 0; n < 3000; n++) { /* 5 rad/s, then 4 rad/s2 */
+            in.speed_mrad_s = n < 1000 ? 5000 : q_max(5000 - 4 * (n - 1000), 0);
+            const double torque_mNm = gains[g] * hydraulic_model_torque_mNm(&brake);
+            in.hydraulic.age_ms++;
+            if (n % 10 == 0) {
+                in.hydraulic.age_ms = 0;
+                in.hydraulic.torque_mNm = (int32_t)lround(torque_mNm);
+            }
+            if (in.speed_mrad_s > end_mrad_s / 4) {
+                const int32_t sum_mNm = motor_mNm + (int32_t)lround(torque_mNm);
+                TEST_ASSERT_INT32_WITHIN(1500, 30000, sum_mNm);
+            }
+            step_with_brakes();
+        }
+        TEST_ASSERT_DOUBLE_WITHIN(0.03, gains[g], state.feedback.gain_q15 / 32768.0);
+        TEST_ASSERT_EQUAL_INT32(0, motor_mNm);
+        in.hydraulic.valid = false;
+        in.hydraulic.age_ms = UINT32_MAX;
+    }
+}
+
 void test_falling_motor_torque_counts_with_its_value_after_dead_time_and_lag(void)
 {
     late_hydraulic_brake();
