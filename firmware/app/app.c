@@ -315,6 +315,7 @@ static report_status_t status_of(const snapshot_t *snapshot)
         .node = &app.can.node,
         .fast_cycles_worst = app.fast_cycles_worst,
         .stack_free_bytes = memory_stack_free_bytes(),
+        .driver_status = inverter_driver_status(),
         .bus_off = can_bus_off(),
         .control = app.config != NULL,
         .black_box = app.recorder.memory,

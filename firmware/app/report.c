@@ -78,6 +78,8 @@ static const char *inverter_text(inverter_status_t status)
         return "self-test failed: the PWM timer does not update at the top of its count";
     case INVERTER_CONVERTER_UNREADY:
         return "self-test failed: the analog converters did not start";
+    case INVERTER_DRIVER_UNREADY:
+        return "self-test failed: the gate driver does not hold its settings; has it its supply?";
     case INVERTER_OK:
         break;
     }
@@ -126,6 +128,29 @@ bool report_boot(const boot_report_t *boot, uint32_t number, text_t *line)
 static const char NO_CONTROL[] =
     "BOOT, bridge off: no control without an accepted configuration and a good clock";
 
+static void add_driver_status(uint32_t bits, text_t *line)
+{
+    static const char *const WORDS[INVERTER_DRIVER_BITS] = {"over-current low c",
+                                                            "over-current high c",
+                                                            "over-current low b",
+                                                            "over-current high b",
+                                                            "over-current low a",
+                                                            "over-current high a",
+                                                            "warm",
+                                                            "hot",
+                                                            "supply low",
+                                                            "gate supply low",
+                                                            "gate supply high",
+                                                            "settings lost"};
+    text_add(line, bits != 0 ? "; gate driver:" : "");
+    for (uint32_t i = 0; i < INVERTER_DRIVER_BITS; i++) {
+        if ((bits >> i & 1U) != 0) {
+            text_add(line, " ");
+            text_add(line, WORDS[i]);
+        }
+    }
+}
+
 void report_status(const report_status_t *status, text_t *line)
 {
     if (!status->control) {
@@ -157,6 +182,7 @@ void report_status(const report_status_t *status, text_t *line)
     text_add_integer(line, (int32_t)status->stack_free_bytes);
     text_add(line, " B free, demand ");
     text_add(line, e2e_link_text(status->node->demand.link));
+    add_driver_status(status->driver_status, line);
 }
 
 enum { FAULT_TIME_CHARS = 47 }; /* of one configuration field's name */

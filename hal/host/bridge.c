@@ -121,6 +121,11 @@ bool inverter_fault(void)
     return board.tripped || board.sample.power_stage_fault;
 }
 
+uint32_t inverter_driver_status(void)
+{
+    return 0;
+}
+
 void inverter_clear_fault(void)
 {
     board.tripped = false;

@@ -98,6 +98,11 @@ bool inverter_fault(void)
     return MAILBOX->tripped != 0 || MAILBOX->power_stage_fault != 0;
 }
 
+uint32_t inverter_driver_status(void)
+{
+    return 0;
+}
+
 void inverter_clear_fault(void)
 {
     MAILBOX->tripped = 0;

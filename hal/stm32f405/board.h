@@ -48,6 +48,22 @@ _Static_assert(BOARD_CURRENT_FULL_SCALE_mA / 1000 >= BOARD_CURRENT_MOST_A,
 /* ntc.c: 3 % of B are 2 K at 100 C. */
 _Static_assert(BOARD_SWITCH_NTC_BETA_K > 3380 - 100 && BOARD_SWITCH_NTC_BETA_K < 3380 + 100,
                "the table of ntc.c");
+/* V_DS at which the DRV8301 trips, by OC_ADJ_SET (SLOS719, table 13). */
+#define BOARD_V_DS_mV(code)                                                                        \
+    ((code) == 14   ? 317                                                                          \
+     : (code) == 15 ? 358                                                                          \
+     : (code) == 16 ? 403                                                                          \
+     : (code) == 17 ? 454                                                                          \
+     : (code) == 18 ? 511                                                                          \
+     : (code) == 19 ? 576                                                                          \
+                    : 0)
+#if BOARD_DRIVER_KIND == BOARD_DRIVER_DRV8301
+_Static_assert(BOARD_V_DS_mV(BOARD_DRIVER_V_DS_CODE) * 1000 >=
+                       BOARD_CURRENT_MOST_A * BOARD_SWITCH_HOT_uOhm &&
+                   BOARD_V_DS_mV(BOARD_DRIVER_V_DS_CODE - 1) * 1000 <
+                       BOARD_CURRENT_MOST_A * BOARD_SWITCH_HOT_uOhm,
+               "the lowest threshold that lets the largest current pass through hot switches");
+#endif
 _Static_assert(BOARD_CHANNEL_CURRENT_A != BOARD_CHANNEL_CURRENT_C &&
                    BOARD_CHANNEL_CURRENT_A != BOARD_CHANNEL_CURRENT_B &&
                    BOARD_CHANNEL_CURRENT_B != BOARD_CHANNEL_CURRENT_C,

@@ -2,7 +2,7 @@
 /*
  * interrupts.h: who may interrupt whom. Smaller numbers win; the core implements sixteen levels.
  *
- *     0   the chip's supply falls: a fault
+ *     0   the chip's supply falls: a fault; the gate driver reports a fault
  *     1   the PWM period: ADC, end of the injected conversions
  *     4   the serial line: only takes a byte out of the receiver
  *     8   the millisecond: SysTick
@@ -18,11 +18,14 @@
 enum {
     INTERRUPT_SUPPLY = 1,
     INTERRUPT_ADC = 18,
+    INTERRUPT_PINS_5_TO_9 = 23,
     INTERRUPT_USART3 = 39,
+    INTERRUPT_PINS_10_TO_15 = 40,
     INTERRUPT_COUNT = 82
 }; /* RM0090 table 62 */
 enum {
     PRIORITY_SUPPLY = 0,
+    PRIORITY_DRIVER_FAULT = 0,
     PRIORITY_PWM_PERIOD = 1,
     PRIORITY_SERIAL = 4,
     PRIORITY_MILLISECOND = 8

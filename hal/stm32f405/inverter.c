@@ -16,6 +16,7 @@
 #include "board.h"
 #include "clock.h"
 #include "dead_time.h"
+#include "gate_driver.h"
 #include "registers/iwdg.h"
 #include "registers/rcc.h"
 #include "registers/tim.h"
@@ -29,14 +30,16 @@ enum {
     PWM_MODE_2 = 7, /* active while count >= compare */
     TRIGGER_OUTPUT_OC4REF = 7,
     LOCK_LEVEL_1 = 1, /* dead time, break and idle states cannot be changed until the next reset */
-    POLLS_PERIOD = 20000, /* 0.6 ms, more than a period of 4 kHz */
-    POLLS_GATE_DRIVER =
-        600000 /* 20 ms: the driver holds its fault line down while it starts, 10 ms at most */
+    POLLS_PERIOD = 20000 /* 0.6 ms, more than a period of 4 kHz */
 };
 
 static uint16_t top_counts;
 static bool armed; /* a mode other than OFF was requested in the previous period */
 static volatile bool tripped;
+static volatile uint32_t driver_faults; /* times that the gate driver reported one */
+static uint32_t driver_faults_served;
+static uint32_t driver_status;
+static bool driver_good; /* it holds what was written to it */
 
 static bool frequency_fits(const inverter_settings_t *settings)
 {
@@ -44,16 +47,6 @@ static bool frequency_fits(const inverter_settings_t *settings)
     const uint32_t tolerance_Hz = settings->pwm_frequency_Hz / 1000U;
     return frequency_Hz + tolerance_Hz >= settings->pwm_frequency_Hz &&
            frequency_Hz <= settings->pwm_frequency_Hz + tolerance_Hz;
-}
-
-static void start_gate_driver(void)
-{
-    gpio_make_input(BOARD_DRIVER_FAULT, GPIO_PULL_UP);
-    gpio_make_output(BOARD_DRIVER_ENABLE, true);
-    /* A driver that stays in fault is not an error here: inverter_fault() reports it for as long as
-     * it lasts. */
-    (void)wait_for(&BOARD_DRIVER_FAULT.port->IDR, 1U << BOARD_DRIVER_FAULT.number,
-                   1U << BOARD_DRIVER_FAULT.number, POLLS_GATE_DRIVER);
 }
 
 static void connect_pins(void)
@@ -138,7 +131,10 @@ inverter_status_t inverter_init(const inverter_settings_t *settings)
     top_counts = (uint16_t)settings->pwm_period_counts;
     configure_timer(dead_time_code);
     connect_pins();
-    start_gate_driver();
+    driver_good = gate_driver_start();
+    if (!driver_good) {
+        return INVERTER_DRIVER_UNREADY;
+    }
     if (!start_with_update_at_top()) {
         return INVERTER_TIMER_UNREADY;
     }
@@ -151,16 +147,14 @@ inverter_status_t inverter_init(const inverter_settings_t *settings)
 void inverter_start(void)
 {
     supply_watch();
+    gate_driver_watch();
+    if (gate_driver_pulls_fault()) { /* before its edge was watched */
+        driver_fault_handler();
+    }
     if (supply_low()) {
         inverter_trip();
     }
     analog_start();
-}
-
-/* Active low. */
-static inline bool driver_fault(void)
-{
-    return (BOARD_DRIVER_FAULT.port->IDR & (1U << BOARD_DRIVER_FAULT.number)) == 0;
 }
 
 static inline bool break_acted(void)
@@ -170,7 +164,7 @@ static inline bool break_acted(void)
 
 static inline bool fault(void)
 {
-    return tripped || break_acted() || driver_fault();
+    return tripped || break_acted();
 }
 
 static void switch_off(void)
@@ -233,12 +227,12 @@ static void change_mode(inverter_mode_t mode, const uint16_t compare_counts[3])
     enable_outputs();
 }
 
-/* Enabled outputs imply that neither a break nor inverter_trip() has come since: both disable them.
- */
+/* Enabled outputs imply that neither a break nor inverter_trip() has come since, nor a fault of the
+ * gate driver: all of them disable the outputs. */
 void inverter_set(inverter_mode_t mode, const uint16_t compare_counts[3])
 {
     const bool enabled = (TIM1->BDTR & TIM_BDTR_MOE) != 0U;
-    if (mode == INVERTER_MODE_PWM && enabled && !driver_fault()) {
+    if (mode == INVERTER_MODE_PWM && enabled) {
         write_compare(compare_counts);
     } else {
         change_mode(mode, compare_counts);
@@ -256,12 +250,36 @@ bool inverter_fault(void)
     return fault();
 }
 
+/* The driver switches off one leg only (README); the other two must follow at once. */
+void driver_fault_handler(void)
+{
+    gate_driver_acknowledge();
+    inverter_trip();
+    driver_faults = driver_faults + 1U;
+}
+
+uint32_t inverter_driver_status(void)
+{
+    const uint32_t faults = driver_faults;
+    if (faults != driver_faults_served || (faults > 0 && !driver_good)) {
+        driver_faults_served = faults;
+        driver_good = gate_driver_recover(&driver_status);
+    }
+    return driver_status;
+}
+
 void inverter_clear_fault(void)
 {
+    const uint32_t faults = driver_faults;
+    const bool driver_ready =
+        driver_good && faults == driver_faults_served && !gate_driver_pulls_fault();
     const bool break_released = !pin_is_wired(BOARD_BREAK) || gpio_read(BOARD_BREAK);
-    if (gpio_read(BOARD_DRIVER_FAULT) && break_released && !supply_low()) {
+    if (driver_ready && break_released && !supply_low()) {
         TIM1->SR = ~(uint32_t)TIM_SR_BIF;
         tripped = false;
+        if (faults != driver_faults) { /* one has come since */
+            inverter_trip();
+        }
     }
 }
 

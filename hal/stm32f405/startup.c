@@ -39,11 +39,15 @@ const vector_t vectors[EXCEPTIONS + INTERRUPT_COUNT] = {
     [15] = {.handler = systick_handler},
     [EXCEPTIONS... EXCEPTIONS + INTERRUPT_ADC - 1] = {.handler = fault_handler},
     [EXCEPTIONS + INTERRUPT_ADC] = {.handler = adc_handler},
-    [EXCEPTIONS + INTERRUPT_ADC + 1 ... EXCEPTIONS + INTERRUPT_USART3 - 1] = {.handler =
-                                                                                  fault_handler},
+    [EXCEPTIONS + INTERRUPT_ADC + 1 ... EXCEPTIONS + INTERRUPT_PINS_5_TO_9 -
+        1] = {.handler = fault_handler},
+    [EXCEPTIONS + INTERRUPT_PINS_5_TO_9] = {.handler = driver_fault_handler},
+    [EXCEPTIONS + INTERRUPT_PINS_5_TO_9 + 1 ... EXCEPTIONS + INTERRUPT_USART3 -
+        1] = {.handler = fault_handler},
     [EXCEPTIONS + INTERRUPT_USART3] = {.handler = usart3_handler},
-    [EXCEPTIONS + INTERRUPT_USART3 + 1 ... EXCEPTIONS + INTERRUPT_COUNT - 1] = {.handler =
-                                                                                    fault_handler},
+    [EXCEPTIONS + INTERRUPT_PINS_10_TO_15] = {.handler = driver_fault_handler},
+    [EXCEPTIONS + INTERRUPT_PINS_10_TO_15 + 1 ... EXCEPTIONS + INTERRUPT_COUNT -
+        1] = {.handler = fault_handler},
 };
 
 void reset_handler(void)

@@ -7,8 +7,9 @@
 void reset_handler(void); /* startup.c */
 /* inverter.c: NMI, hard, memory, bus and usage fault, and every unexpected interrupt. */
 void fault_handler(void);
-void systick_handler(void); /* time.c */
-void adc_handler(void);     /* analog.c */
-void usart3_handler(void);  /* serial.c */
+void driver_fault_handler(void); /* inverter.c: the gate driver's fault pin falls */
+void systick_handler(void);      /* time.c */
+void adc_handler(void);          /* analog.c */
+void usart3_handler(void);       /* serial.c */
 
 #endif

@@ -10,6 +10,7 @@ function(chip_test name mode elf)
 endfunction()
 chip_test(chip_boots_and_brakes stop "$<TARGET_FILE:hubfoc_stm32f405>")
 chip_test(chip_answers_faults faults "$<TARGET_FILE:hubfoc_stm32f405>")
+chip_test(chip_gate_driver_protects driver "$<TARGET_FILE:hubfoc_stm32f405>")
 
 # Errors planted in the driver, of which the model must find each:
 # planted(NAME FILE OLD NEW [LABEL]): the image with OLD replaced by NEW in one file of the port.
@@ -44,6 +45,8 @@ function(planted name file old new)
       "${CMAKE_OBJCOPY}" "$<TARGET_FILE:${target}>" VERBATIM)
   if(name STREQUAL "no_error")
     chip_test(chip_finds_no_error stop "$<TARGET_FILE:${target}>")
+  elseif(file STREQUAL "gate_driver.c")
+    chip_test(chip_finds_${name} planted_driver "$<TARGET_FILE:${target}>")
   else()
     chip_test(chip_finds_${name} planted "$<TARGET_FILE:${target}>")
   endif()
@@ -59,8 +62,11 @@ planted(a_short_dead_time inverter.c "(dead_time_code <<" "(dead_time_code / 4U 
 planted(a_trigger_at_the_bottom inverter.c "TIM1->CCR4 = top_counts - 1U" "TIM1->CCR4 = 1U" full)
 planted(an_update_at_both_ends inverter.c "TIM1->RCR = 1;" "TIM1->RCR = 0;")
 planted(compare_values_at_once inverter.c "TIM_CCMR1_OC1PE |" "" full)
-planted(a_driver_fault_of_wrong_polarity inverter.c "DRIVER_FAULT.number)) == 0;"
-  "DRIVER_FAULT.number)) != 0;")
+planted(a_driver_fault_of_wrong_polarity gate_driver.c "EXTI->FTSR |=" "EXTI->RTSR |=")
+planted(a_driver_fault_of_low_priority gate_driver.c "PRIORITY_DRIVER_FAULT);" "PRIORITY_SERIAL);")
+planted(a_driver_not_read_back gate_driver.c "return first && second;" "return first || true;")
+planted(a_driver_with_a_wrong_threshold gate_driver.c "OC_ADJ_SET_Pos = 6" "OC_ADJ_SET_Pos = 5")
+planted(a_driver_that_limits_instead_of_latching gate_driver.c "SHUTDOWN = 1 << 4" "SHUTDOWN = 0")
 planted(gates_of_another_timer inverter.c "BOARD_GATE_LOW_C, BOARD_AF_TIM1"
   "BOARD_GATE_LOW_C, BOARD_AF_TIM3" full)
 planted(swapped_currents analog.c

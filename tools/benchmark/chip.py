@@ -42,6 +42,8 @@ TIM1_CCR, TIM1_BDTR = (0x40010034, 0x40010038, 0x4001003C), 0x40010044
 TIM_UPDATE, TIM_DOWN, TIM_OUTPUTS = 1 << 0, 1 << 4, 1 << 15
 ADC_SR, ADC_FIRST, ADC_SECOND = (0x40012000, 0x40012100, 0x40012200), 0x3C, 0x40
 GPIO_INPUTS = {"A": 0x40020010, "B": 0x40020410, "C": 0x40020810}
+GPIOB_BSRR, GPIOC_BSRR = 0x40020418, 0x40020818
+DRIVER_SDO, DRIVER_SDI, DRIVER_CLOCK, DRIVER_SELECT = 1 << 3, 4, 10, 9
 CAN_MCR, CAN_MSR, CAN_TSR, CAN_RF0R = 0x40006400, 0x40006404, 0x40006408, 0x4000640C
 CAN_MAILBOX = 0x400065B0
 USART3_SR = 0x40004800
@@ -69,12 +71,46 @@ class Timer:
 
 
 @dataclass
+class GateDriver:
+    """The gate driver's serial bus: frames of 16 bits, answered in the next one."""
+
+    stored: dict[int, int] = field(default_factory=dict)
+    data: int = 0
+    high: bool = False
+    frame: int = 0
+    answer: int = 0
+
+    def select(self, high: bool) -> None:
+        """Begin a frame, or end it and carry it out."""
+        if not high:
+            self.frame = 0
+            return
+        address, value = self.frame >> 11 & 0xF, self.frame & 0x7FF
+        if not self.frame >> 15 & 1:
+            self.stored[address] = value
+        self.answer = self.stored.get(address, 0)
+
+    def clock(self, high: bool) -> bool | None:
+        """Take an edge of the clock. Returns what the data line shows from a rising one on."""
+        if high == self.high:
+            return None
+        self.high = high
+        if not high:
+            self.frame = (self.frame << 1 | self.data) & 0xFFFF
+            return None
+        shown = bool(self.answer >> 15 & 1)
+        self.answer <<= 1
+        return shown
+
+
+@dataclass
 class Chip:
     """One chip with an image in its flash."""
 
     image: Path
     registers: dict[int, int] = field(default_factory=dict)
     timer: Timer = field(default_factory=Timer)
+    driver: GateDriver = field(default_factory=GateDriver)
     frames: deque[tuple[int, bytes]] = field(default_factory=deque)
     """Received CAN frames, identifier and eight bytes, oldest first."""
     instructions: int = 0
@@ -112,6 +148,8 @@ class Chip:
         self._write: dict[int, Callable[[int], None]] = {
             TIM1_SR: lambda value: self._clear(TIM1_SR, value),
             CAN_RF0R: self._release_frame,
+            GPIOB_BSRR: self._set_port_b,
+            GPIOC_BSRR: self._set_port_c,
             **{status: self._clearing(status) for status in ADC_SR},
         }
         for port in GPIO_INPUTS.values():
@@ -158,6 +196,21 @@ class Chip:
 
     def _clearing(self, register: int) -> Callable[[int], None]:
         return lambda value: self._clear(register, value)
+
+    def _set_port_b(self, value: int) -> None:
+        for level, bits in ((1, value & 0xFFFF), (0, value >> 16)):
+            if bits >> DRIVER_SDI & 1:
+                self.driver.data = level
+
+    def _set_port_c(self, value: int) -> None:
+        for level, bits in ((True, value & 0xFFFF), (False, value >> 16)):
+            if bits >> DRIVER_SELECT & 1:
+                self.driver.select(level)
+            shown = self.driver.clock(level) if bits >> DRIVER_CLOCK & 1 else None
+            if shown is not None:
+                port = GPIO_INPUTS["B"]
+                others = self.registers[port] & ~DRIVER_SDO
+                self.registers[port] = others | (DRIVER_SDO if shown else 0)
 
     def _release_frame(self, value: int) -> None:
         if value & 1 << 5 and self.frames:

@@ -51,7 +51,7 @@ class Budget:
     max_at_most: int | None = None
 
 
-INTERRUPT_BUDGET = Budget(IMAGE_CORE, INTERRUPT, 490, max_at_most=915)
+INTERRUPT_BUDGET = Budget(IMAGE_CORE, INTERRUPT, 475, max_at_most=900)
 """From entry to return on the linked image."""
 BUDGETS = (
     Budget("cortex-m4", CURRENT_LOOP, 161, 1.05),

@@ -40,8 +40,26 @@ typedef enum {
     INVERTER_DEAD_TIME_UNSUPPORTED, /* longer than the timer can make, or shorter than the board's
                                        switches need */
     INVERTER_TIMER_UNREADY,         /* the timer's update event is missing or at the wrong count */
-    INVERTER_CONVERTER_UNREADY      /* the analog converters did not start */
+    INVERTER_CONVERTER_UNREADY,     /* the analog converters did not start */
+    INVERTER_DRIVER_UNREADY         /* the gate driver does not hold what was written to it */
 } inverter_status_t;
+
+/* What a gate driver that can tell reported. */
+enum {
+    INVERTER_DRIVER_OVER_CURRENT_LOW_C = 1 << 0, /* in a switch, by its voltage */
+    INVERTER_DRIVER_OVER_CURRENT_HIGH_C = 1 << 1,
+    INVERTER_DRIVER_OVER_CURRENT_LOW_B = 1 << 2,
+    INVERTER_DRIVER_OVER_CURRENT_HIGH_B = 1 << 3,
+    INVERTER_DRIVER_OVER_CURRENT_LOW_A = 1 << 4,
+    INVERTER_DRIVER_OVER_CURRENT_HIGH_A = 1 << 5,
+    INVERTER_DRIVER_WARM = 1 << 6, /* the driver itself; no fault yet */
+    INVERTER_DRIVER_HOT = 1 << 7,
+    INVERTER_DRIVER_SUPPLY_LOW = 1 << 8,
+    INVERTER_DRIVER_GATE_SUPPLY_LOW = 1 << 9,
+    INVERTER_DRIVER_GATE_SUPPLY_HIGH = 1 << 10,
+    INVERTER_DRIVER_LOST = 1 << 11, /* it does not hold what was written to it */
+    INVERTER_DRIVER_BITS = 12
+};
 
 /* Pins, timer, converters and their trigger; the bridge is off and there are no up-calls yet.
  * Background context, once. On anything but INVERTER_OK inverter_start() must not be called. */
@@ -59,9 +77,14 @@ void inverter_set(inverter_mode_t mode, const uint16_t compare_counts[3]);
  * and before inverter_init(). */
 void inverter_trip(void);
 
-/* True from the moment the break input acted or inverter_trip() was called until
- * inverter_clear_fault() succeeds, and while the gate driver reports a fault. Any context. */
+/* True from the moment the break input acted, the gate driver reported a fault or inverter_trip()
+ * was called until inverter_clear_fault() succeeds. Any context. */
 bool inverter_fault(void);
+
+/* What the gate driver reported at its latest fault, INVERTER_DRIVER_... bits; 0: no fault, or a
+ * driver that cannot tell. After a fault it makes the driver ready again, without which
+ * inverter_clear_fault() does not succeed. Background context, in every pass. */
+uint32_t inverter_driver_status(void);
 
 /* Releases the latch, if the cause is gone; the bridge stays off until the next inverter_set(). Any
  * context. */

@@ -30,10 +30,14 @@ enum {
     BOARD_CHANNEL_ACCELERATOR_A = 5,
     BOARD_CHANNEL_ACCELERATOR_B = 6,
     BOARD_ENCODER_ON_TIM3 = 1,
-    BOARD_DRIVER = BOARD_DRIVER_DRV8301,
-    BOARD_CURRENT_MOST_A = 160 /* that the maker allows at any time */
+    BOARD_CURRENT_MOST_A = 160, /* HW_LIM_CURRENT_ABS */
+    /* Switches of 1 to 1.5 mOhm, 1.6 times that when hot: an estimate, no part is named. The code
+     * is the lowest above 160 A through them; it is VESC's own default as well. */
+    BOARD_SWITCH_HOT_uOhm = 2400,
+    BOARD_DRIVER_V_DS_CODE = 16
 };
 
+#define BOARD_DRIVER_KIND BOARD_DRIVER_DRV8301
 #define BOARD_GATE_HIGH_A ((pin_t){GPIOA, 8})
 #define BOARD_GATE_HIGH_B ((pin_t){GPIOA, 9})
 #define BOARD_GATE_HIGH_C ((pin_t){GPIOA, 10})
@@ -43,6 +47,10 @@ enum {
 #define BOARD_BREAK PIN_NONE
 #define BOARD_DRIVER_ENABLE ((pin_t){GPIOB, 5})
 #define BOARD_DRIVER_FAULT ((pin_t){GPIOB, 7})
+#define BOARD_DRIVER_SDI ((pin_t){GPIOB, 4})
+#define BOARD_DRIVER_SDO ((pin_t){GPIOB, 3})
+#define BOARD_DRIVER_CLOCK ((pin_t){GPIOC, 10})
+#define BOARD_DRIVER_SELECT ((pin_t){GPIOC, 9})
 #define BOARD_CURRENT_A ((pin_t){GPIOC, 0})
 #define BOARD_CURRENT_B ((pin_t){GPIOC, 1})
 #define BOARD_CURRENT_C ((pin_t){GPIOC, 2})

@@ -72,7 +72,9 @@ typedef struct {
     bool converter_stuck;   /* injected conversions never end */
     bool timer_stuck;       /* TIM1 has no clock */
     bool can_silent;        /* the bus is held dominant: nothing is received or sent */
-    bool gate_driver_fault; /* the driver pulls its fault line */
+    bool gate_driver_fault; /* the driver's supply is low: it pulls its fault line, all gates low */
+    bool driver_silent;     /* its SDO is stuck high */
+    uint32_t low_side_a_mV; /* voltage across this switch while it is on */
     bool supply_low;
     uint32_t flash_cut_after; /* from 1: the supply fails at this flash operation; 0: never */
 } chip_faults_t;
@@ -102,6 +104,10 @@ bool chip_run_to_sample(chip_t *chip, chip_ticks_t most);
 void chip_sample(chip_t *chip);
 
 chip_gates_t chip_gates(chip_t *chip);
+/* The converters' interrupt is being handled. */
+bool chip_in_interrupt(const chip_t *chip);
+/* The timer's outputs are enabled. */
+bool chip_outputs_on(const chip_t *chip);
 /* Whether a leg's low side is on at this count, or all gates are off and its diode may conduct. */
 bool chip_low_side_may_conduct(chip_t *chip, unsigned leg);
 chip_ticks_t chip_now(const chip_t *chip);

@@ -242,7 +242,8 @@ void chip_reset(chip_t *chip, bool by_watchdog)
     chip_adc_reset(chip);
     chip_can_reset(chip);
     chip_serial_reset(chip);
-    chip->driver_ready = CHIP_NEVER;
+    chip_driver_reset(chip);
+    chip->pin_levels = UINT16_MAX;
     load_stack_and_entry(chip);
 }
 
@@ -255,6 +256,9 @@ static chip_ticks_t next_event(chip_t *chip)
 {
     chip_ticks_t next = chip_nvic_next(chip);
     next = least(next, chip_clocks_next(chip));
+    if (chip->driver.ready > chip->now) {
+        next = least(next, chip->driver.ready);
+    }
     next = least(next, chip_timer1_next(chip));
     next = least(next, chip_adc_next(chip));
     next = least(next, chip_can_next(chip));
@@ -293,6 +297,8 @@ static void run_until(chip_t *chip, chip_ticks_t end, bool stops_at_sample)
         if (chip->reset_requested) {
             chip_reset(chip, chip->by_watchdog);
         }
+        chip_driver_watch(chip);
+        chip_pins_watch(chip);
         const unsigned exception = chip_exception_due(chip);
         if (exception != 0) {
             chip_exception_enter(chip, exception);
@@ -326,9 +332,11 @@ void chip_sample(chip_t *chip)
     if (chip->adc.is_triggered) {
         chip->adc.is_triggered = false;
         chip_adc_inject(chip);
-        /* To the top of the count, one count later, where the compare values become active. */
-        const chip_ticks_t top = chip->timer1.next_end;
-        run_until(chip, top + 1U, true);
+        /* To the top of the count, a little later, where the compare values become active, unless
+         * the block in which the trigger came has already gone beyond it. */
+        if (!chip->timer1.down) {
+            run_until(chip, chip->timer1.next_end + 1U, true);
+        }
     }
 }
 

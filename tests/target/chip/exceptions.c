@@ -31,9 +31,10 @@ static const uint32_t CONTROL_FPCA = 4;
 static const uint32_t IT_BITS = 0x0600FC00;
 
 /* The exceptions that can come, for a short look. */
-static const uint8_t SOURCES[] = {EXCEPTION_NMI,     EXCEPTION_HARD_FAULT, EXCEPTION_PENDSV,
-                                  EXCEPTION_SYSTICK, INTERRUPT_PVD,        INTERRUPT_ADC,
-                                  INTERRUPT_USART3};
+static const uint8_t SOURCES[] = {
+    EXCEPTION_NMI,     EXCEPTION_HARD_FAULT,  EXCEPTION_PENDSV,
+    EXCEPTION_SYSTICK, INTERRUPT_PVD,         INTERRUPT_ADC,
+    INTERRUPT_USART3,  INTERRUPT_PINS_5_TO_9, INTERRUPT_PINS_10_TO_15};
 enum { SOURCE_COUNT = sizeof SOURCES };
 
 static uint32_t *word(chip_t *chip, int address)
@@ -89,6 +90,11 @@ static void look_at_lines(chip_t *chip)
                       ((serial & CHIP_USART3_SR_TXE) != 0 && (wanted & CHIP_USART3_CR1_TXEIE) != 0);
     const bool supply =
         (chip_get(chip, CHIP_EXTI_PR) & chip_get(chip, CHIP_EXTI_IMR) & CHIP_EXTI_PR_PR16) != 0;
+    const uint32_t pins = chip_get(chip, CHIP_EXTI_PR) & chip_get(chip, CHIP_EXTI_IMR);
+    chip->nvic.pending[INTERRUPT_PINS_5_TO_9] |=
+        (pins & 0x03E0U) != 0 && !chip->nvic.active[INTERRUPT_PINS_5_TO_9];
+    chip->nvic.pending[INTERRUPT_PINS_10_TO_15] |=
+        (pins & 0xFC00U) != 0 && !chip->nvic.active[INTERRUPT_PINS_10_TO_15];
     chip->nvic.pending[INTERRUPT_ADC] |= converted && !chip->nvic.active[INTERRUPT_ADC];
     chip->nvic.pending[INTERRUPT_USART3] |= line && !chip->nvic.active[INTERRUPT_USART3];
     chip->nvic.pending[INTERRUPT_PVD] |= supply && !chip->nvic.active[INTERRUPT_PVD];
@@ -330,4 +336,9 @@ void chip_nvic_events(chip_t *chip)
     if ((*word(chip, AT_SYST_CSR) & SYST_TICKINT) != 0) {
         chip_pend(chip, EXCEPTION_SYSTICK);
     }
+}
+
+bool chip_in_interrupt(const chip_t *chip)
+{
+    return chip->nvic.active[INTERRUPT_ADC];
 }

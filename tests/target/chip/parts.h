@@ -27,7 +27,9 @@ enum {
     EXCEPTION_SYSTICK = 15,
     INTERRUPT_PVD = 16 + 1,
     INTERRUPT_ADC = 16 + 18,
-    INTERRUPT_USART3 = 16 + 39
+    INTERRUPT_PINS_5_TO_9 = 16 + 23,
+    INTERRUPT_USART3 = 16 + 39,
+    INTERRUPT_PINS_10_TO_15 = 16 + 40
 };
 #define CHIP_NEVER UINT64_MAX
 
@@ -71,6 +73,16 @@ typedef struct {
 } chip_serial_t;
 
 typedef struct {
+    bool enabled, select, clock, data_out;
+    chip_ticks_t ready; /* takes commands and drives gates */
+    chip_ticks_t disabled_at, selected_at, risen_at;
+    uint32_t in, out, answer;
+    unsigned bits;
+    uint32_t control[2];
+    uint32_t status, latched; /* over-currents: since the last reading; that hold a leg off */
+} chip_driver_t;
+
+typedef struct {
     unsigned keys; /* of the unlock sequence */
     chip_ticks_t busy;
     uint32_t operations;
@@ -102,7 +114,8 @@ struct chip {
     bool has_power;
     unsigned resets, watchdog_resets;
     chip_ticks_t crystal_ready, pll_ready;
-    chip_ticks_t watchdog_end, driver_ready;
+    chip_ticks_t watchdog_end;
+    uint16_t pin_levels; /* of the lines of EXTI, when last looked at */
     uint32_t random;
 
     chip_inputs_t in;
@@ -113,6 +126,7 @@ struct chip {
     chip_can_t can;
     chip_serial_t serial;
     chip_flash_t flash;
+    chip_driver_t driver;
 
     unsigned violations;
     char violation[CHIP_VIOLATIONS][CHIP_VIOLATION_BYTES];
@@ -171,7 +185,17 @@ uint32_t chip_flash_read(chip_t *chip, uint32_t address);
 void chip_flash_program(chip_t *chip, uint32_t address, uint32_t size, uint32_t value);
 void chip_flash_settle(chip_t *chip);
 
-/* pins.c: GPIO, TIM3, the gate driver. */
+/* driver.c: the gate driver. */
+void chip_driver_reset(chip_t *chip);
+void chip_driver_pins(chip_t *chip);
+void chip_driver_watch(chip_t *chip);
+bool chip_driver_pulls_fault(const chip_t *chip);
+bool chip_driver_drives(const chip_t *chip);
+bool chip_driver_data(const chip_t *chip);
+
+/* pins.c: GPIO, TIM3, edges at the lines of EXTI. */
+void chip_pins_watch(chip_t *chip);
+bool chip_pin_is_output(const chip_t *chip, char port, unsigned pin);
 uint32_t chip_pins_read(chip_t *chip, uint32_t address);
 bool chip_pins_write(chip_t *chip, uint32_t address, uint32_t value);
 bool chip_pin_is_analog(const chip_t *chip, char port, unsigned pin);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* GPIO ports A to D (RM0090 section 8), the encoder's timer TIM3 (18.3.12), and the gate driver on
- * the board: it is enabled by PB5 and holds its fault line, PB7, down while it starts. */
+/* GPIO ports A to D (RM0090 section 8), the encoder's timer TIM3 (18.3.12), and the edges at pins
+ * that EXTI listens to (12.2.4). */
 #include "parts.h"
 
-enum { MODE_OUTPUT = 1, MODE_ALTERNATE = 2, MODE_ANALOG = 3, PULL_UP = 1, DRIVER_START_ms = 5 };
-enum { DRIVER_ENABLE = 5, DRIVER_FAULT = 7, ENCODER_BOTH_EDGES = 3 };
+enum { MODE_OUTPUT = 1, MODE_ALTERNATE = 2, MODE_ANALOG = 3, PULL_UP = 1 };
+enum { DRIVER_DATA = 3, DRIVER_FAULT = 7, ENCODER_BOTH_EDGES = 3 };
 static const uint32_t MODER[4] = {CHIP_GPIOA_MODER, CHIP_GPIOB_MODER, CHIP_GPIOC_MODER,
                                   CHIP_GPIOD_MODER};
 
@@ -30,16 +30,19 @@ bool chip_pin_function(const chip_t *chip, char port, unsigned pin, unsigned fun
            (chip_get(chip, at) >> 4U * (pin & 7U) & 0xFU) == function;
 }
 
-static bool driver_pulls_fault(const chip_t *chip)
+bool chip_pin_is_output(const chip_t *chip, char port, unsigned pin)
 {
-    return chip->fault.gate_driver_fault || chip->now < chip->driver_ready;
+    return mode(chip, port, pin) == MODE_OUTPUT;
 }
 
 bool chip_pin_level(chip_t *chip, char port, unsigned pin)
 {
     const unsigned bit = 1U << pin;
-    if (port == 'B' && pin == DRIVER_FAULT && driver_pulls_fault(chip)) {
+    if (port == 'B' && pin == DRIVER_FAULT && chip_driver_pulls_fault(chip)) {
         return false;
+    }
+    if (port == 'B' && pin == DRIVER_DATA && !chip_pin_is_output(chip, port, pin)) {
+        return chip_driver_data(chip);
     }
     if (mode(chip, port, pin) == MODE_OUTPUT) {
         return (chip_get(chip, of(port, CHIP_GPIOA_ODR)) & bit) != 0;
@@ -101,29 +104,18 @@ uint32_t chip_pins_read(chip_t *chip, uint32_t address)
     return address < CHIP_GPIOA_MODER ? read_timer3(chip, address) : chip_get(chip, address);
 }
 
-static void look_at_driver(chip_t *chip)
-{
-    const bool enabled =
-        mode(chip, 'B', DRIVER_ENABLE) == MODE_OUTPUT && chip_pin_level(chip, 'B', DRIVER_ENABLE);
-    if (!enabled) {
-        chip->driver_ready = CHIP_NEVER;
-    } else if (chip->driver_ready == CHIP_NEVER) {
-        chip->driver_ready = chip->now + (chip_ticks_t)DRIVER_START_ms * 1000U * CHIP_TICKS_PER_US;
-    }
-}
-
 bool chip_pins_write(chip_t *chip, uint32_t address, uint32_t value)
 {
     for (char port = 'A'; port <= 'D'; port++) {
         if (address == of(port, CHIP_GPIOA_BSRR)) {
             uint32_t *output = chip_at(chip, of(port, CHIP_GPIOA_ODR));
             *output = (*output & ~(value >> 16)) | (value & 0xFFFFU);
-            look_at_driver(chip);
+            chip_driver_pins(chip);
             return true;
         }
         if (address == of(port, CHIP_GPIOA_MODER)) {
             *chip_at(chip, address) = value;
-            look_at_driver(chip);
+            chip_driver_pins(chip);
             return true;
         }
     }
@@ -132,4 +124,31 @@ bool chip_pins_write(chip_t *chip, uint32_t address, uint32_t value)
         return true;
     }
     return false;
+}
+
+/* Which line listens to which port: four bits each from EXTICR1 on (9.2.3). */
+static char port_of_line(const chip_t *chip, unsigned line)
+{
+    const uint32_t at = CHIP_SYSCFG_EXTICR1 + 4U * (line / 4U);
+    return (char)('A' + (chip_get(chip, at) >> 4U * (line % 4U) & 0xFU));
+}
+
+void chip_pins_watch(chip_t *chip)
+{
+    const uint32_t listening = chip_get(chip, CHIP_EXTI_IMR) & 0xFFFFU;
+    for (unsigned line = 0; listening >> line != 0; line++) {
+        const uint32_t bit = 1U << line;
+        const char port = port_of_line(chip, line);
+        if ((listening & bit) == 0 || port > 'D') {
+            continue;
+        }
+        const bool high = chip_pin_level(chip, port, line);
+        const bool was = (chip->pin_levels & bit) != 0;
+        const uint32_t edges = chip_get(chip, high ? CHIP_EXTI_RTSR : CHIP_EXTI_FTSR);
+        if (high != was && (edges & bit) != 0) {
+            *chip_at(chip, CHIP_EXTI_PR) |= bit;
+            chip->needs_attention = true;
+        }
+        chip->pin_levels = (uint16_t)(high ? chip->pin_levels | bit : chip->pin_levels & ~bit);
+    }
 }

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 PERIPHERALS = (
-    *("RCC", "FLASH", "PWR", "EXTI", "GPIOA", "GPIOB", "GPIOC", "GPIOD", "TIM1", "TIM3"),
+    *("RCC", "FLASH", "PWR", "EXTI", "SYSCFG", "GPIOA", "GPIOB", "GPIOC", "GPIOD", "TIM1", "TIM3"),
     *("ADC1", "ADC2", "ADC3", "C_ADC", "CAN1", "USART3", "IWDG", "DBG"),
 )
 ACCESS = {"read-write": 3, "read-only": 1, "write-only": 2, None: 3}

@@ -292,8 +292,13 @@ chip_gates_t chip_gates(chip_t *chip)
         }
         return gates;
     }
-    if (chip->now < chip->driver_ready || chip->fault.gate_driver_fault) {
+    if (!chip_driver_drives(chip)) {
         return gates; /* the gate driver holds all gates low */
+    }
+    if (chip->driver.latched != 0) {
+        chip_note(chip, "the gate driver holds one leg off and the others switch");
+        gates.bridge = CHIP_BRIDGE_FORBIDDEN;
+        return gates;
     }
     gates.bridge = CHIP_BRIDGE_SWITCHES;
     gates.dead_time_ticks = dead_time_clocks(settings & CHIP_TIM1_BDTR_DTG) * clock_ticks(chip);
@@ -321,4 +326,9 @@ bool chip_low_side_may_conduct(chip_t *chip, unsigned leg)
     const uint32_t count = timer->down ? to_end : timer->active_top - to_end;
     const bool high = count < timer->active_compare[leg];
     return (compare_mode(chip, (int)leg) == PWM_1) != high;
+}
+
+bool chip_outputs_on(const chip_t *chip)
+{
+    return (chip_get(chip, CHIP_TIM1_BDTR) & CHIP_TIM1_BDTR_MOE) != 0;
 }

@@ -2,6 +2,7 @@
 /* The flashable port's bridge, its code unchanged, on a model of the timer: gate signals. */
 #include "analog_start.h"
 #include "board.h"
+#include "gate_driver.h"
 #include "hal/inverter.h"
 #include "interrupts.h"
 #include "registers/gpio.h"
@@ -9,12 +10,35 @@
 #include "registers/tim.h"
 #include "timer1_model.h"
 #include "unity.h"
+#include "vectors.h"
 
 enum { TOP = 4200, MIDDLE = TOP / 2 };
 
 static const uint16_t COMPARE[3] = {1000, 3000, 4200};
 static bool analog_started;
 static uint32_t enabled_interrupt, enabled_priority;
+static bool driver_holds_settings, driver_watched;
+static int recoveries;
+
+/* The gate driver's own protocol is tested on the model of the chip (tests/target/chip). */
+bool gate_driver_start(void)
+{
+    return driver_holds_settings;
+}
+
+void gate_driver_watch(void)
+{
+    driver_watched = true;
+}
+
+void gate_driver_acknowledge(void) {}
+
+bool gate_driver_recover(uint32_t *status)
+{
+    recoveries++;
+    *status = INVERTER_DRIVER_OVER_CURRENT_LOW_B;
+    return driver_holds_settings;
+}
 
 bool analog_init(void)
 {
@@ -56,7 +80,11 @@ void setUp(void)
 {
     timer1_break_rises_after(0);
     timer1_reset();
-    inverter_clear_fault(); /* the port's own memory of the test before */
+    driver_holds_settings = true;
+    driver_watched = false;
+    (void)inverter_driver_status(); /* the port's own memory of the test before */
+    inverter_clear_fault();
+    recoveries = 0;
     analog_started = false;
 }
 
@@ -235,17 +263,61 @@ void test_break_input_switches_off_without_software_and_is_latched(void)
     assert_pwm();
 }
 
-void test_the_gate_drivers_fault_switches_off_and_is_not_released_while_it_lasts(void)
+void test_the_gate_drivers_fault_switches_off_at_once_and_is_not_released_while_it_lasts(void)
 {
     begin();
+    TEST_ASSERT_TRUE(driver_watched);
     period(INVERTER_MODE_PWM, COMPARE);
     period(INVERTER_MODE_PWM, COMPARE);
     timer1_set_driver_fault_pin(false);
-    TEST_ASSERT_TRUE(inverter_fault());
-    inverter_set(INVERTER_MODE_SHORT, COMPARE);
+    driver_fault_handler();
     assert_off();
+    TEST_ASSERT_TRUE(inverter_fault());
+    period(INVERTER_MODE_SHORT, COMPARE);
+    period(INVERTER_MODE_SHORT, COMPARE);
+    assert_off();
+    TEST_ASSERT_EQUAL_HEX32(INVERTER_DRIVER_OVER_CURRENT_LOW_B, inverter_driver_status());
     inverter_clear_fault();
     TEST_ASSERT_TRUE(inverter_fault());
+    timer1_set_driver_fault_pin(true);
+    TEST_ASSERT_TRUE(inverter_fault()); /* never by itself */
+    inverter_clear_fault();
+    TEST_ASSERT_FALSE(inverter_fault());
+}
+
+void test_a_fault_of_the_driver_is_released_only_when_it_holds_its_settings_again(void)
+{
+    begin();
+    driver_holds_settings = false;
+    driver_fault_handler();
+    inverter_clear_fault(); /* its status has not been read yet */
+    TEST_ASSERT_TRUE(inverter_fault());
+    for (int pass = 0; pass < 3; pass++) {
+        (void)inverter_driver_status();
+        inverter_clear_fault();
+        TEST_ASSERT_TRUE(inverter_fault());
+    }
+    TEST_ASSERT_EQUAL_INT(3, recoveries);
+    driver_holds_settings = true;
+    (void)inverter_driver_status();
+    (void)inverter_driver_status(); /* once is enough */
+    TEST_ASSERT_EQUAL_INT(4, recoveries);
+    inverter_clear_fault();
+    TEST_ASSERT_FALSE(inverter_fault());
+}
+
+void test_a_driver_in_fault_at_the_start_is_a_fault(void)
+{
+    timer1_set_driver_fault_pin(false);
+    TEST_ASSERT_EQUAL_INT(INVERTER_OK, init_with_dead_time(1000));
+    inverter_start();
+    TEST_ASSERT_TRUE(inverter_fault());
+}
+
+void test_a_driver_that_does_not_hold_its_settings_is_refused(void)
+{
+    driver_holds_settings = false;
+    TEST_ASSERT_EQUAL_INT(INVERTER_DRIVER_UNREADY, init_with_dead_time(1000));
 }
 
 void test_trip_switches_off_at_once_and_is_latched(void)

@@ -23,6 +23,7 @@ typedef struct {
      */
     uint32_t fast_cycles_worst;
     uint32_t stack_free_bytes;
+    uint32_t driver_status;             /* of the gate driver, inverter_driver_status() */
     const recorder_memory_t *black_box; /* NULL: this board has none, or no control runs */
     bool bus_off;
     bool control; /* the control steps run; otherwise the pointers are meaningless */

@@ -210,7 +210,7 @@ void test_configuration_beyond_the_board_s_timer_is_refused(void)
 {
     static const inverter_status_t BAD[] = {INVERTER_FREQUENCY_UNSUPPORTED,
                                             INVERTER_DEAD_TIME_UNSUPPORTED, INVERTER_TIMER_UNREADY,
-                                            INVERTER_CONVERTER_UNREADY};
+                                            INVERTER_CONVERTER_UNREADY, INVERTER_DRIVER_UNREADY};
     for (size_t i = 0; i < sizeof BAD / sizeof BAD[0]; i++) {
         expect_board(true, &config, sizeof config, (uint32_t)GOOD_CRC32);
         expect_ports(BAD[i]);

@@ -58,6 +58,7 @@ void setUp(void)
     inverter_start_StubWithCallback(start);
     inverter_set_StubWithCallback(set);
     inverter_fault_StubWithCallback(fault);
+    inverter_driver_status_IgnoreAndReturn(0);
     inverter_clear_fault_StubWithCallback(clear_fault);
     inverter_trip_StubWithCallback(trip);
     analog_read_StubWithCallback(read_analog);

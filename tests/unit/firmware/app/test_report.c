@@ -145,9 +145,9 @@ void test_every_refusal_of_a_port_has_its_own_text(void)
 {
     static const inverter_status_t BAD[] = {INVERTER_FREQUENCY_UNSUPPORTED,
                                             INVERTER_DEAD_TIME_UNSUPPORTED, INVERTER_TIMER_UNREADY,
-                                            INVERTER_CONVERTER_UNREADY};
+                                            INVERTER_CONVERTER_UNREADY, INVERTER_DRIVER_UNREADY};
     static const char *const WORDS[] = {"drive.pwm_period_counts", "drive.dead_time_ns",
-                                        "PWM timer", "converters"};
+                                        "PWM timer", "converters", "gate driver"};
     for (size_t i = 0; i < sizeof BAD / sizeof BAD[0]; i++) {
         boot.inverter = BAD[i];
         turn_page();
@@ -169,6 +169,18 @@ void test_status_prints_mode_reason_and_values_in_si_units(void)
     assert_in_line("53.012 V");
     assert_in_line("321 cycles");
     assert_in_line("demand NO_DATA");
+}
+
+void test_status_names_what_the_gate_driver_reported_and_only_then(void)
+{
+    report_status(&status, &line);
+    TEST_ASSERT_NULL(strstr(line.chars, "gate driver"));
+    text_clear(&line);
+    status.driver_status =
+        INVERTER_DRIVER_OVER_CURRENT_LOW_A | INVERTER_DRIVER_SUPPLY_LOW | INVERTER_DRIVER_LOST;
+    report_status(&status, &line);
+    assert_in_line("; gate driver: over-current low a supply low settings lost");
+    status.driver_status = 0;
 }
 
 void test_status_names_what_the_mode_waits_for_and_only_then(void)
