@@ -27,7 +27,10 @@ enum {
     FINISH_PASSES =
         100000, /* of the console, more than the closing line needs at the lowest bit rate */
     FAST_TIMEOUT_ms = 3, /* without a fast step; a millisecond has at least four */
-    DAMAGED_PASSES = 2   /* of the background */
+    DAMAGED_PASSES = 2,  /* of the background */
+    /* Of the watchdog without control: on the internal oscillator a pass of the background that
+     * checks a received configuration takes 30 ms. */
+    BOOT_TIMEOUT_ms = 1000
 };
 
 /* Results of the slow step for the background. */
@@ -140,7 +143,7 @@ void app_boot(void)
 
     app.boot = boot_run();
     console_greet(&app.console);
-    watchdog_start(SUPERVISOR_TIMEOUT_ms);
+    watchdog_start(boot_may_control(&app.boot) ? SUPERVISOR_TIMEOUT_ms : BOOT_TIMEOUT_ms);
     if (boot_may_control(&app.boot)) {
         start_control(app.boot.config);
     }
@@ -332,7 +335,7 @@ static bool is_at_standstill(const slow_output_t *output)
     return app.config == NULL || (!switched_on && output->standstill);
 }
 
-/* Control ends here, because the configuration in use is erased first. */
+/* Control ends here, because the core stands still while the memory is erased. */
 static void replace_configuration(const snapshot_t *snapshot)
 {
     const bool permitted = is_at_standstill(&snapshot->output);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "app/boot.h"
 
+#include "app/config_store.h"
 #include "app/selftest.h"
 #include "hal/analog.h"
 #include "hal/flash.h"
@@ -83,7 +84,7 @@ boot_report_t boot_run(void)
     report.firmware_good =
         selftest_firmware(firmware.begin, firmware.size_bytes, flash_firmware_crc32());
 
-    const flash_image_t image = flash_configuration();
+    const flash_image_t image = config_store_in_force().image;
     report.config = (const config_t *)image.begin;
     report.config_result = validate(report.config, image.size_bytes);
     if (report.clock_good && report.config_result.code == CONFIG_RESULT_OK) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "app/installer.h"
 
+#include "app/config_store.h"
 #include "app/report.h"
 #include "hal/inverter.h"
 
@@ -74,21 +75,24 @@ void installer_text(const installer_t *installer, text_t *line)
 bool installer_write(const installer_t *installer, text_t *line)
 {
     inverter_trip();
-    switch (flash_write_configuration(installer->image.bytes, installer->hex.size_bytes)) {
+    switch (config_store_replace(installer->image.bytes, installer->hex.size_bytes)) {
     case FLASH_OK:
         text_add(line, "written, restarting");
         return true;
     case FLASH_UNSUPPORTED:
-        text_add(line, "FAILED: this port has no memory to write to; restarting");
+        text_add(line, "FAILED: this port has no memory to write to");
         break;
     case FLASH_TOO_LARGE:
-        text_add(line, "FAILED: larger than the memory; restarting");
+        text_add(line, "FAILED: larger than the memory");
+        break;
+    case FLASH_BRIDGE_ON:
+        text_add(line, "FAILED: the bridge switches");
         break;
     case FLASH_ERASE_FAILED:
     case FLASH_WRITE_FAILED:
-        text_add(line,
-                 "FAILED: the memory did not take it, so the next start refuses it; restarting");
+        text_add(line, "FAILED: the memory did not take it");
         break;
     }
+    text_add(line, "; the configuration is as it was; restarting");
     return false;
 }

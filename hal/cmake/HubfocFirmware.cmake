@@ -4,7 +4,9 @@
 #                     INTERRUPTS lowest_handler ... highest_handler)
 #
 # The firmware of one port: <name>.elf with its CRC filled in, <name>.bin, <name>.hex, and
-# <name>_config.bin and <name>_config.hex, the configuration alone. Prints the size of what was
+# <name>_config.bin and <name>_config.hex, the configuration alone, for the serial line, and
+# <name>_config_probe.hex, the same with its address and with whatever else of the port's linker
+# script a probe has to write with it. Prints the size of what was
 # linked and, where there is a Python, the worst-case depth of the stack, which fails the build if
 # STACK_BYTES are not enough for main() and one of each interrupt on top of each other.
 set(HUBFOC_SEAL "${CMAKE_CURRENT_LIST_DIR}/seal_image.cmake")
@@ -45,7 +47,10 @@ function(hubfoc_add_firmware)
     COMMAND "${CMAKE_OBJCOPY}" -O binary --only-section=.hubfoc_config "${stem}.elf"
     "${stem}_config.bin"
     COMMAND "${CMAKE_OBJCOPY}" -I binary -O ihex "${stem}_config.bin" "${stem}_config.hex"
+    COMMAND "${CMAKE_OBJCOPY}" -O ihex --only-section=.hubfoc_config
+    --only-section=.hubfoc_config_mark "${stem}.elf" "${stem}_config_probe.hex"
     COMMAND "${CMAKE_SIZE}" --format=berkeley "${stem}.elf"
     COMMAND ${stack_report}
-    BYPRODUCTS "${stem}.bin" "${stem}.hex" "${stem}_config.bin" "${stem}_config.hex" VERBATIM)
+    BYPRODUCTS "${stem}.bin" "${stem}.hex" "${stem}_config.bin" "${stem}_config.hex"
+    "${stem}_config_probe.hex" VERBATIM)
 endfunction()

@@ -23,7 +23,7 @@ endfunction()
 
 # The bytes that are checked: all loaded sections but those that lie outside the image.
 run("${OBJCOPY}" -O binary --remove-section=.boot_vectors --remove-section=.hubfoc_config
-  --remove-section=.image_crc
+  --remove-section=.hubfoc_config_mark --remove-section=.image_crc
   "${ELF}" "${ELF}.image")
 file(READ "${ELF}.image" bytes HEX)
 file(REMOVE "${ELF}.image")

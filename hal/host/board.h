@@ -3,10 +3,13 @@
 #ifndef HOST_BOARD_H
 #define HOST_BOARD_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 void board_reset_memory(const void *configuration, uint32_t size_bytes); /* memory.c */
 void board_reset_lines(void);                                            /* lines.c */
 void board_watchdog_tick(void); /* lines.c: one millisecond has passed */
+
+bool board_bridge_on(void); /* bridge.c: the bridge switches */
 
 #endif

@@ -39,6 +39,11 @@ void host_connect(const host_plant_t *plant, const void *configuration, uint32_t
     board_reset_lines();
 }
 
+bool board_bridge_on(void)
+{
+    return board.mode != INVERTER_MODE_OFF;
+}
+
 void host_run_for(uint32_t periods)
 {
     board.periods_left = periods;

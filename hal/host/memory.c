@@ -13,27 +13,23 @@ enum { WINDOW_WORDS = 64, RETAINED_WORDS = 2048 };
 static const char FIRMWARE[] = "123456789";
 static const uint32_t FIRMWARE_CRC32 = 0xCBF43926U;
 
-static _Alignas(8) uint8_t flash[HOST_FLASH_BYTES];
+static _Alignas(8) uint8_t flash[FLASH_SECTORS][HOST_FLASH_BYTES];
 static volatile uint32_t window[WINDOW_WORDS];
 static volatile uint32_t retained[RETAINED_WORDS];
 
-static void program(const void *configuration, uint32_t size_bytes)
-{
-    memset(flash, 0xFF, sizeof flash);
-    memcpy(flash, configuration, size_bytes < sizeof flash ? size_bytes : sizeof flash);
-}
-
 void board_reset_memory(const void *configuration, uint32_t size_bytes)
 {
-    program(configuration, size_bytes);
+    memset(flash, 0xFF, sizeof flash);
+    memcpy(flash[FLASH_CONFIGURATION_A], configuration,
+           size_bytes < HOST_FLASH_BYTES ? size_bytes : HOST_FLASH_BYTES);
     for (uint32_t i = 0; i < RETAINED_WORDS; i++) {
         retained[i] = 0xA5A5A5A5U; /* after power-up: anything */
     }
 }
 
-flash_image_t flash_configuration(void)
+flash_image_t flash_sector(flash_sector_t sector)
 {
-    const flash_image_t image = {flash, sizeof flash};
+    const flash_image_t image = {flash[sector], HOST_FLASH_BYTES};
     return image;
 }
 
@@ -48,13 +44,33 @@ uint32_t flash_firmware_crc32(void)
     return FIRMWARE_CRC32;
 }
 
-flash_status_t flash_write_configuration(const void *bytes, uint32_t size_bytes)
+flash_status_t flash_erase(flash_sector_t sector)
 {
-    if (size_bytes > sizeof flash || size_bytes % 4U != 0) {
+    if (board_bridge_on()) {
+        return FLASH_BRIDGE_ON;
+    }
+    memset(flash[sector], 0xFF, HOST_FLASH_BYTES);
+    return FLASH_OK;
+}
+
+flash_status_t flash_program(flash_sector_t sector, uint32_t at_bytes, const void *words,
+                             uint32_t size_bytes)
+{
+    if (at_bytes > HOST_FLASH_BYTES || size_bytes > HOST_FLASH_BYTES - at_bytes ||
+        (at_bytes | size_bytes) % 4U != 0) {
         return FLASH_TOO_LARGE;
     }
-    program(bytes, size_bytes);
-    return FLASH_OK;
+    if (board_bridge_on()) {
+        return FLASH_BRIDGE_ON;
+    }
+    const uint8_t *from = words;
+    bool good = true;
+    for (uint32_t i = 0; i < size_bytes; i++) {
+        uint8_t *const to = &flash[sector][at_bytes + i];
+        *to = (uint8_t)(*to & from[i]);
+        good = good && *to == from[i];
+    }
+    return good ? FLASH_OK : FLASH_WRITE_FAILED;
 }
 
 memory_window_t memory_unused(void)

@@ -125,9 +125,11 @@ static flash_image_t between(const uint32_t *begin, const uint32_t *end)
     return image;
 }
 
-flash_image_t flash_configuration(void)
+flash_image_t flash_sector(flash_sector_t sector)
 {
-    return between(link_configuration_begin, link_configuration_end);
+    return sector == FLASH_CONFIGURATION_A
+               ? between(link_configuration_begin, link_configuration_end)
+               : between(link_configuration_end, link_configuration_end);
 }
 
 flash_image_t flash_firmware(void)
@@ -140,9 +142,18 @@ uint32_t flash_firmware_crc32(void)
     return *(const volatile uint32_t *)link_image_crc32;
 }
 
-flash_status_t flash_write_configuration(const void *bytes, uint32_t size_bytes)
+flash_status_t flash_erase(flash_sector_t sector)
 {
-    (void)bytes;
+    (void)sector;
+    return FLASH_UNSUPPORTED;
+}
+
+flash_status_t flash_program(flash_sector_t sector, uint32_t at_bytes, const void *words,
+                             uint32_t size_bytes)
+{
+    (void)sector;
+    (void)at_bytes;
+    (void)words;
     (void)size_bytes;
     return FLASH_UNSUPPORTED;
 }

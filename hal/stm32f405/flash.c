@@ -1,36 +1,43 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The two images, and programming of the configuration's sector (RM0090 section 3.6). */
+/* The images, and erasing and programming of the application's sectors (RM0090 section 3.6). */
 #include "hal/flash.h"
 
 #include "registers/flash.h"
 #include "registers/iwdg.h"
+#include "registers/rcc.h"
+#include "registers/tim.h"
 
+/* Of hal/flash.h, in its order; see link.ld. */
+enum { FIRST_SECTOR = 1 };
 enum {
-    CONFIGURATION_SECTOR = 1, /* 16 KiB at 0x0800 4000, see link.ld */
-    PARALLELISM_32_BITS = 2,  /* allowed at 2.7 .. 3.6 V */
-    POLLS_ERASE = 30000000,   /* 1 s and more; the data sheet says 0.5 s at most */
-    POLLS_WORD = 100000       /* 3 ms; the data sheet says 0.1 ms */
+    PARALLELISM_32_BITS = 2, /* allowed at 2.7 .. 3.6 V */
+    POLLS_ERASE = 30000000,  /* 3 s; the data sheet says 0.5 s at most for 16 KiB, 1.1 for 64 */
+    POLLS_WORD = 100000      /* 10 ms; the data sheet says 0.1 ms */
 };
 
 extern const uint32_t link_image_begin[];
 extern const uint32_t link_image_end[];
 extern const uint32_t link_image_crc32[];
-extern const uint32_t link_configuration_begin[];
-extern const uint32_t link_configuration_end[];
+/* Where sectors 1 to 5 begin. */
+extern const uint32_t link_sector_1[], link_sector_2[], link_sector_3[], link_sector_4[],
+    link_sector_5[];
 
-flash_image_t flash_configuration(void)
+static flash_image_t between(const uint32_t *begin, const uint32_t *end)
 {
-    const flash_image_t image = {
-        link_configuration_begin,
-        (uint32_t)((uintptr_t)link_configuration_end - (uintptr_t)link_configuration_begin)};
+    const flash_image_t image = {begin, (uint32_t)((uintptr_t)end - (uintptr_t)begin)};
     return image;
+}
+
+flash_image_t flash_sector(flash_sector_t sector)
+{
+    static const uint32_t *const BEGIN[FLASH_SECTORS + 1] = {
+        link_sector_1, link_sector_2, link_sector_3, link_sector_4, link_sector_5};
+    return between(BEGIN[sector], BEGIN[sector + 1]);
 }
 
 flash_image_t flash_firmware(void)
 {
-    const flash_image_t image = {
-        link_image_begin, (uint32_t)((uintptr_t)link_image_end - (uintptr_t)link_image_begin)};
-    return image;
+    return between(link_image_begin, link_image_end);
 }
 
 uint32_t flash_firmware_crc32(void)
@@ -57,46 +64,75 @@ IN_RAM static bool ram_wait(uint32_t polls)
     return good;
 }
 
-IN_RAM static flash_status_t ram_replace(volatile uint32_t *to, const uint32_t *from,
-                                         uint32_t words)
+/* One operation: `control` is a sector's erase, or FLASH_CR_PG and `value` is programmed. */
+IN_RAM static bool ram_operate(uint32_t control, volatile uint32_t *to, uint32_t value)
 {
-    flash_status_t status = FLASH_OK;
     /* Without the caches, so that what is read back has been in the flash: a line that was read
      * before the sector was erased would take the new words by itself (3.6.5). */
     const uint32_t access = FLASH->ACR;
     FLASH->ACR = access & ~(uint32_t)(FLASH_ACR_ICEN | FLASH_ACR_DCEN);
     (void)ram_wait(POLLS_WORD); /* drops errors left behind by a debugger */
-    FLASH->CR = FLASH_CR_SER | ((uint32_t)CONFIGURATION_SECTOR << FLASH_CR_SNB_Pos) |
-                ((uint32_t)PARALLELISM_32_BITS << FLASH_CR_PSIZE_Pos);
-    FLASH->CR |= FLASH_CR_STRT;
-    if (!ram_wait(POLLS_ERASE)) {
-        status = FLASH_ERASE_FAILED;
-    }
-    FLASH->CR = FLASH_CR_PG | ((uint32_t)PARALLELISM_32_BITS << FLASH_CR_PSIZE_Pos);
-    for (uint32_t i = 0; i < words && status == FLASH_OK; i++) {
-        to[i] = from[i];
-        if (!ram_wait(POLLS_WORD) || to[i] != from[i]) {
-            status = FLASH_WRITE_FAILED;
-        }
+    FLASH->CR = control | ((uint32_t)PARALLELISM_32_BITS << FLASH_CR_PSIZE_Pos);
+    bool good;
+    if ((control & FLASH_CR_PG) != 0) {
+        *to = value;
+        good = ram_wait(POLLS_WORD) && *to == value;
+    } else {
+        FLASH->CR |= FLASH_CR_STRT;
+        good = ram_wait(POLLS_ERASE);
     }
     FLASH->CR = FLASH_CR_LOCK;
     /* The caches still hold what was there before: reset is allowed only while they are off
      * (3.9.1). */
     FLASH->ACR |= FLASH_ACR_ICRST | FLASH_ACR_DCRST;
     FLASH->ACR = access;
+    return good;
+}
+
+static bool bridge_is_on(void)
+{
+    return (RCC->APB2ENR & RCC_APB2ENR_TIM1EN) != 0 && (TIM1->BDTR & TIM_BDTR_MOE) != 0;
+}
+
+/* Every handler is in flash, so interrupts wait; the PWM interrupt cannot switch the bridge on
+ * between the look at it and the operation. */
+static flash_status_t operate(uint32_t control, volatile uint32_t *to, uint32_t value)
+{
+    flash_status_t status = FLASH_BRIDGE_ON;
+    uint32_t masked;
+    __asm volatile("mrs %0, primask\n\tcpsid i" : "=r"(masked)::"memory");
+    if (!bridge_is_on()) {
+        FLASH->KEYR = FLASH_UNLOCK_FIRST;
+        FLASH->KEYR = FLASH_UNLOCK_SECOND;
+        status = FLASH_OK;
+        if (!ram_operate(control, to, value)) {
+            status = (control & FLASH_CR_PG) != 0 ? FLASH_WRITE_FAILED : FLASH_ERASE_FAILED;
+        }
+    }
+    __asm volatile("msr primask, %0" ::"r"(masked) : "memory");
     return status;
 }
 
-flash_status_t flash_write_configuration(const void *bytes, uint32_t size_bytes)
+flash_status_t flash_erase(flash_sector_t sector)
 {
-    if (size_bytes > flash_configuration().size_bytes || size_bytes % 4U != 0) {
+    const uint32_t number = (uint32_t)FIRST_SECTOR + (uint32_t)sector;
+    return operate(FLASH_CR_SER | (number << FLASH_CR_SNB_Pos), 0, 0);
+}
+
+flash_status_t flash_program(flash_sector_t sector, uint32_t at_bytes, const void *words,
+                             uint32_t size_bytes)
+{
+    const flash_image_t whole = flash_sector(sector);
+    if (at_bytes > whole.size_bytes || size_bytes > whole.size_bytes - at_bytes ||
+        (at_bytes | size_bytes) % 4U != 0) {
         return FLASH_TOO_LARGE;
     }
-    __asm volatile("cpsid i" ::: "memory"); /* every handler is in flash */
-    FLASH->KEYR = FLASH_UNLOCK_FIRST;
-    FLASH->KEYR = FLASH_UNLOCK_SECOND;
-    volatile uint32_t *const sector = (volatile uint32_t *)(uintptr_t)link_configuration_begin;
-    const flash_status_t status = ram_replace(sector, (const uint32_t *)bytes, size_bytes / 4U);
-    __asm volatile("cpsie i" ::: "memory");
+    volatile uint32_t *const to =
+        (volatile uint32_t *)((uintptr_t)whole.begin + (uintptr_t)at_bytes);
+    const uint32_t *const from = (const uint32_t *)words;
+    flash_status_t status = FLASH_OK;
+    for (uint32_t i = 0; i < size_bytes / 4U && status == FLASH_OK; i++) {
+        status = operate(FLASH_CR_PG, &to[i], from[i]);
+    }
     return status;
 }

@@ -23,6 +23,6 @@ endfunction()
 
 expect(boot_vectors 08000000 "the core reads stack and entry from the start of the flash")
 expect(${CONFIG} 08004000 "the configuration begins sector 1, so that it can be flashed alone")
-expect(link_configuration_end 08008000 "sector 1 holds nothing else")
-expect(vectors 08008000 "the vector table begins the checked image, aligned to 512 bytes")
+expect(link_sector_5 08020000 "sectors 1 to 4 hold no program")
+expect(vectors 08020000 "the vector table begins the checked image, aligned to 512 bytes")
 expect(link_stack_begin 20000000 "an overflowing stack must leave RAM and fault")

@@ -12,23 +12,32 @@ chip_test(chip_boots_and_brakes stop "$<TARGET_FILE:hubfoc_stm32f405>")
 chip_test(chip_answers_faults faults "$<TARGET_FILE:hubfoc_stm32f405>")
 chip_test(chip_gate_driver_protects driver "$<TARGET_FILE:hubfoc_stm32f405>")
 
-# Errors planted in the driver, of which the model must find each:
-# planted(NAME FILE OLD NEW [LABEL]): the image with OLD replaced by NEW in one file of the port.
-# Those that only the whole stop finds are labelled full, but for two.
-function(planted name file old new)
-  if(NOT HUBFOC_PYTHON) # pwm_interrupt_budget says so
-    return()
-  endif()
+# The supply fails in the middle of an update of the configuration (chip/cuts.c).
+set(chip_cuts "${PROJECT_SOURCE_DIR}/build/host/tests/target/chip/chip_cuts")
+add_test(NAME chip_keeps_a_configuration_when_the_supply_fails
+  COMMAND "${chip_cuts}" "$<TARGET_FILE:hubfoc_stm32f405>" 8 1)
+set_tests_properties(chip_keeps_a_configuration_when_the_supply_fails
+  PROPERTIES LABELS target TIMEOUT 120)
+add_test(NAME chip_keeps_a_configuration_in_1000_failures_of_the_supply
+  COMMAND "${chip_cuts}" "$<TARGET_FILE:hubfoc_stm32f405>" 1000 100 crystal)
+set_tests_properties(chip_keeps_a_configuration_in_1000_failures_of_the_supply
+  PROPERTIES LABELS "target;full" TIMEOUT 3600)
+
+# Errors planted in the driver, of which the model must find each.
+# planted_image(NAME FOLDER FILE OLD NEW): the image with OLD replaced by NEW in one file of the
+# port or of the application.
+function(planted_image name folder file old new)
   set(port "${PROJECT_SOURCE_DIR}/hal/stm32f405")
-  file(READ "${port}/${file}" text)
+  set(folder "${PROJECT_SOURCE_DIR}/${folder}")
+  file(READ "${folder}/${file}" text)
   string(FIND "${text}" "${old}" at)
   if(at EQUAL -1)
-    message(FATAL_ERROR "planted error ${name}: '${old}' is not in hal/stm32f405/${file}")
+    message(FATAL_ERROR "planted error ${name}: '${old}' is not in ${folder}/${file}")
   endif()
   string(REPLACE "${old}" "${new}" text "${text}")
   set(copy "${CMAKE_CURRENT_BINARY_DIR}/planted/${name}/${file}")
   file(CONFIGURE OUTPUT "${copy}" CONTENT "${text}" @ONLY)
-  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${port}/${file}")
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${folder}/${file}")
   get_filename_component(stem "${file}" NAME_WE)
   set(target planted_${name})
   add_executable(${target} "${copy}"
@@ -43,6 +52,16 @@ function(planted name file old new)
   add_custom_command(TARGET ${target} POST_BUILD
     COMMAND "${HUBFOC_PYTHON}" "${PROJECT_SOURCE_DIR}/tests/target/chip/seal.py"
       "${CMAKE_OBJCOPY}" "$<TARGET_FILE:${target}>" VERBATIM)
+endfunction()
+
+# planted(NAME FILE OLD NEW [LABEL]): found in a stop. Those that only the whole stop finds are
+# labelled full, but for two.
+function(planted name file old new)
+  if(NOT HUBFOC_PYTHON) # pwm_interrupt_budget says so
+    return()
+  endif()
+  planted_image(${name} hal/stm32f405 ${file} "${old}" "${new}")
+  set(target planted_${name})
   if(name STREQUAL "no_error")
     chip_test(chip_finds_no_error stop "$<TARGET_FILE:${target}>")
   elseif(file STREQUAL "gate_driver.c")
@@ -80,3 +99,29 @@ planted(a_watchdog_not_fed watchdog.c "void watchdog_feed(void)
     IWDG->KR = IWDG_KR_KEY_RELOAD;" "void watchdog_feed(void)
 {")
 planted(a_timer_without_its_clock inverter.c "RCC->APB2ENR |= RCC_APB2ENR_TIM1EN;" "")
+
+# planted_cut(NAME FOLDER FILE OLD NEW): found by cuts of the supply.
+function(planted_cut name folder file old new)
+  if(NOT HUBFOC_PYTHON)
+    return()
+  endif()
+  planted_image(${name} ${folder} ${file} "${old}" "${new}")
+  add_test(NAME chip_finds_${name}
+    COMMAND "${chip_cuts}" "$<TARGET_FILE:planted_${name}>" 32 0 planted)
+  set_tests_properties(chip_finds_${name} PROPERTIES LABELS "target;full" TIMEOUT 300)
+endfunction()
+planted_cut(an_erase_of_another_sector hal/stm32f405 flash.c "FIRST_SECTOR = 1" "FIRST_SECTOR = 2")
+set(store firmware/app config_store.c)
+planted_cut(a_configuration_replaced_in_place ${store}
+  "old.sector == FLASH_CONFIGURATION_A ? FLASH_CONFIGURATION_B : FLASH_CONFIGURATION_A"
+  "old.sector")
+planted_cut(a_mark_before_its_image ${store} "flash_status_t status = flash_erase(to);"
+  "flash_status_t status = flash_erase(to);
+   (void)flash_program(to, mark_at, mark, sizeof mark);")
+planted_cut(an_old_configuration_given_up_first ${store} "flash_status_t status = flash_erase(to);"
+  "static const uint32_t NONE[2] = {0, 0};
+   (void)flash_program(old.sector, mark_at, NONE, sizeof NONE);
+   flash_status_t status = flash_erase(to);")
+planted_cut(a_mark_without_its_check ${store} "return mark[1] == ~mark[0]"
+  "return mark[0] != UINT32_MAX")
+planted_cut(a_sector_that_is_not_erased ${store} "status = flash_erase(to)" "status = FLASH_OK")

@@ -9,22 +9,17 @@ readonly PYOCD_TARGET=stm32f405rg
 
 # flash_openocd all|config IMAGE PROBE, where IMAGE is the path of the ELF without its ending
 flash_openocd() {
-    local what=$1 image=$2 probe=$3 file=$2.elf address=''
-    if [[ $what == config ]]; then
-        file=${image}_config.bin
-        address=$(config_address "$image.elf")
-    fi
+    local what=$1 image=$2 probe=$3 file=$2.elf
+    [[ $what == all ]] || file=${image}_config_probe.hex
     ensure_packages openocd
     flash_with "$probe" openocd -f "interface/$probe.cfg" -f target/stm32f4x.cfg \
-        -c "program {$file} $address verify reset exit"
+        -c "program {$file} verify reset exit"
 }
 
 # flash_pyocd all|config IMAGE
 flash_pyocd() {
-    local what=$1 image=$2 pyocd=$VENV/bin/pyocd arguments=("$2.hex")
-    if [[ $what == config ]]; then
-        arguments=(--base-address "$(config_address "$image.elf")" "${image}_config.bin")
-    fi
+    local what=$1 image=$2 pyocd=$VENV/bin/pyocd file=$2.hex
+    [[ $what == all ]] || file=${image}_config_probe.hex
     ensure sim
     if [[ ! -x $pyocd ]]; then
         run_logged "Installing pyOCD into .dev/venv" pyocd install_pyocd ||
@@ -39,7 +34,7 @@ flash_pyocd() {
                 "tools/dev flash --with openocd"
     fi
     flash_with "any that pyOCD knows" "$pyocd" flash --target "$PYOCD_TARGET" --no-wait \
-        "${arguments[@]}"
+        "$file"
 }
 
 # pyOCD may bring packages of its own but not change the version of one of the project's.
@@ -84,15 +79,6 @@ answer_with() {
         if [[ $ANSWER =~ $1 ]]; then return; fi
     done
     return 1
-}
-
-# Where the configuration lies in flash. The linker decided that; asking its product keeps the
-# address in one place.
-config_address() {
-    local address
-    address=$(arm-none-eabi-objdump -h "$1" | awk '$2 == ".hubfoc_config" { print "0x" $5 }')
-    [[ -n $address ]] || fail "flash: no section .hubfoc_config in ${1#"$ROOT"/}"
-    printf '%s\n' "$address"
 }
 
 pyocd_knows_target() { "$1" list --targets 2>/dev/null | grep -qw "$PYOCD_TARGET"; }

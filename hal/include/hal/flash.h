@@ -1,7 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * flash.h: the two images in non-volatile memory: the firmware, and the configuration in an erase
- * sector of its own.
+ * flash.h: non-volatile memory: the firmware's image, and four erase sectors that the application
+ * writes. What is in them is the application's (app/config_store.h).
+ *
+ * Programming only clears bits. While a sector is erased or a word is programmed the core stands
+ * still or executes from RAM without interrupts, up to a second for an erase: refused while the
+ * bridge switches, because the timer would repeat its last compare values all that time. When the
+ * supply fails meanwhile, the word or sector in work holds anything; the others are not touched.
  */
 #ifndef HAL_FLASH_H
 #define HAL_FLASH_H
@@ -15,24 +20,36 @@ typedef struct {
 } flash_image_t;
 
 typedef enum {
+    FLASH_CONFIGURATION_A = 0, /* where the build and a debug probe put the configuration */
+    FLASH_CONFIGURATION_B,
+    FLASH_JOURNAL_A,
+    FLASH_JOURNAL_B,
+    FLASH_SECTORS
+} flash_sector_t;
+
+typedef enum {
     FLASH_OK = 0,
-    FLASH_TOO_LARGE,    /* more bytes than the sector holds; the sector was not erased */
-    FLASH_ERASE_FAILED, /* the sector's content is undefined: the configuration will be refused at
-                           the next boot */
-    FLASH_WRITE_FAILED, /* likewise */
-    FLASH_UNSUPPORTED   /* this port has no programmable memory */
+    FLASH_TOO_LARGE,    /* beyond the sector's end, or not whole words; nothing was done */
+    FLASH_BRIDGE_ON,    /* the bridge switches; nothing was done */
+    FLASH_ERASE_FAILED, /* the sector's content is undefined */
+    FLASH_WRITE_FAILED, /* the word in work is undefined, those behind it are as they were */
+    FLASH_UNSUPPORTED   /* this port has no such sector */
 } flash_status_t;
 
-/* The whole sector that holds the configuration; an erased one reads as 0xFF. */
-flash_image_t flash_configuration(void);
+/* The whole sector; an erased one reads as 0xFF. Size 0: this port has none. */
+flash_image_t flash_sector(flash_sector_t sector);
 
 /* The constant part of the firmware, and its CRC-32 (IEEE 802.3) from the build. */
 flash_image_t flash_firmware(void);
 uint32_t flash_firmware_crc32(void);
 
-/* Replaces the configuration. The core is stalled, or only feeds the watchdog, for up to a second,
- * without interrupts: only with the bridge off and the motor at rest, and followed by a restart.
- * Background context. */
-flash_status_t flash_write_configuration(const void *bytes, uint32_t size_bytes);
+/* Erases a sector; the watchdog is fed. Background context. */
+flash_status_t flash_erase(flash_sector_t sector);
+
+/* Programs whole words, from the lowest address up, and compares each; ends at the first one that
+ * is wrong. `at_bytes` and `size_bytes` are multiples of four. Interrupts wait for one word at a
+ * time, 16 us, at most 100 us. Background context. */
+flash_status_t flash_program(flash_sector_t sector, uint32_t at_bytes, const void *words,
+                             uint32_t size_bytes);
 
 #endif

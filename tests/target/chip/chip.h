@@ -86,6 +86,9 @@ typedef struct chip chip_t;
 chip_t *chip_open(const char *elf_path);
 void chip_close(chip_t *chip);
 
+/* What is random from here on: content of the RAM at power-on, bits of a cut flash operation. */
+void chip_seed(chip_t *chip, uint32_t seed);
+
 /* Takes the supply away and gives it back: RAM is random, flash stays. */
 void chip_power_cycle(chip_t *chip);
 

@@ -2,13 +2,11 @@
 /* Erasing and programming (RM0090 section 3.6), and a supply that fails in the middle of either. */
 #include "parts.h"
 
-enum {
-    SECTOR_ERASE_ms = 250, /* 16 KiB, typical (data sheet, table 40) */
-    WORD_us = 16,
-    WORDS_PSIZE = 2,
-    SECTORS = 12,
-    SMALL_SECTOR_BYTES = 16 << 10
-};
+enum { WORD_us = 16, WORDS_PSIZE = 2, SECTORS = 12, SMALL_SECTOR_BYTES = 16 << 10 };
+/* Typical, 32 bits at a time (data sheet, table 40). */
+enum { ERASE_16_KIB_ms = 250, ERASE_64_KIB_ms = 550, ERASE_128_KIB_ms = 1000 };
+/* The sectors that the program may write; the first and those behind them hold the program. */
+enum { FIRST_FREE_SECTOR = 1, LAST_FREE_SECTOR = 4 };
 static const uint32_t FIRST_KEY = 0x45670123, SECOND_KEY = 0xCDEF89AB;
 
 void chip_flash_reset(chip_t *chip)
@@ -55,23 +53,62 @@ static uint32_t word_at(chip_t *chip, uint32_t address)
     return value;
 }
 
+static uint32_t erase_ms(uint32_t sector)
+{
+    return sector < 4 ? ERASE_16_KIB_ms : (sector == 4 ? ERASE_64_KIB_ms : ERASE_128_KIB_ms);
+}
+
+/* The core cannot read the flash meanwhile (3.6): a bridge that switches repeats its last compare
+ * values. */
+static void check_stall(chip_t *chip, const char *what)
+{
+    if (chip_timer1_drives(chip)) {
+        chip_note(chip, "%s of the flash while the gates switch", what);
+    }
+}
+
+/* A change of these bits that the supply ends: none yet, any, a few, all. The manual promises
+ * nothing about the bits that change; those of other words or sectors stay. */
+typedef enum { NOT_YET, ANY_BIT, A_FEW, ALL, HALF_OF_THE_WORDS, STYLES } partly_t;
+
+static uint32_t partly(chip_t *chip, partly_t style, uint32_t changes)
+{
+    switch (style) {
+    case NOT_YET:
+        return 0;
+    case ANY_BIT:
+        return changes & chip_random(chip);
+    case A_FEW:
+        return changes & chip_random(chip) & chip_random(chip) & chip_random(chip) &
+               chip_random(chip);
+    case HALF_OF_THE_WORDS:
+        return (chip_random(chip) & 1U) != 0 ? changes : 0;
+    case ALL:
+    case STYLES:
+        break;
+    }
+    return changes;
+}
+
 static void erase(chip_t *chip, uint32_t sector)
 {
     if (sector >= SECTORS) {
         chip_note(chip, "erase of sector %u", sector);
         return;
     }
-    if (sector != 1) {
+    if (sector < FIRST_FREE_SECTOR || sector > LAST_FREE_SECTOR) {
         chip_note(chip, "erase of sector %u, which holds the program", sector);
     }
     const uint32_t begin = CHIP_FLASH_BASE + sector_begin(sector);
     const uint32_t end = CHIP_FLASH_BASE + sector_begin(sector + 1U);
+    check_stall(chip, "erase");
     const bool cut = is_cut(chip);
+    const partly_t style = cut ? (partly_t)(chip_random(chip) % STYLES) : ALL;
     for (uint32_t at = begin; at < end; at += 4U) {
-        /* Erased in part: any bit may still be as it was. */
-        set_word(chip, at, cut ? word_at(chip, at) | chip_random(chip) : UINT32_MAX);
+        const uint32_t before = word_at(chip, at);
+        set_word(chip, at, before | partly(chip, style, ~before));
     }
-    chip->flash.busy = chip->now + SECTOR_ERASE_ms * 1000ULL * CHIP_TICKS_PER_US;
+    chip->flash.busy = chip->now + erase_ms(sector) * 1000ULL * CHIP_TICKS_PER_US;
 }
 
 static void write_control(chip_t *chip, uint32_t value)
@@ -136,9 +173,10 @@ void chip_flash_program(chip_t *chip, uint32_t address, uint32_t size, uint32_t 
         chip_note(chip, "store of %u bytes to the flash at 0x%08X", size, address);
         *chip_at(chip, CHIP_FLASH_SR) |= CHIP_FLASH_SR_PGSERR;
     } else {
+        check_stall(chip, "programming");
         after = before & value; /* bits are only ever cleared */
         if (is_cut(chip)) {
-            after |= before & chip_random(chip);
+            after = before ^ partly(chip, (partly_t)(chip_random(chip) % STYLES), before ^ after);
         }
         chip->flash.busy = chip->now + WORD_us * CHIP_TICKS_PER_US;
     }

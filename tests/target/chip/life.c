@@ -26,6 +26,14 @@ uint32_t chip_random(chip_t *chip)
     return chip->random >> 16 | chip->random << 16;
 }
 
+void chip_seed(chip_t *chip, uint32_t seed)
+{
+    chip->random = seed;
+    for (int i = 0; i < 4; i++) { /* neighbouring seeds part */
+        (void)chip_random(chip);
+    }
+}
+
 static bool load(chip_t *chip, const char *path)
 {
     FILE *file = fopen(path, "rb");

@@ -208,6 +208,8 @@ bool chip_timer1_write(chip_t *chip, uint32_t address, uint32_t value);
 uint32_t chip_timer1_read(chip_t *chip, uint32_t address);
 chip_ticks_t chip_timer1_next(chip_t *chip);
 void chip_timer1_events(chip_t *chip);
+/* The counter runs and its outputs are enabled. */
+bool chip_timer1_drives(const chip_t *chip);
 
 /* converters.c */
 void chip_adc_reset(chip_t *chip);

@@ -9,7 +9,7 @@ import sys
 import zlib
 from pathlib import Path
 
-OUTSIDE = (".boot_vectors", ".hubfoc_config", ".image_crc")
+OUTSIDE = (".boot_vectors", ".hubfoc_config", ".hubfoc_config_mark", ".image_crc")
 
 
 def main(objcopy: str, elf: str) -> None:

@@ -315,6 +315,11 @@ chip_gates_t chip_gates(chip_t *chip)
     return gates;
 }
 
+bool chip_timer1_drives(const chip_t *chip)
+{
+    return chip->timer1.runs && (chip_get(chip, CHIP_TIM1_BDTR) & CHIP_TIM1_BDTR_MOE) != 0;
+}
+
 bool chip_low_side_may_conduct(chip_t *chip, unsigned leg)
 {
     const chip_timer1_t *timer = &chip->timer1;

@@ -203,15 +203,38 @@ void test_watchdog_resets_only_when_it_is_not_fed(void)
 
 void test_configuration_sector_contains_the_image_and_is_erased_after_it(void)
 {
-    const flash_image_t image = flash_configuration();
+    const flash_image_t image = flash_sector(FLASH_CONFIGURATION_A);
     const uint8_t *bytes = image.begin;
     TEST_ASSERT_EQUAL_UINT8(4, bytes[3]);
     TEST_ASSERT_EQUAL_UINT8(0xFF, bytes[4]);
     TEST_ASSERT_EQUAL_UINT8(0xFF, bytes[image.size_bytes - 1]);
-    TEST_ASSERT_EQUAL_INT(FLASH_OK,
-                          flash_write_configuration("\x09\x08\x07\x06\x05\x04\x03\x02", 8));
-    TEST_ASSERT_EQUAL_UINT8(9, bytes[0]);
-    TEST_ASSERT_EQUAL_INT(FLASH_TOO_LARGE, flash_write_configuration(bytes, HOST_FLASH_BYTES + 4));
+}
+
+void test_flash_is_erased_as_a_sector_and_programming_only_clears_bits(void)
+{
+    const uint8_t *other = flash_sector(FLASH_JOURNAL_B).begin;
+    TEST_ASSERT_EQUAL_INT(FLASH_OK, flash_program(FLASH_JOURNAL_B, 4, "\x09\x08\x07\x06", 4));
+    TEST_ASSERT_EQUAL_UINT8(9, other[4]);
+    TEST_ASSERT_EQUAL_INT(FLASH_WRITE_FAILED,
+                          flash_program(FLASH_JOURNAL_B, 4, "\x06\x08\x07\x06", 4));
+    TEST_ASSERT_EQUAL_UINT8(0, other[4]);
+    TEST_ASSERT_EQUAL_INT(FLASH_TOO_LARGE,
+                          flash_program(FLASH_JOURNAL_B, HOST_FLASH_BYTES, "\x06\x08\x07\x06", 4));
+    TEST_ASSERT_EQUAL_INT(FLASH_OK, flash_erase(FLASH_JOURNAL_B));
+    TEST_ASSERT_EQUAL_UINT8(0xFF, other[4]);
+    const uint8_t *configuration = flash_sector(FLASH_CONFIGURATION_A).begin;
+    TEST_ASSERT_EQUAL_UINT8(4, configuration[3]);
+}
+
+void test_flash_is_neither_erased_nor_programmed_while_the_bridge_switches(void)
+{
+    (void)start(20000);
+    host_step();
+    TEST_ASSERT_EQUAL_INT(FLASH_BRIDGE_ON, flash_erase(FLASH_JOURNAL_A));
+    TEST_ASSERT_EQUAL_INT(FLASH_BRIDGE_ON,
+                          flash_program(FLASH_JOURNAL_A, 0, "\x09\x08\x07\x06", 4));
+    inverter_trip();
+    TEST_ASSERT_EQUAL_INT(FLASH_OK, flash_erase(FLASH_JOURNAL_A));
 }
 
 void test_run_ends_after_the_requested_number_of_periods(void)

@@ -4,8 +4,8 @@
  *
  *     installer_open()    from here on all received bytes go to the installer
  *     installer_receive()    Intel HEX (comms/intel_hex.h) of one whole config_t
- *     installer_write()   bridge off, the sector is written; the caller then stops feeding
- *                         the watchdog, which restarts the core
+ *     installer_write()   bridge off, the other sector is written (config_store.h); the caller then
+ *                         stops feeding the watchdog, which restarts the core
  *
  * Control continues unchanged until the last record has arrived and config_validate() has accepted
  * the whole image. Background context.
@@ -59,8 +59,8 @@ void installer_tick(installer_t *installer, uint32_t now_ms);
 void installer_text(const installer_t *installer, text_t *line);
 
 /* Writes the received configuration to flash. Preconditions: INSTALLER_ACCEPTED, the wheel at
- * standstill, and no control step runs any more, because the configuration that it reads is erased.
- * False, with the reason in `line`, if the memory could not be written. */
+ * standstill, and no control step runs any more, because the core stands still meanwhile. False,
+ * with the reason in `line`, if the memory could not be written. */
 bool installer_write(const installer_t *installer, text_t *line);
 
 #endif

@@ -13,10 +13,21 @@
 #include "mock_watchdog.h"
 #include "unity.h"
 
-static config_t config;
+static struct {
+    config_t config;
+    uint32_t mark[2]; /* none: app/config_store.h */
+} sector;
+static flash_image_t sector_a;
 static analog_scale_t scale;
 static bool rotor_sensor_there;
 static volatile uint32_t window[16];
+
+static flash_image_t give_sector(flash_sector_t asked, int calls)
+{
+    const flash_image_t none = {NULL, 0};
+    (void)calls;
+    return asked == FLASH_CONFIGURATION_A ? sector_a : none;
+}
 
 /* A board without any fault; each test changes one condition. */
 static void expect_board(bool clock_good, const void *configuration, uint32_t configuration_bytes,
@@ -24,7 +35,8 @@ static void expect_board(bool clock_good, const void *configuration, uint32_t co
 {
     const memory_window_t unused = {window, 16};
     const flash_image_t firmware = {"123456789", 9};
-    const flash_image_t image = {configuration, configuration_bytes};
+    sector_a.begin = configuration;
+    sector_a.size_bytes = configuration_bytes + (uint32_t)sizeof sector.mark;
     time_init_ExpectAndReturn(clock_good);
     watchdog_caused_reset_ExpectAndReturn(false);
     memory_unused_ExpectAndReturn(unused);
@@ -32,21 +44,21 @@ static void expect_board(bool clock_good, const void *configuration, uint32_t co
     serial_init_Expect(BOOT_SERIAL_BIT_RATE);
     flash_firmware_ExpectAndReturn(firmware);
     flash_firmware_crc32_ExpectAndReturn(firmware_crc32);
-    flash_configuration_ExpectAndReturn(image);
+    flash_sector_StubWithCallback(give_sector);
 }
 
 static void expect_ports(inverter_status_t status)
 {
     static inverter_settings_t settings;
-    settings.pwm_frequency_Hz = (uint32_t)config.drive.pwm_frequency_Hz;
-    settings.pwm_period_counts = (uint32_t)config.drive.pwm_period_counts;
-    settings.dead_time_ns = (uint32_t)config.drive.dead_time_ns;
+    settings.pwm_frequency_Hz = (uint32_t)sector.config.drive.pwm_frequency_Hz;
+    settings.pwm_period_counts = (uint32_t)sector.config.drive.pwm_period_counts;
+    settings.dead_time_ns = (uint32_t)sector.config.drive.dead_time_ns;
     static const rotor_sensor_kind_t KINDS[] = {
         [CONFIG_ROTOR_ANGLE] = ROTOR_SENSOR_ANGLE,
         [CONFIG_ROTOR_HALL] = ROTOR_SENSOR_HALL,
         [CONFIG_ROTOR_ENCODER] = ROTOR_SENSOR_ENCODER,
     };
-    rotor_sensor_init_ExpectAndReturn(KINDS[config.rotor.sensor], rotor_sensor_there);
+    rotor_sensor_init_ExpectAndReturn(KINDS[sector.config.rotor.sensor], rotor_sensor_there);
     inverter_init_ExpectAndReturn(&settings, status);
 }
 
@@ -60,9 +72,9 @@ static analog_scale_t scale_of_board(int calls)
 
 void setUp(void)
 {
-    config = CONFIG_IMAGE;
-    scale.current_full_scale_mA = config.drive.current_full_scale_mA;
-    scale.voltage_full_scale_mV = config.drive.voltage_full_scale_mV;
+    sector.config = CONFIG_IMAGE;
+    scale.current_full_scale_mA = sector.config.drive.current_full_scale_mA;
+    scale.voltage_full_scale_mV = sector.config.drive.voltage_full_scale_mV;
     analog_scale_Stub(scale_of_board);
     rotor_sensor_there = true;
 }
@@ -71,13 +83,13 @@ void tearDown(void) {}
 
 void test_a_board_without_fault_starts_control(void)
 {
-    expect_board(true, &config, sizeof config, (uint32_t)GOOD_CRC32);
+    expect_board(true, &sector.config, sizeof sector.config, (uint32_t)GOOD_CRC32);
     expect_ports(INVERTER_OK);
     const boot_report_t report = boot_run();
     TEST_ASSERT_TRUE(boot_config_accepted(&report));
     TEST_ASSERT_TRUE(boot_selftest_passed(&report));
     TEST_ASSERT_TRUE(boot_may_control(&report));
-    TEST_ASSERT_EQUAL_PTR(&config, report.config);
+    TEST_ASSERT_EQUAL_PTR(&sector.config, report.config);
 }
 
 static bool line_may_interrupt;
@@ -100,7 +112,7 @@ static memory_window_t give_away_memory(int calls)
 void test_memory_is_tested_before_interrupts_are_enabled(void)
 {
     line_may_interrupt = false;
-    expect_board(true, &config, sizeof config, (uint32_t)GOOD_CRC32);
+    expect_board(true, &sector.config, sizeof sector.config, (uint32_t)GOOD_CRC32);
     expect_ports(INVERTER_OK);
     serial_init_AddCallback(start_line);
     memory_unused_AddCallback(give_away_memory);
@@ -110,13 +122,13 @@ void test_memory_is_tested_before_interrupts_are_enabled(void)
 
 void test_a_board_without_the_configured_rotor_sensor_does_not_start_control(void)
 {
-    config.rotor.encoder_counts = 4096;
+    sector.config.rotor.encoder_counts = 4096;
     for (int32_t sensor = CONFIG_ROTOR_ANGLE; sensor <= CONFIG_ROTOR_ENCODER; sensor++) {
         for (int there = 0; there <= 1; there++) {
             rotor_sensor_there = there != 0;
-            config.rotor.sensor = sensor;
-            config.crc32 = config_crc32(&config, (uint32_t)offsetof(config_t, crc32));
-            expect_board(true, &config, sizeof config, (uint32_t)GOOD_CRC32);
+            sector.config.rotor.sensor = sensor;
+            sector.config.crc32 = config_crc32(&sector.config, (uint32_t)offsetof(config_t, crc32));
+            expect_board(true, &sector.config, sizeof sector.config, (uint32_t)GOOD_CRC32);
             expect_ports(INVERTER_OK);
             const boot_report_t report = boot_run();
             TEST_ASSERT_EQUAL(there != 0, boot_may_control(&report));
@@ -128,9 +140,9 @@ void test_a_board_without_the_configured_rotor_sensor_does_not_start_control(voi
  * tolerance of shunts and dividers. */
 void test_a_configuration_for_other_shunts_or_dividers_is_refused_with_both_numbers(void)
 {
-    const int32_t of_image = config.drive.current_full_scale_mA;
+    const int32_t of_image = sector.config.drive.current_full_scale_mA;
     scale.current_full_scale_mA = 2 * of_image;
-    expect_board(true, &config, sizeof config, (uint32_t)GOOD_CRC32);
+    expect_board(true, &sector.config, sizeof sector.config, (uint32_t)GOOD_CRC32);
     boot_report_t report = boot_run();
     TEST_ASSERT_FALSE(boot_may_control(&report));
     TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_RANGE, report.config_result.code);
@@ -141,8 +153,8 @@ void test_a_configuration_for_other_shunts_or_dividers_is_refused_with_both_numb
     TEST_ASSERT_EQUAL_INT32(2 * of_image + of_image / 10, report.config_result.highest);
 
     scale.current_full_scale_mA = of_image + of_image / 25;
-    scale.voltage_full_scale_mV = config.drive.voltage_full_scale_mV / 2;
-    expect_board(true, &config, sizeof config, (uint32_t)GOOD_CRC32);
+    scale.voltage_full_scale_mV = sector.config.drive.voltage_full_scale_mV / 2;
+    expect_board(true, &sector.config, sizeof sector.config, (uint32_t)GOOD_CRC32);
     report = boot_run();
     TEST_ASSERT_FALSE(boot_may_control(&report));
     TEST_ASSERT_EQUAL_STRING("drive.voltage_full_scale_mV on this board",
@@ -153,7 +165,7 @@ void test_a_board_without_shunts_and_dividers_takes_any_scale(void)
 {
     scale.current_full_scale_mA = 0;
     scale.voltage_full_scale_mV = 0;
-    expect_board(true, &config, sizeof config, (uint32_t)GOOD_CRC32);
+    expect_board(true, &sector.config, sizeof sector.config, (uint32_t)GOOD_CRC32);
     expect_ports(INVERTER_OK);
     const boot_report_t report = boot_run();
     TEST_ASSERT_TRUE(boot_may_control(&report));
@@ -162,9 +174,9 @@ void test_a_board_without_shunts_and_dividers_takes_any_scale(void)
 /* Without an expectation for inverter and rotor sensor, a call of either fails the test. */
 void test_refused_configuration_starts_neither_bridge_nor_rotor_sensor(void)
 {
-    config.motor.pole_pairs = 0;
-    config.crc32 = config_crc32(&config, (uint32_t)offsetof(config_t, crc32));
-    expect_board(true, &config, sizeof config, (uint32_t)GOOD_CRC32);
+    sector.config.motor.pole_pairs = 0;
+    sector.config.crc32 = config_crc32(&sector.config, (uint32_t)offsetof(config_t, crc32));
+    expect_board(true, &sector.config, sizeof sector.config, (uint32_t)GOOD_CRC32);
     const boot_report_t report = boot_run();
     TEST_ASSERT_FALSE(boot_may_control(&report));
     TEST_ASSERT_EQUAL_STRING("motor.pole_pairs", report.config_result.field);
@@ -175,15 +187,15 @@ void test_erased_flash_sector_is_refused(void)
 {
     uint8_t erased[sizeof(config_t)];
     memset(erased, 0xFF, sizeof erased);
-    memcpy(&config, erased, sizeof config);
-    expect_board(true, &config, sizeof config, (uint32_t)GOOD_CRC32);
+    memcpy(&sector.config, erased, sizeof sector.config);
+    expect_board(true, &sector.config, sizeof sector.config, (uint32_t)GOOD_CRC32);
     const boot_report_t report = boot_run();
     TEST_ASSERT_FALSE(boot_config_accepted(&report));
 }
 
 void test_sector_smaller_than_the_image_is_refused_unread(void)
 {
-    expect_board(true, &config, sizeof config - 4, (uint32_t)GOOD_CRC32);
+    expect_board(true, &sector.config, sizeof sector.config - 4, (uint32_t)GOOD_CRC32);
     const boot_report_t report = boot_run();
     TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_SIZE, report.config_result.code);
     TEST_ASSERT_FALSE(boot_may_control(&report));
@@ -191,7 +203,7 @@ void test_sector_smaller_than_the_image_is_refused_unread(void)
 
 void test_without_the_crystal_clock_inverter_and_can_are_not_started(void)
 {
-    expect_board(false, &config, sizeof config, (uint32_t)GOOD_CRC32);
+    expect_board(false, &sector.config, sizeof sector.config, (uint32_t)GOOD_CRC32);
     const boot_report_t report = boot_run();
     TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, report.config_result.code);
     TEST_ASSERT_FALSE(boot_may_control(&report));
@@ -199,7 +211,7 @@ void test_without_the_crystal_clock_inverter_and_can_are_not_started(void)
 
 void test_wrong_firmware_crc_fails_the_self_test_and_is_reported(void)
 {
-    expect_board(true, &config, sizeof config, (uint32_t)GOOD_CRC32 + 1U);
+    expect_board(true, &sector.config, sizeof sector.config, (uint32_t)GOOD_CRC32 + 1U);
     expect_ports(INVERTER_OK);
     const boot_report_t report = boot_run();
     TEST_ASSERT_FALSE(boot_selftest_passed(&report));
@@ -212,7 +224,7 @@ void test_configuration_beyond_the_board_s_timer_is_refused(void)
                                             INVERTER_DEAD_TIME_UNSUPPORTED, INVERTER_TIMER_UNREADY,
                                             INVERTER_CONVERTER_UNREADY, INVERTER_DRIVER_UNREADY};
     for (size_t i = 0; i < sizeof BAD / sizeof BAD[0]; i++) {
-        expect_board(true, &config, sizeof config, (uint32_t)GOOD_CRC32);
+        expect_board(true, &sector.config, sizeof sector.config, (uint32_t)GOOD_CRC32);
         expect_ports(BAD[i]);
         const boot_report_t report = boot_run();
         TEST_ASSERT_FALSE(boot_config_accepted(&report));

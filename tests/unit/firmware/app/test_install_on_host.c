@@ -5,9 +5,9 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "app/config_store.h"
 #include "board_rig.h"
 #include "config/validate.h"
-#include "hal/flash.h"
 #include "hal/inverter.h"
 #include "unity.h"
 
@@ -66,7 +66,7 @@ void test_configuration_installed_at_standstill_is_used_after_the_restart(void)
     TEST_ASSERT_TRUE_MESSAGE(host_watchdog_bit(), "it is the watchdog that restarts the core");
 
     static config_t kept;
-    memcpy(&kept, flash_configuration().begin, sizeof kept);
+    memcpy(&kept, config_store_in_force().image.begin, sizeof kept);
     connect(&kept);
     app_boot();
     run_for(2000);
@@ -85,12 +85,13 @@ void test_board_without_a_configuration_accepts_one(void)
     run_for(100);
     send_configuration(&CONFIG_IMAGE);
     run_for(2000);
-    TEST_ASSERT_EQUAL_MEMORY(&CONFIG_IMAGE, flash_configuration().begin, sizeof CONFIG_IMAGE);
+    TEST_ASSERT_EQUAL_MEMORY(&CONFIG_IMAGE, config_store_in_force().image.begin,
+                             sizeof CONFIG_IMAGE);
 }
 
 static bool configuration_unchanged(void)
 {
-    return memcmp(&CONFIG_IMAGE, flash_configuration().begin, sizeof CONFIG_IMAGE) == 0;
+    return memcmp(&CONFIG_IMAGE, config_store_in_force().image.begin, sizeof CONFIG_IMAGE) == 0;
 }
 
 void test_refused_configuration_leaves_the_stored_one_and_the_controller_running(void)

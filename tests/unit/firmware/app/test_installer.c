@@ -126,12 +126,34 @@ static void trip(int calls)
     tripped = true;
 }
 
-static flash_status_t write_configuration(const void *bytes, uint32_t size_bytes, int calls)
+static flash_image_t give_sector(flash_sector_t sector, int calls)
+{
+    static const uint8_t ERASED[16384];
+    const flash_image_t image = {ERASED, sizeof ERASED};
+    (void)sector;
+    (void)calls;
+    return image;
+}
+
+static flash_status_t erase_status;
+
+static flash_status_t erase(flash_sector_t sector, int calls)
 {
     (void)calls;
     TEST_ASSERT_TRUE(tripped);
-    TEST_ASSERT_EQUAL_UINT32(sizeof CONFIG_IMAGE, size_bytes);
-    TEST_ASSERT_EQUAL_MEMORY(&CONFIG_IMAGE, bytes, sizeof CONFIG_IMAGE);
+    TEST_ASSERT_EQUAL_INT(FLASH_CONFIGURATION_B, sector);
+    return erase_status;
+}
+
+static flash_status_t program(flash_sector_t sector, uint32_t at_bytes, const void *words,
+                              uint32_t size_bytes, int calls)
+{
+    (void)calls;
+    TEST_ASSERT_EQUAL_INT(FLASH_CONFIGURATION_B, sector);
+    if (at_bytes == 0) {
+        TEST_ASSERT_EQUAL_UINT32(sizeof CONFIG_IMAGE, size_bytes);
+        TEST_ASSERT_EQUAL_MEMORY(&CONFIG_IMAGE, words, sizeof CONFIG_IMAGE);
+    }
     return FLASH_OK;
 }
 
@@ -139,23 +161,27 @@ void test_bridge_is_switched_off_before_the_memory_is_written(void)
 {
     send(&CONFIG_IMAGE, sizeof CONFIG_IMAGE);
     tripped = false;
+    erase_status = FLASH_OK;
     inverter_trip_StubWithCallback(trip);
-    flash_write_configuration_StubWithCallback(write_configuration);
+    flash_sector_StubWithCallback(give_sector);
+    flash_erase_StubWithCallback(erase);
+    flash_program_StubWithCallback(program);
     TEST_ASSERT_TRUE(installer_write(&installer, &line));
     assert_says("written, restarting");
     inverter_trip_StubWithCallback(NULL);
-    flash_write_configuration_StubWithCallback(NULL);
 }
 
 void test_memory_failure_is_reported(void)
 {
-    static const flash_status_t FAILURES[] = {FLASH_TOO_LARGE, FLASH_ERASE_FAILED,
+    static const flash_status_t FAILURES[] = {FLASH_TOO_LARGE, FLASH_BRIDGE_ON, FLASH_ERASE_FAILED,
                                               FLASH_WRITE_FAILED, FLASH_UNSUPPORTED};
+    flash_sector_StubWithCallback(give_sector);
+    flash_erase_StubWithCallback(erase);
     send(&CONFIG_IMAGE, sizeof CONFIG_IMAGE);
     for (size_t i = 0; i < sizeof FAILURES / sizeof FAILURES[0]; i++) {
         inverter_trip_Expect();
-        flash_write_configuration_ExpectAndReturn(installer.image.bytes, sizeof CONFIG_IMAGE,
-                                                  FAILURES[i]);
+        tripped = true;
+        erase_status = FAILURES[i];
         text_clear(&line);
         TEST_ASSERT_FALSE(installer_write(&installer, &line));
         assert_says("FAILED: ");

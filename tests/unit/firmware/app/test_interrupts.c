@@ -49,7 +49,7 @@ void setUp(void)
     memory_stack_free_bytes_IgnoreAndReturn(1000);
     flash_firmware_StubWithCallback(firmware);
     flash_firmware_crc32_StubWithCallback(firmware_crc32);
-    flash_configuration_StubWithCallback(configuration);
+    flash_sector_StubWithCallback(configuration);
     rotor_sensor_init_IgnoreAndReturn(true);
     rotor_sensor_encoder_StubWithCallback(encoder);
     rotor_sensor_angle_turn_IgnoreAndReturn(0);

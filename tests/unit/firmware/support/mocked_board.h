@@ -25,6 +25,7 @@
 
 static struct {
     config_t config;
+    uint32_t mark[2]; /* behind it: none (app/config_store.h) */
     analog_sample_t sample;
     inverter_mode_t mode;
     uint16_t compare_counts[3];
@@ -39,11 +40,12 @@ static struct {
 
 static volatile uint32_t window[4];
 
-static flash_image_t configuration(int calls)
+static flash_image_t configuration(flash_sector_t sector, int calls)
 {
     (void)calls;
-    const flash_image_t image = {&board.config, sizeof board.config};
-    return image;
+    const flash_image_t image = {&board.config, sizeof board.config + sizeof board.mark};
+    const flash_image_t none = {NULL, 0};
+    return sector == FLASH_CONFIGURATION_A ? image : none;
 }
 
 static flash_image_t firmware(int calls)
