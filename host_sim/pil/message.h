@@ -48,7 +48,7 @@ typedef struct {
     uint32_t wheel;     /* of PIL_BEGIN their number */
     uint32_t has_fault; /* 1: of injection.h, even if all are 0 */
     uint32_t reserved;
-    double fault[PIL_FAULTS]; /* PROGRAM_FAULT_PARAMETERS */
+    _Alignas(8) double fault[PIL_FAULTS]; /* PROGRAM_FAULT_PARAMETERS */
     int32_t raw[EXCHANGE_SLOW_INPUT_COUNT];
 } pil_request_t;
 

@@ -136,25 +136,30 @@ find_program(HUBFOC_PYTHON python3 HINTS "${PROJECT_SOURCE_DIR}/.dev/venv/bin"
   DOC "Python of the project's private environment (./tools/dev setup makes it)")
 
 # The engine is the host preset's.
-function(pil_test name timeout labels)
+function(pil_test folder name timeout labels)
   if(HUBFOC_PYTHON)
     add_test(NAME ${name} COMMAND "${HUBFOC_PYTHON}" -m pytest -q -p no:cacheprovider ${ARGN}
-      WORKING_DIRECTORY "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/pil")
+      WORKING_DIRECTORY "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/${folder}")
   else()
     add_test(NAME ${name} COMMAND "${CMAKE_COMMAND}" -DMISSING=python3
       -P "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/prerequisites.cmake")
   endif()
-  set_tests_properties(${name} PROPERTIES TIMEOUT ${timeout} LABELS "target;${labels}"
-    ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1;HUBFOC_BUILD_DIR=${PROJECT_SOURCE_DIR}/build/host")
+  set_tests_properties(${name} PROPERTIES TIMEOUT ${timeout} LABELS "target;${labels}")
+  set_property(TEST ${name} PROPERTY ENVIRONMENT PYTHONDONTWRITEBYTECODE=1
+    "HUBFOC_BUILD_DIR=${PROJECT_SOURCE_DIR}/build/host"
+    "PYTHONPATH=${CMAKE_CURRENT_FUNCTION_LIST_DIR}/pil")
 endfunction()
-pil_test(pil 300 python test_pil.py)
+pil_test(pil pil 300 python test_pil.py)
 file(GLOB scenarios
   CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/host_sim/python/hubsim/scenarios/*.toml")
 foreach(path IN LISTS scenarios)
   cmake_path(GET path STEM scenario)
-  pil_test(pil_${scenario} 3000 "python;full"
+  pil_test(pil pil_${scenario} 3000 "python;full"
     "test_scenarios.py::test_the_emulated_run_is_the_hosts[${scenario}]")
 endforeach()
+
+# Every way to compile and to execute the steps: hours with sanitizers and without optimisation.
+pil_test(matrix bit_exactness 14400 "python;full" test_matrix.py)
 
 # ---- counted instructions ----
 

@@ -27,6 +27,7 @@ from hubsim import (
     console,
     cycles,
     difference,
+    emulator,
     engine,
     evaluation,
     events,
@@ -109,7 +110,7 @@ def run_scenario(options: argparse.Namespace) -> int:
         result = run.simulate(
             name, drive, chosen, beside, patterns if wanted else (), settings.plant,
             lambda now, planned: bar.update(task, completed=int(now), total=int(planned)),
-            date=options.date, processor=options.on,
+            date=options.date, processor=emulator.command() if options.on else None,
         )  # fmt: skip
     evaluated = evaluation.evaluate(chosen, drive, result)
     result = replace(

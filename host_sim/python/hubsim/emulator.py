@@ -11,7 +11,7 @@ import shutil
 import subprocess
 import tempfile
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from regen_table import installation
@@ -25,6 +25,7 @@ ENDED_OFFSET = 8  # PIL_ENDED_OFFSET of host_sim/pil/message.h
 SHARED_MEMORY = Path("/dev/shm")
 PROGRAM = Path("host_sim") / "pil" / "hubfoc_pil.elf"
 PLUGIN = Path("host_sim") / "pil" / "pil_plugin.so"
+Command = Callable[[str], list[str]]
 BRINGS = "./tools/dev hubsim run SCENARIO --on qemu"
 
 
@@ -60,35 +61,43 @@ def _note_end(core: subprocess.Popen[bytes], memory: int) -> None:
     os.pwrite(memory, b"\1", ENDED_OFFSET)
 
 
+def command() -> Command:
+    """Return how the emulator is started; an error if anything is missing."""
+    return machine(*_files())
+
+
+def machine(emulator: str, program: Path, plugin: Path, name: str = MACHINE) -> Command:
+    """Return how an emulated machine with this program is started."""
+    return lambda memory: [
+        *(emulator, "-M", f"{name},memory-backend=ram", "-display", "none"),
+        *("-monitor", "none", "-serial", "null"),
+        *("-semihosting-config", "enable=on,target=native"),
+        *("-object", f"memory-backend-file,id=ram,size={MEMORY_BYTES},mem-path={memory},share=on"),
+        *("-plugin", f"{plugin},memory={memory}"),
+        *("-kernel", str(program)),
+    ]
+
+
 @contextlib.contextmanager
-def emulated(engine: Engine, program: Path | None = None) -> Iterator[None]:
-    """Let an emulated core execute the controllers of an engine that has not started.
+def attached(engine: Engine, start: Command) -> Iterator[None]:
+    """Let another processor execute the controllers of an engine that has not started.
 
     Parameters
     ----------
     engine : Engine
         Whose run begins and ends within the context.
-    program : Path, optional
-        What the core executes instead of the built program, for tests.
+    start : Command
+        Arguments of the program that is or emulates the processor, from the file that is the
+        shared memory.
     """
-    emulator, built, plugin = _files()
     place = SHARED_MEMORY if SHARED_MEMORY.is_dir() else None
     with (
         tempfile.NamedTemporaryFile(prefix=f"hubfoc_pil_{os.getpid()}_", dir=place) as memory,
         tempfile.TemporaryFile() as output,
     ):
         memory.truncate(MEMORY_BYTES)
-        command = [
-            *(emulator, "-M", f"{MACHINE},memory-backend=ram", "-display", "none"),
-            *("-monitor", "none", "-serial", "null"),
-            *("-semihosting-config", "enable=on,target=native"),
-            "-object",
-            f"memory-backend-file,id=ram,size={MEMORY_BYTES},mem-path={memory.name},share=on",
-            *("-plugin", f"{plugin},memory={memory.name}"),
-            *("-kernel", str(program or built)),
-        ]
         core = subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT
+            start(memory.name), stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT
         )
         watch = threading.Thread(target=_note_end, args=(core, memory.fileno()))
         watch.start()

@@ -4,7 +4,7 @@
 import operator
 import time
 from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import nullcontext
 from fnmatch import fnmatchcase
 from functools import reduce
 from pathlib import Path
@@ -16,6 +16,7 @@ from regen_table.errors import ConfigurationError
 from regen_table.schema import Drive
 
 from hubsim import configuration, cycles, evaluation, plant
+from hubsim.emulator import Command, attached
 from hubsim.engine import Engine, Rows
 from hubsim.engine import parameters as engine_parameters
 from hubsim.errors import HubsimError
@@ -149,7 +150,7 @@ def simulate(
     progress: Progress | None = None,
     formulas: Sequence[str] = (),
     date: str | None = None,
-    processor: str | None = None,
+    processor: Command | None = None,
 ) -> RunResult:
     """Run to the end.
 
@@ -168,15 +169,15 @@ def simulate(
         too.
     date : str, optional
         Of the run, for its origin (ISO 8601); absent: SOURCE_DATE_EPOCH, or else the clock.
-    processor : str, optional
-        Which emulated one executes the controllers (cli.PROCESSORS); absent: this one.
+    processor : Command, optional
+        Starts another one that executes the controllers (``emulator.command``); absent: this one.
     """
     origin = origin_of(name, drive, scenario, date)
     try:
         engine, planned_s = prepare(drive, scenario, beside, plant_overrides or {})
     except ConfigurationError as error:
         raise HubsimError(f"{drive.name}: {error}") from error
-    with engine, on_processor(engine, processor):
+    with engine, attached(engine, processor) if processor is not None else nullcontext():
         engine.start()
         known = engine.signals()
         parameters = {parameter: engine.get(parameter) for parameter in engine_parameters()}
@@ -225,15 +226,6 @@ def simulate(
             },
             origin=origin,
         )
-
-
-def on_processor(engine: Engine, processor: str | None) -> AbstractContextManager[None]:
-    """Return the time in which a processor executes the controllers of an engine."""
-    if processor is None:
-        return nullcontext()
-    from hubsim import emulator  # noqa: PLC0415, only here
-
-    return emulator.emulated(engine)
 
 
 def origin_of(

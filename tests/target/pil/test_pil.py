@@ -36,7 +36,7 @@ def settings_of(*given: str) -> overrides.Overrides:
     return overrides.parse(list(given))
 
 
-def simulated(name: str, processor: str | None, *given: str) -> RunResult:
+def simulated(name: str, processor: emulator.Command | None, *given: str) -> RunResult:
     """Return a run with everything recorded and its criteria evaluated."""
     settings = settings_of(*given)
     title, chosen, beside = scenario.load(name, settings.scenario)
@@ -88,7 +88,7 @@ def with_another_bit(program: Path, symbol: str, offset: int, to: Path) -> Path:
 def test_four_wheels_brake_alike_on_both_processors() -> None:
     given = ("max_duration_s=0.4", "record_interval_s=5e-5")
     here = simulated("brake_onset", None, *given)
-    there = simulated("brake_onset", "qemu", *given)
+    there = simulated("brake_onset", emulator.command(), *given)
     assert here.wheels == 4
     assert len(here.rows) == 8001  # every period
     assert_same(here, there)
@@ -109,7 +109,7 @@ def test_every_fault_of_the_program_has_the_same_effect(tmp_path: Path) -> None:
     path = tmp_path / "faults.toml"
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
     here = simulated(str(path), None)
-    assert_same(here, simulated(str(path), "qemu"))
+    assert_same(here, simulated(str(path), emulator.command()))
     assert (here.signal("wheel0.command_nm") != here.signal("wheel1.command_nm")).any()
 
 
@@ -124,7 +124,7 @@ def test_one_bit_of_the_program_is_noticed(tmp_path: Path, monkeypatch: pytest.M
     )
     here = simulated("brake_onset", None, "max_duration_s=0.25")
     monkeypatch.setattr(emulator, "build_directory", lambda: tmp_path / "qemu")
-    there = simulated("brake_onset", "qemu", "max_duration_s=0.25")
+    there = simulated("brake_onset", emulator.command(), "max_duration_s=0.25")
     assert here.rows.shape == there.rows.shape
     assert here.rows.tobytes() != there.rows.tobytes()
 
@@ -154,7 +154,7 @@ def test_an_emulator_that_ends_is_an_error_of_the_run(
     with (
         pytest.raises(HubsimError, match="the emulated core has ended during the run"),
         engine,
-        emulator.emulated(engine),
+        emulator.attached(engine, emulator.command()),
     ):
         engine.start()
         threading.Timer(0.1, cores[0].kill).start()
@@ -169,7 +169,7 @@ def test_the_shared_file_is_deleted_and_saving_is_refused(
 ) -> None:
     own = f"hubfoc_pil_{os.getpid()}_*"
     engine, _ = started()
-    with engine, emulator.emulated(engine):
+    with engine, emulator.attached(engine, emulator.command()):
         engine.start()
         assert len(list(emulator.SHARED_MEMORY.glob(own))) == 1
         with pytest.raises(HubsimError, match="another processor"):

@@ -2,7 +2,7 @@
 """Every built-in scenario as a whole: all signals and the figures of --json, bit for bit."""
 
 import pytest
-from hubsim import scenario
+from hubsim import emulator, scenario
 from test_pil import assert_same, simulated
 
 LONG_S = 0.05
@@ -13,4 +13,4 @@ SHORT_S = 0.001
 def test_the_emulated_run_is_the_hosts(name: str) -> None:
     interval_s = LONG_S if scenario.load(name, {})[1].follows else SHORT_S
     given = f"record_interval_s={interval_s}"
-    assert_same(simulated(name, None, given), simulated(name, "qemu", given))
+    assert_same(simulated(name, None, given), simulated(name, emulator.command(), given))
