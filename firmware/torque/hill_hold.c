@@ -5,6 +5,11 @@
 #include "core/ramp.h"
 #include "torque/demand.h"
 
+enum {
+    DOUBT_SHARE = 8, /* of the demand: what the road is known to */
+    SLOWER_SHARE = 3 /* of the speed: hall edges show a stop late */
+};
+
 void hill_hold_init(hill_hold_state_t *state)
 {
     const hill_hold_state_t none = {.holds = false};
@@ -38,6 +43,22 @@ static void release(hill_hold_state_t *state, const config_t *config, const hill
     state->holds = state->torque_mNm > 0 && along_mrad_s <= config->monitor.standstill_mrad_s;
 }
 
+/* Before standstill, as long as the driver brakes and the wheel is slow. */
+static bool is_ahead(hill_hold_state_t *state, const hill_hold_input_t *in)
+{
+    const int32_t speed_mrad_s = q_abs(in->speed_mrad_s);
+    const bool brakes = in->demand_mNm > 0 && in->drive_mNm == 0;
+    const bool rolls_off = in->road_mNm > in->demand_mNm - in->demand_mNm / DOUBT_SHARE;
+    if (!brakes || speed_mrad_s / 2 > state->begun_mrad_s) {
+        state->begun_mrad_s = 0;
+    }
+    if (brakes && rolls_off && in->slower_mrad_s <= speed_mrad_s / SLOWER_SHARE &&
+        state->begun_mrad_s == 0) {
+        state->begun_mrad_s = speed_mrad_s;
+    }
+    return state->begun_mrad_s > 0;
+}
+
 int32_t hill_hold_step(hill_hold_state_t *state, const config_t *config,
                        const hill_hold_input_t *in)
 {
@@ -47,7 +68,9 @@ int32_t hill_hold_step(hill_hold_state_t *state, const config_t *config,
         const hill_hold_state_t begun = {.holds = true};
         *state = begun;
     }
-    if (!state->holds || neutral) {
+    if (!state->holds && !neutral && config->driver.hold_torque_mNm > 0 && is_ahead(state, in)) {
+        state->torque_mNm = config->driver.hold_torque_mNm;
+    } else if (!state->holds || neutral) {
         state->holds = false;
         state->torque_mNm = ramp_step(state->torque_mNm, 0, demand_rate_mNm_per_step(config));
     } else if (in->drive_mNm != 0) {

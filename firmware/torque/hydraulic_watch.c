@@ -264,6 +264,7 @@ void hydraulic_watch_step(hydraulic_watch_t *watch, const config_t *config,
     int32_t change_q8_mrad_s = 0;
     const int32_t floor_mNm = torque_of_mNm(brake, brake->hydraulic_watch_floor_mrad_s2);
     const int32_t beside_mNm = missing_mNm(watch, config, in, floor_mNm, &change_q8_mrad_s);
+    watch->beside_mNm = beside_mNm;
     if (slips(config, change_q8_mrad_s)) {
         if (!hydraulic_watch_is_short(watch) && watch->found_ms < HYDRAULIC_WATCH_PAUSE_ms) {
             end_finding(watch); /* it was the slip that looked like an excess */

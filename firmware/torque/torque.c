@@ -135,7 +135,9 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
         .demand_mNm = demand.brake_mNm + demand.lift_off_mNm,
         .command_mNm = limited.command_mNm,
         .drive_mNm = demand.drive_mNm,
+        .road_mNm = split.road_mNm,
         .speed_mrad_s = in->speed_mrad_s,
+        .slower_mrad_s = split.slower_mrad_s,
         .engaged = demand.engaged,
         .standstill = in->standstill,
     };

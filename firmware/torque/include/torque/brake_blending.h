@@ -85,6 +85,8 @@ typedef struct {
     int32_t arrived_mNm; /* hydraulic torque that came in this step, >= 0: the motor torque beyond
                             beside_mNm falls by it at once */
     int32_t hydraulic_now_mNm; /* measured or estimated torque of the hydraulic brake */
+    int32_t slower_mrad_s;     /* speed expected when it has followed a command, magnitude */
+    int32_t road_mNm;          /* with which the road brakes, magnitude; 0: not known */
 } brake_blending_out_t;
 
 void brake_blending_init(brake_blending_state_t *state, const config_t *config);

@@ -6,7 +6,9 @@
  * by a driving torque in the engaged direction or in neutral. While the motor torque T rises, it
  * falls along driver.hold_torque (1 - T/T_r), T_r = min(driver.hold_torque, 3/4 motor.max_torque),
  * and at the latest within driver.hold_release. A wheel that rolls back meanwhile is caught: full
- * torque again, which only T takes away. Derivation: README, Standstill.
+ * torque again, which only T takes away. Where the road brakes with about as much as is demanded or
+ * more, so that the demand may not hold the slope, it begins when the wheel is expected to stand as
+ * soon as the hydraulic brake has followed. Derivation: README, Standstill.
  */
 #ifndef TORQUE_HILL_HOLD_H
 #define TORQUE_HILL_HOLD_H
@@ -21,7 +23,9 @@ typedef struct {
     int32_t demand_mNm;  /* braking by pedal and lift-off, magnitude */
     int32_t command_mNm; /* motor torque, signed */
     int32_t drive_mNm;   /* driving demand, signed */
+    int32_t road_mNm;    /* with which the road brakes, magnitude; 0: not known */
     int32_t speed_mrad_s;
+    int32_t slower_mrad_s; /* expected when the hydraulic brake has followed, magnitude */
     drive_direction_t engaged;
     bool standstill; /* by the monitor's speed upper bound */
 } hill_hold_input_t;
@@ -30,7 +34,8 @@ typedef struct {
     int32_t torque_mNm; /* present hold torque, magnitude; 0: none */
     int32_t release_ms; /* slow steps since the driving demand began, saturating */
     bool holds;
-    bool caught; /* has rolled back during the release */
+    bool caught;          /* has rolled back during the release */
+    int32_t begun_mrad_s; /* speed at which it began before standstill, magnitude; 0: it did not */
 } hill_hold_state_t;
 
 void hill_hold_init(hill_hold_state_t *state);

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "core/q15.h"
 #include "paper_vehicle.h"
 #include "random_values.h"
 #include "torque/hill_hold.h"
@@ -56,6 +57,57 @@ void test_hold_begins_at_standstill_while_braking(void)
     hold();
     in.standstill = false; /* the vehicle is pushed */
     TEST_ASSERT_EQUAL_INT32(HOLD, step());
+}
+
+/* Uphill, with less demanded than the slope pulls with. */
+static void stop_uphill(void)
+{
+    in.demand_mNm = 10000;
+    in.road_mNm = 12000;
+    in.speed_mrad_s = 2000;
+    in.slower_mrad_s = 1000;
+    TEST_ASSERT_EQUAL_INT32(0, step());
+    in.speed_mrad_s = 1000;
+    in.slower_mrad_s = 0; /* it stands when the hydraulic brake has followed */
+}
+
+void test_hold_begins_before_standstill_where_the_slope_pulls_with_more_than_the_demand(void)
+{
+    stop_uphill();
+    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+    in.speed_mrad_s = -100; /* stands, and begins to roll back: the speed is expected to grow */
+    in.slower_mrad_s = 300;
+    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+    in.standstill = true;
+    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+    in.demand_mNm = 0;
+    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+}
+
+void test_a_demand_that_holds_the_slope_has_no_hold_before_standstill(void)
+{
+    stop_uphill();
+    in.road_mNm = 8000; /* an eighth less than the demand, and doubt */
+    TEST_ASSERT_EQUAL_INT32(0, step());
+    in.road_mNm = 9000;
+    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+}
+
+void test_hold_before_standstill_ends_with_the_braking_or_if_the_wheel_becomes_faster(void)
+{
+    stop_uphill();
+    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+    in.demand_mNm = 0;
+    TEST_ASSERT_EQUAL_INT32(HOLD - 400, step()); /* at the torque rate */
+    in.demand_mNm = 10000;
+    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+    in.speed_mrad_s = 2100; /* began at 1000 */
+    in.slower_mrad_s = 2100;
+    TEST_ASSERT_EQUAL_INT32(HOLD - 400, step());
+    hill_hold_init(&state);
+    stop_uphill();
+    in.engaged = DRIVE_DIRECTION_NEUTRAL;
+    TEST_ASSERT_EQUAL_INT32(0, step());
 }
 
 void test_without_a_hold_torque_there_is_none(void)
@@ -149,6 +201,8 @@ void test_hold_is_between_zero_and_its_torque_for_any_input(void)
         in.command_mNm = random_wild(&random);
         in.drive_mNm = random_chance(&random, 0.5) ? 0 : random_wild(&random);
         in.speed_mrad_s = random_chance(&random, 0.5) ? CREEP : random_wild(&random);
+        in.road_mNm = random_chance(&random, 0.5) ? 0 : q_max(random_wild(&random), 0);
+        in.slower_mrad_s = random_chance(&random, 0.5) ? 0 : q_max(random_wild(&random), 0);
         in.engaged = (drive_direction_t)random_between(&random, 0, 2);
         in.standstill = random_chance(&random, 0.5);
         if (random_chance(&random, 0.001)) {
