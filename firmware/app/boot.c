@@ -59,6 +59,25 @@ static bool scale_fits(const char *field, int32_t value, int32_t of_board, confi
     return false;
 }
 
+/* drive.min_pulse_counts is half of the shortest low pulse, in whose middle the currents are
+ * sampled; with current into the board it is shorter by half the dead time on either side. */
+static bool window_fits(const config_drive_t *drive, int32_t least_ns, config_result_t *result)
+{
+    const int64_t clock_Hz = 2 * (int64_t)drive->pwm_period_counts * drive->pwm_frequency_Hz;
+    const int64_t half_ns = least_ns + drive->dead_time_ns / 2;
+    const int32_t least_counts = (int32_t)((half_ns * clock_Hz + 999999999) / 1000000000);
+    if (least_ns == 0 || drive->min_pulse_counts >= least_counts) {
+        return true;
+    }
+    const config_result_t refused = {.code = CONFIG_RESULT_RANGE,
+                                     .field = "drive.min_pulse_counts on this board",
+                                     .value = drive->min_pulse_counts,
+                                     .lowest = least_counts,
+                                     .highest = drive->pwm_period_counts / 5};
+    *result = refused;
+    return false;
+}
+
 /* A configuration for another board would control with wrong currents and voltages. */
 static config_result_t validate(const config_t *config, uint32_t size_bytes)
 {
@@ -66,9 +85,10 @@ static config_result_t validate(const config_t *config, uint32_t size_bytes)
     const analog_scale_t board = analog_scale();
     if (result.code == CONFIG_RESULT_OK &&
         scale_fits("drive.current_full_scale_mA on this board", config->drive.current_full_scale_mA,
-                   board.current_full_scale_mA, &result)) {
-        (void)scale_fits("drive.voltage_full_scale_mV on this board",
-                         config->drive.voltage_full_scale_mV, board.voltage_full_scale_mV, &result);
+                   board.current_full_scale_mA, &result) &&
+        scale_fits("drive.voltage_full_scale_mV on this board", config->drive.voltage_full_scale_mV,
+                   board.voltage_full_scale_mV, &result)) {
+        (void)window_fits(&config->drive, board.low_side_least_ns, &result);
     }
     return result;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Triple injected simultaneous conversion (RM0090 section 13.9.1), started by TIM1 at the top of
+ * Triple injected simultaneous conversion (RM0090 section 13.9.1), started by TIM1 near the top of
  * its count:
  *
  *     ADC1: current a, bus voltage        ADC2: current b, winding temperature
@@ -138,7 +138,11 @@ void analog_read(analog_sample_t *sample)
 analog_scale_t analog_scale(void)
 {
     const analog_scale_t scale = {.current_full_scale_mA = BOARD_CURRENT_FULL_SCALE_mA,
-                                  .voltage_full_scale_mV = BOARD_VOLTAGE_FULL_SCALE_mV};
+                                  .voltage_full_scale_mV = BOARD_VOLTAGE_FULL_SCALE_mV,
+                                  .low_side_least_ns =
+                                      BOARD_SHUNTS == BOARD_SHUNTS_LOW_SIDE
+                                          ? BOARD_AMPLIFIER_SETTLING_ns + ANALOG_SAMPLING_ns
+                                          : 0};
     return scale;
 }
 

@@ -6,9 +6,9 @@
  * repetition counter 0, which gives an event at both ends, and the 1 that is written while it
  * counts up is taken over at the next top, so that from there on every second event is left out.
  * Editions of the manual disagree about which end it is, so inverter_init() checks it. Channel 4
- * has no pin: its reference rises one count before the top and starts the converters (17.4.2, MMS =
- * OC4REF). In the interrupt, 2 us later, the compare values written one period ago are active and
- * those written now become active at the next top.
+ * has no pin: its reference rises near the top and starts the converters (17.4.2, MMS = OC4REF;
+ * README, Sampling). In the interrupt, 2 us later, the compare values written one period ago are
+ * active and those written now become active at the next top.
  */
 #include "hal/inverter.h"
 
@@ -34,7 +34,8 @@ enum {
 };
 
 static uint16_t top_counts;
-static bool armed; /* a mode other than OFF was requested in the previous period */
+static int32_t trigger_counts; /* from the top to the converters' trigger */
+static bool armed;             /* a mode other than OFF was requested in the previous period */
 static volatile bool tripped;
 static volatile uint32_t driver_faults; /* times that the gate driver reported one */
 static uint32_t driver_faults_served;
@@ -73,12 +74,16 @@ static void configure_timer(uint32_t dead_time_code)
     TIM1->RCR = 0;
     TIM1->CCMR1 = ((uint32_t)PWM_MODE_1 << TIM_CCMR1_OC1M_Pos) | TIM_CCMR1_OC1PE |
                   ((uint32_t)PWM_MODE_1 << TIM_CCMR1_OC2M_Pos) | TIM_CCMR1_OC2PE;
+    /* Channel 4 becomes active at its value on the way up, or one below it on the way down. */
+    const bool on_the_way_down = trigger_counts > 0;
+    const uint32_t mode = on_the_way_down ? PWM_MODE_1 : PWM_MODE_2;
     TIM1->CCMR2 = ((uint32_t)PWM_MODE_1 << TIM_CCMR2_OC3M_Pos) | TIM_CCMR2_OC3PE |
-                  ((uint32_t)PWM_MODE_2 << TIM_CCMR2_OC4M_Pos) | TIM_CCMR2_OC4PE;
+                  (mode << TIM_CCMR2_OC4M_Pos) | TIM_CCMR2_OC4PE;
     TIM1->CCR1 = 0;
     TIM1->CCR2 = 0;
     TIM1->CCR3 = 0;
-    TIM1->CCR4 = top_counts - 1U;
+    TIM1->CCR4 =
+        (uint32_t)(on_the_way_down ? top_counts - trigger_counts + 1 : top_counts + trigger_counts);
     TIM1->CCER = TIM_CCER_CC1E | TIM_CCER_CC1NE | TIM_CCER_CC2E | TIM_CCER_CC2NE | TIM_CCER_CC3E |
                  TIM_CCER_CC3NE;
     /* Break, where it is wired, active low (BKP = 0) and never released by itself (AOE = 0); OSSI
@@ -115,6 +120,14 @@ static bool start_with_update_at_top(void)
     return seen;
 }
 
+/* The middle of a leg's low pulse is half the dead time after the top, whichever way the current
+ * flows; there the converters hold. At the top itself the trigger would last for one count only. */
+static int32_t trigger_from_top(uint32_t dead_clocks)
+{
+    const int32_t counts = (int32_t)(dead_clocks / 2U) - ANALOG_HOLD_CLOCKS;
+    return counts == 0 ? -1 : counts;
+}
+
 inverter_status_t inverter_init(const inverter_settings_t *settings)
 {
     if (!frequency_fits(settings)) {
@@ -122,13 +135,15 @@ inverter_status_t inverter_init(const inverter_settings_t *settings)
     }
     uint8_t dead_time_code;
     if (settings->dead_time_ns < BOARD_DEAD_TIME_LEAST_ns ||
-        !dead_time_encode(settings->dead_time_ns, CLOCK_TIMER1_Hz, &dead_time_code)) {
+        !dead_time_encode(settings->dead_time_ns, CLOCK_TIMER1_Hz, &dead_time_code) ||
+        dead_time_clocks(dead_time_code) >= settings->pwm_period_counts) {
         return INVERTER_DEAD_TIME_UNSUPPORTED;
     }
     RCC->APB2ENR |= RCC_APB2ENR_TIM1EN;
     (void)RCC->APB2ENR;
     gpio_init();
     top_counts = (uint16_t)settings->pwm_period_counts;
+    trigger_counts = trigger_from_top(dead_time_clocks(dead_time_code));
     configure_timer(dead_time_code);
     connect_pins();
     driver_good = gate_driver_start();

@@ -2,10 +2,11 @@
 /*
  * analog.h: phase currents, bus voltage, temperatures.
  *
- * The three phase currents are sampled at the same instant, at the top of the centre-aligned count,
- * when the low-side switches carry them. Codes are right-aligned 12-bit. Full scales are properties
- * of the board; the configuration gives them too (drive.current_full_scale_mA,
- * drive.voltage_full_scale_mV), and start-up compares the two. Ports do not scale.
+ * The three phase currents are sampled at the same instant, in the middle of the low pulses, half
+ * the dead time after the top of the centre-aligned count. Codes are right-aligned 12-bit. Full
+ * scales are properties of the board; the configuration gives them too
+ * (drive.current_full_scale_mA, drive.voltage_full_scale_mV), and start-up compares the two. Ports
+ * do not scale.
  */
 #ifndef HAL_ANALOG_H
 #define HAL_ANALOG_H
@@ -28,6 +29,9 @@ typedef struct {
 typedef struct {
     int32_t current_full_scale_mA; /* half the range of the codes */
     int32_t voltage_full_scale_mV; /* all of it */
+    /* Without the dead time, how long a low side has to conduct before the sample; 0: the shunts
+     * carry the current all the time. */
+    int32_t low_side_least_ns;
 } analog_scale_t;
 
 /* Constant. Any context. */

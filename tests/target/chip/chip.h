@@ -102,6 +102,9 @@ void chip_run(chip_t *chip, chip_ticks_t duration);
  * was one; the converters sample with the next chip_run...(). */
 bool chip_run_to_sample(chip_t *chip, chip_ticks_t most);
 
+/* From the top of the count to the moment at which the latest currents were held. */
+int64_t chip_hold_from_top_ticks(const chip_t *chip);
+
 /* Converts what is at the pins now and goes on to the update of TIM1 that follows, if a trigger is
  * due. */
 void chip_sample(chip_t *chip);

@@ -8,6 +8,7 @@ enum {
     TIM1_TRGO = 1,
     RISING_EDGE = 1,
     CONVERSION_CYCLES = 12,
+    LATENCY_CYCLES = 3, /* of an injected trigger (data sheet, table 67) */
     FASTEST_TICKS = 10, /* 36 MHz at most (data sheet, table 67): 336 / 36 = 9.3 */
     CODE_MOST = 4095
 };
@@ -27,6 +28,16 @@ static uint32_t clock_ticks(chip_t *chip)
         chip_note(chip, "converters at %u MHz", 336U / ticks);
     }
     return ticks;
+}
+
+/* Data sheet, equation 1: for a quarter of a code a source may have so much; an amplifier behind a
+ * filter has 1 kOhm at most. R_ADC 6 kOhm, C_ADC 4 pF; ln 2^14 = 9.704. */
+static void check_sampling_time(chip_t *chip, uint32_t converter, uint32_t cycles)
+{
+    const double seconds = (cycles - 0.5) * clock_ticks(chip) / (double)CHIP_TICKS_PER_SECOND;
+    if (seconds / (4e-12 * 9.704) - 6e3 < 1e3) {
+        chip_note(chip, "ADC%u: %u cycles of sampling are too few", converter + 1U, cycles);
+    }
 }
 
 static uint32_t sampling_cycles(const chip_t *chip, uint32_t converter, uint32_t channel)
@@ -91,13 +102,24 @@ static chip_ticks_t inject(chip_t *chip, uint32_t converter)
     uint32_t cycles = 0;
     for (uint32_t i = 0; i < count; i++) {
         const uint32_t channel = sequence >> 5U * (4U - count + i) & 0x1FU;
-        cycles += sampling_cycles(chip, converter, channel) + CONVERSION_CYCLES;
+        const uint32_t sampling = sampling_cycles(chip, converter, channel);
+        check_sampling_time(chip, converter, sampling);
+        if (i == 0) {
+            const int64_t held = (int64_t)(LATENCY_CYCLES + sampling) * clock_ticks(chip);
+            chip->adc.hold_from_top = chip->adc.trigger_from_top + held;
+        }
+        cycles += sampling + CONVERSION_CYCLES;
         *chip_at(chip, of(converter, CHIP_ADC1_JDR1) + 4U * i) = convert(chip, converter, channel);
     }
     if (count > 1 && (chip_get(chip, of(converter, CHIP_ADC1_CR1)) & CHIP_ADC1_CR1_SCAN) == 0) {
         chip_note(chip, "ADC%u: a sequence without SCAN", converter + 1U);
     }
-    return chip->now + (chip_ticks_t)cycles * clock_ticks(chip);
+    return chip->now + (chip_ticks_t)(LATENCY_CYCLES + cycles) * clock_ticks(chip);
+}
+
+int64_t chip_hold_from_top_ticks(const chip_t *chip)
+{
+    return chip->adc.hold_from_top;
 }
 
 void chip_adc_inject(chip_t *chip)

@@ -13,6 +13,7 @@ enum {
     CODE_MOST = CODES - 1,
     NO_CURRENT_CODE = 2048,
     HALL_PINS = 7 << 6,
+    HOLD_TICKS = 34, /* 100 ns */
     BOOT_ms = 120
 };
 
@@ -81,6 +82,12 @@ static fast_output_t bridge_of(drive_t *drive)
     if (dead_ns < drive->dead_time_ns && !drive->reported) {
         drive->reported = true;
         chip_violate(drive->chip, "dead time shorter than configured");
+    }
+    /* In the middle of the low pulses, to a tenth of a microsecond. */
+    const int64_t late = chip_hold_from_top_ticks(drive->chip) - (int64_t)gates.dead_time_ticks / 2;
+    if ((late < -HOLD_TICKS || late > HOLD_TICKS) && !drive->reported) {
+        drive->reported = true;
+        chip_violate(drive->chip, "currents are not held in the middle of the low pulses");
     }
     bool all_low = true;
     for (int x = 0; x < 3; x++) {

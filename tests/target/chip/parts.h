@@ -45,6 +45,7 @@ typedef struct {
 typedef struct {
     chip_ticks_t injected_end, regular_end[2];
     bool is_triggered; /* chip_sample() is due */
+    int64_t trigger_from_top, hold_from_top;
 } chip_converters_t;
 
 typedef struct {

@@ -215,6 +215,9 @@ void chip_timer1_events(chip_t *chip)
     chip_timer1_t *timer = &chip->timer1;
     watch_break(chip);
     if (timer->runs && chip->now >= timer->trigger) {
+        const chip_ticks_t half = (chip_ticks_t)timer->active_top * clock_ticks(chip);
+        const chip_ticks_t top = timer->down ? timer->next_end - half : timer->next_end;
+        chip->adc.trigger_from_top = (int64_t)(timer->trigger - top);
         timer->trigger = CHIP_NEVER;
         chip->adc.is_triggered = chip_adc_listens(chip);
     }

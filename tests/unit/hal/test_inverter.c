@@ -2,6 +2,7 @@
 /* The flashable port's bridge, its code unchanged, on a model of the timer: gate signals. */
 #include "analog_start.h"
 #include "board.h"
+#include "dead_time.h"
 #include "gate_driver.h"
 #include "hal/inverter.h"
 #include "interrupts.h"
@@ -375,6 +376,23 @@ void test_permanently_low_break_input_is_a_fault(void)
     timer1_reset();
     TEST_ASSERT_EQUAL_INT(INVERTER_OK, init_with_dead_time(1000));
     TEST_ASSERT_TRUE(inverter_fault());
+}
+
+/* Held 18 cycles of 21 MHz after the trigger (data sheet: 3 of latency, 15 of sampling), the sample
+ * has to lie in the middle of the low pulses, half the dead time after the top. */
+void test_currents_are_held_in_the_middle_of_the_low_pulses(void)
+{
+    for (uint32_t dead_ns = 300; dead_ns <= 6000; dead_ns += 57) {
+        TEST_ASSERT_EQUAL_INT(INVERTER_OK, init_with_dead_time(dead_ns));
+        const uint32_t mode = (TIM1->CCMR2 >> TIM_CCMR2_OC4M_Pos) & 7U;
+        const double before_top = (double)TOP - (double)TIM1->CCR4;
+        const double trigger_counts = mode == 7 ? -before_top : before_top + 1.0;
+        TEST_ASSERT_TRUE(mode == 7 || mode == 6);
+        TEST_ASSERT_TRUE(TIM1->CCR4 > 0 && TIM1->CCR4 < TOP);
+        const double made_ns = dead_time_clocks((uint8_t)(TIM1->BDTR & 0xFFU)) / 0.168;
+        TEST_ASSERT_DOUBLE_WITHIN(12.0, made_ns / 2.0, trigger_counts / 0.168 + 18.0 / 0.021);
+        timer1_reset();
+    }
 }
 
 /* A configuration may not make both switches of a leg conduct together. */

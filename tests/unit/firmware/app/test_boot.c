@@ -75,6 +75,7 @@ void setUp(void)
     sector.config = CONFIG_IMAGE;
     scale.current_full_scale_mA = sector.config.drive.current_full_scale_mA;
     scale.voltage_full_scale_mV = sector.config.drive.voltage_full_scale_mV;
+    scale.low_side_least_ns = 0;
     analog_scale_Stub(scale_of_board);
     rotor_sensor_there = true;
 }
@@ -159,6 +160,32 @@ void test_a_configuration_for_other_shunts_or_dividers_is_refused_with_both_numb
     TEST_ASSERT_FALSE(boot_may_control(&report));
     TEST_ASSERT_EQUAL_STRING("drive.voltage_full_scale_mV on this board",
                              report.config_result.field);
+}
+
+/* Amplifiers of low-side shunts: 1014 ns to settle and sample, and half of 1000 ns of dead time,
+ * are 254.4 counts of 168 MHz on either side of the pulse's middle. */
+void test_a_configuration_whose_low_pulses_are_too_short_for_the_shunts_is_refused(void)
+{
+    sector.config.drive.pwm_frequency_Hz = 20000;
+    sector.config.drive.pwm_period_counts = 4200;
+    sector.config.drive.dead_time_ns = 1000;
+    scale.low_side_least_ns = 1014;
+    for (int32_t counts = 254; counts <= 255; counts++) {
+        sector.config.drive.min_pulse_counts = counts;
+        sector.config.crc32 = config_crc32(&sector.config, (uint32_t)offsetof(config_t, crc32));
+        expect_board(true, &sector.config, sizeof sector.config, (uint32_t)GOOD_CRC32);
+        if (counts == 255) {
+            expect_ports(INVERTER_OK);
+        }
+        const boot_report_t report = boot_run();
+        TEST_ASSERT_EQUAL(counts == 255, boot_may_control(&report));
+        if (counts == 254) {
+            TEST_ASSERT_EQUAL_STRING("drive.min_pulse_counts on this board",
+                                     report.config_result.field);
+            TEST_ASSERT_EQUAL_INT32(254, report.config_result.value);
+            TEST_ASSERT_EQUAL_INT32(255, report.config_result.lowest);
+        }
+    }
 }
 
 void test_a_board_without_shunts_and_dividers_takes_any_scale(void)
