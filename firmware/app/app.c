@@ -347,7 +347,7 @@ static void replace_configuration(const snapshot_t *snapshot)
     console_install(&app.console, permitted);
 }
 
-/* False while the slow loop stands still: its last results are then not sent any more, so that the
+/* False while the slow loop stands still: its last commands are then not sent any more, so that the
  * brake system sees a counter that stands still and keeps the brake by its own timeout. */
 static bool slow_loop_steps(const snapshot_t *snapshot, uint32_t now_ms)
 {
@@ -356,6 +356,17 @@ static bool slow_loop_steps(const snapshot_t *snapshot, uint32_t now_ms)
         app.slow_step_ms = now_ms;
     }
     return now_ms - app.slow_step_ms < APP_SLOW_STOPPED_ms;
+}
+
+/* What the wheel says of itself while the slow loop stands still. The fast loop, which has missed
+ * its setpoints for 4 ms, has switched the bridge to its safe state. */
+static void report_stopped_loop(uint32_t now_ms)
+{
+    snapshot_t *last = &app.snapshot[double_buffer_low(&app.from_slow)];
+    last->output.mode = MODE_FAULT;
+    last->output.fault_reason = REASON_PROGRAM_FLOW;
+    last->output.motor_torque_estimate_mNm = 0;
+    can_link_transmit_state(&app.can, now_ms, &last->output, &last->temperature);
 }
 
 /* Trip and limits of the fast monitor, twice in a row because a trip may come in between. */
@@ -394,6 +405,8 @@ void app_background(void)
         }
         if (slow_loop_steps(snapshot, now_ms)) {
             can_link_transmit(&app.can, now_ms, &snapshot->output, &snapshot->temperature);
+        } else if (app.slow_steps_seen != 0) { /* it has run */
+            report_stopped_loop(now_ms);
         }
     }
     (void)recorder_seal(&app.recorder);

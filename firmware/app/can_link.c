@@ -64,3 +64,12 @@ void can_link_transmit(can_link_t *link, uint32_t now_ms, const slow_output_t *o
         node_sent(&link->node, now_ms);
     }
 }
+
+void can_link_transmit_state(can_link_t *link, uint32_t now_ms, const slow_output_t *output,
+                             const wheel_temperatures_t *temperature)
+{
+    messages_frame_t frame;
+    if (node_next_state(&link->node, now_ms, output, temperature, &frame) && transmit(&frame)) {
+        node_sent(&link->node, now_ms);
+    }
+}

@@ -203,10 +203,11 @@ static bool is_due(uint32_t due_ms, uint32_t now_ms)
            UINT32_MAX / 2U; /* not in the future, also when the clock has wrapped in between */
 }
 
-bool node_next(node_t *node, uint32_t now_ms, const slow_output_t *output,
-               const wheel_temperatures_t *temperature, messages_frame_t *frame)
+/* One of the first `kinds` that are sent. */
+static bool next_of(node_t *node, uint32_t kinds, uint32_t now_ms, const slow_output_t *output,
+                    const wheel_temperatures_t *temperature, messages_frame_t *frame)
 {
-    for (uint32_t i = 0; i < MESSAGES_SENT; i++) {
+    for (uint32_t i = 0; i < kinds; i++) {
         if (!is_due(node->due_ms[i], now_ms)) {
             continue;
         }
@@ -227,6 +228,19 @@ bool node_next(node_t *node, uint32_t now_ms, const slow_output_t *output,
     }
     node->offered = MESSAGES_KINDS;
     return false;
+}
+
+bool node_next(node_t *node, uint32_t now_ms, const slow_output_t *output,
+               const wheel_temperatures_t *temperature, messages_frame_t *frame)
+{
+    return next_of(node, MESSAGES_SENT, now_ms, output, temperature, frame);
+}
+
+bool node_next_state(node_t *node, uint32_t now_ms, const slow_output_t *output,
+                     const wheel_temperatures_t *temperature, messages_frame_t *frame)
+{
+    return next_of(node, MESSAGES_WHEEL_STATE - MESSAGES_RECEIVED + 1U, now_ms, output, temperature,
+                   frame);
 }
 
 void node_sent(node_t *node, uint32_t now_ms)

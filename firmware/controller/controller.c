@@ -105,14 +105,17 @@ static monitor_rotor_output_t judge_rotor(controller_slow_t *slow, const config_
 
 static monitor_slow_input_t monitor_input(const controller_slow_t *slow, const config_t *config,
                                           const fast_report_t *report, const slow_input_t *in,
-                                          const operating_point_t *at, bool rotor_valid)
+                                          const operating_point_t *at,
+                                          const monitor_rotor_output_t *rotor)
 {
+    const uint16_t observed_turn =
+        (uint16_t)(report->observer.theta_turn - slow->operating_point.observer_lead_turn);
     const monitor_slow_input_t out = {
         .fast_trip = report->trip,
         .current_sum_pu = report->current_sum_pu,
         .offsets_known = report->offsets_done,
         .current_saturated = report->adc_saturated,
-        .rotor_valid = rotor_valid,
+        .rotor_valid = rotor->valid,
         .wrong_current_sensor = report->wrong_current_sensor,
         .current_undetermined = report->current_undetermined,
         .rotor_faults = report->rotor_faults,
@@ -135,6 +138,8 @@ static monitor_slow_input_t monitor_input(const controller_slow_t *slow, const c
         .sampled_pu = at->sampled_pu,
         .reference_pu = {.d = slow->expected_current.reference_pu.d + report->i_d_weakening_pu,
                          .q = slow->expected_current.reference_pu.q},
+        .latest_pu = dq_of(report->i_pu),
+        .theta_turn = rotor->observer_used ? observed_turn : report->observer.sensor_turn,
         .torque_command_mNm = slow->last_command_mNm,
         .torque_estimate_mNm = slow->last_estimate_mNm,
         .offset_q4 = {report->offset_q4[0], report->offset_q4[1], report->offset_q4[2]},
@@ -258,7 +263,7 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
                            rotor.observer_used ? report->observer.speed_q32 : report->speed_q32,
                            slow->temperatures.used.winding_cC);
     temperatures_step(&slow->temperatures, config, &in->temperature, &at);
-    const monitor_slow_input_t watched = monitor_input(slow, config, report, in, &at, rotor.valid);
+    const monitor_slow_input_t watched = monitor_input(slow, config, report, in, &at, &rotor);
     const monitor_output_t watch = monitor_slow_step(&slow->monitor, config, &watched);
     const modes_output_t modes = decide_mode(slow, config, report, in, &watch, rotor.valid);
     if (report->bridge != BRIDGE_PWM && watch.charging_mA > 0 &&

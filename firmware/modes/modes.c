@@ -186,7 +186,8 @@ static torque_enable_t torque_enable_of(const modes_state_t *state, const config
     if (in->battery_lost && torque_enable_any(out)) {
         out.drive_q15 = 0;
         out.brake_q15 = 0;
-        out.reason = in->warning_reason;
+        /* Without a name in the first millisecond. */
+        out.reason = in->warning_reason != REASON_NONE ? in->warning_reason : REASON_TORQUE_ENABLE;
     }
     return out;
 }

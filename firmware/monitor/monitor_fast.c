@@ -21,6 +21,7 @@ void monitor_fast_init(monitor_fast_state_t *state, const config_t *config)
         .trip_periods = config->monitor.overcurrent_periods,
         .dead_periods = config->monitor.current_dead_periods,
         .periods_left = stale_limit_periods,
+        .last_v_dc_pu = 2 * Q15_ONE, /* the first sample rises from nowhere */
     };
     *state = fresh;
 }

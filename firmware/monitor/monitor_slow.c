@@ -8,6 +8,7 @@
 enum {
     FLOW_TOLERANCE_SHARE = 4, /* fast steps in a slow step may differ by a quarter: of the
                                  program's own timing, not of a vehicle's */
+    SUM_AT_END_PU = 30720,    /* 15/16 of the range */
     OFFSET_SCALE = 16,        /* offsets are codes * 16 */
     OFFSET_MID_CODE = 2048
 };
@@ -72,6 +73,7 @@ static int32_t rotor_qualify_steps(const config_t *config)
            config->monitor.rotor_fault_time_ms;
 }
 
+/* A slow step that comes twice finds every other count right. */
 static bool flow_broken(monitor_slow_state_t *state, const config_t *config,
                         uint16_t fast_step_count)
 {
@@ -82,13 +84,34 @@ static bool flow_broken(monitor_slow_state_t *state, const config_t *config,
         state->started = true;
         return false;
     }
-    return q_abs(counted - expected) > expected / FLOW_TOLERANCE_SHARE;
+    const bool wrong = q_abs(counted - expected) > expected / FLOW_TOLERANCE_SHARE;
+    state->flow_level =
+        (uint16_t)q_clamp(state->flow_level + (wrong ? MONITOR_FLOW_WRONG : MONITOR_FLOW_RIGHT), 0,
+                          MONITOR_FLOW_FAULT);
+    return state->flow_level >= MONITOR_FLOW_FAULT;
 }
 
 /* A bus that collapses under a motor takes the control of its current away. */
 static bool overcurrent_of_bus(const monitor_slow_state_t *state, const monitor_slow_input_t *in)
 {
     return in->fast_trip == REASON_OVERCURRENT && state->return_steps > 0 && state->bus_was_low;
+}
+
+static bool fast_trip_of_bus(const monitor_slow_input_t *in)
+{
+    return in->fast_trip == REASON_BUS_OVERVOLTAGE || in->fast_trip == REASON_BUS_SENSOR;
+}
+
+/* A reading that rose faster than a bus can, or that is lower than a motor can make one. In the
+ * step in which a bus falls below its trip its mean may still contain what was before. */
+static void watch_bus_sensor(monitor_slow_state_t *state, const config_t *config,
+                             const monitor_slow_input_t *in)
+{
+    const bool empty =
+        (int64_t)in->bus_voltage_mV * MONITOR_BUS_EMPTY_SHARE < config->drive.voltage_full_scale_mV;
+    const bool wrong =
+        in->fast_trip == REASON_BUS_SENSOR || (empty && state->bus_was_low && !in->battery_open);
+    state->bus_sensor_wrong = state->return_steps > 0 && (wrong || state->bus_sensor_wrong);
 }
 
 /* A bus beyond a trip puts the bridge into its safe state at once, here or by the fast trip. A
@@ -99,8 +122,7 @@ static bool bus_unexplained(monitor_slow_state_t *state, const config_t *config,
 {
     const config_battery_t *battery = &config->battery;
     const config_monitor_t *monitor = &config->monitor;
-    const bool high = in->bus_voltage_mV > battery->overvoltage_trip_mV ||
-                      in->fast_trip == REASON_BUS_OVERVOLTAGE;
+    const bool high = in->bus_voltage_mV > battery->overvoltage_trip_mV || fast_trip_of_bus(in);
     const bool overcurrent = in->fast_trip == REASON_OVERCURRENT;
     const bool low = (in->bridge == BRIDGE_PWM || overcurrent) && !in->battery_open &&
                      in->bus_voltage_mV < battery->undervoltage_trip_mV;
@@ -113,8 +135,9 @@ static bool bus_unexplained(monitor_slow_state_t *state, const config_t *config,
     } else if (back && state->return_steps > 0) {
         state->return_steps--;
     }
-    state->release_trip = (back && in->fast_trip == REASON_BUS_OVERVOLTAGE) ||
-                          (in->battery_open && overcurrent_of_bus(state, in));
+    watch_bus_sensor(state, config, in);
+    state->release_trip =
+        (back && fast_trip_of_bus(in)) || (in->battery_open && overcurrent_of_bus(state, in));
     return qualified(&state->bus_steps, state->return_steps > 0 && !back && !in->battery_open,
                      monitor->battery_message_time_ms +
                          (state->bus_was_low ? monitor->voltage_fault_time_ms : 0));
@@ -199,6 +222,12 @@ static bool current_sum_wrong(monitor_slow_state_t *state, const config_t *confi
     return lasts || (in->current_undetermined && !named);
 }
 
+/* Without PWM no current is expected, so one sensor at its rail makes a sum as large. */
+static bool sum_at_end(const monitor_slow_input_t *in)
+{
+    return in->offsets_known && q_abs(in->current_sum_pu) > SUM_AT_END_PU;
+}
+
 static reason_t flux_warning(const monitor_emf_state_t *emf)
 {
     return emf->flux == MONITOR_EMF_FLUX_WEAK     ? REASON_FLUX_WEAK
@@ -234,6 +263,17 @@ static monitor_current_input_t current_input(const monitor_slow_input_t *in)
     return out;
 }
 
+static bool open_phase(monitor_slow_state_t *state, const monitor_slow_input_t *in)
+{
+    const monitor_open_input_t open = {
+        .sampled_pu = in->latest_pu,
+        .reference_pu = in->reference_pu,
+        .theta_turn = in->theta_turn,
+        .switching = in->bridge == BRIDGE_PWM,
+    };
+    return monitor_open_step(&state->open, &open);
+}
+
 static monitor_speed_input_t speed_input(const monitor_slow_input_t *in)
 {
     const monitor_speed_input_t out = {
@@ -267,6 +307,16 @@ static monitor_stuck_input_t stuck_input(const config_t *config, const monitor_s
     return out;
 }
 
+/* The name comes a step after the torque has gone: watch_bus_sensor(). */
+static reason_t bus_warning(const monitor_slow_state_t *state, const monitor_slow_input_t *in)
+{
+    const bool known = in->battery_open || state->return_steps < MONITOR_BUS_RETURN_STEPS ||
+                       state->bus_steps > 1 || fast_trip_of_bus(in);
+    return !in->battery_open && state->bus_sensor_wrong ? REASON_BUS_SENSOR
+           : known                                      ? REASON_BATTERY_DISCONNECTED
+                                                        : REASON_NONE;
+}
+
 static safe_state_input_t safe_state_input(const monitor_slow_state_t *state,
                                            const monitor_slow_input_t *in, int32_t speed_mrad_s)
 {
@@ -291,8 +341,8 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
     const reason_t current_warning = current_sensor_warning(in);
     const reason_t sensor_warns = sensor_warning(in);
     const bool sum_wrong = current_sum_wrong(state, config, in);
-    const bool sensor_wrong =
-        qualified(&state->sensor_steps, switching && in->current_saturated, sensor_time_ms);
+    const bool sensor_wrong = qualified(
+        &state->sensor_steps, switching ? in->current_saturated : sum_at_end(in), sensor_time_ms);
     const bool rotor_missing = switching && !in->rotor_valid;
     const bool rotor_wrong = qualified(&state->rotor_steps, rotor_missing,
                                        rotor_missing ? rotor_qualify_steps(config) : 1);
@@ -303,8 +353,8 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
     const bool torque_wrong =
         qualified(&state->torque_steps, switching && torque_unwanted(config, in),
                   config->monitor.torque_fault_time_ms);
-    const bool flow_wrong = qualified(
-        &state->flow_steps, flow_broken(state, config, in->fast_step_count), MONITOR_FLOW_STEPS);
+    const bool flow_wrong = flow_broken(state, config, in->fast_step_count);
+    const bool phase_open = open_phase(state, in);
     const bool bus_wrong = bus_unexplained(state, config, in);
     const bool battery_lost = in->battery_open || state->return_steps > 0;
     const reason_t temperature = temperature_fault(config, in);
@@ -324,7 +374,7 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
 
     monitor_output_t out = {
         .fault = REASON_NONE,
-        .warning = battery_lost                     ? REASON_BATTERY_DISCONNECTED
+        .warning = battery_lost                     ? bus_warning(state, in)
                    : current_warning != REASON_NONE ? current_warning
                    : sensor_warns != REASON_NONE    ? sensor_warns
                    : rotor_warns                    ? REASON_ROTOR_UNCERTAIN
@@ -346,11 +396,14 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
     state->safe_bridge = out.safe_bridge;
     state->steps++;
     /* The first line that applies names the fault: causes before consequences. */
-    if (in->fast_trip != REASON_NONE && in->fast_trip != REASON_BUS_OVERVOLTAGE &&
-        !overcurrent_of_bus(state, in)) {
-        out.fault = in->fast_trip;
+    if (in->fast_trip != REASON_NONE && !fast_trip_of_bus(in) && !overcurrent_of_bus(state, in)) {
+        /* The current loop that finds no path in one phase drives too much through the others. */
+        out.fault = in->fast_trip == REASON_OVERCURRENT && state->open.suspected ? REASON_PHASE_OPEN
+                                                                                 : in->fast_trip;
     } else if (flow_wrong) {
         out.fault = REASON_PROGRAM_FLOW;
+    } else if (phase_open) {
+        out.fault = REASON_PHASE_OPEN;
     } else if (sensor_wrong || no_current) {
         out.fault = REASON_CURRENT_SENSOR;
     } else if (sum_wrong) {

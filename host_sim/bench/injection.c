@@ -69,6 +69,10 @@ static slow_output_t without_message(const injection_t *state, const slow_output
     slow_output_t out = {.mode = MODE_BOOT};
     if (!state->in_reset) {
         out = *last;
+        if (state->silent_ms >= INJECTION_SLOW_STOPPED_MS) {
+            out.mode = MODE_FAULT;
+            out.fault_reason = REASON_PROGRAM_FLOW;
+        }
     }
     out.hydraulic_torque_mNm = last->hydraulic_torque_mNm;
     out.hydraulic_valid = last->hydraulic_valid && state->silent_ms <= INJECTION_MESSAGES_LOST_MS;
@@ -86,6 +90,10 @@ slow_output_t injection_slow(const fault_params_t *p, injection_t *state,
         state->has_late = false;
     }
     state->in_reset = state->unfed_ms > INJECTION_WATCHDOG_MS;
+    if (p->slow_stopped < ON) { /* in the slow loop's interrupt */
+        const bool off = state->fast_missing_ms >= INJECTION_FAST_STOPPED_MS && !state->in_reset;
+        state->fast_missing_ms = p->fast_stopped > ON || off ? state->fast_missing_ms + 1 : 0;
+    }
     if (p->state_bit >= 1.0 && !state->has_flipped) {
         flip(target->controller, (uint32_t)p->state_bit - 1U);
     }
@@ -115,6 +123,10 @@ void injection_fast(const fault_params_t *p, injection_t *state, const injection
     if (state->in_reset) {
         const fast_output_t off = {.compare_counts = {0, 0, 0}, .bridge = BRIDGE_OFF};
         *next = off;
+        return;
+    }
+    if (state->fast_missing_ms >= INJECTION_FAST_STOPPED_MS) {
+        next->bridge = BRIDGE_OFF;
         return;
     }
     if (p->fast_stopped > ON) {

@@ -27,6 +27,7 @@ static monitor_fast_state_t any_state(void)
         .trip = (reason_t)nondet_uint8(),
         .current_periods = nondet_int32(),
         .periods_left = any_within(0, 100000 / 1000 * MONITOR_STALE_STEPS),
+        .last_v_dc_pu = any_within(0, 65536),
         .last_slow_step = nondet_uint16(),
     };
     ASSUME(invariant(&out));

@@ -19,7 +19,8 @@
 
 #include <stdbool.h>
 
-/* Milliseconds without a slow step after which no more frames are sent. */
+/* Milliseconds without a slow step after which no more frames are sent but WheelState, with the
+ * fault PROGRAM_FLOW. */
 enum { APP_SLOW_STOPPED_ms = 5 };
 
 /* Background context, once after reset: self-tests, then either running interrupts or BOOT with the

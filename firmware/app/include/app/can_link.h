@@ -30,4 +30,8 @@ bool can_link_receive(can_link_t *link, uint32_t now_ms);
 void can_link_transmit(can_link_t *link, uint32_t now_ms, const slow_output_t *output,
                        const wheel_temperatures_t *temperature);
 
+/* Sends WheelState alone, if it is due: of a slow loop that stands still. */
+void can_link_transmit_state(can_link_t *link, uint32_t now_ms, const slow_output_t *output,
+                             const wheel_temperatures_t *temperature);
+
 #endif

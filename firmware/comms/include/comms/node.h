@@ -92,6 +92,10 @@ bool node_receive(node_t *node, const messages_frame_t *frame, uint32_t now_ms);
 bool node_next(node_t *node, uint32_t now_ms, const slow_output_t *output,
                const wheel_temperatures_t *temperature, messages_frame_t *frame);
 
+/* The same of WheelState alone: the brake system sees the other counters stand still. */
+bool node_next_state(node_t *node, uint32_t now_ms, const slow_output_t *output,
+                     const wheel_temperatures_t *temperature, messages_frame_t *frame);
+
 /* The CAN controller has taken the frame of the last node_next(). */
 void node_sent(node_t *node, uint32_t now_ms);
 

@@ -128,7 +128,9 @@
     X(101, HYDRAULIC_STUCK, "hydraulic brake does not release",                                    \
       "brake.hydraulic_watch_speed_mrad_s", "at once", NONE, HEALS, SERVICE)                       \
     X(102, HYDRAULIC_LATE, "hydraulic brake comes later than configured",                          \
-      "brake.hydraulic_watch_speed_mrad_s", "at once", NONE, HEALS, SERVICE)
+      "brake.hydraulic_watch_speed_mrad_s", "at once", NONE, HEALS, SERVICE)                       \
+    X(103, PHASE_OPEN, "phase wire or switch open: no current where one is wanted",                \
+      "3 ms", "never", FREEWHEEL, ACKNOWLEDGED, SERVICE)
 /* clang-format on */
 
 #define REASON_LIMIT_ENUM(number, identifier, text) REASON_##identifier = (number),

@@ -22,6 +22,7 @@
 #include "core/reason.h"
 #include "monitor/monitor_current.h"
 #include "monitor/monitor_emf.h"
+#include "monitor/monitor_open.h"
 #include "monitor/monitor_speed.h"
 #include "monitor/monitor_stuck.h"
 #include "monitor/safe_state.h"
@@ -31,10 +32,18 @@ enum {
     MONITOR_STALE_STEPS = 4,
     /* Milliseconds without torque after a bus has come back from above its trip. */
     MONITOR_BUS_RETURN_STEPS = 100,
-    /* Milliseconds with a wrong number of fast steps after which the slow loop reports a fault. */
-    MONITOR_FLOW_STEPS = 5,
+    /* Weights of a slow step with a wrong number of fast steps and of one with the right number,
+     * and their sum that is a fault: three wrong ones in a row, or five of nine. */
+    MONITOR_FLOW_WRONG = 2,
+    MONITOR_FLOW_RIGHT = -1,
+    MONITOR_FLOW_FAULT = 6,
     /* Square of the current that a dead sensor may show, Q30: six codes of a 12-bit converter. */
     MONITOR_DEAD_SQUARE = 96 * 96,
+    /* More than a bus rises in one period, Q15 of the voltage base: 5/64, of a capacitor that is
+     * charged from half of the range to all of it in six periods. */
+    MONITOR_BUS_JUMP_PU = 2560,
+    /* Less than what drives a current through a motor, so no motor empties a bus so far: 1/64. */
+    MONITOR_BUS_EMPTY_SHARE = 64,
     /* A temperature limit of this value is switched off, for example if there is no sensor. */
     MONITOR_TEMPERATURE_OFF_cC = 30000
 };
@@ -54,6 +63,7 @@ typedef struct {
     int32_t
         current_periods;  /* above the trip; negative: at zero since the latest one that was not */
     int32_t periods_left; /* left until PROGRAM_FLOW without a slow step */
+    int32_t last_v_dc_pu; /* of the period before */
     uint16_t last_slow_step;
 } monitor_fast_state_t;
 
@@ -80,7 +90,8 @@ bool monitor_fast_intact(const monitor_fast_state_t *state, const config_t *conf
 
 typedef struct {
     uint16_t bus_steps; /* beyond a trip and not back */
-    uint16_t sum_steps, sensor_steps, rotor_steps, torque_steps, flow_steps, temperature_steps;
+    uint16_t sum_steps, sensor_steps, rotor_steps, torque_steps, temperature_steps;
+    uint16_t flow_level; /* weighted sum of wrong and right steps */
     uint16_t last_fast_step;
     uint16_t last_rotor_faults;
     uint16_t warning_steps; /* left of the warning's heal time */
@@ -92,7 +103,9 @@ typedef struct {
     monitor_current_state_t current;
     monitor_speed_state_t speed;
     monitor_stuck_state_t stuck;
-    bool bus_was_low; /* of the latest bus beyond a trip */
+    monitor_open_state_t open;
+    bool bus_was_low;      /* of the latest bus beyond a trip */
+    bool bus_sensor_wrong; /* its reading went where no bus goes */
     bool started;
 } monitor_slow_state_t;
 
@@ -119,6 +132,8 @@ typedef struct {
     bool voltage_limited;        /* likewise */
     dq_t sampled_pu;             /* mean of the sampled currents over the last millisecond, Q15 */
     dq_t reference_pu;           /* of that millisecond, Q15 */
+    dq_t latest_pu;              /* sampled in the latest period, Q15 */
+    uint16_t theta_turn;         /* electrical angle used in that period */
     int32_t torque_command_mNm;  /* of the last step, signed */
     int32_t torque_estimate_mNm; /* signed */
     int32_t offset_q4[3];        /* zero-current codes * 16 */
@@ -150,7 +165,7 @@ typedef struct {
 
 /* @post !state->started && !state->release_trip && state->steps == 0 && state->return_steps == 0
  *
- * @post state->flow_steps == 0 && state->bus_steps == 0 && state->rotor_steps == 0
+ * @post state->flow_level == 0 && state->bus_steps == 0 && state->rotor_steps == 0
  */
 void monitor_slow_init(monitor_slow_state_t *state);
 

@@ -34,6 +34,10 @@ static inline reason_t monitor_fast_current(monitor_fast_state_t *state,
  *
  * @pre q_abs(in->i_pu.v.x) <= Q15_ONE && q_abs(in->i_pu.v.y) <= Q15_ONE
  *
+ * @pre in->v_dc_pu >= 0 && in->v_dc_pu <= 65536
+ *
+ * @pre state->last_v_dc_pu >= 0 && state->last_v_dc_pu <= 65536
+ *
  * @pre state->periods_left >= 0 && state->periods_left <= state->stale_limit_periods
  *
  * @post !in->power_stage_fault || result == REASON_HARDWARE_BREAK
@@ -53,6 +57,8 @@ static inline reason_t monitor_fast_current(monitor_fast_state_t *state,
 static inline reason_t monitor_fast_look(monitor_fast_state_t *state,
                                          const monitor_fast_input_t *in)
 {
+    const int32_t bus_rise_pu = in->v_dc_pu - state->last_v_dc_pu;
+    state->last_v_dc_pu = in->v_dc_pu;
     if (in->power_stage_fault) {
         return REASON_HARDWARE_BREAK;
     }
@@ -69,7 +75,7 @@ static inline reason_t monitor_fast_look(monitor_fast_state_t *state,
         state->current_periods = 0;
     }
     if (in->v_dc_pu > state->overvoltage_pu) {
-        return REASON_BUS_OVERVOLTAGE;
+        return bus_rise_pu > MONITOR_BUS_JUMP_PU ? REASON_BUS_SENSOR : REASON_BUS_OVERVOLTAGE;
     }
     int32_t periods_left = state->periods_left - 1;
     if (in->slow_step_count != state->last_slow_step || !in->switching) {
@@ -96,6 +102,10 @@ static inline reason_t monitor_fast_look(monitor_fast_state_t *state,
  * @pre state->trip != REASON_NONE || state->current_periods != -state->dead_periods
  *
  * @pre q_abs(in->i_pu.v.x) <= Q15_ONE && q_abs(in->i_pu.v.y) <= Q15_ONE
+ *
+ * @pre in->v_dc_pu >= 0 && in->v_dc_pu <= 65536
+ *
+ * @pre state->last_v_dc_pu >= 0 && state->last_v_dc_pu <= 65536
  *
  * @pre state->periods_left >= 0 && state->periods_left <= state->stale_limit_periods
  *

@@ -5,9 +5,11 @@
  *
  * Around them stands what the board does: the watchdog of app/supervisor.h restarts the core after
  * SUPERVISOR_TIMEOUT_ms in which steps were missing or their rates were off by more than a quarter,
- * and again for as long as the cause stays: bridge off, no messages. The brake system takes its own
- * path once the counter of the wheel's messages has stood still for five cycles. A flipped bit of
- * the configuration is found as app/background_check.h finds it: in parts, once each round.
+ * and again for as long as the cause stays: bridge off, no messages. Before that it switches a
+ * bridge off that gets no fast step, and its background says so if the slow loop stands still. The
+ * brake system takes its own path once the counter of the wheel's messages has stood still for five
+ * cycles. A flipped bit of the configuration is found as app/background_check.h finds it: in parts,
+ * once each round.
  */
 #ifndef BENCH_INJECTION_H
 #define BENCH_INJECTION_H
@@ -18,14 +20,21 @@
 #include "controller/controller.h"
 #include "plant/fault.h"
 
-enum { INJECTION_WATCHDOG_MS = 25, INJECTION_MESSAGES_LOST_MS = 50, INJECTION_LATE_MS_MAX = 1000 };
+enum {
+    INJECTION_WATCHDOG_MS = 25,
+    INJECTION_SLOW_STOPPED_MS = 5, /* the application names a slow loop that stands still */
+    INJECTION_FAST_STOPPED_MS = 3, /* it switches a bridge off that no fast step serves */
+    INJECTION_MESSAGES_LOST_MS = 50,
+    INJECTION_LATE_MS_MAX = 1000
+};
 
 /* All zero: no fault yet. */
 typedef struct {
     bool has_restarted, has_flipped, has_late;
     bool in_reset;
-    int unfed_ms;  /* since the watchdog was fed */
-    int silent_ms; /* since the slow step made a message */
+    int unfed_ms;        /* since the watchdog was fed */
+    int silent_ms;       /* since the slow step made a message */
+    int fast_missing_ms; /* since a fast step; the bridge stays off until the restart */
     fast_setpoint_t late_setpoint;
     fast_output_t late_output;
     double commands_nm[INJECTION_LATE_MS_MAX + 1]; /* to the hydraulic brake */

@@ -320,8 +320,9 @@ void test_a_changed_limit_of_the_fast_monitor_ends_run(void)
     TEST_ASSERT_EQUAL_INT(MODE_FAULT, mode_on_can());
 }
 
-/* The brake system must see that its command is no longer made: no frame, so no new counter. */
-void test_frames_end_while_the_slow_loop_is_stopped(void)
+/* The brake system must see that its command is no longer made: no frame, so no new counter. Only
+ * the wheel's state goes on, every 10 ms, and names the fault. */
+void test_frames_but_the_state_end_while_the_slow_loop_is_stopped(void)
 {
     app_boot();
     milliseconds(100);
@@ -335,9 +336,11 @@ void test_frames_end_while_the_slow_loop_is_stopped(void)
         board.now_ms++;
         app_background();
     }
-    TEST_ASSERT_EQUAL_INT(sent, board.frames_sent);
+    TEST_ASSERT_EQUAL_INT(sent + 20, board.frames_sent);
+    TEST_ASSERT_EQUAL_INT(MODE_FAULT, mode_on_can());
+    TEST_ASSERT_EQUAL_UINT8(REASON_PROGRAM_FLOW, board.last_state.data[2]);
     milliseconds(100);
-    TEST_ASSERT_GREATER_THAN_INT(sent, board.frames_sent);
+    TEST_ASSERT_GREATER_THAN_INT(sent + 40, board.frames_sent);
 }
 
 /* In whatever period it happens: the slow step's report is never older than the latest period. */

@@ -203,6 +203,19 @@ void test_overvoltage_trips_in_one_period(void)
     TEST_ASSERT_EQUAL_INT(REASON_BUS_OVERVOLTAGE, step());
 }
 
+/* 53 V, then 60.57: more than 5/64 of the range. A millivolt less, in two periods, is a bus. */
+void test_bus_voltage_that_jumps_above_its_trip_is_the_sensor_s(void)
+{
+    step();
+    in.v_dc_pu = ABOVE_TRIP_V;
+    TEST_ASSERT_EQUAL_INT(REASON_BUS_SENSOR, step());
+    setUp();
+    in.v_dc_pu = ABOVE_TRIP_V - MONITOR_BUS_JUMP_PU;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, step());
+    in.v_dc_pu = ABOVE_TRIP_V;
+    TEST_ASSERT_EQUAL_INT(REASON_BUS_OVERVOLTAGE, step());
+}
+
 void test_overvoltage_trips_with_and_without_pwm(void)
 {
     in.switching = false;

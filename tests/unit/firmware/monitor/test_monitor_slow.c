@@ -326,53 +326,7 @@ void test_torque_without_pwm_is_no_fault(void)
     assert_never_a_fault();
 }
 
-/* ---- program flow ---- */
-
-void test_stopped_fast_loop_is_a_fault_after_five_milliseconds(void)
-{
-    step();
-    fast_steps_per_slow = 0;
-    for (int n = 1; n < 5; n++) {
-        TEST_ASSERT_EQUAL_INT(REASON_NONE, step().fault);
-    }
-    TEST_ASSERT_EQUAL_INT(REASON_PROGRAM_FLOW, step().fault);
-    fast_steps_per_slow = FAST_PER_SLOW;
-}
-
-void test_fast_loop_rate_within_25_percent_is_no_fault(void)
-{
-    const uint16_t good[] = {15, 25};
-    const uint16_t bad[] = {14, 26, 40};
-    for (int k = 0; k < 2; k++) {
-        setUp();
-        fast_steps_per_slow = good[k];
-        TEST_ASSERT_EQUAL_INT(REASON_NONE, run(100).fault);
-    }
-    for (int k = 0; k < 3; k++) {
-        setUp();
-        fast_steps_per_slow = bad[k];
-        TEST_ASSERT_EQUAL_INT(REASON_PROGRAM_FLOW, run(100).fault);
-    }
-    fast_steps_per_slow = FAST_PER_SLOW;
-}
-
-void test_a_single_late_slow_step_is_no_fault(void)
-{
-    run(10);
-    in.fast_step_count = (uint16_t)(in.fast_step_count + 40);
-    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(100).fault);
-}
-
-void test_first_step_does_not_check_the_fast_loop_s_count(void)
-{
-    in.fast_step_count = 12345; /* the first step has no count to compare with */
-    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(10).fault);
-    setUp();
-    fast_steps_per_slow = 0;
-    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(5).fault); /* the first step is not checked */
-    TEST_ASSERT_EQUAL_INT(REASON_PROGRAM_FLOW, step().fault);
-    fast_steps_per_slow = FAST_PER_SLOW;
-}
+/* ---- watchdog ---- */
 
 void test_monitor_counts_its_steps_for_the_watchdog(void)
 {

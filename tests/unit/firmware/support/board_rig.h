@@ -17,8 +17,8 @@
 
 enum { PERIODS = 40000 };
 
-/* Pseudo-random phase currents, a rotor of slowly changing speed, constant bus voltage. Equal seeds
- * give equal samples. */
+/* Pseudo-random phase currents, none of them near zero, which an open phase would show; a rotor of
+ * slowly changing speed, constant bus voltage. Equal seeds give equal samples. */
 typedef struct {
     uint32_t random;
     uint32_t angle_q32;
@@ -48,11 +48,13 @@ static inline host_sample_t next_sample(sensors_t *s)
     host_sample_t out = {.winding_temperature_cC = 2500,
                          .switch_temperature_cC = 3000,
                          .bus_voltage_code = s->bus_code};
-    const int32_t a = (int32_t)(next_random(s) % 101U) - 50;
-    const int32_t b = (int32_t)(next_random(s) % 101U) - 50;
-    out.phase_current_code[0] = (uint16_t)(2048 + a);
-    out.phase_current_code[1] = (uint16_t)(2048 + b);
-    out.phase_current_code[2] = (uint16_t)(2048 - a - b);
+    const int32_t sign = (next_random(s) & 1U) != 0 ? 1 : -1;
+    const int32_t one = sign * (40 + (int32_t)(next_random(s) % 11U));
+    const int32_t other = sign * (40 + (int32_t)(next_random(s) % 11U));
+    const uint32_t first = next_random(s) % 3U;
+    out.phase_current_code[first] = (uint16_t)(2048 + one);
+    out.phase_current_code[(first + 1U) % 3U] = (uint16_t)(2048 + other);
+    out.phase_current_code[(first + 2U) % 3U] = (uint16_t)(2048 - one - other);
     s->speed_q32 += (int32_t)(next_random(s) % 2001U) - 1000;
     s->angle_q32 += (uint32_t)s->speed_q32;
     out.rotor_angle_turn = (uint16_t)(s->angle_q32 >> 16);

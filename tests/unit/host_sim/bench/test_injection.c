@@ -49,7 +49,9 @@ void test_the_slow_step_that_has_stopped_keeps_its_messages_until_their_counter_
     for (int k = 1; k <= INJECTION_WATCHDOG_MS; k++) {
         last = injection_slow(&fault, &state, &target, &in, &last);
         TEST_ASSERT_EQUAL_INT(30000, last.hydraulic_torque_mNm);
-        TEST_ASSERT_EQUAL_INT(MODE_RUN, last.mode);
+        const bool named = k >= INJECTION_SLOW_STOPPED_MS;
+        TEST_ASSERT_EQUAL_INT(named ? MODE_FAULT : MODE_RUN, last.mode);
+        TEST_ASSERT_EQUAL_INT(named ? REASON_PROGRAM_FLOW : REASON_NONE, last.fault_reason);
         TEST_ASSERT_TRUE(last.hydraulic_valid);
     }
 }

@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "monitor/monitor_open.h"
+
+#include "core/angle.h"
+#include "core/q15.h"
+
+enum { PHASES = 3, SQRT3_2_Q15 = 28378 };
+
+typedef struct {
+    int32_t pu[PHASES];
+} phases_t;
+
+static phases_t phases_of(dq_t x, sincos_t at)
+{
+    const int32_t alpha = (int32_t)(((int64_t)x.d * at.cos - (int64_t)x.q * at.sin) >> 15);
+    const int32_t beta = (int32_t)(((int64_t)x.d * at.sin + (int64_t)x.q * at.cos) >> 15);
+    const int32_t beta_part = (int32_t)(((int64_t)beta * SQRT3_2_Q15) >> 15);
+    const phases_t out = {.pu = {alpha, beta_part - alpha / 2, -beta_part - alpha / 2}};
+    return out;
+}
+
+static int32_t largest(const phases_t *x)
+{
+    return q_max(q_abs(x->pu[0]), q_max(q_abs(x->pu[1]), q_abs(x->pu[2])));
+}
+
+typedef enum { FLOWS, NEITHER, MISSING } evidence_t;
+
+/* One phase whose reference is at least half of the largest; a healthy vector of whatever length
+ * has as much of its own there. */
+static evidence_t evidence(int32_t current_pu, int32_t wanted_pu, int32_t others_pu)
+{
+    const int32_t along_pu = wanted_pu > 0 ? current_pu : -current_pu;
+    const int32_t reference_pu = q_abs(wanted_pu);
+    if (along_pu > reference_pu / 2) {
+        return FLOWS;
+    }
+    const int32_t size_pu = q_abs(current_pu);
+    const bool beside_long = others_pu > reference_pu / 4 && size_pu < others_pu / 8 * 3;
+    const bool beside_short = size_pu < others_pu / 8;
+    return size_pu < reference_pu / 4 && others_pu > MONITOR_OPEN_OTHERS_PU &&
+                   (beside_long || beside_short)
+               ? MISSING
+               : NEITHER;
+}
+
+/* The vector turns through this phase's zero within 14 degrees unless the phase carries none. Only
+ * where two samples see the same half wave. */
+static bool stays_zero(monitor_open_state_t *state, int x, int32_t current_pu, int32_t others_pu,
+                       int32_t step_turn)
+{
+    if (others_pu <= MONITOR_OPEN_OTHERS_PU) {
+        return false;
+    }
+    const bool none = q_abs(current_pu) < others_pu / 8 && step_turn < MONITOR_OPEN_FASTEST_TURN;
+    const int32_t turned = none && state->zeros[x] > 0 ? state->turned[x] + step_turn : 0;
+    state->turned[x] = (uint16_t)q_min(turned, MONITOR_OPEN_TURN);
+    state->zeros[x] = (uint8_t)(none ? q_min(state->zeros[x] + 1, MONITOR_OPEN_STEPS) : 0);
+    return turned >= MONITOR_OPEN_TURN && state->zeros[x] >= MONITOR_OPEN_STEPS;
+}
+
+bool monitor_open_step(monitor_open_state_t *state, const monitor_open_input_t *in)
+{
+    if (!in->switching) {
+        for (int x = 0; x < PHASES; x++) {
+            state->missing[x][0] = 0;
+            state->missing[x][1] = 0;
+            state->turned[x] = 0;
+            state->zeros[x] = 0;
+        }
+        return false;
+    }
+    const sincos_t at = angle_sincos(in->theta_turn);
+    const phases_t current = phases_of(in->sampled_pu, at);
+    const phases_t wanted = phases_of(in->reference_pu, at);
+    const int32_t judged_pu = q_max(largest(&wanted) / 2, MONITOR_OPEN_LEAST_PU);
+    const int32_t step_turn = q_abs(angle_difference(in->theta_turn, state->theta_turn));
+    state->theta_turn = in->theta_turn;
+    uint8_t most = 0;
+    bool zero = false;
+    for (int x = 0; x < PHASES; x++) {
+        uint8_t *missing = &state->missing[x][wanted.pu[x] > 0 ? 1 : 0];
+        if (q_abs(wanted.pu[x]) >= judged_pu) {
+            const evidence_t found = evidence(current.pu[x], wanted.pu[x], largest(&current));
+            const int32_t counted = *missing + (found == MISSING ? 1 : 0);
+            *missing = (uint8_t)(found == FLOWS ? 0 : q_min(counted, MONITOR_OPEN_STEPS));
+        }
+        zero = stays_zero(state, x, current.pu[x], largest(&current), step_turn) || zero;
+        most = (uint8_t)q_max(most, q_max(state->missing[x][0], state->missing[x][1]));
+    }
+    state->suspected = most >= MONITOR_OPEN_SUSPECT_STEPS;
+    return zero || most >= MONITOR_OPEN_STEPS;
+}

@@ -1,0 +1,168 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The names of what is wrong: program flow, bus sensor, open phase. */
+#include "monitor_rig.h"
+
+enum { MID_OFFSET_Q4 = 2048 * 16 };
+
+static const monitor_slow_input_t HEALTHY = {
+    .fast_trip = REASON_NONE,
+    .current_sum_pu = 0,
+    .offsets_known = true,
+    .current_saturated = false,
+    .rotor_valid = true,
+    .rotor_faults = 0,
+    .fast_step_count = 0,
+    .bus_voltage_mV = 53000,
+    .speed_mrad_s = 30000,
+    .winding_temperature_cC = 2500,
+    .switch_temperature_cC = 2500,
+    .u_q_mV = 14076, /* 30 rad/s * 23 * 20.4 mWb */
+    .torque_command_mNm = 10000,
+    .torque_estimate_mNm = 10000,
+    .offset_q4 = {MID_OFFSET_Q4, MID_OFFSET_Q4, MID_OFFSET_Q4},
+    .bridge = BRIDGE_PWM,
+};
+
+void setUp(void)
+{
+    rig_up(&HEALTHY);
+    config.battery.overvoltage_trip_mV = 60564;
+    config.battery.undervoltage_trip_mV = 36000;
+}
+
+void tearDown(void) {}
+
+/* One sensor at its rail beside two without a current: the sum is there as well. */
+void test_sensor_at_its_rail_is_named_without_pwm(void)
+{
+    in.bridge = BRIDGE_OFF;
+    in.current_sum_pu = -32000;
+    assert_fault_after(20, REASON_CURRENT_SENSOR);
+}
+
+/* ---- program flow ---- */
+
+void test_stopped_fast_loop_is_a_fault_in_the_third_step(void)
+{
+    step();
+    fast_steps_per_slow = 0;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(2).fault);
+    TEST_ASSERT_EQUAL_INT(REASON_PROGRAM_FLOW, step().fault);
+    fast_steps_per_slow = FAST_PER_SLOW;
+}
+
+/* Every other step finds the right number of fast steps, the next none. */
+void test_slow_step_that_comes_twice_is_a_fault_in_its_fifth_pair(void)
+{
+    step();
+    for (int pair = 1; pair <= 5; pair++) {
+        fast_steps_per_slow = FAST_PER_SLOW;
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, step().fault);
+        fast_steps_per_slow = 0;
+        TEST_ASSERT_EQUAL_INT(pair < 5 ? REASON_NONE : REASON_PROGRAM_FLOW, step().fault);
+    }
+    fast_steps_per_slow = FAST_PER_SLOW;
+}
+
+void test_fast_loop_rate_within_25_percent_is_no_fault(void)
+{
+    const uint16_t good[] = {15, 25};
+    const uint16_t bad[] = {14, 26, 40};
+    for (int k = 0; k < 2; k++) {
+        setUp();
+        fast_steps_per_slow = good[k];
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, run(100).fault);
+    }
+    for (int k = 0; k < 3; k++) {
+        setUp();
+        fast_steps_per_slow = bad[k];
+        TEST_ASSERT_EQUAL_INT(REASON_PROGRAM_FLOW, run(100).fault);
+    }
+    fast_steps_per_slow = FAST_PER_SLOW;
+}
+
+void test_a_single_late_slow_step_is_no_fault(void)
+{
+    run(10);
+    in.fast_step_count = (uint16_t)(in.fast_step_count + 40);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(100).fault);
+}
+
+void test_first_step_does_not_check_the_fast_loop_s_count(void)
+{
+    in.fast_step_count = 12345; /* the first step has no count to compare with */
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(10).fault);
+    setUp();
+    fast_steps_per_slow = 0;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(3).fault); /* the first step is not checked */
+    TEST_ASSERT_EQUAL_INT(REASON_PROGRAM_FLOW, step().fault);
+    fast_steps_per_slow = FAST_PER_SLOW;
+}
+
+/* 61.8 V at the end of the range. The fast monitor has seen the reading jump; or it shows less than
+ * a motor can leave of a bus. */
+void test_bus_reading_that_no_bus_has_is_its_sensor_s(void)
+{
+    in.fast_trip = REASON_BUS_SENSOR;
+    in.bus_voltage_mV = 61800;
+    in.bridge = BRIDGE_OFF;
+    monitor_output_t out = step();
+    TEST_ASSERT_EQUAL_INT(REASON_BUS_SENSOR, out.warning);
+    TEST_ASSERT_TRUE(out.battery_lost);
+    in.fast_trip = REASON_NONE;
+    in.bus_voltage_mV = 53000;
+    (void)run(MONITOR_BUS_RETURN_STEPS);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, step().warning);
+
+    in.bridge = BRIDGE_PWM;
+    in.bus_voltage_mV = 30000; /* half of its millisecond */
+    out = step();
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, out.warning);
+    TEST_ASSERT_TRUE(out.battery_lost);
+    in.bridge = BRIDGE_OFF;
+    in.bus_voltage_mV = 965; /* 1/64 of the range is 0.966 V */
+    TEST_ASSERT_EQUAL_INT(REASON_BUS_SENSOR, step().warning);
+    in.battery_open = true; /* said by the battery */
+    TEST_ASSERT_EQUAL_INT(REASON_BATTERY_DISCONNECTED, step().warning);
+}
+
+void test_bus_that_a_motor_has_emptied_is_the_battery_s(void)
+{
+    in.bus_voltage_mV = 20000;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, step().warning);
+    in.bridge = BRIDGE_OFF;
+    in.bus_voltage_mV = 966;
+    TEST_ASSERT_EQUAL_INT(REASON_BATTERY_DISCONNECTED, step().warning);
+}
+
+/* ---- open phase ---- */
+
+static void no_current_in_phase_a(void)
+{
+    in.reference_pu.q = 12000; /* at 90 degrees phase a is -q */
+    in.latest_pu.q = 0;
+    in.latest_pu.d = 6000; /* along beta: the other two phases */
+    in.theta_turn = 16384;
+}
+
+void test_open_phase_is_a_fault_in_the_third_step(void)
+{
+    no_current_in_phase_a();
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(2).fault);
+    TEST_ASSERT_EQUAL_INT(REASON_PHASE_OPEN, step().fault);
+}
+
+void test_overcurrent_after_a_suspected_open_phase_is_named_by_it(void)
+{
+    no_current_in_phase_a();
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(2).fault);
+    in.fast_trip = REASON_OVERCURRENT;
+    in.bridge = BRIDGE_OFF;
+    TEST_ASSERT_EQUAL_INT(REASON_PHASE_OPEN, step().fault);
+    setUp();
+    no_current_in_phase_a();
+    (void)step();
+    in.fast_trip = REASON_OVERCURRENT;
+    in.bridge = BRIDGE_OFF;
+    TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, step().fault);
+}

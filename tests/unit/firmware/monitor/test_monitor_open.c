@@ -1,0 +1,164 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A phase wire or a switch that is open. The currents of a broken star are written down per phase:
+ * what one phase cannot carry, the other two do not either. */
+#include "monitor/monitor_open.h"
+
+#include <math.h>
+
+#include "unity.h"
+
+#define TURN_RAD 6.283185307179586
+
+enum { LENGTH_PU = 12000 };
+
+typedef struct {
+    double a, b, c;
+} star_t;
+
+typedef star_t (*path_t)(star_t wanted);
+
+static monitor_open_state_t state;
+
+void setUp(void)
+{
+    const monitor_open_state_t fresh = {.suspected = false};
+    state = fresh;
+}
+
+void tearDown(void) {}
+
+static star_t healthy(star_t i)
+{
+    return i;
+}
+
+static star_t wire_b_open(star_t i)
+{
+    const double through = (i.a - i.c) / 2.0;
+    const star_t out = {through, 0.0, -through};
+    return out;
+}
+
+/* No current into the motor from leg a. */
+static star_t high_switch_a_open(star_t i)
+{
+    const double through = (i.b - i.c) / 2.0;
+    const star_t out = {0.0, through, -through};
+    return i.a > 0.0 ? out : i;
+}
+
+static star_t no_path(star_t i)
+{
+    (void)i;
+    const star_t out = {0.0, 0.0, 0.0};
+    return out;
+}
+
+/* q current of the reference turns with the rotor: phase a is -sin. */
+static star_t wanted_at(double angle_rad)
+{
+    const star_t out = {-LENGTH_PU * sin(angle_rad), -LENGTH_PU * sin(angle_rad - TURN_RAD / 3),
+                        -LENGTH_PU * sin(angle_rad + TURN_RAD / 3)};
+    return out;
+}
+
+static dq_t park(star_t i, double angle_rad)
+{
+    const double alpha = i.a;
+    const double beta = (i.b - i.c) / sqrt(3.0);
+    const dq_t out = {
+        .d = (int32_t)lround(alpha * cos(angle_rad) + beta * sin(angle_rad)),
+        .q = (int32_t)lround(beta * cos(angle_rad) - alpha * sin(angle_rad)),
+    };
+    return out;
+}
+
+static bool step_at(path_t path, double turn, double share)
+{
+    const double angle_rad = TURN_RAD * (turn - floor(turn));
+    star_t i = path(wanted_at(angle_rad));
+    i.a *= share;
+    i.b *= share;
+    i.c *= share;
+    const monitor_open_input_t in = {
+        .sampled_pu = park(i, angle_rad),
+        .reference_pu = {.d = 0, .q = LENGTH_PU},
+        .theta_turn = (uint16_t)lround(65535.0 * (turn - floor(turn))),
+        .switching = true,
+    };
+    return monitor_open_step(&state, &in);
+}
+
+/* Milliseconds until the phase is named; -1: not within `most`. */
+static int time_to_name(path_t path, double begin_turn, double turns_per_ms, int most)
+{
+    setUp();
+    for (int ms = 1; ms <= most; ms++) {
+        if (step_at(path, begin_turn + turns_per_ms * ms, 1.0)) {
+            return ms;
+        }
+    }
+    return -1;
+}
+
+/* At 100 Hz a half wave is 5 ms, of which the reference is above half of its peak for 3.3; an open
+ * wire has one of either sign, so three samples of one sign within a turn and a bit. */
+void test_open_wire_is_named_within_a_turn_from_any_angle(void)
+{
+    for (int k = 0; k < 24; k++) {
+        const int ms = time_to_name(wire_b_open, k / 24.0, 0.1, 20);
+        TEST_ASSERT_GREATER_OR_EQUAL_INT(3, ms);
+        TEST_ASSERT_LESS_OR_EQUAL_INT(11, ms);
+    }
+}
+
+void test_open_switch_is_named_in_its_half_wave(void)
+{
+    for (int k = 0; k < 24; k++) {
+        const int ms = time_to_name(high_switch_a_open, k / 24.0, 0.1, 20);
+        TEST_ASSERT_GREATER_OR_EQUAL_INT(3, ms);
+        TEST_ASSERT_LESS_OR_EQUAL_INT(11, ms);
+    }
+}
+
+/* 5 Hz: 30 degrees are 17 ms, half a turn until the half wave comes 100 ms. */
+void test_open_phase_of_a_slow_rotor_is_named_by_the_angle_it_stays_at_zero(void)
+{
+    TEST_ASSERT_LESS_OR_EQUAL_INT(22, time_to_name(wire_b_open, 0.1, 0.005, 400));
+    TEST_ASSERT_LESS_OR_EQUAL_INT(120, time_to_name(high_switch_a_open, 0.5, 0.005, 400));
+}
+
+/* All speeds from standstill to 1 kHz, also those at which every sample meets a phase's zero, and
+ * currents shorter than the reference. */
+void test_healthy_phases_are_never_named(void)
+{
+    for (int speed = 0; speed <= 1000; speed++) {
+        for (int begin = 0; begin < 4; begin++) {
+            TEST_ASSERT_EQUAL_INT(-1, time_to_name(healthy, begin / 16.0, speed / 1000.0, 40));
+            TEST_ASSERT_FALSE(state.suspected);
+        }
+    }
+    for (int ms = 0; ms < 1000; ms++) {
+        TEST_ASSERT_FALSE(step_at(healthy, 0.07 * ms, 0.3));
+    }
+}
+
+/* Dead sensors, open drivers: another check's. */
+void test_three_phases_without_a_current_are_no_open_phase(void)
+{
+    for (int speed = 0; speed <= 300; speed++) {
+        TEST_ASSERT_EQUAL_INT(-1, time_to_name(no_path, 0.1, speed / 1000.0, 40));
+    }
+}
+
+void test_bridge_that_does_not_switch_has_no_open_phase_and_forgets(void)
+{
+    (void)step_at(wire_b_open, 0.1, 1.0);
+    (void)step_at(wire_b_open, 0.2, 1.0);
+    const monitor_open_input_t off = {.switching = false};
+    TEST_ASSERT_FALSE(monitor_open_step(&state, &off));
+    for (int x = 0; x < 3; x++) {
+        TEST_ASSERT_EQUAL_UINT8(0, state.missing[x][0] + state.missing[x][1]);
+        TEST_ASSERT_EQUAL_UINT16(0, state.turned[x]);
+    }
+}
