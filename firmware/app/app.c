@@ -8,6 +8,7 @@
 #include "app/can_link.h"
 #include "app/console.h"
 #include "app/double_buffer.h"
+#include "app/fault_journal.h"
 #include "app/pedal_link.h"
 #include "app/report_timer.h"
 #include "app/supervisor.h"
@@ -30,7 +31,8 @@ enum {
     DAMAGED_PASSES = 2,  /* of the background */
     /* Of the watchdog without control: on the internal oscillator a pass of the background that
      * checks a received configuration takes 30 ms. */
-    BOOT_TIMEOUT_ms = 1000
+    BOOT_TIMEOUT_ms = 1000,
+    JOURNAL_PERIOD_ms = 1000 /* between two records, at least */
 };
 
 /* Results of the slow step for the background. */
@@ -76,6 +78,8 @@ static struct {
     can_link_t can;
     pedal_sender_t pedal_sender;
     console_t console;
+    fault_journal_t journal;
+    uint32_t journal_ms;      /* of the latest record, or attempt */
     uint16_t slow_steps_seen; /* of the snapshot, and when it last was another one */
     uint32_t slow_step_ms;
     bool restarting; /* the watchdog is no longer fed */
@@ -92,6 +96,9 @@ static void start_recorder(const config_t *config)
      */
     recorder_init(&app.recorder, fits ? (recorder_memory_t *)(uintptr_t)retained.begin : NULL,
                   &start);
+    if (app.recorder.memory != NULL) {
+        fault_journal_number(&app.journal, app.recorder.memory);
+    }
 }
 
 static void start_control(const config_t *config)
@@ -143,6 +150,11 @@ void app_boot(void)
 
     app.boot = boot_run();
     console_greet(&app.console);
+    fault_journal_init(&app.journal);
+    app.journal_ms = 0;
+    if (!app.boot.was_watchdog) { /* else the wheel may be turning: control first */
+        fault_journal_make_space(&app.journal);
+    }
     watchdog_start(boot_may_control(&app.boot) ? SUPERVISOR_TIMEOUT_ms : BOOT_TIMEOUT_ms);
     if (boot_may_control(&app.boot)) {
         start_control(app.boot.config);
@@ -322,6 +334,7 @@ static report_status_t status_of(const snapshot_t *snapshot)
         .bus_off = can_bus_off(),
         .control = app.config != NULL,
         .black_box = app.recorder.memory,
+        .journal = &app.journal,
     };
     return status;
 }
@@ -333,6 +346,19 @@ static bool is_at_standstill(const slow_output_t *output)
 {
     const bool switched_on = output->mode == MODE_RUN || output->mode == MODE_LIMP;
     return app.config == NULL || (!switched_on && output->standstill);
+}
+
+/* Torque is not enabled and the wheel at rest. A board that is kept so writes a record a second at
+ * most, and after a failure the next start finds the place behind it. */
+static void write_journal(const snapshot_t *snapshot, uint32_t now_ms)
+{
+    const recorder_memory_t *box = app.recorder.memory;
+    if (box == NULL || now_ms - app.journal_ms < JOURNAL_PERIOD_ms ||
+        !is_at_standstill(&snapshot->output) || !fault_journal_is_due(&app.journal, box)) {
+        return;
+    }
+    app.journal_ms = now_ms;
+    (void)fault_journal_append(&app.journal, box);
 }
 
 /* Control ends here, because the core stands still while the memory is erased. */
@@ -400,6 +426,7 @@ void app_background(void)
             app.commands[double_buffer_low(&app.to_slow)] = app.can.node.command;
             double_buffer_swap(&app.to_slow);
         }
+        write_journal(snapshot, now_ms);
         if (pedals_wired(app.config)) {
             pedal_sender_transmit(&app.pedal_sender, app.config, &snapshot->pedals, now_ms);
         }

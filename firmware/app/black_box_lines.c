@@ -38,16 +38,20 @@ static void add_heading(const recorder_memory_t *box, text_t *line)
 }
 
 /* The counter that is the `left`th not to be zero; then `left` is zero. */
-static bool add_count(const recorder_memory_t *box, uint32_t *left, text_t *line)
+static bool add_count(const report_status_t *status, uint32_t *left, text_t *line)
 {
+    const recorder_memory_t *box = status->black_box;
     for (uint32_t i = 0; i < RECORDER_COUNTED; i++) {
-        if (box->counts[i] == 0) {
+        const uint32_t total = fault_journal_total(status->journal, box, i);
+        if (total == 0) {
             continue;
         }
         if (*left == 0) {
             text_add_integer(line, box->counts[i]);
             text_add(line, " times ");
             text_add(line, reason_text((reason_t)(RECORDER_FIRST_COUNTED + i)));
+            text_add(line, ", since production ");
+            text_add_integer(line, (int32_t)total);
             return true;
         }
         (*left)--;
@@ -89,5 +93,5 @@ bool report_black_box(const report_status_t *status, uint32_t number, text_t *li
         return true;
     }
     uint32_t left = number - 1U;
-    return add_count(status->black_box, &left, line) || add_bytes(status->black_box, left, line);
+    return add_count(status, &left, line) || add_bytes(status->black_box, left, line);
 }

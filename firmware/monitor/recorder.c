@@ -53,8 +53,9 @@ static void begin(recorder_memory_t *memory, const recorder_start_t *start, bool
     memory->phase = RECORDER_RECORDING;
     memory->reason = REASON_NONE;
     memory->after_reset = 0;
-    for (int i = 0; i < 3; i++) {
-        memory->reserved[i] = 0;
+    memory->reserved = 0;
+    if (!keep_counts) {
+        memory->supply = 0;
     }
     memory->reserved_too[0] = 0;
     memory->reserved_too[1] = 0;

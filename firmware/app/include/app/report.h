@@ -9,6 +9,7 @@
 #include <stdint.h>
 
 #include "app/boot.h"
+#include "app/fault_journal.h"
 #include "comms/node.h"
 #include "comms/text.h"
 #include "controller/controller.h"
@@ -25,6 +26,7 @@ typedef struct {
     uint32_t stack_free_bytes;
     uint32_t driver_status;             /* of the gate driver, inverter_driver_status() */
     const recorder_memory_t *black_box; /* NULL: this board has none, or no control runs */
+    const fault_journal_t *journal;     /* meaningful with a black box */
     bool bus_off;
     bool control; /* the control steps run; otherwise the pointers are meaningless */
 } report_status_t;
@@ -61,8 +63,8 @@ bool report_can(const report_status_t *status, uint32_t number, text_t *line);
  * values of its fields, reaction, clearing and what the driver is told. */
 bool report_faults(const boot_report_t *boot, const char *prefix, uint32_t number, text_t *line);
 
-/* What the black box holds, the counters of faults that are not zero, and the whole memory as hex,
- * 32 bytes a line after their offset: what `hubsim blackbox` reads. */
+/* What the black box holds, the counters of faults since production that are not zero, and the
+ * whole memory as hex, 32 bytes a line after their offset: what `hubsim blackbox` reads. */
 bool report_black_box(const report_status_t *status, uint32_t number, text_t *line);
 
 /* Name, checksum and versions; then the fields whose names begin with `prefix`. */

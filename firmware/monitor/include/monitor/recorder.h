@@ -79,7 +79,8 @@ typedef struct {
     uint16_t format;
     uint16_t size_bytes;
     uint8_t phase; /* recorder_phase_t */
-    uint8_t reserved[3];
+    uint8_t reserved;
+    uint16_t supply; /* the owner's number of this supply; 0: the counters began with this start */
     uint32_t counts_check;             /* inverted sum of the counters */
     uint16_t counts[RECORDER_COUNTED]; /* of fault 64 + index since the supply came, saturating */
     uint32_t crc32;                    /* of all bytes behind it; valid in RECORDER_SEALED */

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "app/config_store.h"
+#include "app/fault_journal.h"
 #include "board_rig.h"
 #include "config/validate.h"
 #include "hal/inverter.h"
@@ -169,4 +170,26 @@ void test_board_without_motor_and_sensor_accepts_a_configuration(void)
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), "written, restarting"),
                                  host_serial_output());
     TEST_ASSERT_FALSE(configuration_unchanged());
+}
+
+static uint32_t records(void)
+{
+    fault_journal_t journal;
+    fault_journal_init(&journal);
+    return journal.next;
+}
+
+/* One record for the fault, none after it; with a turning wheel none at all. */
+void test_a_fault_is_written_into_the_journal_once_the_wheel_is_at_rest(void)
+{
+    for (int turns = 0; turns <= 1; turns++) {
+        connect(&CONFIG_IMAGE);
+        sensors.speed_q32 = turns != 0 ? sensors.speed_q32 : 0;
+        app_boot();
+        run_for(20000);
+        TEST_ASSERT_EQUAL_UINT32(0, records());
+        inverter_trip();
+        run_for(60000);
+        TEST_ASSERT_EQUAL_UINT32(turns == 0 ? 1 : 0, records());
+    }
 }

@@ -81,7 +81,8 @@ void test_everything_but_the_head_of_a_new_recording_is_zero(void)
     TEST_ASSERT_EACH_EQUAL_UINT8(0, memory.fast, sizeof memory.fast);
     TEST_ASSERT_EACH_EQUAL_UINT8(0, memory.slow, sizeof memory.slow);
     TEST_ASSERT_EACH_EQUAL_UINT8(0, memory.counts, sizeof memory.counts);
-    TEST_ASSERT_EACH_EQUAL_UINT8(0, memory.reserved, sizeof memory.reserved);
+    TEST_ASSERT_EQUAL_UINT8(0, memory.reserved);
+    TEST_ASSERT_EQUAL_UINT16(0, memory.supply);
     TEST_ASSERT_EACH_EQUAL_UINT8(0, memory.reserved_too, sizeof memory.reserved_too);
     TEST_ASSERT_EQUAL_UINT32(0, memory.crc32);
     TEST_ASSERT_EQUAL_UINT32(0, memory.fault_ms);

@@ -11,7 +11,7 @@
 
 #include "hal/flash.h"
 
-enum { FAKE_WORDS = 128, FAKE_BYTES = 4 * FAKE_WORDS };
+enum { FAKE_WORDS = 1360, FAKE_BYTES = 4 * FAKE_WORDS };
 
 typedef struct {
     uint32_t word[FLASH_SECTORS][FAKE_WORDS];

@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * fault_journal.h: how often each fault came since production, in flash. Background context.
+ *
+ *     black box (RAM, since the supply came) --difference--> record (flash, since production)
+ *
+ * A record holds all totals and the counters of the black box that they include, so that a reset,
+ * which the black box survives, counts no fault twice. Records are appended in two sectors; in
+ * force is the whole one (CRC) with the highest sequence number. A supply that fails while one is
+ * written leaves the one before.
+ *
+ * The older sector is erased at a start (fault_journal_make_space()) when the newer one is nearly
+ * full: an erase takes up to a second, a record 2 ms. A sector holds 60 records or more and lasts
+ * 10 000 erases: 600 000 records.
+ *
+ * Not counted are faults of a drive whose supply ends before the wheel was at rest once.
+ */
+#ifndef APP_FAULT_JOURNAL_H
+#define APP_FAULT_JOURNAL_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "hal/flash.h"
+#include "monitor/recorder.h"
+
+/* Fewer free records than this in the sector in use at a start: the other one is erased. */
+enum { FAULT_JOURNAL_RESERVE = 16 };
+
+typedef struct {
+    uint32_t magic;
+    uint32_t sequence;
+    uint16_t size_bytes;
+    uint16_t supply;                     /* recorder_memory_t.supply that `included` is of */
+    uint16_t included[RECORDER_COUNTED]; /* counters of the black box within the totals */
+    uint16_t total[RECORDER_COUNTED];    /* since production, saturating */
+    uint32_t crc32;                      /* of all bytes before it */
+} fault_record_t;
+
+typedef struct {
+    const fault_record_t *newest; /* NULL: there is none */
+    flash_sector_t sector;        /* that the next record goes to */
+    uint32_t next;                /* its index there */
+} fault_journal_t;
+
+/* Finds the newest record. Reads only. */
+void fault_journal_init(fault_journal_t *journal);
+
+/* Numbers the black box if its counters began at zero with this start. */
+void fault_journal_number(const fault_journal_t *journal, recorder_memory_t *box);
+
+/* At a start with the bridge off, before control: erases the older sector if the newer one is
+ * nearly full; the core then stands still for up to a second. */
+void fault_journal_make_space(const fault_journal_t *journal);
+
+/* Of the fault RECORDER_FIRST_COUNTED + index, since production. */
+uint32_t fault_journal_total(const fault_journal_t *journal, const recorder_memory_t *box,
+                             uint32_t index);
+
+/* The black box has counted a fault that the newest record does not include. */
+bool fault_journal_is_due(const fault_journal_t *journal, const recorder_memory_t *box);
+
+/* Appends a record. Precondition: the wheel at rest, torque not enabled. FLASH_BRIDGE_ON: the
+ * bridge switches, nothing was written. FLASH_TOO_LARGE: both sectors are full until the next
+ * start. After other failures the next call takes the place behind. */
+flash_status_t fault_journal_append(fault_journal_t *journal, const recorder_memory_t *box);
+
+#endif
