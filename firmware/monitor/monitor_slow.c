@@ -333,6 +333,26 @@ static safe_state_input_t safe_state_input(const monitor_slow_state_t *state,
     return out;
 }
 
+/* The short circuit of an open bridge begins with up to twice its settled current. A controller
+ * that boots at speed waits for PWM instead, which takes the current over within the limit. */
+static safe_state_t without_surge(monitor_slow_state_t *state, const config_t *config,
+                                  const safe_state_input_t *in, bridge_mode_t actual,
+                                  safe_state_t chosen)
+{
+    if (!bridge_is_short(chosen.bridge)) {
+        state->short_steps = 0;
+        return chosen;
+    }
+    const bool begins = actual == BRIDGE_OFF && in->bridge == BRIDGE_OFF;
+    if (begins && state->short_steps < MONITOR_SHORT_WAIT_STEPS &&
+        safe_state_short_surges(config, in, &chosen.freewheel)) {
+        state->short_steps++;
+        chosen.bridge = BRIDGE_OFF;
+        chosen.torque_mNm = chosen.freewheel.torque_mNm;
+    }
+    return chosen;
+}
+
 monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *config,
                                    const monitor_slow_input_t *in)
 {
@@ -368,7 +388,8 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
     const monitor_stuck_input_t tripped = stuck_input(config, in);
     const monitor_stuck_output_t stuck = monitor_stuck_step(&state->stuck, config, &tripped);
     const safe_state_t safe = stuck.side == BRIDGE_OFF
-                                  ? safe_state_step(config, &letting_go)
+                                  ? without_surge(state, config, &letting_go, in->bridge,
+                                                  safe_state_step(config, &letting_go))
                                   : safe_state_shorted(config, &letting_go, stuck.side);
     const bool rotor_warns = rotor_warning(state, config, in->rotor_faults);
 

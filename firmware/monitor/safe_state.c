@@ -192,6 +192,22 @@ static bool prefers_short(const config_t *config, const safe_state_input_t *in,
            off->bus_mV >= config->drive.device_voltage_mV;
 }
 
+bool safe_state_short_surges(const config_t *config, const safe_state_input_t *in,
+                             const letting_go_t *freewheel)
+{
+    if (freewheel->current_mA > config->motor.max_phase_current_mA ||
+        freewheel->bus_mV >= config->drive.device_voltage_mV) {
+        return false;
+    }
+    const int64_t settled_mA = safe_state_short(config, in).current_mA;
+    const int64_t trip_mA =
+        ((int64_t)config->monitor.overcurrent_pu_q15 * config->drive.current_full_scale_mA) >> 15;
+    const int64_t d_mA = q_limit(in->i_d_mA, MOST_mA) + settled_mA;
+    const int64_t q_mA = q_limit(in->i_q_mA, MOST_mA);
+    const int64_t left_mA = trip_mA - settled_mA;
+    return left_mA < 0 || d_mA * d_mA + q_mA * q_mA > left_mA * left_mA;
+}
+
 safe_state_t safe_state_shorted(const config_t *config, const safe_state_input_t *in,
                                 bridge_mode_t side)
 {

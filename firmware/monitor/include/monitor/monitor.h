@@ -37,6 +37,8 @@ enum {
     MONITOR_FLOW_WRONG = 2,
     MONITOR_FLOW_RIGHT = -1,
     MONITOR_FLOW_FAULT = 6,
+    /* Milliseconds that an open bridge waits for PWM before a short circuit that surges. */
+    MONITOR_SHORT_WAIT_STEPS = 150,
     /* Square of the current that a dead sensor may show, Q30: six codes of a 12-bit converter. */
     MONITOR_DEAD_SQUARE = 96 * 96,
     /* More than a bus rises in one period, Q15 of the voltage base: 5/64, of a capacitor that is
@@ -98,6 +100,7 @@ typedef struct {
     uint16_t steps;         /* step count, wrapping: the watchdog is fed only while it advances */
     bool release_trip;      /* the bus is back from above its trip */
     uint16_t return_steps;  /* left until torque returns after that */
+    uint16_t short_steps;   /* for which a short circuit would have surged */
     bridge_mode_t safe_bridge;
     monitor_emf_state_t emf;
     monitor_current_state_t current;

@@ -54,6 +54,12 @@ letting_go_t safe_state_short(const config_t *config, const safe_state_input_t *
  */
 safe_state_t safe_state_step(const config_t *config, const safe_state_input_t *in);
 
+/* True if an active short circuit that began now would take the current beyond the over-current
+ * trip on its way, where freewheel does not exceed phase current and device voltage. From i the
+ * current circles around the settled short circuit's, i_s: up to |i_s| + |i - i_s|. */
+bool safe_state_short_surges(const config_t *config, const safe_state_input_t *in,
+                             const letting_go_t *freewheel);
+
 /* Without a choice: a switch is stuck closed on this side, BRIDGE_SHORT or BRIDGE_SHORT_HIGH, so
  * the bridge cannot open. */
 safe_state_t safe_state_shorted(const config_t *config, const safe_state_input_t *in,

@@ -54,6 +54,34 @@ void test_safe_state_stays_active_short_circuit_after_rotor_loss_above_the_limit
     TEST_ASSERT_TRUE(step().standstill);
 }
 
+/* 82 A settled, from zero current up to 163 A on the way: beyond the trip of 110 A. From a current
+ * that is 71 A of it already, |i - i_s| is 11 A and the way within 93 A. */
+void test_short_circuit_that_surges_waits_while_the_bridge_is_open(void)
+{
+    with_admissible_short();
+    config.monitor.overcurrent_pu_q15 = 32768 * 110 / (config.drive.current_full_scale_mA / 1000);
+    in.speed_mrad_s = 70000;
+    in.bridge = BRIDGE_OFF;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(MONITOR_SHORT_WAIT_STEPS).safe_bridge);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().safe_bridge);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, run(10).safe_bridge);
+
+    setUp();
+    with_admissible_short();
+    config.monitor.overcurrent_pu_q15 = 32768 * 110 / (config.drive.current_full_scale_mA / 1000);
+    in.speed_mrad_s = 70000;
+    in.bridge = BRIDGE_OFF;
+    in.i_d_mA = -71000;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().safe_bridge);
+}
+
+void test_short_circuit_of_a_switching_bridge_does_not_wait(void)
+{
+    with_admissible_short();
+    in.speed_mrad_s = 70000;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().safe_bridge);
+}
+
 void test_current_or_overvoltage_in_freewheel_shows_a_turning_wheel(void)
 {
     with_admissible_short();
@@ -62,7 +90,7 @@ void test_current_or_overvoltage_in_freewheel_shows_a_turning_wheel(void)
     in.bridge = BRIDGE_OFF;
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(100).safe_bridge);
     in.i_q_mA = 20000;
-    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, run(20).safe_bridge);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, run(MONITOR_SHORT_WAIT_STEPS + 20).safe_bridge);
     setUp();
     in.speed_mrad_s = 0;
     in.rotor_valid = false;

@@ -22,6 +22,17 @@ def test_no_edge_of_the_envelope_makes_a_fault_or_a_torque_that_is_not_commanded
     assert len(made) >= COUNT // 2
 
 
+def test_a_controller_that_boots_beyond_the_emf_limit_stays_within_the_phase_current() -> None:
+    """A short circuit from the open bridge: 354 A of ipm400v's 200."""
+    for charge_share, speed_share in ((0.0, 1.0066), (0.9, 1.09)):
+        case = envelope.Case(
+            "ipm400v", "rolling", speed_share, 100.0, 0.9, 390.03, 20.0, 30.0, charge_share
+        )
+        found = envelope.measure(0, case)
+        assert found.current_share <= 1.02
+        assert found.first_fault == ""
+
+
 def test_a_run_reads_back_as_it_was_written() -> None:
     found = cases.measured(envelope.measure, envelope.draw(DRIVES, 1, SEED), processes=1)
     read = cases.read_csv(envelope.Outcome, cases.as_csv(found))
