@@ -439,6 +439,9 @@ void app_background(void)
     (void)recorder_seal(&app.recorder);
     const report_status_t status = status_of(snapshot);
     console_pump(&app.console, now_ms, &status);
+    if (console_wants_off(&app.console)) {
+        console_switch_off(&app.console, is_at_standstill(&snapshot->output));
+    }
     if (console_has_accepted(&app.console)) {
         replace_configuration(snapshot);
     }

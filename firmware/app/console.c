@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "app/console.h"
 
+#include "hal/power.h"
 #include "hal/serial.h"
 
 enum {
@@ -14,6 +15,7 @@ enum {
     CONFIG,
     VERSION,
     INSTALL,
+    OFF,
     COMMANDS_COUNT
 };
 
@@ -29,6 +31,7 @@ static const shell_command_t COMMANDS[COMMANDS_COUNT] = {
     [CONFIG] = {"config", "[PREFIX]", "the configuration's fields that begin so"},
     [VERSION] = {"version", "", "program, version, commit, port"},
     [INSTALL] = {"install", "", "another configuration: send it as Intel HEX, the wheel at rest"},
+    [OFF] = {"off", "", "lets the board's supply go, the wheel at rest"},
 };
 
 static bool answer_boot(const console_t *console, uint32_t number, text_t *line)
@@ -78,6 +81,10 @@ static bool answer(console_t *console, const shell_request_t *asked, text_t *lin
         installer_open(&console->installer, console->now_ms);
         text_add(line, "send the configuration as Intel HEX; ^C gives up");
         return asked->number == 0;
+    case OFF:
+        console->off_wanted = console->off_wanted || asked->number == 0;
+        text_add(line, "only with the wheel at rest");
+        return asked->number == 0;
     default:
         return false;
     }
@@ -91,6 +98,7 @@ void console_init(console_t *console, const boot_report_t *boot)
     console->status = initial;
     console->watched_ms = 0;
     console->watching = false;
+    console->off_wanted = false;
     console->now_ms = 0;
     installer_init(&console->installer);
 }
@@ -176,6 +184,25 @@ void console_install(console_t *console, bool permitted)
     } else {
         text_add(&line, "refused: only with the wheel known to be at rest and switched off; the "
                         "configuration is as it was");
+    }
+    console_print(console, &line);
+}
+
+bool console_wants_off(console_t *console)
+{
+    const bool wanted = console->off_wanted;
+    console->off_wanted = false;
+    return wanted;
+}
+
+void console_switch_off(console_t *console, bool permitted)
+{
+    text_t line;
+    text_clear(&line);
+    if (permitted) {
+        text_add(&line, power_off() ? "the supply is let go" : "this board keeps its supply");
+    } else {
+        text_add(&line, "refused: only with the wheel known to be at rest and switched off");
     }
     console_print(console, &line);
 }

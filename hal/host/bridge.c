@@ -5,6 +5,7 @@
 #include "board.h"
 #include "hal/analog.h"
 #include "hal/inverter.h"
+#include "hal/power.h"
 #include "hal/rotor_sensor.h"
 #include "hal/time.h"
 #include "hal/upcall.h"
@@ -124,6 +125,11 @@ void inverter_trip(void)
 bool inverter_fault(void)
 {
     return board.tripped || board.sample.power_stage_fault;
+}
+
+bool power_off(void)
+{
+    return false;
 }
 
 uint32_t inverter_driver_status(void)

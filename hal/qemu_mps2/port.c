@@ -6,6 +6,7 @@
 #include "hal/analog.h"
 #include "hal/can.h"
 #include "hal/inverter.h"
+#include "hal/power.h"
 #include "hal/rotor_sensor.h"
 #include "hal/upcall.h"
 #include "mailbox.h"
@@ -96,6 +97,11 @@ void inverter_trip(void)
 bool inverter_fault(void)
 {
     return MAILBOX->tripped != 0 || MAILBOX->power_stage_fault != 0;
+}
+
+bool power_off(void)
+{
+    return false;
 }
 
 uint32_t inverter_driver_status(void)

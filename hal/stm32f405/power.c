@@ -2,6 +2,7 @@
 #include "power.h"
 
 #include "board.h"
+#include "hal/power.h"
 
 #define DRIVE_PIN(port, number, level) gpio_make_output((pin_t){port, number}, level);
 
@@ -12,4 +13,13 @@ void power_start(void)
         gpio_make_output(BOARD_POWER_HOLD, true);
     }
     BOARD_CONSTANT_OUTPUTS(DRIVE_PIN)
+}
+
+bool power_off(void)
+{
+    if (!pin_is_wired(BOARD_POWER_HOLD)) {
+        return false;
+    }
+    gpio_write(BOARD_POWER_HOLD, false);
+    return true;
 }

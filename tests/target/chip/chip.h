@@ -110,6 +110,10 @@ int64_t chip_hold_from_top_ticks(const chip_t *chip);
 void chip_sample(chip_t *chip);
 
 chip_gates_t chip_gates(chip_t *chip);
+/* The program drives this pin high; low. */
+bool chip_drives_high(chip_t *chip, char port, unsigned pin);
+bool chip_drives_low(chip_t *chip, char port, unsigned pin);
+
 /* The converters' interrupt is being handled. */
 bool chip_in_interrupt(const chip_t *chip);
 /* The timer's outputs are enabled. */

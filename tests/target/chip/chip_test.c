@@ -214,6 +214,12 @@ static bool trips_at_once(void)
     return off;
 }
 
+/* PC5 keeps the board's supply on, PD2 its amplifiers' filters. */
+static bool keeps_its_supply(void)
+{
+    return chip_drives_high(rig.chip, 'C', 5) && chip_drives_high(rig.chip, 'D', 2);
+}
+
 static bool driver_protects(void)
 {
     if (!boots()) {
@@ -234,8 +240,12 @@ static bool driver_protects(void)
         return false;
     }
     run(0.02);
-    chip_type(rig.chip, "status\r");
+    chip_type(rig.chip, "status\roff\r");
     run(0.1);
+    if (!expect(says("refused: only with the wheel known to be at rest") && keeps_its_supply(),
+                "keeps its supply while the wheel turns")) {
+        return false;
+    }
     return expect(rig.bench.wheel[0].slow.mode == MODE_FAULT && !chip_outputs_on(rig.chip),
                   "a short circuit is a fault") &&
            expect(says("gate driver: over-current low a;") ||
@@ -244,10 +254,20 @@ static bool driver_protects(void)
            expect(chip_resets(rig.chip) == 1, "runs without a reset") && obeys_the_manuals();
 }
 
+/* With the bridge off the supply may be let go. */
 static bool refuses_a_silent_driver(void)
 {
     chip_faults(rig.chip)->driver_silent = true;
     boot();
+    if (!expect(keeps_its_supply(), "keeps its supply on, and the filters")) {
+        return false;
+    }
+    chip_type(rig.chip, "off\r");
+    chip_run(rig.chip, 100000U * CHIP_TICKS_PER_US);
+    if (!expect(says("the supply is let go") && chip_drives_low(rig.chip, 'C', 5),
+                "lets its supply go at rest")) {
+        return false;
+    }
     return expect(says("the gate driver does not hold its settings"), "names a silent driver") &&
            expect(!drive_off(&rig.coupling) && !chip_outputs_on(rig.chip),
                   "stays off with a silent driver");

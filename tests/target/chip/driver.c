@@ -30,11 +30,6 @@ static const uint16_t V_DS_mV[32] = {60,  68,  76,   86,   97,   109,  123,  138
                                      222, 250, 282,  317,  358,  403,  454,  511,  576,  648, 730,
                                      822, 926, 1043, 1175, 1324, 1491, 1679, 1892, 2131, 2400};
 
-static bool output_high(chip_t *chip, char port, unsigned pin)
-{
-    return chip_pin_is_output(chip, port, pin) && chip_pin_level(chip, port, pin);
-}
-
 static bool takes_commands(const chip_t *chip)
 {
     return chip->now >= chip->driver.ready;
@@ -57,7 +52,7 @@ void chip_driver_reset(chip_t *chip)
 static void look_at_enable(chip_t *chip)
 {
     chip_driver_t *driver = &chip->driver;
-    const bool enabled = output_high(chip, 'B', 5);
+    const bool enabled = chip_drives_high(chip, 'B', 5);
     if (enabled == driver->enabled) {
         return;
     }
@@ -167,7 +162,7 @@ static void clock_edge(chip_t *chip, bool high)
         driver->data_out = (driver->out >> 15 & 1U) != 0;
         driver->out <<= 1;
     } else {
-        driver->in = driver->in << 1 | (output_high(chip, 'B', 4) ? 1U : 0U);
+        driver->in = driver->in << 1 | (chip_drives_high(chip, 'B', 4) ? 1U : 0U);
         driver->bits++;
     }
 }
@@ -175,7 +170,7 @@ static void clock_edge(chip_t *chip, bool high)
 void chip_driver_pins(chip_t *chip)
 {
     look_at_enable(chip);
-    const bool clock = output_high(chip, 'C', 10);
+    const bool clock = chip_drives_high(chip, 'C', 10);
     /* Floating, its pull-up holds nSCS. */
     const bool high = !chip_pin_is_output(chip, 'C', 9) || chip_pin_level(chip, 'C', 9);
     if (high != chip->driver.select) {

@@ -152,3 +152,13 @@ void chip_pins_watch(chip_t *chip)
         chip->pin_levels = (uint16_t)(high ? chip->pin_levels | bit : chip->pin_levels & ~bit);
     }
 }
+
+bool chip_drives_high(chip_t *chip, char port, unsigned pin)
+{
+    return chip_pin_is_output(chip, port, pin) && chip_pin_level(chip, port, pin);
+}
+
+bool chip_drives_low(chip_t *chip, char port, unsigned pin)
+{
+    return chip_pin_is_output(chip, port, pin) && !chip_pin_level(chip, port, pin);
+}

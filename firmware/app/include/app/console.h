@@ -12,6 +12,7 @@
  *     config [PREFIX]   the configuration's fields
  *     version           program, version, commit, port
  *     install           another configuration, as Intel HEX (installer.h)
+ *     off               lets the board's supply go
  *     help, reasons     commands of the shell itself (shell.h)
  *
  * Background context; never blocks. When the buffer is full, a line that is not part of an answer
@@ -39,6 +40,7 @@ typedef struct {
     uint32_t watched_ms;    /* time of the latest line of `watch` */
     uint32_t now_ms;        /* of the latest pump */
     bool watching;          /* `watch` repeats the status line */
+    bool off_wanted;        /* `off` has been typed */
     installer_t installer;
 } console_t;
 
@@ -56,6 +58,13 @@ void console_print(console_t *console, const text_t *line);
 
 /* True if all output has been given to the serial line. */
 bool console_drained(const console_t *console);
+
+/* True once, when `off` has been typed. */
+bool console_wants_off(console_t *console);
+
+/* Lets the board's supply go if that is permitted, and prints what came of it. Where there is none
+ * to let go, or somebody presses the button, control goes on. */
+void console_switch_off(console_t *console, bool permitted);
 
 /* True once, when a configuration has been received and accepted. */
 bool console_has_accepted(console_t *console);

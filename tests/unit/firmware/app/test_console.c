@@ -7,6 +7,7 @@
 #include "boot_fixture.h"
 #include "mock_flash.h"
 #include "mock_inverter.h"
+#include "mock_power.h"
 #include "mock_serial.h"
 #include "unity.h"
 
@@ -100,9 +101,9 @@ void test_greeting_is_the_banner_and_the_result_of_the_self_tests(void)
 void test_every_command_that_help_lists_has_an_answer(void)
 {
     type_and_wait("help\r");
-    static const char *const NAMES[] = {"help",   "reasons", "status",   "watch",
-                                        "limits", "faults",  "blackbox", "can",
-                                        "boot",   "config",  "version",  "install"};
+    static const char *const NAMES[] = {"help",    "reasons",  "status", "watch", "limits",
+                                        "faults",  "blackbox", "can",    "boot",  "config",
+                                        "version", "install",  "off"};
     for (size_t i = 0; i < sizeof NAMES / sizeof NAMES[0]; i++) {
         text_t line_begin;
         text_clear(&line_begin);
@@ -227,4 +228,25 @@ void test_lines_are_discarded_whole_and_counted_on_a_blocked_line(void)
     type_and_wait("");
     TEST_ASSERT_EQUAL_INT(50 - (int)console.shell.dropped_lines, times_shown("\r\n"));
     TEST_ASSERT_EQUAL_CHAR('\n', screen[screen_bytes - 1]);
+}
+
+/* power_off() is called only where it is permitted: without an expectation a call fails. */
+void test_the_supply_is_let_go_only_when_asked_and_permitted(void)
+{
+    type_and_wait("status\r");
+    TEST_ASSERT_FALSE(console_wants_off(&console));
+    type_and_wait("off\r");
+    TEST_ASSERT_TRUE(console_wants_off(&console));
+    TEST_ASSERT_FALSE(console_wants_off(&console));
+    console_switch_off(&console, false);
+    type_and_wait("");
+    assert_shows("refused: only with the wheel known to be at rest");
+    power_off_ExpectAndReturn(false);
+    console_switch_off(&console, true);
+    type_and_wait("");
+    assert_shows("this board keeps its supply");
+    power_off_ExpectAndReturn(true);
+    console_switch_off(&console, true);
+    type_and_wait("");
+    assert_shows("the supply is let go");
 }
