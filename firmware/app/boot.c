@@ -100,6 +100,7 @@ boot_report_t boot_run(void)
     report.was_watchdog = watchdog_caused_reset();
     report.ram_good = ram_good();
     serial_init(BOOT_SERIAL_BIT_RATE); /* enables an interrupt, so only after the RAM test */
+    report.brown_out_low = flash_brown_out_low();
     const flash_image_t firmware = flash_firmware();
     report.firmware_good =
         selftest_firmware(firmware.begin, firmware.size_bytes, flash_firmware_crc32());

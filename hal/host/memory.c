@@ -44,6 +44,11 @@ uint32_t flash_firmware_crc32(void)
     return FIRMWARE_CRC32;
 }
 
+bool flash_brown_out_low(void)
+{
+    return false;
+}
+
 flash_status_t flash_erase(flash_sector_t sector)
 {
     if (board_bridge_on()) {

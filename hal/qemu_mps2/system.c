@@ -142,6 +142,11 @@ uint32_t flash_firmware_crc32(void)
     return *(const volatile uint32_t *)link_image_crc32;
 }
 
+bool flash_brown_out_low(void)
+{
+    return false;
+}
+
 flash_status_t flash_erase(flash_sector_t sector)
 {
     (void)sector;

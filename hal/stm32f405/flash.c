@@ -45,6 +45,12 @@ uint32_t flash_firmware_crc32(void)
     return *(const volatile uint32_t *)link_image_crc32;
 }
 
+/* Code 0 is level 3, 2.7 V; 3, as delivered, is off: 1.7 V. */
+bool flash_brown_out_low(void)
+{
+    return (FLASH->OPTCR & FLASH_OPTCR_BOR_LEV) != 0;
+}
+
 /* From here on code runs in RAM: the flash cannot be read while it is erased or written. */
 /* the linker adds the long jump there */
 #define IN_RAM __attribute__((section(".ram_code"), noinline))

@@ -2,7 +2,8 @@
 # shellcheck shell=bash
 # Writing a firmware image through a debug probe. OpenOCD is taken where there is a choice, because
 # it knows the whole STM32F4 family by itself; pyOCD, if it is asked for, fetches a device pack for
-# this part on first use.
+# this part on first use. With DRY_RUN set nothing is installed or written, and what
+# would be done is printed.
 
 readonly PYOCD_VERSION=0.46.0
 readonly PYOCD_TARGET=stm32f405rg
@@ -11,15 +12,21 @@ readonly PYOCD_TARGET=stm32f405rg
 flash_openocd() {
     local what=$1 image=$2 probe=$3 file=$2.elf
     [[ $what == all ]] || file=${image}_config_probe.hex
-    ensure_packages openocd
+    [[ -n $DRY_RUN ]] || ensure_packages openocd
     flash_with "$probe" openocd -f "interface/$probe.cfg" -f target/stm32f4x.cfg \
-        -c "program {$file} verify reset exit"
+        -f "$ROOT/tools/setup/brown_out.tcl" \
+        -c "program {$file} verify" -c brown_out_level_3 -c "reset run" -c shutdown
+    [[ -n $DRY_RUN ]] || grep -h 'brown-out level' "$LOG_DIR/flash.log" || true
 }
 
 # flash_pyocd all|config IMAGE
 flash_pyocd() {
     local what=$1 image=$2 pyocd=$VENV/bin/pyocd file=$2.hex
     [[ $what == all ]] || file=${image}_config_probe.hex
+    if [[ -n $DRY_RUN ]]; then
+        flash_with "any that pyOCD knows" "$pyocd" flash --target "$PYOCD_TARGET" --no-wait "$file"
+        return
+    fi
     ensure sim
     if [[ ! -x $pyocd ]]; then
         run_logged "Installing pyOCD into .dev/venv" pyocd install_pyocd ||
@@ -52,6 +59,10 @@ install_pyocd() {
 # housing needs no probe.
 flash_serial() {
     local image=$2_config.hex line=$4
+    if [[ -n $DRY_RUN ]]; then
+        inform "Would send ${image#"$ROOT"/} over $line to the shell's command install"
+        return
+    fi
     inform "Sending ${image##*/} over $line; the wheel has to stand still, switched off"
     stty -F "$line" 115200 raw -echo 2>/dev/null ||
         fail "flash: $line cannot be set to 115200 baud; may this user open it?"
@@ -88,6 +99,13 @@ pyocd_knows_target() { "$1" list --targets 2>/dev/null | grep -qw "$PYOCD_TARGET
 flash_with() {
     local probes=$1 log=$LOG_DIR/flash.log
     shift
+    if [[ -n $DRY_RUN ]]; then
+        inform "Would flash with debug probe: $probes"
+        printf '   '
+        printf ' %q' "$@"
+        printf '\n'
+        return
+    fi
     mkdir -p "$LOG_DIR"
     inform "Flashing with ${1##*/}, debug probe: $probes"
     if "$@" >"$log" 2>&1 </dev/null; then

@@ -85,7 +85,7 @@ TEXT
 help_flash() {
     cat <<'TEXT'
 Usage: tools/dev flash [stm32f405] [--config NAME [--only-config]] [--board BOARD]
-                       [--probe stlink|cmsis-dap|jlink] [--with openocd|pyocd]
+                       [--probe stlink|cmsis-dap|jlink] [--with openocd|pyocd] [--dry-run]
        tools/dev flash [stm32f405] --config NAME --only-config --with serial --line DEVICE
 
 Builds the firmware (as tools/dev firmware does) and writes it to the board through a debug probe,
@@ -94,6 +94,11 @@ fetches a device pack on first use. With --only-config the program on the board 
 configuration's sector is written: another motor, the same firmware. That also goes without a probe,
 over the serial line to the firmware's shell (--with serial); the wheel has to stand still, and the
 firmware checks the configuration before it replaces the old one. The wheel must be off the ground.
+With --dry-run everything is built, and printed is what would be written and by which command.
+
+OpenOCD also sets the chip's brown-out level to 3 (option bytes; only of a chip without protection);
+pyOCD does not. The firmware reports another level at its start. The counters of faults since
+production stay, unless the BIN file is written by hand.
 TEXT
 }
 

@@ -43,6 +43,10 @@ flash_image_t flash_sector(flash_sector_t sector);
 flash_image_t flash_firmware(void);
 uint32_t flash_firmware_crc32(void);
 
+/* The chip keeps running at a supply too low for its flash: its option bytes ask for a lower
+ * brown-out level than this port needs. Any context. */
+bool flash_brown_out_low(void);
+
 /* Erases a sector; the watchdog is fed. Background context. */
 flash_status_t flash_erase(flash_sector_t sector);
 

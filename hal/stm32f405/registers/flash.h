@@ -9,9 +9,9 @@ typedef struct {
     volatile uint32_t ACR;  /* 3.9.1 */
     volatile uint32_t KEYR; /* 3.9.3 */
     volatile uint32_t OPTKEYR;
-    volatile uint32_t SR; /* 3.9.5 */
-    volatile uint32_t CR; /* 3.9.6 */
-    volatile uint32_t OPTCR;
+    volatile uint32_t SR;    /* 3.9.5 */
+    volatile uint32_t CR;    /* 3.9.6 */
+    volatile uint32_t OPTCR; /* 3.9.10 */
 } flash_registers_t;
 
 #define FLASH ((flash_registers_t *)0x40023C00U)
@@ -39,6 +39,7 @@ typedef struct {
 #define FLASH_CR_PSIZE (0x3U << 8)
 #define FLASH_CR_STRT (1U << 16)
 #define FLASH_CR_LOCK (1U << 31)
+#define FLASH_OPTCR_BOR_LEV (0x3U << 2)
 
 /* Not fields: the key sequence of KEYR (3.6.1). */
 #define FLASH_UNLOCK_FIRST 0x45670123U

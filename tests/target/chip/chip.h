@@ -76,6 +76,7 @@ typedef struct {
     bool driver_silent;     /* its SDO is stuck high */
     uint32_t low_side_a_mV; /* voltage across this switch while it is on */
     bool supply_low;
+    bool brown_out_off;       /* option bytes as delivered */
     uint32_t flash_cut_after; /* from 1: the supply fails at this flash operation; 0: never */
 } chip_faults_t;
 

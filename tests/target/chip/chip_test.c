@@ -375,9 +375,25 @@ static bool while_braking(const fault_case_t *fault)
            expect((chip_watchdog_resets(rig.chip) > 0) == fault->resets, "resets as it must");
 }
 
+/* It drives nevertheless: the supply detector acts at 2.8 V. */
+static bool reports_the_brown_out_level(const char *elf)
+{
+    bool said[2] = {true, false};
+    for (int off = 0; off <= 1; off++) {
+        if (!open_rig(elf)) {
+            return false;
+        }
+        chip_faults(rig.chip)->brown_out_off = off != 0;
+        boot();
+        said[off] = says("brown-out level is below 3");
+    }
+    printf("brown-out level as delivered\n    %s\n", said[1] ? "reported" : "not reported");
+    return expect(!said[0] && said[1], "a low brown-out level is reported, and no other");
+}
+
 static bool answers_faults(const char *elf)
 {
-    bool good = true;
+    bool good = reports_the_brown_out_level(elf);
     for (unsigned i = 0; i < sizeof FAULTS / sizeof FAULTS[0]; i++) {
         if (!open_rig(elf)) {
             return false;

@@ -7,6 +7,8 @@ enum { WORD_us = 16, WORDS_PSIZE = 2, SECTORS = 12, SMALL_SECTOR_BYTES = 16 << 1
 enum { ERASE_16_KIB_ms = 250, ERASE_64_KIB_ms = 550, ERASE_128_KIB_ms = 1000 };
 /* The sectors that the program may write; the first and those behind them hold the program. */
 enum { FIRST_FREE_SECTOR = 1, LAST_FREE_SECTOR = 4 };
+/* The description's reset value is not the chip's (3.9.10). */
+static const uint32_t OPTIONS_AS_DELIVERED = 0x0FFFAAED;
 static const uint32_t FIRST_KEY = 0x45670123, SECOND_KEY = 0xCDEF89AB;
 
 void chip_flash_reset(chip_t *chip)
@@ -157,6 +159,9 @@ bool chip_flash_register(chip_t *chip, uint32_t address, uint32_t value)
 uint32_t chip_flash_read(chip_t *chip, uint32_t address)
 {
     const uint32_t value = chip_get(chip, address);
+    if (address == CHIP_FLASH_OPTCR) { /* level 3 of the brown-out reset has code 0 */
+        return OPTIONS_AS_DELIVERED & ~(chip->fault.brown_out_off ? 0U : CHIP_FLASH_OPTCR_BOR_LEV);
+    }
     return address == CHIP_FLASH_SR && chip->now < chip->flash.busy ? value | CHIP_FLASH_SR_BSY
                                                                     : value;
 }

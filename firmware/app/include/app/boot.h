@@ -22,6 +22,7 @@ typedef struct {
     bool clock_good; /* otherwise control does not start */
     bool ram_good;
     bool firmware_good; /* the CRC of the image in flash is the build's */
+    bool brown_out_low; /* option bytes: the chip runs on below the supply that it needs */
     bool was_watchdog;  /* the watchdog caused this start */
     config_result_t config_result;
     inverter_status_t inverter; /* set only with an accepted configuration and a good clock */

@@ -19,7 +19,7 @@ static struct {
 } sector;
 static flash_image_t sector_a;
 static analog_scale_t scale;
-static bool rotor_sensor_there;
+static bool rotor_sensor_there, brown_out_low;
 static volatile uint32_t window[16];
 
 static flash_image_t give_sector(flash_sector_t asked, int calls)
@@ -45,6 +45,7 @@ static void expect_board(bool clock_good, const void *configuration, uint32_t co
     flash_firmware_ExpectAndReturn(firmware);
     flash_firmware_crc32_ExpectAndReturn(firmware_crc32);
     flash_sector_StubWithCallback(give_sector);
+    flash_brown_out_low_ExpectAndReturn(brown_out_low);
 }
 
 static void expect_ports(inverter_status_t status)
@@ -78,6 +79,7 @@ void setUp(void)
     scale.low_side_least_ns = 0;
     analog_scale_Stub(scale_of_board);
     rotor_sensor_there = true;
+    brown_out_low = false;
 }
 
 void tearDown(void) {}
@@ -91,6 +93,18 @@ void test_a_board_without_fault_starts_control(void)
     TEST_ASSERT_TRUE(boot_selftest_passed(&report));
     TEST_ASSERT_TRUE(boot_may_control(&report));
     TEST_ASSERT_EQUAL_PTR(&sector.config, report.config);
+}
+
+void test_a_low_brown_out_level_is_reported_and_control_starts(void)
+{
+    for (int low = 0; low <= 1; low++) {
+        brown_out_low = low != 0;
+        expect_board(true, &sector.config, sizeof sector.config, (uint32_t)GOOD_CRC32);
+        expect_ports(INVERTER_OK);
+        const boot_report_t report = boot_run();
+        TEST_ASSERT_EQUAL(low != 0, report.brown_out_low);
+        TEST_ASSERT_TRUE(boot_may_control(&report));
+    }
 }
 
 static bool line_may_interrupt;

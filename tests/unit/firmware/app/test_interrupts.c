@@ -50,6 +50,7 @@ void setUp(void)
     flash_firmware_StubWithCallback(firmware);
     flash_firmware_crc32_StubWithCallback(firmware_crc32);
     flash_sector_StubWithCallback(configuration);
+    flash_brown_out_low_IgnoreAndReturn(false);
     rotor_sensor_init_IgnoreAndReturn(true);
     rotor_sensor_encoder_StubWithCallback(encoder);
     rotor_sensor_angle_turn_IgnoreAndReturn(0);
