@@ -6,14 +6,6 @@
 
 #include "config/bases.h"
 
-typedef struct {
-    const char *field;
-    uint16_t offset;
-    uint16_t count;
-    int32_t lowest;
-    int32_t highest;
-} field_range_t;
-
 #define SCALAR(section, name, lowest, highest)                                                     \
     {#section "." #name, (uint16_t)offsetof(config_t, section.name), 1, (lowest), (highest)},
 #define ARRAY(section, name, count, lowest, highest)                                               \
@@ -41,7 +33,7 @@ typedef struct {
 #define CURRENT_MAP_POINTS(name, count, lowest, highest, unit, text)                               \
     ARRAY(current_map, name, count, lowest, highest)
 
-static const field_range_t FIELDS[] = {
+static const config_field_t FIELDS[] = {
     CONFIG_MOTOR_FIELDS(MOTOR) CONFIG_DRIVE_FIELDS(DRIVE) CONFIG_CURRENT_LOOP_FIELDS(CURRENT_LOOP)
         CONFIG_ROTOR_FIELDS(ROTOR) CONFIG_HALL_ARRAY(HALL) CONFIG_BATTERY_FIELDS(BATTERY)
             CONFIG_BRAKE_FIELDS(BRAKE) CONFIG_VEHICLE_FIELDS(VEHICLE) CONFIG_DRIVER_FIELDS(DRIVER)
@@ -81,31 +73,35 @@ static config_result_t result(config_result_code_t code, const char *field)
     return out;
 }
 
+const config_field_t *config_field(uint32_t index)
+{
+    return index < sizeof FIELDS / sizeof FIELDS[0] ? &FIELDS[index] : NULL;
+}
+
+/* Every field is an int32_t at a multiple of four bytes, so the image may be read as an array of
+ * words. */
+const int32_t *config_field_values(const config_t *config, const config_field_t *field)
+{
+    return (const int32_t *)(const void *)config + field->offset_bytes / sizeof(int32_t);
+}
+
 static config_result_t check_ranges(const config_t *config)
 {
-    for (size_t f = 0; f < sizeof(FIELDS) / sizeof(FIELDS[0]); f++) {
-        const field_range_t *range = &FIELDS[f];
-        /* Every field is an int32_t at a multiple of four bytes, so the image may be read as an
-         * array of words. */
-        const int32_t *value =
-            (const int32_t *)(const void *)config + range->offset / sizeof(int32_t);
-        for (uint16_t i = 0; i < range->count; i++) {
-            if (value[i] < range->lowest || value[i] > range->highest) {
-                config_result_t out = result(CONFIG_RESULT_RANGE, range->field);
+    const config_field_t *field = config_field(0);
+    for (uint32_t f = 0; field != NULL; field = config_field(++f)) {
+        const int32_t *value = config_field_values(config, field);
+        for (uint16_t i = 0; i < field->count; i++) {
+            if (value[i] < field->lowest || value[i] > field->highest) {
+                config_result_t out = result(CONFIG_RESULT_RANGE, field->name);
                 out.value = value[i];
-                out.lowest = range->lowest;
-                out.highest = range->highest;
+                out.lowest = field->lowest;
+                out.highest = field->highest;
                 return out;
             }
         }
     }
     return result(CONFIG_RESULT_OK, "");
 }
-
-typedef struct {
-    bool holds;
-    const char *relation;
-} relation_t;
 
 /* Every sector wide enough to be seen and narrow enough to be interpolated, 30 to 90 degrees; then
  * the six make up exactly one turn in forward order. */
@@ -264,7 +260,23 @@ static bool flux_left_everywhere(const config_t *c)
     return good;
 }
 
-static config_result_t check_relations(const config_t *c)
+typedef struct {
+    bool holds;
+    const char *relation;
+} relation_t;
+
+/* The first of these that does not hold; NULL if all do. */
+static const char *broken(const relation_t *relations, size_t count)
+{
+    for (size_t r = 0; r < count; r++) {
+        if (!relations[r].holds) {
+            return relations[r].relation;
+        }
+    }
+    return NULL;
+}
+
+static const char *broken_in_drive(const config_t *c)
 {
     const int64_t max_current_pu_q15 =
         (int64_t)c->motor.max_phase_current_mA * 32768 / c->drive.current_full_scale_mA;
@@ -303,6 +315,13 @@ static config_result_t check_relations(const config_t *c)
          "brake.blend_out_end_mrad_s at least one electrical turn a second with halls"},
         {c->current_loop.field_weakening_current_pu_q15 <= c->current_loop.max_current_pu_q15,
          "current_loop.field_weakening_current_pu_q15 <= current_loop.max_current_pu_q15"},
+    };
+    return broken(relations, sizeof relations / sizeof relations[0]);
+}
+
+static const char *broken_in_battery(const config_t *c)
+{
+    const relation_t relations[] = {
         {c->battery.undervoltage_trip_mV < c->battery.min_voltage_mV,
          "battery.undervoltage_trip_mV < battery.min_voltage_mV"},
         {c->battery.min_voltage_mV < c->battery.foldback_voltage_mV,
@@ -323,6 +342,13 @@ static config_result_t check_relations(const config_t *c)
         {(int64_t)c->battery.overvoltage_trip_mV * 4096 <
              (int64_t)c->drive.voltage_full_scale_mV * 4095,
          "battery.overvoltage_trip_mV < drive.voltage_full_scale_mV less one code"},
+    };
+    return broken(relations, sizeof relations / sizeof relations[0]);
+}
+
+static const char *broken_in_vehicle(const config_t *c)
+{
+    const relation_t relations[] = {
         {c->brake.blend_out_end_mrad_s <= c->brake.blend_out_start_mrad_s,
          "brake.blend_out_end_mrad_s <= brake.blend_out_start_mrad_s"},
         {c->brake.torque_growth_end_q15 > square_q15(c->current_loop.modulation_target_pu_q15),
@@ -348,12 +374,17 @@ static config_result_t check_relations(const config_t *c)
         {flux_left_everywhere(c),
          "current_map.current_d_mA leaves a quarter of motor.flux_linkage_nWb"},
     };
-    for (size_t r = 0; r < sizeof(relations) / sizeof(relations[0]); r++) {
-        if (!relations[r].holds) {
-            return result(CONFIG_RESULT_RELATION, relations[r].relation);
-        }
-    }
-    return result(CONFIG_RESULT_OK, "");
+    return broken(relations, sizeof relations / sizeof relations[0]);
+}
+
+/* In three parts for the sake of the stack. */
+static config_result_t check_relations(const config_t *c)
+{
+    const char *relation = broken_in_drive(c);
+    relation = relation == NULL ? broken_in_battery(c) : relation;
+    relation = relation == NULL ? broken_in_vehicle(c) : relation;
+    return relation == NULL ? result(CONFIG_RESULT_OK, "")
+                            : result(CONFIG_RESULT_RELATION, relation);
 }
 
 config_result_t config_validate(const config_t *config, uint32_t size_bytes)

@@ -32,6 +32,23 @@ typedef struct {
     int32_t highest;   /* RANGE: largest accepted value */
 } config_result_t;
 
+/* A field of config_t: one value or several, each an int32_t. */
+typedef struct {
+    const char *name;      /* "motor.pole_pairs" */
+    uint16_t offset_bytes; /* in config_t */
+    uint16_t count;        /* values; more than CONFIG_FIELD_VALUES_MAX in a map */
+    int32_t lowest;        /* accepted values */
+    int32_t highest;
+} config_field_t;
+
+enum { CONFIG_FIELD_VALUES_MAX = 8 };
+
+/* The field with this index, in the order of config_t; NULL beyond the last one. */
+const config_field_t *config_field(uint32_t index);
+
+/* The field's values in a configuration. */
+const int32_t *config_field_values(const config_t *config, const config_field_t *field);
+
 /* size_bytes: number of readable bytes from `config` on; fewer than sizeof(config_t) is refused
  * without being read. */
 config_result_t config_validate(const config_t *config, uint32_t size_bytes);
