@@ -173,12 +173,12 @@ static inverter_mode_t inverter_mode(bridge_mode_t bridge)
     return (inverter_mode_t)((uint32_t)bridge & 3U);
 }
 
-/* The report is copied in the last period before the slow step takes it. */
+/* The report is copied in the last period before the slow step takes and completes it. */
 static void report_when_due(void)
 {
     const unsigned high = double_buffer_high(&app.from_fast);
     if (report_timer_is_due(&app.report_timer, high)) {
-        controller_fast_report(&app.controller.fast, &app.fast_report[high]);
+        controller_fast_report_copy(&app.controller.fast, &app.fast_report[high]);
         double_buffer_mark(&app.from_fast);
     }
 }
@@ -290,7 +290,8 @@ void app_millisecond_isr(void)
     }
     watch_fast_loop(
         double_buffer_take(&app.from_fast)); /* the monitor checks the step count as well */
-    const fast_report_t *from_fast = &app.fast_report[double_buffer_low(&app.from_fast)];
+    fast_report_t *from_fast = &app.fast_report[double_buffer_low(&app.from_fast)];
+    controller_fast_report_complete(from_fast);
     fast_setpoint_t *to_fast = &app.fast_setpoint[double_buffer_low(&app.to_fast)];
     app.slow_input = slow_input(&app.commands[double_buffer_high(&app.to_slow)]);
 

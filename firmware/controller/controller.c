@@ -76,11 +76,22 @@ const fast_output_t *controller_fast_step(controller_fast_t *fast, const config_
     return &fast->output;
 }
 
-void controller_fast_report(const controller_fast_t *fast, fast_report_t *report)
+void controller_fast_report_copy(const controller_fast_t *fast, fast_report_t *report)
 {
-    foc_report(&fast->foc, report);
+    foc_report_copy(&fast->foc, report);
     report->trip = fast->monitor.trip;
     report->bridge = fast->output.bridge;
+}
+
+void controller_fast_report_complete(fast_report_t *report)
+{
+    foc_report_complete(report);
+}
+
+void controller_fast_report(const controller_fast_t *fast, fast_report_t *report)
+{
+    controller_fast_report_copy(fast, report);
+    controller_fast_report_complete(report);
 }
 
 static monitor_rotor_output_t judge_rotor(controller_slow_t *slow, const config_t *config,

@@ -112,45 +112,20 @@ void foc_idle_step(foc_state_t *state, const config_t *config, const fast_setpoi
     end_period(state, in);
 }
 
-/* Phase currents of the period, recomputed from its dq vector. */
-static abc_t phase_currents(const foc_period_t *period)
-{
-    const ab_t i = transforms_inverse_park(period->i_pu, angle_rotation(period->theta_turn));
-    const int32_t beta_part = (i.beta * TRANSFORMS_SQRT3_2_Q15) >> 15;
-    const int32_t half_alpha = i.alpha >> 1;
-    const abc_t out = {.a = i.alpha, .b = beta_part - half_alpha, .c = -beta_part - half_alpha};
-    return out;
-}
-
-static observer_report_t observer_report(const foc_state_t *state)
-{
-    const emf_observer_t *observer = &state->observer;
-    const uint16_t theta_turn =
-        (uint16_t)((observer->theta_q32 - (uint32_t)observer->speed_q32) >> 16);
-    const observer_report_t out = {
-        .speed_q32 = observer->speed_q32,
-        .theta_turn = theta_turn,
-        .flux_q14 = transforms_park(observer->x, angle_rotation(theta_turn)),
-        .sensor_turn = state->period.rotor.theta_turn,
-        .acquired = observer->periods >= observer->acquisition_periods,
-    };
-    return out;
-}
-
-void foc_report(const foc_state_t *state, fast_report_t *report)
+void foc_report_copy(const foc_state_t *state, fast_report_t *report)
 {
     const foc_period_t *period = &state->period;
-    const voltage_out_t *voltage = &period->voltage;
+    const emf_observer_t *observer = &state->observer;
     const sense_state_t *sense = &state->current.sense;
-    const dq_t applied = dq_of(voltage->applied);
-    const dq_t unsaturated = voltage_unsaturated(voltage);
+    const int32_t speed_q32 = observer->speed_q32;
+    report->sample.unsaturated_d_q25 = period->voltage.unsaturated_d_q25;
+    report->sample.unsaturated_q_q25 = period->voltage.unsaturated_q_q25;
+    report->sample.flux_q14 = observer->x;
+    report->sample.theta_turn = period->theta_turn;
     report->sequence = (uint16_t)state->step_count;
     report->sums = state->sums;
     report->i_pu = period->i_pu;
-    report->u_pu = voltage->applied;
-    report->voltage_use_q15 = modulation_index_square_q15(applied.d, unsaturated.q);
-    report->voltage_limited = unsaturated.q != applied.q || unsaturated.d != applied.d;
-    report->adc_saturated = sense_adc_saturated(sense->offset_q4, phase_currents(period));
+    report->u_pu = period->voltage.applied;
     report->current_sum_pu = period->current_sum_pu;
     report->wrong_current_sensor = sensor_isolation_named(&state->current.isolation);
     report->current_undetermined = state->current.isolation.undetermined;
@@ -162,11 +137,45 @@ void foc_report(const foc_state_t *state, fast_report_t *report)
     report->speed_q32 = period->rotor.speed_q32;
     report->rotor_valid = period->rotor.valid;
     report->rotor_faults = period->rotor.faults;
-    report->observer = observer_report(state);
+    report->observer.speed_q32 = speed_q32;
+    report->observer.theta_turn = (uint16_t)((observer->theta_q32 - (uint32_t)speed_q32) >> 16);
+    report->observer.sensor_turn = period->rotor.theta_turn;
+    report->observer.acquired = observer->periods >= observer->acquisition_periods;
     report->quadrant_transitions = state->quadrant_transitions;
     report->quadrant_step = state->quadrant_step;
     report->idle_alpha_pu = state->idle_alpha_pu;
     report->idle_beta_pu = state->idle_beta_pu;
+}
+
+/* Phase currents of the period, recomputed from its dq vector. */
+static abc_t phase_currents(const fast_report_t *report)
+{
+    const ab_t i = transforms_inverse_park(report->i_pu, angle_rotation(report->sample.theta_turn));
+    const int32_t beta_part = (i.beta * TRANSFORMS_SQRT3_2_Q15) >> 15;
+    const int32_t half_alpha = i.alpha >> 1;
+    const abc_t out = {.a = i.alpha, .b = beta_part - half_alpha, .c = -beta_part - half_alpha};
+    return out;
+}
+
+void foc_report_complete(fast_report_t *report)
+{
+    const fast_sample_t *sample = &report->sample;
+    const voltage_out_t voltage = {.unsaturated_d_q25 = sample->unsaturated_d_q25,
+                                   .unsaturated_q_q25 = sample->unsaturated_q_q25,
+                                   .applied = report->u_pu};
+    const dq_t applied = dq_of(voltage.applied);
+    const dq_t unsaturated = voltage_unsaturated(&voltage);
+    report->voltage_use_q15 = modulation_index_square_q15(applied.d, unsaturated.q);
+    report->voltage_limited = unsaturated.q != applied.q || unsaturated.d != applied.d;
+    report->adc_saturated = sense_adc_saturated(report->offset_q4, phase_currents(report));
+    report->observer.flux_q14 =
+        transforms_park(sample->flux_q14, angle_rotation(report->observer.theta_turn));
+}
+
+void foc_report(const foc_state_t *state, fast_report_t *report)
+{
+    foc_report_copy(state, report);
+    foc_report_complete(report);
 }
 
 void foc_init(foc_state_t *state, const config_t *config)

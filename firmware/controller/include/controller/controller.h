@@ -95,6 +95,11 @@ const fast_output_t *controller_fast_step(controller_fast_t *fast, const config_
  * controller_fast_step(), in the last period before each slow step. */
 void controller_fast_report(const controller_fast_t *fast, fast_report_t *report);
 
+/* The same in two parts, for a caller whose PWM interrupt is to be short: copies, in the context of
+ * controller_fast_step(); computes the remaining fields, in that of controller_slow_step(). */
+void controller_fast_report_copy(const controller_fast_t *fast, fast_report_t *report);
+void controller_fast_report_complete(fast_report_t *report);
+
 /* The table of all torque limits of the latest slow step, for shell, log and report. In the context
  * of controller_slow_step(). */
 const torque_limits_t *controller_limits(const controller_slow_t *slow);

@@ -76,20 +76,29 @@ typedef struct {
 typedef struct {
     int32_t speed_q32;    /* electrical turns per period, forward positive */
     uint16_t theta_turn;  /* of its flux, which leads the rotor by lead_turn */
-    dq16_t flux_q14;      /* its flux along theta_turn and across: the remaining angle error */
+    dq16_t flux_q14;      /* * its flux along theta_turn and across: remaining angle error */
     uint16_t sensor_turn; /* rotor angle by the sensor at the same time */
     bool acquired;        /* the bridge has switched for 3.3 ms */
 } observer_report_t;
 
-/* Fast to slow: the sums, and the latest period. */
+/* Of the latest period: what foc_report_complete() computes fields of the report from. */
 typedef struct {
+    int32_t unsaturated_d_q25, unsaturated_q_q25; /* voltage before the circle */
+    ab16_t flux_q14;                              /* of the observer, stator frame */
+    uint16_t theta_turn;                          /* electrical angle of i_pu */
+} fast_sample_t;
+
+/* Fast to slow: the sums, and the latest period. Fields marked * are complete after
+ * foc_report_complete(). */
+typedef struct {
+    fast_sample_t sample;
     uint16_t sequence; /* PWM periods since the start, wrapping */
     foc_sums_t sums;
     dq16_t i_pu;                     /* sampled current */
     dq16_t u_pu;                     /* applied voltage */
-    int32_t voltage_use_q15;         /* square of the modulation index wanted, 0 .. 65 536 */
-    bool voltage_limited;            /* the voltage circle shortened the voltage */
-    bool adc_saturated;              /* a current converter in use is at an end of its range */
+    int32_t voltage_use_q15;         /* * square of the modulation index wanted, 0 .. 65 536 */
+    bool voltage_limited;            /* * the voltage circle shortened the voltage */
+    bool adc_saturated;              /* * a current converter in use is at an end of its range */
     int32_t current_sum_pu;          /* of the three readings */
     uint8_t wrong_current_sensor;    /* 1 .. 3: sensor of phase a, b, c; 0: none */
     bool current_undetermined;       /* the sum is implausible, no single sensor explains it */

@@ -76,6 +76,12 @@ void foc_idle_step(foc_state_t *state, const config_t *config, const fast_setpoi
  * as the steps. */
 void foc_report(const foc_state_t *state, fast_report_t *report);
 
+/* The same in two parts. foc_report_copy(): same context as the steps, copies only.
+ * foc_report_complete(): any context, the fields that follow from the copied ones; once more
+ * changes nothing. */
+void foc_report_copy(const foc_state_t *state, fast_report_t *report);
+void foc_report_complete(fast_report_t *report);
+
 /* The latest period. */
 static inline const foc_period_t *foc_latest(const foc_state_t *state)
 {

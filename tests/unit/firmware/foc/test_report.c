@@ -43,6 +43,26 @@ void test_the_initial_report_is_unlimited_with_mid_range_offsets(void)
     TEST_ASSERT_EQUAL_INT32(SENSE_CODE_MID * 16, report.offset_q4[2]);
 }
 
+/* The slow context may complete the same copy again if the fast loop has made no new one. */
+void test_completing_a_report_again_changes_nothing(void)
+{
+    foc.period.theta_turn = 12345;
+    foc.observer.theta_q32 = 0x30000000U;
+    foc.observer.x.v = q_pair(9000, -4000);
+    set_applied(20000, -9000);
+    const fast_report_t once = reported();
+    fast_report_t twice = once;
+    foc_report_complete(&twice);
+    TEST_ASSERT_NOT_EQUAL_INT16(0, q_pair_x(once.observer.flux_q14.v));
+    TEST_ASSERT_EQUAL_INT16(q_pair_x(once.observer.flux_q14.v),
+                            q_pair_x(twice.observer.flux_q14.v));
+    TEST_ASSERT_EQUAL_INT16(q_pair_y(once.observer.flux_q14.v),
+                            q_pair_y(twice.observer.flux_q14.v));
+    TEST_ASSERT_EQUAL_INT32(once.voltage_use_q15, twice.voltage_use_q15);
+    TEST_ASSERT_EQUAL_INT(once.voltage_limited, twice.voltage_limited);
+    TEST_ASSERT_EQUAL_INT(once.adc_saturated, twice.adc_saturated);
+}
+
 void test_faults_of_the_rotor_sensor_are_reported_as_they_are_counted(void)
 {
     foc.period.rotor.faults = 40000;
