@@ -16,6 +16,7 @@ ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).resolve().parent
 IMAGES = ROOT / "firmware" / "config" / "generated"
 MODULES = ("core", "config", "foc", "torque", "monitor", "modes", "controller")
+OPTIMISE = ROOT / "tools" / "cmake" / "optimise.txt"
 PREFIX = "arm-none-eabi-"
 PLUGIN_INTERFACES = (1, 4, 3, 2, 5)
 """Versions of QEMU's plugin interface, tried in turn: 1 of QEMU 7 and 8, 4 of QEMU 10."""
@@ -93,6 +94,14 @@ def shared_sources() -> list[Path]:
     return [*modules, port / "semihost.c", port / "startup.c"]
 
 
+def optimisation() -> tuple[dict[Path, list[str]], set[Path]]:
+    """Return the flags of each folder of the firmware and the files compiled for size."""
+    lines = [line.split() for line in OPTIMISE.read_text().splitlines() if not line.startswith("#")]
+    flags = {ROOT / "firmware" / words[0]: words[1:] for kind, *words in lines if kind == "flags"}
+    size = {ROOT / "firmware" / words[0] for kind, *words in lines if kind == "size"}
+    return flags, size
+
+
 def compile_sources(core: Core, sources: list[Path], directory: Path) -> list[str]:
     """Compile sources for one core into an empty directory and return the objects, in their order.
 
@@ -105,9 +114,9 @@ def compile_sources(core: Core, sources: list[Path], directory: Path) -> list[st
         ROOT / "hal" / "qemu_mps2",
         ROOT / "tests" / "unit" / "firmware" / "support",
     ]
+    flags, for_size = optimisation()
     common = [
         *core.flags,
-        core.optimise,
         "-g",
         "-std=c11",
         "-ffunction-sections",
@@ -119,8 +128,9 @@ def compile_sources(core: Core, sources: list[Path], directory: Path) -> list[st
 
     def compile_one(source: Path) -> str:
         target = directory / f"{source.parent.name}_{source.stem}.o"
+        optimise = ["-Os" if source in for_size else core.optimise, *flags.get(source.parent, [])]
         run(
-            [compiler, *common, "-c", str(source), "-o", str(target)],
+            [compiler, *common, *optimise, "-c", str(source), "-o", str(target)],
             f"compiling {source.relative_to(ROOT)} for {core.name}",
         )
         return str(target)
