@@ -252,19 +252,16 @@ void app_pwm_period_isr(void)
     }
 }
 
-static slow_input_t slow_input(const node_command_t *command)
+static void fill_slow_input(slow_input_t *in, const node_command_t *command)
 {
-    const slow_input_t in = {
-        .demand = command->demand,
-        .demand_age_ms = node_demand_age_ms(command, time_ms()),
-        .bms = command->bms,
-        .hydraulic = node_hydraulic(command, time_ms()),
-        .temperature = {.winding_cC = analog_winding_temperature_cC(),
-                        .switch_cC = analog_switch_temperature_cC()},
-        .selftest_passed = boot_selftest_passed(&app.boot) && app.memory_good,
-        .config_accepted = app.config_good, /* accepted at boot, or no slow step runs */
-    };
-    return in;
+    in->demand = command->demand;
+    in->demand_age_ms = node_demand_age_ms(command, time_ms());
+    in->bms = command->bms;
+    in->hydraulic = node_hydraulic(command, time_ms());
+    in->temperature.winding_cC = analog_winding_temperature_cC();
+    in->temperature.switch_cC = analog_switch_temperature_cC();
+    in->selftest_passed = boot_selftest_passed(&app.boot) && app.memory_good;
+    in->config_accepted = app.config_good; /* accepted at boot, or no slow step runs */
 }
 
 /* Without fast steps the timer repeats the last compare values: a constant voltage vector, in which
@@ -293,7 +290,7 @@ void app_millisecond_isr(void)
     fast_report_t *from_fast = &app.fast_report[double_buffer_low(&app.from_fast)];
     controller_fast_report_complete(from_fast);
     fast_setpoint_t *to_fast = &app.fast_setpoint[double_buffer_low(&app.to_fast)];
-    app.slow_input = slow_input(&app.commands[double_buffer_high(&app.to_slow)]);
+    fill_slow_input(&app.slow_input, &app.commands[double_buffer_high(&app.to_slow)]);
 
     snapshot_t *snapshot = &app.snapshot[double_buffer_high(&app.from_slow)];
     if (pedals_wired(config)) {
@@ -453,16 +450,15 @@ bool app_finish(void)
     const snapshot_t *snapshot = latest_snapshot();
     const report_status_t status = status_of(snapshot);
     const bool good = status.control && snapshot->output.fault_reason == REASON_NONE;
-    text_t line;
-    text_clear(&line);
-    text_add(&line, good ? "result: " : "result: FAILED, ");
-    text_add(&line, status.control ? operating_mode_text(snapshot->output.mode) : "BOOT");
-    if (status.control) {
-        text_add(&line, ", ");
-        text_add(&line, reason_text(snapshot->output.fault_reason));
-    }
     console_status(&app.console, &status);
-    console_print(&app.console, &line);
+    text_t *line = console_line(&app.console);
+    text_add(line, good ? "result: " : "result: FAILED, ");
+    text_add(line, status.control ? operating_mode_text(snapshot->output.mode) : "BOOT");
+    if (status.control) {
+        text_add(line, ", ");
+        text_add(line, reason_text(snapshot->output.fault_reason));
+    }
+    console_print(&app.console, line);
     for (int i = 0; i < FINISH_PASSES && !console_drained(&app.console); i++) {
         console_pump(&app.console, time_ms(), &status);
     }

@@ -103,6 +103,11 @@ void console_init(console_t *console, const boot_report_t *boot)
     installer_init(&console->installer);
 }
 
+text_t *console_line(console_t *console)
+{
+    return shell_line(&console->shell);
+}
+
 void console_print(console_t *console, const text_t *line)
 {
     shell_print(&console->shell, line);
@@ -110,23 +115,21 @@ void console_print(console_t *console, const text_t *line)
 
 void console_greet(console_t *console)
 {
-    text_t line;
-    text_clear(&line);
-    report_banner(console->boot, &line);
-    console_print(console, &line);
-    text_clear(&line);
-    for (uint32_t i = 0; report_boot(console->boot, i, &line); i++) {
-        console_print(console, &line);
-        text_clear(&line);
+    text_t *line = console_line(console);
+    report_banner(console->boot, line);
+    console_print(console, line);
+    text_clear(line);
+    for (uint32_t i = 0; report_boot(console->boot, i, line); i++) {
+        console_print(console, line);
+        text_clear(line);
     }
 }
 
 void console_status(console_t *console, const report_status_t *status)
 {
-    text_t line;
-    text_clear(&line);
-    report_status(status, &line);
-    console_print(console, &line);
+    text_t *line = console_line(console);
+    report_status(status, line);
+    console_print(console, line);
 }
 
 bool console_drained(const console_t *console)
@@ -138,10 +141,9 @@ static void answer_requests(console_t *console)
 {
     shell_request_t asked;
     while (shell_next_request(&console->shell, &asked)) {
-        text_t line;
-        text_clear(&line);
-        if (answer(console, &asked, &line)) {
-            shell_answer(&console->shell, &line);
+        text_t *line = console_line(console);
+        if (answer(console, &asked, line)) {
+            shell_answer(&console->shell, line);
         } else {
             shell_answered(&console->shell);
         }
@@ -155,10 +157,9 @@ static void print_installer_result(console_t *console)
     if (state != INSTALLER_CANCELLED && state != INSTALLER_REFUSED) {
         return;
     }
-    text_t line;
-    text_clear(&line);
-    installer_text(&console->installer, &line);
-    console_print(console, &line);
+    text_t *line = console_line(console);
+    installer_text(&console->installer, line);
+    console_print(console, line);
     console->installer.state = INSTALLER_CLOSED;
 }
 
@@ -166,10 +167,9 @@ bool console_has_accepted(console_t *console)
 {
     const bool accepted = console->installer.state == INSTALLER_ACCEPTED;
     if (accepted) {
-        text_t line;
-        text_clear(&line);
-        installer_text(&console->installer, &line);
-        console_print(console, &line);
+        text_t *line = console_line(console);
+        installer_text(&console->installer, line);
+        console_print(console, line);
         console->installer.state = INSTALLER_CLOSED;
     }
     return accepted;
@@ -177,15 +177,14 @@ bool console_has_accepted(console_t *console)
 
 void console_install(console_t *console, bool permitted)
 {
-    text_t line;
-    text_clear(&line);
+    text_t *line = console_line(console);
     if (permitted) {
-        (void)installer_write(&console->installer, &line);
+        (void)installer_write(&console->installer, line);
     } else {
-        text_add(&line, "refused: only with the wheel known to be at rest and switched off; the "
-                        "configuration is as it was");
+        text_add(line, "refused: only with the wheel known to be at rest and switched off; the "
+                       "configuration is as it was");
     }
-    console_print(console, &line);
+    console_print(console, line);
 }
 
 bool console_wants_off(console_t *console)

@@ -28,11 +28,12 @@ static void init_receiver(e2e_receiver_t *receiver, messages_kind_t kind)
 
 void node_init(node_t *node, messages_wheel_t wheel, const node_limits_t *limits, uint32_t now_ms)
 {
-    const node_t zero = {.wheel = wheel,
-                         .limits = *limits,
-                         .command = {.bms = limits->pack},
-                         .offered = MESSAGES_KINDS};
+    const node_t zero = {.refused = false};
     *node = zero;
+    node->wheel = wheel;
+    node->limits = *limits;
+    node->command.bms = limits->pack;
+    node->offered = MESSAGES_KINDS;
     init_receiver(&node->demand, MESSAGES_DEMAND);
     node->demand.step_max = (uint32_t)q_clamp(limits->demand_lost_frames, 0, LOST_MAX) + 1U;
     init_receiver(&node->battery, MESSAGES_BATTERY_LIMITS);

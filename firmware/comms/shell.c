@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "comms/shell.h"
 
+#include <stddef.h>
+
+#include "core/fault.h"
 #include "core/reason.h"
 
 enum { HELP_COLUMN = 20, NAME_COLUMN = 4, MEANING_COLUMN = 30, CANCEL = 0x03 };
@@ -31,6 +34,12 @@ void shell_init(shell_t *shell, const shell_command_t *commands, uint32_t comman
     shell->pending_bytes = 0;
     shell->sent_bytes = 0;
     shell->dropped_lines = 0;
+}
+
+text_t *shell_line(shell_t *shell)
+{
+    text_clear(&shell->line);
+    return &shell->line;
 }
 
 /* ---- output buffer ---- */
@@ -130,28 +139,35 @@ static bool answer_help(const shell_t *shell, uint32_t number, text_t *line)
     return true;
 }
 
+static void add_reason(text_t *line, reason_t reason, const char *name)
+{
+    text_add_integer(line, (int32_t)reason);
+    text_add_until(line, NAME_COLUMN);
+    text_add(line, name);
+    text_add_until(line, MEANING_COLUMN);
+    text_add(line, reason_text(reason));
+}
+
 static bool answer_reasons(uint32_t number, text_t *line)
 {
     static const struct {
         reason_t reason;
         const char *name;
-    } ALL[] = {
+    } LIMITS[] = {
 #define LIMIT_LINE(number, identifier, text) {REASON_##identifier, #identifier},
-#define FAULT_LINE(number, identifier, text, qualify, heal, reaction, clearing, driver)            \
-    {REASON_##identifier, #identifier},
-        LIMIT_LIST(LIMIT_LINE) FAULT_LIST(FAULT_LINE)
+        LIMIT_LIST(LIMIT_LINE)
 #undef LIMIT_LINE
-#undef FAULT_LINE
     };
-    if (number >= sizeof ALL / sizeof ALL[0]) {
-        return false;
+    const uint32_t limits = sizeof LIMITS / sizeof LIMITS[0];
+    if (number < limits) {
+        add_reason(line, LIMITS[number].reason, LIMITS[number].name);
+        return true;
     }
-    text_add_integer(line, (int32_t)ALL[number].reason);
-    text_add_until(line, NAME_COLUMN);
-    text_add(line, ALL[number].name);
-    text_add_until(line, MEANING_COLUMN);
-    text_add(line, reason_text(ALL[number].reason));
-    return true;
+    const fault_t *row = fault_row(number - limits);
+    if (row != NULL) {
+        add_reason(line, row->reason, row->name);
+    }
+    return row != NULL;
 }
 
 static bool answer_unknown(const shell_t *shell, uint32_t number, text_t *line)
@@ -222,10 +238,9 @@ static void begin_answer(shell_t *shell)
 
 static void process_key(shell_t *shell, uint8_t byte)
 {
-    text_t echo;
-    text_clear(&echo);
-    const line_edit_event_t event = line_edit_receive(&shell->edit, byte, &echo);
-    (void)put(shell, echo.chars, echo.length);
+    text_t *echo = shell_line(shell);
+    const line_edit_event_t event = line_edit_receive(&shell->edit, byte, echo);
+    (void)put(shell, echo->chars, echo->length);
     if (event == LINE_EDIT_ENDED) {
         begin_answer(shell);
     } else if (event == LINE_EDIT_CANCELLED) {
@@ -286,10 +301,9 @@ bool shell_next_request(shell_t *shell, shell_request_t *question)
             *question = asked;
             return true;
         }
-        text_t line;
-        text_clear(&line);
-        if (answer_itself(shell, &line)) {
-            shell_answer(shell, &line);
+        text_t *line = shell_line(shell);
+        if (answer_itself(shell, line)) {
+            shell_answer(shell, line);
         } else {
             shell_answered(shell);
             process_typed_ahead(shell);

@@ -21,8 +21,9 @@ static void forget_gain(hydraulic_feedback_state_t *state, const config_t *confi
 
 void hydraulic_feedback_init(hydraulic_feedback_state_t *state, const config_t *config)
 {
-    const hydraulic_feedback_state_t fresh = {.between_ms = 1};
-    *state = fresh;
+    const hydraulic_feedback_state_t zero = {.between_ms = 0};
+    *state = zero;
+    state->between_ms = 1;
     forget_gain(state, config);
 }
 

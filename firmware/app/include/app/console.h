@@ -53,6 +53,9 @@ void console_greet(console_t *console);
 /* Prints the status line once, without a command. */
 void console_status(console_t *console, const report_status_t *status);
 
+/* An empty line for console_print(); any other function of the console may change it. */
+text_t *console_line(console_t *console);
+
 /* Prints one line that is not an answer to a command. */
 void console_print(console_t *console, const text_t *line);
 

@@ -48,6 +48,7 @@ typedef struct {
     uint32_t running; /* the command that is being answered */
     uint32_t next_line;
 
+    text_t line; /* shell_line() */
     char waiting[SHELL_PENDING_BYTES];
     uint32_t pending_bytes; /* in the buffer; the first `sent_bytes` of them are sent */
     uint32_t sent_bytes;
@@ -55,6 +56,10 @@ typedef struct {
 } shell_t;
 
 void shell_init(shell_t *shell, const shell_command_t *commands, uint32_t command_count);
+
+/* An empty line, to be filled in for shell_print() or shell_answer(): the shell's own, so that no
+ * line needs stack. Any other function of the shell may change it. */
+text_t *shell_line(shell_t *shell);
 
 /* One byte that was typed. */
 void shell_receive(shell_t *shell, uint8_t byte);
