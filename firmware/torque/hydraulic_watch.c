@@ -277,9 +277,14 @@ void hydraulic_watch_step(hydraulic_watch_t *watch, const config_t *config,
     watch->quiet_ms = quiet && watch->reason == REASON_NONE
                           ? q_min(watch->quiet_ms + 1, HYDRAULIC_WATCH_QUIET_ms)
                           : 0;
+    if (watch->provisional && quiet) {
+        watch->provisional = false;
+        watch->acquired_ms = 0;
+    }
     if (watch->acquired_ms < HYDRAULIC_WATCH_ACQUIRE_ms) {
-        if (quiet && watch->pause_ms == 0 &&
+        if ((quiet || in->uncertain_mNm <= floor_mNm) && watch->pause_ms == 0 &&
             q_abs(in->speed_mrad_s) > brake->blend_out_start_mrad_s) {
+            watch->provisional = !quiet;
             watch->acquired_ms++;
             watch->road_q8_mNm += lacking_mNm * (256 / ACQUIRE_SHARE);
         }
@@ -323,7 +328,8 @@ void hydraulic_watch_step(hydraulic_watch_t *watch, const config_t *config,
         commanded || watch->extra_mNm > 0
             ? summed(watch->missing_mNm_ms, lacking_mNm - tolerated_mNm, enough_mNm_ms)
             : 0;
-    watch->excess_mNm_ms = summed(watch->excess_mNm_ms, excess_mNm, enough_mNm_ms);
+    watch->excess_mNm_ms =
+        watch->provisional ? 0 : summed(watch->excess_mNm_ms, excess_mNm, enough_mNm_ms);
     if (in->reported && in->contradicts_mNm != 0) {
         decide_report(watch, in, lacking_mNm, enough_mNm_ms);
     } else {

@@ -18,6 +18,9 @@
  *     in excess           HYDRAULIC_STRONG; HYDRAULIC_STUCK if next to no torque is commanded
  *     first missing, then there within 1.5 s                                       HYDRAULIC_LATE
  *
+ * A road that is acquired while the brake makes torque already holds what that misses. It shows a
+ * brake that fails later, and is acquired anew once no torque is commanded.
+ *
  * With reports of the torque that contradict the commands, the deceleration decides which of the
  * two is wrong; a third of the sum suffices. A finding corrects the torque that is expected from
  * then on, so that its opposite ends it; an acknowledgement at rest ends it as well. Derivation and
@@ -73,6 +76,7 @@ typedef struct {
     int32_t report_mNm_ms;                 /* > 0: the brake is wrong, < 0: its sensor */
     int32_t acquired_ms, pause_ms, found_ms, quiet_ms;
     bool rolls, backwards;
+    bool provisional;     /* the road was acquired while the hydraulic brake made torque */
     bool by_report;       /* found by reports that are used */
     bool confirms_report; /* the deceleration agrees with reports that contradict the commands */
 } hydraulic_watch_t;

@@ -104,6 +104,25 @@ void test_a_dead_brake_is_found_when_the_speed_is_missing_and_named_after_a_seco
     TEST_ASSERT_TRUE(hydraulic_watch_corrected_mNm(&watch, 60000) < 15000);
 }
 
+/* The controller sees no coasting: it begins with the stop. 60 N m of a brake on a slope of 3 %. */
+void test_a_brake_that_fails_in_the_first_stop_is_found(void)
+{
+    slope = 0.03;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(60.0, 1.0, 1000));
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_WEAK, brake(60.0, 0.0, 600));
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_DEAD, brake(60.0, 0.0, 1000));
+}
+
+/* What a weak brake misses has become part of the road, which is acquired anew when it is released:
+ * no excess, and the next time it is found. */
+void test_a_brake_that_is_weak_from_the_beginning_is_found_the_next_time(void)
+{
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(40.0, 0.5, 1500));
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(0.0, 0.5, 1500));
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_WEAK, brake(60.0, 0.5, 1500));
+    TEST_ASSERT_INT32_WITHIN(12000, 30000, hydraulic_watch_corrected_mNm(&watch, 60000));
+}
+
 void test_half_and_one_and_a_half_times_the_torque_are_found_in_both_directions(void)
 {
     for (direction = -1.0; direction <= 1.0; direction += 2.0) {
