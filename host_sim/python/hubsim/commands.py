@@ -117,6 +117,7 @@ def run_scenario(options: argparse.Namespace) -> int:
         result,
         criteria=[outcome.as_object() for outcome in evaluated],
         ideal=stops.ideal_of(drive, chosen),
+        origin=result.origin | ({"processor": options.on} if options.on else {}),
     )
     warn_of(result)
     if result.stopped is False:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Processor in the loop: the emulated core's run is the host's bit for bit."""
 
+import json
 import os
 import shutil
 import subprocess
@@ -177,6 +178,14 @@ def test_the_shared_file_is_deleted_and_saving_is_refused(
     assert not list(emulator.SHARED_MEMORY.glob(own))
     with pytest.raises(HubsimError, match="not the memory of an emulated core"):
         Engine().attach_processor("/dev/null")
+
+
+def test_the_command_writes_which_processor_it_was(tmp_path: Path) -> None:
+    arguments = ["run", "brake_onset", "--on", "qemu", "--json", str(tmp_path / "run.json")]
+    cli.main([*arguments, "--set", "max_duration_s=0.01", "--set", "vehicle.driven_wheels=1"])
+    found = json.loads((tmp_path / "run.json").read_text(encoding="utf-8"))
+    assert found["provenance"]["processor"] == "qemu"
+    assert found["duration_s"] == pytest.approx(0.01)
 
 
 def test_what_is_missing_is_named_in_one_line(tmp_path: Path) -> None:
