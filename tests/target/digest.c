@@ -24,6 +24,12 @@ static void add_flag(digest_t *digest, bool is_set)
     add(digest, is_set ? 1 : 0);
 }
 
+static void add_pair(digest_t *digest, q_pair_t x)
+{
+    add(digest, q_pair_x(x));
+    add(digest, q_pair_y(x));
+}
+
 static void add_dq(digest_t *digest, dq_t x)
 {
     add(digest, x.d);
@@ -59,6 +65,8 @@ static void add_report(digest_t *digest, const fast_report_t *report)
     add_flag(digest, report->voltage_limited);
     add_flag(digest, report->adc_saturated);
     add(digest, report->current_sum_pu);
+    add(digest, report->wrong_current_sensor);
+    add_flag(digest, report->current_undetermined);
     add(digest, report->i_d_weakening_pu);
     for (int x = 0; x < SENSE_PHASES; x++) {
         add(digest, report->offset_q4[x]);
@@ -66,9 +74,16 @@ static void add_report(digest_t *digest, const fast_report_t *report)
     add_flag(digest, report->offsets_done);
     add(digest, report->speed_q32);
     add_flag(digest, report->rotor_valid);
+    add(digest, report->observer.speed_q32);
+    add(digest, report->observer.theta_turn);
+    add_dq(digest, dq_of(report->observer.flux_q14));
+    add(digest, report->observer.sensor_turn);
+    add_flag(digest, report->observer.acquired);
     add(digest, report->rotor_faults);
     add(digest, report->quadrant_transitions);
     add(digest, report->quadrant_step);
+    add_unsigned(digest, report->idle_alpha_pu);
+    add_unsigned(digest, report->idle_beta_pu);
     add(digest, (int32_t)report->trip);
     add(digest, (int32_t)report->bridge);
 }
@@ -104,14 +119,20 @@ static void add_setpoint(digest_t *digest, const fast_setpoint_t *setpoint)
     add(digest, tuning->w_l_q_q10);
     add(digest, tuning->forward_d_q25);
     add(digest, tuning->forward_q_q25);
-    add(digest, q_pair_x(tuning->advance.v));
-    add(digest, q_pair_y(tuning->advance.v));
+    add_pair(digest, tuning->advance.v);
     add(digest, setpoint->dead_time_slope.alpha_q8);
     add(digest, setpoint->dead_time_slope.beta_q8);
+    add_pair(digest, setpoint->observer.volt);
+    add_pair(digest, setpoint->observer.minus_resistance);
+    add_pair(digest, setpoint->observer.minus_leak);
+    add(digest, setpoint->observer.lead_turn);
+    add_flag(digest, setpoint->observer.used);
     add_flag(digest, setpoint->calibrate_offsets);
     add_flag(digest, setpoint->torque_enabled);
     add_flag(digest, setpoint->clear_trip);
+    add_flag(digest, setpoint->release_break);
     add(digest, (int32_t)setpoint->safe_bridge);
+    add_unsigned(digest, setpoint->least_square);
 }
 
 void digest_slow(digest_t *digest, const slow_output_t *out, const fast_setpoint_t *setpoint)
@@ -136,7 +157,10 @@ void digest_slow(digest_t *digest, const slow_output_t *out, const fast_setpoint
     add(digest, (int32_t)out->waits_for);
     add(digest, (int32_t)out->hydraulic_reason);
     add(digest, (int32_t)out->fault_reason);
+    add(digest, (int32_t)out->warning_reason);
     add(digest, (int32_t)out->mode);
+    add(digest, (int32_t)out->direction);
+    add_flag(digest, out->hydraulic_valid);
     add_flag(digest, out->stop_lamp);
     add_flag(digest, out->standstill);
     add_setpoint(digest, setpoint);

@@ -158,7 +158,7 @@ foreach(path IN LISTS scenarios)
     "test_scenarios.py::test_the_emulated_run_is_the_hosts[${scenario}]")
 endforeach()
 
-# Every way to compile and to execute the steps: hours with sanitizers and without optimisation.
+# Every way to compile and to execute the steps, whole scenarios: a minute or more a cell.
 pil_test(matrix bit_exactness 14400 "python;full" test_matrix.py)
 
 # ---- counted instructions ----
