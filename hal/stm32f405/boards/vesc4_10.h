@@ -28,7 +28,6 @@
 
 #include "gpio.h"
 
-#define BOARD_NAME "vesc4_10"
 
 enum {
     BOARD_CRYSTAL_Hz = 8000000,

@@ -11,7 +11,6 @@
 
 #include "boards/vesc6_common.h"
 
-#define BOARD_NAME "vesc6_mk6"
 #define BOARD_CONSTANT_OUTPUTS(PIN) PIN(GPIOD, 2, true) PIN(GPIOA, 4, false)
 
 #endif

@@ -105,8 +105,8 @@ static chip_ticks_t inject(chip_t *chip, uint32_t converter)
         const uint32_t sampling = sampling_cycles(chip, converter, channel);
         check_sampling_time(chip, converter, sampling);
         if (i == 0) {
-            const int64_t held = (int64_t)(LATENCY_CYCLES + sampling) * clock_ticks(chip);
-            chip->adc.hold_from_top = chip->adc.trigger_from_top + held;
+            const int64_t ticks = (int64_t)(LATENCY_CYCLES + sampling) * clock_ticks(chip);
+            chip->adc.hold_from_top = chip->adc.trigger_from_top + ticks;
         }
         cycles += sampling + CONVERSION_CYCLES;
         *chip_at(chip, of(converter, CHIP_ADC1_JDR1) + 4U * i) = convert(chip, converter, channel);

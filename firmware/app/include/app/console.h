@@ -66,7 +66,7 @@ bool console_drained(const console_t *console);
 bool console_wants_off(console_t *console);
 
 /* Lets the board's supply go if that is permitted, and prints what came of it. Where there is none
- * to let go, or somebody presses the button, control goes on. */
+ * to let go, or the button is pressed, control goes on. */
 void console_switch_off(console_t *console, bool permitted);
 
 /* True once, when a configuration has been received and accepted. */
