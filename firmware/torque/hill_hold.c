@@ -6,8 +6,8 @@
 #include "torque/demand.h"
 
 enum {
-    DOUBT_SHARE = 8, /* of the demand: what the road is known to */
-    SLOWER_SHARE = 3 /* of the speed: hall edges show a stop late */
+    TOLERANCE_SHARE = 8, /* of the demand: what the road is known to */
+    SLOWER_SHARE = 3     /* of the speed: hall edges show a stop late */
 };
 
 void hill_hold_init(hill_hold_state_t *state)
@@ -48,7 +48,7 @@ static bool is_ahead(hill_hold_state_t *state, const hill_hold_input_t *in)
 {
     const int32_t speed_mrad_s = q_abs(in->speed_mrad_s);
     const bool brakes = in->demand_mNm > 0 && in->drive_mNm == 0;
-    const bool rolls_off = in->road_mNm > in->demand_mNm - in->demand_mNm / DOUBT_SHARE;
+    const bool rolls_off = in->road_mNm > in->demand_mNm - in->demand_mNm / TOLERANCE_SHARE;
     if (!brakes || speed_mrad_s / 2 > state->begun_mrad_s) {
         state->begun_mrad_s = 0;
     }

@@ -4,7 +4,8 @@
 Demands of 0.1 to 3 times the rated torque, slopes of -10 to 10 %, every drive; one wheel with its
 share of mass and battery stands for the vehicle (stops), without air drag and rolling resistance.
 ``python -m hubsim.blend_out --output DIR`` writes blend_out.csv, blend_out.json and the picture;
-``--held`` prints how far vehicles with hill hold roll back on slopes that the demand does not hold.
+``--hill-hold`` prints how far vehicles with hill hold roll back on slopes that the demand does not
+hold.
 """
 
 import argparse
@@ -36,8 +37,8 @@ SLOWEST_M_PER_S = 0.1  # below it, the final stop
 DRIVES_SHARE = 0.02  # of the rated torque: more against the demand is a reversal
 MOVED_MAX_M = 0.02
 HOLD_SHARE = 1.3
-HELD_SLOPES_PERCENT = (2.0, 4.0, 6.0, 8.0, 10.0)
-HELD_PULL_SHARES = (0.1, 0.3, 0.5, 0.7, 0.9, 1.05)
+HILL_SLOPES_PERCENT = (2.0, 4.0, 6.0, 8.0, 10.0)
+HILL_PULL_SHARES = (0.1, 0.3, 0.5, 0.7, 0.9, 1.05)
 RECORD_S = 0.001
 BEFORE_S = 0.6  # from the demand on: both brakes have settled
 FAST_S = 1.0  # of braking before the blend-out begins
@@ -164,7 +165,7 @@ def jerks(torque_nm: Rows, inertia: float) -> Rows:
     return np.asarray((smooth[rows:] - smooth[:-rows]) / JERK_S / inertia)
 
 
-def held_m(drive: Drive, slope_percent: float, pull_share: float) -> float:
+def rolled_back_m(drive: Drive, slope_percent: float, pull_share: float) -> float:
     """Return how far a vehicle with hill hold moves after a stop on an upward slope.
 
     The demand is a share of what the slope pulls with, the hold torque HOLD_SHARE of the pull of
@@ -261,7 +262,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--count", type=int, default=400, metavar="N", help="default: 400")
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="default: 1")
     parser.add_argument("--workers", type=int, metavar="N", help="default: one for each core")
-    parser.add_argument("--held", action="store_true", help="also with hill hold: 120 stops")
+    parser.add_argument("--hill-hold", action="store_true", help="also with hill hold: 120 stops")
     parser.add_argument("--output", type=Path, required=True, metavar="DIR")
     parser.add_argument("--date", metavar="ISO8601", help="of the result; default: now")
     options = parser.parse_args(arguments)
@@ -274,18 +275,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"hubsim.blend_out: {error}", file=sys.stderr)
         return 1
     print(*summary(found), sep="\n")
-    held = [max(_held(name)) for name in DRIVES] if options.held else []
-    for name, moved in zip(DRIVES, held, strict=False):
+    rolled_m = [max(_rolled_back_m(name)) for name in DRIVES] if options.hill_hold else []
+    for name, moved in zip(DRIVES, rolled_m, strict=False):
         print(
             f"{name}: moves {100.0 * moved:.2f} cm at most on slopes that the demand does not hold"
         )
-    return 0 if all(o.within for o in found) and max(held, default=0.0) <= MOVED_MAX_M else 1
+    return 0 if all(o.within for o in found) and max(rolled_m, default=0.0) <= MOVED_MAX_M else 1
 
 
-def _held(name: str) -> list[float]:
-    """Return what ``held_m`` is on all slopes with all demands."""
+def _rolled_back_m(name: str) -> list[float]:
+    """Return what ``rolled_back_m`` is on all slopes with all demands."""
     drive = drive_named(name)
-    return [held_m(drive, s, p) for s in HELD_SLOPES_PERCENT for p in HELD_PULL_SHARES]
+    return [rolled_back_m(drive, s, p) for s in HILL_SLOPES_PERCENT for p in HILL_PULL_SHARES]
 
 
 if __name__ == "__main__":

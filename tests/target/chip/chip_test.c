@@ -378,17 +378,17 @@ static bool while_braking(const fault_case_t *fault)
 /* It drives nevertheless: the supply detector acts at 2.8 V. */
 static bool reports_the_brown_out_level(const char *elf)
 {
-    bool said[2] = {true, false};
+    bool reported[2] = {true, false};
     for (int off = 0; off <= 1; off++) {
         if (!open_rig(elf)) {
             return false;
         }
         chip_faults(rig.chip)->brown_out_off = off != 0;
         boot();
-        said[off] = says("brown-out level is below 3");
+        reported[off] = says("brown-out level is below 3");
     }
-    printf("brown-out level as delivered\n    %s\n", said[1] ? "reported" : "not reported");
-    return expect(!said[0] && said[1], "a low brown-out level is reported, and no other");
+    printf("brown-out level as delivered\n    %s\n", reported[1] ? "reported" : "not reported");
+    return expect(!reported[0] && reported[1], "a low brown-out level is reported, and no other");
 }
 
 static bool answers_faults(const char *elf)

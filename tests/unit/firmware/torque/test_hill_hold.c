@@ -87,7 +87,7 @@ void test_hold_begins_before_standstill_where_the_slope_pulls_with_more_than_the
 void test_a_demand_that_holds_the_slope_has_no_hold_before_standstill(void)
 {
     stop_uphill();
-    in.road_mNm = 8000; /* an eighth less than the demand, and doubt */
+    in.road_mNm = 8000; /* an eighth less than the demand, and a tolerance */
     TEST_ASSERT_EQUAL_INT32(0, step());
     in.road_mNm = 9000;
     TEST_ASSERT_EQUAL_INT32(HOLD, step());

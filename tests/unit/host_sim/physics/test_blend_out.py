@@ -28,11 +28,11 @@ def test_stops_are_smooth_and_stand_on_slopes() -> None:
 
 @pytest.mark.parametrize("name", DRIVES)
 @pytest.mark.parametrize(("slope", "share"), [(10.0, 0.3), (10.0, 0.1), (6.0, 0.1)])
-def test_hill_hold_stands_where_the_demand_does_not_hold_the_slope(
+def test_hill_hold_begins_where_the_demand_does_not_hold_the_slope(
     name: str, slope: float, share: float
 ) -> None:
     """Without a hold before standstill 3.5 to 9.3 cm with wheels of hall sensors."""
-    assert blend_out.held_m(drive_named(name), slope, share) <= blend_out.MOVED_MAX_M
+    assert blend_out.rolled_back_m(drive_named(name), slope, share) <= blend_out.MOVED_MAX_M
 
 
 def test_jerk_is_the_slope_of_the_torque_by_mass_and_radius() -> None:
