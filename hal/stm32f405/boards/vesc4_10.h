@@ -28,7 +28,6 @@
 
 #include "gpio.h"
 
-
 enum {
     BOARD_CRYSTAL_Hz = 8000000,
     BOARD_DEAD_TIME_LEAST_ns = 300, /* as vesc6_common.h */

@@ -29,7 +29,6 @@
 
 #include "boards/vesc6_common.h"
 
-
 /* PIN(port, number, level): driven so from the start on. */
 #define BOARD_CONSTANT_OUTPUTS(PIN) PIN(GPIOD, 2, true)
 

@@ -44,7 +44,7 @@ void test_the_initial_report_is_unlimited_with_mid_range_offsets(void)
 }
 
 /* The slow context may complete the same copy again if the fast loop has made no new one. */
-void test_completing_a_report_again_changes_nothing(void)
+void test_completing_a_report_again_leaves_it_as_it_is(void)
 {
     foc.period.theta_turn = 12345;
     foc.observer.theta_q32 = 0x30000000U;
