@@ -18,8 +18,8 @@
 
 enum { SPEEDS = 12, TORQUES = 6 };
 static const double HEAVY_KG = 1e6; /* the speed stays */
-static const double SETTLED_s = 0.35;
-static const double MEAN_s = 0.2;
+static const double SETTLED_s = 0.15;
+static const double MEAN_s = 0.1;
 static const double SHARE_OF_RATED = 0.01;
 
 typedef struct {
@@ -148,7 +148,7 @@ void test_full_torque_of_a_hot_ipm400v_at_480_rad_per_s_stays(void)
             turning("ipm400v", 480.0 / (config.motor.max_speed_mrad_s * 1e-3), 120.0);
         const double circle_a = config.motor.max_phase_current_mA * 1e-3;
         double first_d_a = 0.0;
-        for (int n = 0; n < 6; n++) {
+        for (int n = 0; n < 14; n++) {
             const mean_t mean = settled(&stand, SIGN[k] * stand.most_nm);
             const wheel_t *wheel = &stand.bench->wheel[0];
             const double d_a = wheel->slow.i_d_mA * 1e-3;
