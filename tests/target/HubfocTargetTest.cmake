@@ -5,7 +5,7 @@
 #     mps2-an386, no firmware in it
 #   hubfoc_add_qemu_test(NAME x ELF file-or-target [ARGUMENTS ..] [MACHINE ..] [SERIAL n]
 #     [MILLIONS n] [EXPECT_EXIT n]
-#                        [EXPECT regex ...] [SAME_AS program] [LABELS ...])
+#                        [EXPECT regex ...] [SAME_AS program] [TIMELESS] [LABELS ...])
 #       MILLIONS of emulated instructions are the limit: the result is the same on a busy
 #         machine. The limit in time follows
 #       from it, ten times what an idle machine takes (a thousand millions a second).
@@ -21,7 +21,7 @@ hubfoc_add_qemu_plugin(NAME hubfoc_limit_plugin OUTPUT "${HUBFOC_LIMIT_PLUGIN}"
   SOURCE "${CMAKE_CURRENT_LIST_DIR}/limit.c")
 
 function(hubfoc_add_qemu_test)
-  cmake_parse_arguments(T "" "NAME;ELF;MACHINE;SERIAL;MILLIONS;EXPECT_EXIT;SAME_AS"
+  cmake_parse_arguments(T "TIMELESS" "NAME;ELF;MACHINE;SERIAL;MILLIONS;EXPECT_EXIT;SAME_AS"
     "ARGUMENTS;EXPECT;LABELS" ${ARGN})
   if(TARGET ${T_ELF})
     set(T_ELF "$<TARGET_FILE:${T_ELF}>")
@@ -36,6 +36,9 @@ function(hubfoc_add_qemu_test)
       list(APPEND definitions "-D${option}=${T_${option}}")
     endif()
   endforeach()
+  if(T_TIMELESS)
+    list(APPEND definitions -DTIMELESS=ON)
+  endif()
   list(JOIN T_ARGUMENTS " " arguments)
   list(JOIN T_EXPECT "|||" expect)
   add_test(NAME ${T_NAME}
@@ -112,6 +115,6 @@ function(hubfoc_add_unit_test)
     LIBRARIES unity_target ${T_LIBRARIES})
   target_link_options(target_${T_NAME} PRIVATE ${HUBFOC_TEST_CORE})
   hubfoc_add_qemu_test(NAME target_${T_NAME} ELF target_${T_NAME} MACHINE ${HUBFOC_TEST_MACHINE}
-    MILLIONS 40000
+    MILLIONS 40000 TIMELESS
     EXPECT "Tests 0 Failures 0 Ignored" LABELS unit)
 endfunction()

@@ -2,17 +2,18 @@
 # cmake -DELF=x.elf -DQEMU=qemu-system-arm -DLIMIT=limit.so,instructions=1000000000
 # [-DMACHINE=mps2-an386]
 #       [-DARGUMENTS="a=1 b=2"] [-DSERIAL=3] [-DEXPECT_EXIT=0|1|limit]
-#         [-DEXPECT="regex1|||regex2"] [-DSAME_AS=program]
+#         [-DEXPECT="regex1|||regex2"] [-DSAME_AS=program] [-DTIMELESS=ON]
 #       -P run_on_qemu.cmake
 #
 # Runs a program on the emulated core and judges exit status and output. Always with a limit of
 # instructions (limit.c) and with semihosting switched on: without it the first request aborts the
-# emulator. The instruction-count clock makes every run the same. SERIAL: number of the machine's
-# serial line that is shown. SAME_AS: a host program that must print the same text.
+# emulator. The instruction-count clock makes every run the same. TIMELESS: without that clock, for
+# a program that looks at no timer; it takes a third of the emulator's time. SERIAL: number of the
+# machine's serial line that is shown. SAME_AS: a host program that must print the same text.
 # EXPECT_EXIT=limit: the program runs on until it is ended.
 cmake_minimum_required(VERSION 3.25)
 
-foreach(default IN ITEMS MACHINE=mps2-an386 SERIAL=1 EXPECT_EXIT=0)
+foreach(default IN ITEMS MACHINE=mps2-an386 SERIAL=1 EXPECT_EXIT=0 TIMELESS=OFF)
   string(REPLACE "=" ";" default "${default}")
   list(GET default 0 name)
   if(NOT DEFINED ${name})
@@ -43,8 +44,12 @@ set(ends_with_its_test "")
 if(SETPRIV)
   set(ends_with_its_test "${SETPRIV}" --pdeathsig KILL)
 endif()
+set(clock "")
+if(NOT TIMELESS)
+  set(clock -icount shift=3,sleep=off)
+endif()
 execute_process(COMMAND ${ends_with_its_test} "${QEMU}" -M ${MACHINE} -display none -monitor none
-  ${serial_lines} -icount shift=3,sleep=off
+  ${serial_lines} ${clock}
   -semihosting-config "${semihosting}" -plugin "${LIMIT}" -kernel "${ELF}" INPUT_FILE /dev/null
   RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
 message("${output}")
