@@ -22,6 +22,7 @@ enum {
     CURRENT_MAX = 60000,
     BATTERY_CURRENT_MAX = 320000,
     VOLTAGE_MAX = 20000,
+    PACK_VOLTAGE_MAX = 16383,
     TEMPERATURE_MIN = -1000,
     TEMPERATURE_MAX = 3000,
     MODE_MASK = 0x0F,
@@ -155,6 +156,7 @@ bool messages_read_peak(const messages_frame_t *frame, battery_limits_t *limits)
         !hubfoc_battery_peak_charge_peak_current_a_is_in_range(raw.charge_peak_current_a)) {
         return false;
     }
+    limits->voltage_mV = (int32_t)raw.pack_voltage_v * VOLTAGE_STEP_mV;
     limits->charge_peak_current_mA = (int32_t)raw.charge_peak_current_a * CURRENT_STEP_mA;
     return true;
 }
@@ -263,6 +265,8 @@ messages_frame_t messages_peak(const battery_limits_t *limits, uint8_t counter)
     const struct hubfoc_battery_peak_t raw = {
         .charge_peak_current_a =
             magnitude_steps(limits->charge_peak_current_mA, CURRENT_STEP_mA, BATTERY_CURRENT_MAX),
+        .pack_voltage_v =
+            (uint16_t)magnitude_steps(limits->voltage_mV, VOLTAGE_STEP_mV, PACK_VOLTAGE_MAX),
     };
     messages_frame_t frame = new_frame(MESSAGES_BATTERY_PEAK, MESSAGES_FRONT_LEFT);
     (void)hubfoc_battery_peak_pack(frame.data, &raw, sizeof frame.data);

@@ -76,6 +76,7 @@ bool node_tick(node_t *node, uint32_t now_ms)
     }
     if (e2e_timed_out(&node->peak, now_ms)) {
         node->command.bms.charge_peak_current_mA = 0;
+        node->command.bms.voltage_mV = 0;
         changed = true;
     }
     if (e2e_timed_out(&node->hydraulic, now_ms)) {
@@ -151,6 +152,7 @@ static bool receive_battery(node_t *node, const messages_frame_t *frame, uint32_
         return false;
     }
     battery.charge_peak_current_mA = node->command.bms.charge_peak_current_mA;
+    battery.voltage_mV = node->command.bms.voltage_mV;
     node->command.bms = battery;
     return true;
 }

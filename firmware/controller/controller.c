@@ -133,6 +133,7 @@ static monitor_slow_input_t monitor_input(const controller_slow_t *slow, const c
         .fast_step_count = report->sequence,
         .bus_voltage_mV = at->bus_voltage_mV,
         .battery_open = in->bms.contactor == CONTACTOR_OPEN,
+        .battery_voltage_mV = in->bms.voltage_mV,
         .charge_current_mA =
             q_min(q_max(in->bms.charge_current_mA, 0) / config->battery.driven_wheels,
                   config->battery.max_charge_current_mA),

@@ -228,9 +228,17 @@ static bool sum_at_end(const monitor_slow_input_t *in)
     return in->offsets_known && q_abs(in->current_sum_pu) > SUM_AT_END_PU;
 }
 
-static reason_t flux_warning(const monitor_emf_state_t *emf)
+/* While the battery's voltage contradicts the sensor, the EMF measured with it shows no flux. */
+static reason_t flux_warning(monitor_slow_state_t *state, const monitor_slow_input_t *in)
 {
-    return emf->flux == MONITOR_EMF_FLUX_WEAK     ? REASON_FLUX_WEAK
+    const bool comparable = !in->battery_open && state->return_steps == 0;
+    if (monitor_bus_step(&state->bus, in->bus_voltage_mV,
+                         comparable ? in->battery_voltage_mV : 0)) {
+        return REASON_BUS_SENSOR;
+    }
+    const monitor_emf_state_t *emf = &state->emf;
+    return state->bus.level > 0                   ? REASON_NONE
+           : emf->flux == MONITOR_EMF_FLUX_WEAK   ? REASON_FLUX_WEAK
            : emf->flux == MONITOR_EMF_FLUX_STRONG ? REASON_BUS_SENSOR
                                                   : REASON_NONE;
 }
@@ -400,7 +408,7 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
                    : sensor_warns != REASON_NONE    ? sensor_warns
                    : rotor_warns                    ? REASON_ROTOR_UNCERTAIN
                                                     : REASON_NONE,
-        .flux_warning = flux_warning(&state->emf),
+        .flux_warning = flux_warning(state, in),
         .safe_bridge = safe.bridge,
         .emf_conducts = safe.bridge != BRIDGE_OFF || safe.freewheel.current_mA > 0,
         .charging_mA = safe.bridge == BRIDGE_OFF ? safe.freewheel.charging_mA : 0,

@@ -232,6 +232,7 @@ static void slow_step(bench_t *bench)
         .charge_limit_a = limits.charge_a,
         .discharge_limit_a = limits.discharge_a,
         .peak_charge_a = limits.peak_charge_a,
+        .pack_voltage_v = limits.voltage_v,
         .contactor = bench->limits.contactor,
         .demand_age_s = bench->demand_age_s,
         .current_drift_a =

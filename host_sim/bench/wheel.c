@@ -198,6 +198,7 @@ void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t 
         .bms = {.charge_current_mA = rounded(order->charge_limit_a, MILLI),
                 .discharge_current_mA = rounded(order->discharge_limit_a, MILLI),
                 .charge_peak_current_mA = rounded(order->peak_charge_a, MILLI),
+                .voltage_mV = rounded(order->pack_voltage_v, MILLI),
                 .contactor = (contactor_t)order->contactor},
         .hydraulic = {.torque_mNm = rounded(brake.torque_nm, MILLI),
                       .age_ms = (uint32_t)brake.age_ms,

@@ -64,6 +64,7 @@ bms_limits_t bms_step(const bms_params_t *params, bms_state_t *state, const batt
 {
     if (time_s + ROUNDING_S >= state->next_s) {
         state->sent = bms_limits(params, pack, battery);
+        state->sent.voltage_v = params->voltage_silent > SILENT ? 0.0 : battery->terminal_v;
         state->contactor = params->contactor_silent > SILENT ? BMS_NOT_REPORTED
                            : contactor_open                  ? BMS_OPEN
                                                              : BMS_CLOSED;

@@ -433,6 +433,9 @@ int hubfoc_battery_peak_pack(
     dst_p[3] |= pack_left_shift_u32(src_p->charge_peak_current_a, 0u, 0xffu);
     dst_p[4] |= pack_right_shift_u32(src_p->charge_peak_current_a, 8u, 0xffu);
     dst_p[5] |= pack_right_shift_u32(src_p->charge_peak_current_a, 16u, 0x07u);
+    dst_p[5] |= pack_left_shift_u16(src_p->pack_voltage_v, 3u, 0xf8u);
+    dst_p[6] |= pack_right_shift_u16(src_p->pack_voltage_v, 5u, 0xffu);
+    dst_p[7] |= pack_right_shift_u16(src_p->pack_voltage_v, 13u, 0x01u);
 
     return (8);
 }
@@ -452,6 +455,9 @@ int hubfoc_battery_peak_unpack(
     dst_p->charge_peak_current_a = unpack_right_shift_u32(src_p[3], 0u, 0xffu);
     dst_p->charge_peak_current_a |= unpack_left_shift_u32(src_p[4], 8u, 0xffu);
     dst_p->charge_peak_current_a |= unpack_left_shift_u32(src_p[5], 16u, 0x07u);
+    dst_p->pack_voltage_v = unpack_right_shift_u16(src_p[5], 3u, 0xf8u);
+    dst_p->pack_voltage_v |= unpack_left_shift_u16(src_p[6], 5u, 0xffu);
+    dst_p->pack_voltage_v |= unpack_left_shift_u16(src_p[7], 13u, 0x01u);
 
     return (0);
 }
@@ -482,6 +488,11 @@ bool hubfoc_battery_peak_counter_is_in_range(uint8_t value)
 bool hubfoc_battery_peak_charge_peak_current_a_is_in_range(uint32_t value)
 {
     return (value <= 320000u);
+}
+
+bool hubfoc_battery_peak_pack_voltage_v_is_in_range(uint16_t value)
+{
+    return (value <= 16383u);
 }
 
 int hubfoc_wheel_state_pack(

@@ -717,6 +717,7 @@ extern "C" {
 #define HUBFOC_BATTERY_PEAK_CRC_NAME "crc"
 #define HUBFOC_BATTERY_PEAK_COUNTER_NAME "counter"
 #define HUBFOC_BATTERY_PEAK_CHARGE_PEAK_CURRENT_A_NAME "charge_peak_current_a"
+#define HUBFOC_BATTERY_PEAK_PACK_VOLTAGE_V_NAME "pack_voltage_v"
 #define HUBFOC_WHEEL_STATE_CRC_NAME "crc"
 #define HUBFOC_WHEEL_STATE_COUNTER_NAME "counter"
 #define HUBFOC_WHEEL_STATE_MODE_NAME "mode"
@@ -957,7 +958,7 @@ struct hubfoc_battery_limits_t {
 /**
  * Signals in message BatteryPeak.
  *
- * Charge current that the pack takes for a short time, brake.bridging_time; optional. Without it, and after a timeout, the charge limit of BatteryLimits applies at once.
+ * Charge current that the pack takes for a short time, brake.bridging_time, and its voltage; optional. Without it, and after a timeout, the charge limit of BatteryLimits applies at once, and the bus sensor is not compared.
  *
  * All signal values are as on the CAN bus.
  */
@@ -988,6 +989,15 @@ struct hubfoc_battery_peak_t {
      * Offset: 0
      */
     uint32_t charge_peak_current_a;
+
+    /**
+     * Voltage at the terminals of the pack, at most one cycle old. 0: not given. The controller compares its own sensor with it.
+     *
+     * Range: 0..16383 (0..1638.3 V)
+     * Scale: 0.1
+     * Offset: 0
+     */
+    uint16_t pack_voltage_v;
 };
 
 /**
@@ -1812,6 +1822,15 @@ bool hubfoc_battery_peak_counter_is_in_range(uint8_t value);
  * @return true if in range, false otherwise.
  */
 bool hubfoc_battery_peak_charge_peak_current_a_is_in_range(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_battery_peak_pack_voltage_v_is_in_range(uint16_t value);
 
 /**
  * Pack message WheelState.

@@ -98,6 +98,7 @@ MESSAGES: Final[Mapping[str, Message]] = {
             "crc": Signal(0, 16, False, 1.0, 0.0, 65535.0),
             "counter": Signal(16, 8, False, 1.0, 0.0, 255.0),
             "charge_peak_current_a": Signal(24, 19, False, 0.1, 0.0, 32000.0),
+            "pack_voltage_v": Signal(43, 14, False, 0.1, 0.0, 1638.3),
         },
     ),
     "WheelState": Message(

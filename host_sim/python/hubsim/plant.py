@@ -173,6 +173,7 @@ def _bms(drive: Drive) -> dict[str, float]:
         "bms.period_s": bms.period_s,
         "bms.current_step_a": bms.current_step_a,
         "bms.contactor_silent": 0.0,
+        "bms.voltage_silent": 0.0,
     }
 
 

@@ -96,7 +96,7 @@ e2e_profile_t messages_profile(messages_kind_t kind);
 bool messages_read_demand(const messages_frame_t *frame, wheel_demand_t *demand);
 bool messages_read_battery(const messages_frame_t *frame, battery_limits_t *limits);
 
-/* Only charge_peak_current_mA of the limits. */
+/* Only charge_peak_current_mA and voltage_mV of the limits. */
 bool messages_read_peak(const messages_frame_t *frame, battery_limits_t *limits);
 
 /* Torque and `valid`; the age is the receiver's. */

@@ -12,8 +12,8 @@
  * effect. In particular they do not refresh command.demand_time_ms, so the age of the demand grows
  * and after config.brake.demand_timeout_ms the torque ramps to zero. Before the first BatteryLimits
  * frame the configuration's pack limits apply; after a timeout the charge limit is zero.
- * BatteryPeak and HydraulicFeedback are optional: after a timeout the limit is not given, the
- * torque not valid.
+ * BatteryPeak and HydraulicFeedback are optional: after a timeout limit and voltage are not given,
+ * the torque not valid.
  *
  * Transmission: each message in its cycle (hubfoc.dbc), in the order of priority, one at a time,
  * with the newest values. A frame that the CAN controller does not take stays due; there is no

@@ -117,7 +117,7 @@
       "2 ms", "monitor.rotor_warning_time_ms", LIMIT, HEALS, SERVICE)                              \
     X(96, FLUX_WEAK, "back-EMF below the magnets': magnets weak, or the bus voltage reads low",    \
       "200 ms", "200 ms", NONE, HEALS, SERVICE)                                                    \
-    X(97, BUS_SENSOR, "back-EMF above the magnets': the bus voltage reads high",                   \
+    X(97, BUS_SENSOR, "bus voltage reads wrong, against the battery's, the EMF or its range",      \
       "200 ms", "200 ms", LIMIT, HEALS, SERVICE)                                                   \
     X(98, HYDRAULIC_WEAK, "hydraulic brake makes less torque than commanded",                      \
       "brake.hydraulic_watch_speed_mrad_s", "at once", NONE, HEALS, REDUCED)                       \

@@ -50,6 +50,7 @@ typedef struct {
     /* Magnitude >= 0, for as long as the hydraulic brake takes to come; 0: not given. The CAN
      * message BatteryPeak. */
     int32_t charge_peak_current_mA;
+    int32_t voltage_mV; /* at its terminals, >= 0; 0: not given. The CAN message BatteryPeak. */
     contactor_t contactor;
 } battery_limits_t;
 

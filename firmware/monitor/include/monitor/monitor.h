@@ -20,6 +20,7 @@
 #include "core/bridge.h"
 #include "core/frames.h"
 #include "core/reason.h"
+#include "monitor/monitor_bus.h"
 #include "monitor/monitor_current.h"
 #include "monitor/monitor_emf.h"
 #include "monitor/monitor_open.h"
@@ -107,6 +108,7 @@ typedef struct {
     monitor_speed_state_t speed;
     monitor_stuck_state_t stuck;
     monitor_open_state_t open;
+    monitor_bus_state_t bus;
     bool bus_was_low;      /* of the latest bus beyond a trip */
     bool bus_sensor_wrong; /* its reading went where no bus goes */
     bool started;
@@ -124,8 +126,9 @@ typedef struct {
     uint16_t rotor_faults;
     uint16_t fast_step_count;
     int32_t bus_voltage_mV;
-    bool battery_open;         /* reported: the contactor is open */
-    int32_t charge_current_mA; /* that the battery takes from this wheel */
+    bool battery_open;          /* reported: the contactor is open */
+    int32_t battery_voltage_mV; /* reported; 0: not given */
+    int32_t charge_current_mA;  /* that the battery takes from this wheel */
     int32_t speed_mrad_s;
     int32_t winding_temperature_cC;
     int32_t switch_temperature_cC;

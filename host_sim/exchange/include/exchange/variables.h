@@ -110,7 +110,9 @@
     X(config_accepted, config_accepted, config_accepted, FLAG, PLAIN, 0, 1, 1, "", \
       "the configuration was accepted at boot") \
     X(demand_reason, demand_reason, demand.reason, CODE, PLAIN, 0, 255, 0, "", \
-      "why a torque is not what the pedal says; 0: it is")
+      "why a torque is not what the pedal says; 0: it is") \
+    X(bms_voltage_v, bms_voltage_mV, bms.voltage_mV, REAL, MILLI, 0, INT32_MAX, 0, "V", \
+      "voltage at the terminals of the pack; 0: not given")
 
 #define EXCHANGE_SLOW_OUTPUTS(X) \
     X(motor_torque_command_nm, motor_torque_command_mNm, motor_torque_command_mNm, \

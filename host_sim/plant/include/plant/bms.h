@@ -34,7 +34,9 @@
     X(peak_charge_a,     0.0,   1e6,   "A", \
       "charge current allowed for a short time, which the message gives too; 0: it gives none") \
     X(contactor_silent,  0.0,   1.0,   "", \
-      "1: the message does not say whether the contactor is open")
+      "1: the message does not say whether the contactor is open") \
+    X(voltage_silent,    0.0,   1.0,   "", \
+      "1: the message does not give the pack's voltage")
 /* clang-format on */
 
 typedef struct {
@@ -45,6 +47,7 @@ typedef struct {
 typedef struct {
     double charge_a, discharge_a;
     double peak_charge_a; /* 0: not given */
+    double voltage_v;     /* at the terminals when it was sent; 0: not given */
 } bms_limits_t;
 
 typedef enum { BMS_NOT_REPORTED = 0, BMS_CLOSED = 1, BMS_OPEN = 2 } bms_contactor_t;

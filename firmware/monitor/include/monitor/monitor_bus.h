@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * monitor_bus.h: the bus sensor against the voltage that the battery's message gives. Slow loop,
+ * 1 kHz.
+ *
+ * A message is as old as its cycle, so it is compared with all that the sensor has shown since
+ * then: the sensor is wrong if the message lies beyond the lowest or the highest reading of the
+ * last MONITOR_BUS_WINDOW_STEPS to twice as many milliseconds by more than
+ * 1/MONITOR_BUS_TOLERANCE_SHARE of the voltage, for MONITOR_BUS_QUALIFY_STEPS. README, Flux and bus
+ * voltage.
+ */
+#ifndef MONITOR_MONITOR_BUS_H
+#define MONITOR_MONITOR_BUS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum {
+    MONITOR_BUS_WINDOW_STEPS = 128,   /* more than the message's cycle */
+    MONITOR_BUS_QUALIFY_STEPS = 200,  /* qualify and heal time: two messages */
+    MONITOR_BUS_TOLERANCE_SHARE = 20, /* both sensors, and the cable between them */
+    MONITOR_BUS_MOST_mV = 2000000     /* larger readings count as this */
+};
+
+typedef struct {
+    int32_t lowest_mV[2], highest_mV[2]; /* of the window that runs and of the one before */
+    uint16_t steps;                      /* of the window that runs */
+    uint16_t windows;                    /* complete ones, up to 1 */
+    uint16_t level;                      /* contradicting less agreeing steps */
+    bool wrong;
+} monitor_bus_state_t;
+
+/* True while the sensor is wrong (qualified). reading_mV: mean of this millisecond. battery_mV: of
+ * the latest message; 0: none, or the contactor is not known to be closed. */
+bool monitor_bus_step(monitor_bus_state_t *state, int32_t reading_mV, int32_t battery_mV);
+
+#endif
