@@ -108,6 +108,8 @@ class Chip:
     """One chip with an image in its flash."""
 
     image: Path
+    flash: int = FLASH
+    """Where the image begins."""
     registers: dict[int, int] = field(default_factory=dict)
     timer: Timer = field(default_factory=Timer)
     driver: GateDriver = field(default_factory=GateDriver)
@@ -117,12 +119,14 @@ class Chip:
     """Executed since counting began."""
     blocks: Counter[tuple[int, int]] | None = None
     """If given: how often each stretch of code, address and bytes, was entered."""
+    path: list[tuple[int, int]] = field(default_factory=list)
+    """Stretches of code of the latest call, in the order of their execution."""
 
     def __post_init__(self) -> None:
         """Load the image; the core stands at its reset vector."""
         self._core = unicorn.Uc(unicorn.UC_ARCH_ARM, unicorn.UC_MODE_THUMB)
         self._core.ctl_set_cpu_model(arm_const.UC_CPU_ARM_CORTEX_M4)
-        self._core.mem_map(FLASH, FLASH_BYTES)
+        self._core.mem_map(self.flash, FLASH_BYTES)
         self._core.mem_map(RAM, RAM_BYTES)
         self._core.mem_map(STOP, PAGE)
         for base, size in (
@@ -165,7 +169,7 @@ class Chip:
             kind, offset, _, physical, stored = struct.unpack_from("<5I", data, at)
             if kind == 1 and stored > 0:
                 self._core.mem_write(physical, data[offset : offset + stored])
-        stack, entry = struct.unpack("<2I", self._core.mem_read(FLASH, 8))
+        stack, entry = struct.unpack("<2I", self._core.mem_read(self.flash, 8))
         self._core.reg_write(arm_const.UC_ARM_REG_SP, stack)
         self._entry = entry
 
@@ -259,6 +263,7 @@ class Chip:
         if key not in self._lengths:
             self._lengths[key] = self._length(address, size)
         self.instructions += self._lengths[key]
+        self.path.append(key)
         if self.blocks is not None:
             self.blocks[key] += 1
 
@@ -288,7 +293,7 @@ class Chip:
         self._core.hook_add(unicorn.UC_HOOK_BLOCK, self._on_block)
         self._core.ctl_flush_tb()
 
-    def call(self, function: int) -> int:
+    def call(self, function: int, argument: int = 0) -> int:
         """Call a function or an interrupt handler on the stack as it is, and come back.
 
         Returns the instructions executed, the return included.
@@ -297,7 +302,9 @@ class Chip:
         stack = self._core.reg_read(arm_const.UC_ARM_REG_SP)
         self._core.reg_write(arm_const.UC_ARM_REG_SP, (stack - EXCEPTION_FRAME_BYTES) & NESTED_BITS)
         self._core.reg_write(arm_const.UC_ARM_REG_LR, STOP | 1)
+        self._core.reg_write(arm_const.UC_ARM_REG_R0, argument)
         counted = self.instructions
+        self.path = []
         self._counting = True
         self._run(function & ~1, STOP)
         self._counting = False

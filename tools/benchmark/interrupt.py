@@ -18,13 +18,14 @@ from typing import Any
 
 from hubsim import can_protocol
 
-from benchmark import build, count, elf
+from benchmark import build, count, cycles, elf
 from benchmark.build import BenchError
 from benchmark.chip import EXCEPTION_ADC, EXCEPTION_SYSTICK, Chip
 
 START_MS, RIDE_MS, DEMAND_MS = 300, 1200, 50
 SUBSTEPS = 4
 HALL_OF_SECTOR = (5, 1, 3, 2, 6, 4)
+SLOW_STEP_AT_MOST = 18000  # instructions, the budget over the envelope (measure.py)
 CODE_25_C = 2048  # the thermistors' dividers at 25 degC
 
 
@@ -190,6 +191,30 @@ def _motor_table(symbols: dict[str, elf.Symbol]) -> tuple[str, dict[str, dict[st
     raise BenchError("the image holds no configuration of tools/motors")
 
 
+def _cycles(
+    fast: list[cycles.Cost], slow: list[tuple[cycles.Cost, int]], periods: int
+) -> dict[str, Any]:
+    """Cycles of both interrupts, and the share of the core's time in the worst millisecond.
+
+    That has only the longest PWM interrupts, and a slow step of the instructions of the budget over
+    the envelope, at the most cycles an instruction that the ride has.
+    """
+    each = max(cost.most / instructions for cost, instructions in slow)
+    each_cold = max(cost.cold / instructions for cost, instructions in slow)
+    most_instructions = max(SLOW_STEP_AT_MOST, *(instructions for _, instructions in slow))
+    found: dict[str, Any] = {
+        "pwm_interrupt": cycles.summary(fast),
+        "millisecond_interrupt": cycles.summary([cost for cost, _ in slow]),
+    }
+    for name, longest, an_instruction in (
+        ("load_warm", found["pwm_interrupt"]["most"]["max"], each),
+        ("load_cold", found["pwm_interrupt"]["cold"]["max"], each_cold),
+    ):
+        total = periods * longest + an_instruction * most_instructions
+        found[name] = round(total / (cycles.CLOCK_HZ / 1000.0), 4)
+    return found
+
+
 def measure(image: Path, blocks: Counter[tuple[int, int]] | None = None) -> dict[str, Any]:
     """Drive an image. blocks: if given, receives how often each stretch of code was entered."""
     if not image.is_file():
@@ -205,6 +230,9 @@ def measure(image: Path, blocks: Counter[tuple[int, int]] | None = None) -> dict
     active = (False, (0, 0, 0))
     last_hall, running_ms = -1, 0
     calls: list[tuple[str, int]] = []
+    table_of = cycles.Table(image)
+    fast: list[cycles.Cost] = []
+    slow: list[tuple[cycles.Cost, int]] = []
     for ms in range(START_MS + RIDE_MS):
         chip.frames.extend(vehicle.frames(ms))
         w_rad_s = speed_rad_s(table, ms)
@@ -214,6 +242,7 @@ def measure(image: Path, blocks: Counter[tuple[int, int]] | None = None) -> dict
             chip.blocks = blocks
             instructions = chip.interrupt(EXCEPTION_ADC)
             chip.blocks = None
+            fast.append(table_of.cost(chip.path))
             state = _state(was_on, vehicle.share_of_256, hall != last_hall, period == 0)
             calls.append((state, instructions))
             last_hall = hall
@@ -221,8 +250,14 @@ def measure(image: Path, blocks: Counter[tuple[int, int]] | None = None) -> dict
             motor.step(*active, chip.period_counts, w_rad_s)
             active = (chip.outputs_on, chip.compare_counts)
         running_ms += chip.outputs_on and ms >= START_MS
-        chip.interrupt(EXCEPTION_SYSTICK)
+        instructions = chip.interrupt(EXCEPTION_SYSTICK)
+        slow.append((table_of.cost(chip.path), instructions))
         chip.call(background)
     if running_ms < RIDE_MS:
         raise BenchError(f"{image.name}: the bridge was on for {running_ms} of {RIDE_MS} ms")
-    return {"image": image.name, "config": config, **_summary(calls)}
+    return {
+        "image": image.name,
+        "config": config,
+        **_summary(calls),
+        "cycles": _cycles(fast, slow, periods),
+    }

@@ -25,7 +25,7 @@ if __package__ in (None, ""):
 from rich.console import Console
 from rich.table import Table
 
-from benchmark import build, count, elf, interrupt, memory, readme, stack_report
+from benchmark import build, count, cycles, elf, interrupt, memory, readme, stack_report
 
 CURRENT_LOOP = "foc_current_step"
 FAST_STEP = "controller_fast_step"
@@ -297,6 +297,7 @@ def show_interrupt(console: Console, measured: dict[str, Any]) -> None:
         table.add_row(state, *(str(value[column]) for column in columns))
     console.print(table)
     console.print(f"The worst was met while {measured['worst_state']}")
+    cycles.show(console, measured["cycles"])
 
 
 def show_budgets(console: Console, budgets: list[dict[str, Any]]) -> None:

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Cycles by the manual's table added up by hand; both counters of instructions on one function."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from benchmark import build, count, cycles, elf
+from benchmark.chip import Chip
+
+# Cycles, with P for a refill and without the last return's: straight 11; loop 1 + 7 * 2 + 6 P + 1;
+# outer push 3, call 1 + P, 10, return 1 + P, pop 3; memory 1, load 2, store behind it 1, store 1,
+# load 2, load behind a load 1, return 1; divided 2 to 12 and 1; skipped 5.
+PROGRAM = """
+#define ASM __attribute__((naked, noinline, used))
+ASM void straight(void) { __asm volatile(".rept 10\\n nop\\n .endr\\n bx lr"); }
+ASM void loop(void) { __asm volatile("movs r0, #7\\n 1: subs r0, #1\\n bne 1b\\n bx lr"); }
+ASM void outer(void) { __asm volatile("push {r4, lr}\\n bl straight\\n pop {r4, pc}"); }
+ASM void memory(void) {
+    __asm volatile("mov r0, sp\\n ldr r1, [r0]\\n str r1, [r0]\\n str r1, [r0]\\n"
+                   "ldr r2, [r0]\\n ldr r3, [r0, #4]\\n bx lr");
+}
+ASM void divided(void) { __asm volatile("udiv r0, r1, r2\\n bx lr"); }
+ASM void skipped(void) {
+    __asm volatile("cmp sp, #0\\n itt eq\\n moveq r0, #1\\n moveq r1, #2\\n bx lr");
+}
+static const unsigned short table[8] = {3, 1, 4, 1, 5, 9, 2, 6};
+__attribute__((noinline)) unsigned mixed(unsigned x) {
+    unsigned sum = 0;
+    for (unsigned i = 0; i < (x & 15u); i++) {
+        sum += x % (i + 3u) > 1u ? table[i & 7u] : 0u;
+        switch ((x >> i) & 7u) {
+        case 0: sum ^= x; break;
+        case 1: sum *= 3u; break;
+        case 2: sum -= i; break;
+        case 3: sum |= 5u; break;
+        case 4: sum += (unsigned)((unsigned long long)x * sum >> 32); break;
+        default: sum = sum > 1000u ? sum / 7u : sum + 1u; break;
+        }
+    }
+    return sum;
+}
+__attribute__((noinline)) void begin(void) { __asm volatile(""); }
+static volatile unsigned result;
+int main(void) {
+    begin();
+    for (unsigned i = 0; i < 1001; i++) { result = mixed(i * 2654435761u); }
+    return 0;
+}
+"""
+
+
+@pytest.fixture
+def image(program: Callable[..., Path]) -> Path:
+    return program(PROGRAM)
+
+
+def booted(image: Path) -> tuple[Chip, dict[str, elf.Symbol]]:
+    """Run to the function `begin` on the model, which has no code of the emulated board."""
+    symbols = elf.symbols(image)
+    chip = Chip(image, flash=0)
+    chip.boot(symbols["begin"].address)
+    return chip, symbols
+
+
+@pytest.mark.parametrize(
+    ("name", "least", "most"),
+    [
+        ("straight", 11, 11),
+        ("loop", 16 + 6 * 1, 16 + 6 * 3),
+        ("outer", 18 + 2 * 1, 18 + 2 * 3),
+        ("memory", 9, 9),
+        ("divided", 3, 13),
+        ("skipped", 5, 5),
+    ],
+)
+def test_cycles_equal_those_added_up_by_hand(image: Path, name: str, least: int, most: int) -> None:
+    chip, symbols = booted(image)
+    table = cycles.Table(image)
+    chip.call(symbols[name].address)
+    cost = table.cost(chip.path)
+    assert (cost.least, cost.most) == (24 + least, 24 + most)
+    assert cost.cold > cost.most
+
+
+def test_the_model_of_the_chip_counts_what_the_plugin_counts(image: Path, tmp_path: Path) -> None:
+    """The same function with the same arguments, by basic block and by instruction."""
+    plugin = count.loadable_plugin(tmp_path)
+    functions = elf.functions(image)
+    found, _ = count.calls(build.CORES[0], image, plugin, functions, ["mixed"], "begin")
+    chip, symbols = booted(image)
+    by_block = [
+        chip.call(symbols["mixed"].address, (i * 2654435761) & 0xFFFFFFFF) for i in range(1001)
+    ]
+    assert by_block == found["mixed"]
+    assert len(set(by_block)) > 100
