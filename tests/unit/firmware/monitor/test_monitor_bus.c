@@ -100,7 +100,7 @@ void test_sensor_that_agrees_again_heals_after_the_same_time(void)
     TEST_ASSERT_LESS_OR_EQUAL_INT(MONITOR_BUS_QUALIFY_STEPS + 2, heals_ms);
 }
 
-void test_without_a_message_nothing_is_judged(void)
+void test_the_bus_sensor_is_not_judged_without_a_message(void)
 {
     for (int ms = 0; ms < 2000; ms++) {
         TEST_ASSERT_FALSE(monitor_bus_step(&state, ms % 2 == 0 ? INT32_MAX : INT32_MIN, 0));
