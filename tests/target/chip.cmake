@@ -19,7 +19,7 @@ add_test(NAME chip_keeps_a_configuration_when_the_supply_fails
 set_tests_properties(chip_keeps_a_configuration_when_the_supply_fails
   PROPERTIES LABELS target TIMEOUT 120)
 add_test(NAME chip_keeps_a_configuration_in_1000_failures_of_the_supply
-  COMMAND "${chip_cuts}" "$<TARGET_FILE:hubfoc_stm32f405>" 1000 100 crystal)
+  COMMAND "${chip_cuts}" "$<TARGET_FILE:hubfoc_stm32f405>" 1000 100)
 set_tests_properties(chip_keeps_a_configuration_in_1000_failures_of_the_supply
   PROPERTIES LABELS "target;full" TIMEOUT 3600)
 

@@ -91,9 +91,10 @@ Usage: tools/dev flash [stm32f405] [--config NAME [--only-config]] [--board BOAR
 Builds the firmware (as tools/dev firmware does) and writes it to the board through a debug probe,
 by default an ST-Link, with OpenOCD (default) or with pyOCD, which finds the probe itself and
 fetches a device pack on first use. With --only-config the program on the board stays and only the
-configuration's sector is written: another motor, the same firmware. That also goes without a probe,
-over the serial line to the firmware's shell (--with serial); the wheel has to stand still, and the
-firmware checks the configuration before it replaces the old one. The wheel must be off the ground.
+configuration's sectors are written: another motor, the same firmware. That also goes without a
+probe, over the serial line to the firmware's shell (--with serial); the wheel has to stand still,
+and the firmware checks the configuration before it replaces the old one. The wheel must be off the
+ground.
 With --dry-run everything is built, and printed is what would be written and by which command.
 
 OpenOCD also sets the chip's brown-out level to 3 (option bytes; only of a chip without protection);

@@ -8,8 +8,8 @@
  * the snapshot, a process that is copied for each cut. The copy gets the last record, loses its
  * supply at one erase or write of the flash, gets it back, and boots to the end of its check of
  * the configuration; RUNS of them on to RUN. Half of the cuts hit the update of sector B, half the
- * one of sector A that follows it. Without `crystal` the transfer goes to a chip in BOOT on its
- * internal oscillator, a tenth of the instructions.
+ * one of sector A that follows it. Without `crystal` the chip, but for those runs, is in BOOT on
+ * its internal oscillator, a tenth of the instructions.
  *
  * Exit code 0: the old or the new configuration after each cut, and RUN where it was asked for;
  * with `planted`, an image with an error: not so.
@@ -34,6 +34,7 @@ enum {
     UPDATE_ms = 3000,
     READY_PERIODS = 8000,
     RECORD_BYTES = 16,
+    JOBS = 4, /* copies at the same time */
     TEXT_BYTES = 1 << 16
 };
 
@@ -182,8 +183,8 @@ static outcome_t cut(uint32_t operation, uint32_t seed, const char *old_name, co
     (void)update();
     chip_power_cycle(chip);
     const size_t from = strlen(chip_text(chip));
-    on_crystal = true;
-    chip_faults(chip)->crystal_dead = false;
+    on_crystal = on_crystal || to_run;
+    chip_faults(chip)->crystal_dead = !on_crystal;
     drive_begin(&drive, chip, &fixture);
     return outcome_of(from, old_name, new_name, to_run);
 }
@@ -225,31 +226,85 @@ static uint32_t operation_of(unsigned number, unsigned cuts)
     }
 }
 
+/* A copy at work. */
+typedef struct {
+    pid_t process; /* 0: none */
+    uint32_t operation;
+    bool to_run;
+} job_t;
+
+static void collect(table_t *table, job_t *jobs)
+{
+    int status = 0;
+    const pid_t ended = wait(&status);
+    for (int j = 0; j < JOBS; j++) {
+        if (jobs[j].process != ended || ended <= 0) {
+            continue;
+        }
+        outcome_t seen = NONE;
+        if (WIFEXITED(status) && WEXITSTATUS(status) < OUTCOMES) {
+            seen = (outcome_t)WEXITSTATUS(status);
+        }
+        table->count[part_of(jobs[j].operation)][seen]++;
+        table->runs += jobs[j].to_run ? 1U : 0U;
+        table->ran += jobs[j].to_run && seen < NONE ? 1U : 0U;
+        jobs[j].process = 0;
+    }
+}
+
+static int free_job(const job_t *jobs)
+{
+    for (int j = 0; j < JOBS; j++) {
+        if (jobs[j].process == 0) {
+            return j;
+        }
+    }
+    return JOBS;
+}
+
+static bool any_at_work(const job_t *jobs)
+{
+    bool any = false;
+    for (int j = 0; j < JOBS; j++) {
+        any = any || jobs[j].process != 0;
+    }
+    return any;
+}
+
+static pid_t start(unsigned number, const job_t *job, const char *old_name, const char *new_name)
+{
+    (void)fflush(stdout);
+    const pid_t copy = fork();
+    if (copy != 0) {
+        return copy;
+    }
+    const outcome_t seen = cut(job->operation, number + 1U, old_name, new_name, job->to_run);
+    if (seen >= NONE) {
+        (void)printf("cut %u at operation %u:\n%s\n", number, job->operation, chip_text(chip));
+        (void)fflush(stdout);
+    }
+    _exit((int)seen);
+}
+
 static void cut_often(table_t *table, unsigned cuts, unsigned runs, const char *old_name,
                       const char *new_name)
 {
+    job_t jobs[JOBS] = {{.process = 0}};
     for (unsigned i = 0; i < cuts; i++) {
-        const uint32_t operation = operation_of(i, cuts);
-        const bool to_run = (i + 1U) * runs / cuts != i * runs / cuts;
-        (void)fflush(stdout);
-        const pid_t copy = fork();
-        if (copy == 0) {
-            const outcome_t seen = cut(operation, i + 1U, old_name, new_name, to_run);
-            if (seen >= NONE) {
-                (void)printf("cut %u at operation %u:\n%s\n", i, operation, chip_text(chip));
-                (void)fflush(stdout);
-            }
-            _exit((int)seen);
+        while (free_job(jobs) == JOBS) {
+            collect(table, jobs);
         }
-        int status = 0;
-        outcome_t seen = NONE;
-        if (copy > 0 && waitpid(copy, &status, 0) == copy && WIFEXITED(status) &&
-            WEXITSTATUS(status) < OUTCOMES) {
-            seen = (outcome_t)WEXITSTATUS(status);
+        job_t *job = &jobs[free_job(jobs)];
+        job->operation = operation_of(i, cuts);
+        job->to_run = (i + 1U) * runs / cuts != i * runs / cuts;
+        job->process = start(i, job, old_name, new_name);
+        if (job->process < 0) {
+            job->process = 0;
+            table->count[part_of(job->operation)][NONE]++;
         }
-        table->count[part_of(operation)][seen]++;
-        table->runs += to_run ? 1U : 0U;
-        table->ran += to_run && seen < NONE ? 1U : 0U;
+    }
+    while (any_at_work(jobs)) {
+        collect(table, jobs);
     }
 }
 
