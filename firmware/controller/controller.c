@@ -164,6 +164,15 @@ static monitor_slow_input_t monitor_input(const controller_slow_t *slow, const c
     return out;
 }
 
+static monitor_output_t step_monitor(controller_slow_t *slow, const config_t *config,
+                                     const fast_report_t *report, const slow_input_t *in,
+                                     const operating_point_t *at,
+                                     const monitor_rotor_output_t *rotor)
+{
+    const monitor_slow_input_t watched = monitor_input(slow, config, report, in, at, rotor);
+    return monitor_slow_step(&slow->monitor, config, &watched);
+}
+
 /* Lift-off braking, against the direction, is no driving: a released accelerator may demand it. */
 static bool drive_demanded(const wheel_demand_t *demand)
 {
@@ -275,8 +284,7 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
                            rotor.observer_used ? report->observer.speed_q32 : report->speed_q32,
                            slow->temperatures.used.winding_cC);
     temperatures_step(&slow->temperatures, config, &in->temperature, &at);
-    const monitor_slow_input_t watched = monitor_input(slow, config, report, in, &at, &rotor);
-    const monitor_output_t watch = monitor_slow_step(&slow->monitor, config, &watched);
+    const monitor_output_t watch = step_monitor(slow, config, report, in, &at, &rotor);
     const modes_output_t modes = decide_mode(slow, config, report, in, &watch, rotor.valid);
     if (report->bridge != BRIDGE_PWM && watch.charging_mA > 0 &&
         torque_enable_any(modes.torque_enable)) {

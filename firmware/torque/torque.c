@@ -71,20 +71,14 @@ static bool hydraulic_is_seen(const torque_limits_t *table, const torque_input_t
            table->braking[TORQUE_LINE_ABS].torque_mNm == FEASIBLE_UNBOUNDED;
 }
 
-torque_output_t torque_step(torque_state_t *state, const config_t *config, const torque_input_t *in)
+/* The inputs of each part have a function of their own, so that they share the stack. */
+static void step_limits(torque_state_t *state, const feasible_set_t *set, const torque_input_t *in,
+                        int32_t brake_demand_mNm, motor_point_t flowing)
 {
-    static const hydraulic_feedback_t NO_REPORT = {.age_ms = UINT32_MAX};
-    const motor_model_t model =
-        motor_model_at(&state->motor, config, in->speed_mrad_s, in->winding_temperature_cC);
-    const feasible_set_t set = feasible_set_at(&model, in->phase_voltage_mV);
-    const motor_point_t flowing = motor_model_point(&model, in->current);
-    const int32_t achieved_mNm = motor_model_torque_mNm(&model, flowing);
-    const demand_input_t demanded = demand_input(in);
-    const demand_t demand = demand_step(&state->demand, config, &demanded);
     const torque_limits_input_t limited_by = {
-        .brake_demand_mNm = demand.brake_mNm,
+        .brake_demand_mNm = brake_demand_mNm,
         .bus_voltage_mV = in->bus_voltage_mV,
-        .bus_current_mA = motor_model_bus_current_mA(&model, flowing, in->bus_voltage_mV),
+        .bus_current_mA = motor_model_bus_current_mA(set->model, flowing, in->bus_voltage_mV),
         .bms_charge_current_mA = in->bms_charge_current_mA,
         .bms_discharge_current_mA = in->bms_discharge_current_mA,
         .bms_charge_peak_mA = in->bms_charge_peak_mA,
@@ -94,22 +88,41 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
         .abs_share_percent = in->abs_share_percent,
         .torque_enable = in->torque_enable,
     };
-    torque_limits_step(&state->limits, &set, &limited_by, &state->table);
+    torque_limits_step(&state->limits, set, &limited_by, &state->table);
+}
+
+static brake_blending_out_t blend(torque_state_t *state, const config_t *config,
+                                  const torque_input_t *in, const demand_t *demand,
+                                  int32_t achieved_mNm)
+{
+    static const hydraulic_feedback_t NO_REPORT = {.age_ms = UINT32_MAX};
     const brake_blending_input_t braking = {
-        .demand_mNm = demand.brake_mNm,
+        .demand_mNm = demand->brake_mNm,
         .speed_mrad_s = in->speed_mrad_s,
         .motor_command_mNm = state->command.command_mNm,
         .motor_growth_mNm = torque_command_growth_mNm(config, in->voltage_use_q15),
         .motor_achieved_mNm = achieved_mNm,
         .short_mNm = in->short_mNm,
-        .hydraulic = *(demand.hydraulic_valid ? &in->hydraulic : &NO_REPORT),
-        .watched = hydraulic_is_seen(&state->table, in) && demand.hydraulic_valid,
+        .hydraulic = *(demand->hydraulic_valid ? &in->hydraulic : &NO_REPORT),
+        .watched = hydraulic_is_seen(&state->table, in) && demand->hydraulic_valid,
         .acknowledged = in->acknowledged,
-        .handed_over = demand.handed_over,
+        .handed_over = demand->handed_over,
         .torque_enable = in->torque_enable,
     };
-    const brake_blending_out_t split =
-        brake_blending_step(&state->blending, config, &state->table, &braking);
+    return brake_blending_step(&state->blending, config, &state->table, &braking);
+}
+
+torque_output_t torque_step(torque_state_t *state, const config_t *config, const torque_input_t *in)
+{
+    const motor_model_t model =
+        motor_model_at(&state->motor, config, in->speed_mrad_s, in->winding_temperature_cC);
+    const feasible_set_t set = feasible_set_at(&model, in->phase_voltage_mV);
+    const motor_point_t flowing = motor_model_point(&model, in->current);
+    const int32_t achieved_mNm = motor_model_torque_mNm(&model, flowing);
+    const demand_input_t demanded = demand_input(in);
+    const demand_t demand = demand_step(&state->demand, config, &demanded);
+    step_limits(state, &set, in, demand.brake_mNm, flowing);
+    const brake_blending_out_t split = blend(state, config, in, &demand, achieved_mNm);
     const lift_off_t lift_off =
         lift_off_split(&state->table, demand.lift_off_mNm, split.electric_mNm);
     const torque_command_input_t wanted = {
