@@ -21,6 +21,8 @@ FIELD_WEAKENING_BANDWIDTH_HZ = 30.0
 ROUNDING_COUNTS = 2  # as in foc/modulation.c
 SETTLING_S = 0.5e-6  # of a shunt amplifier after its low side begins to conduct
 DEAD_TIME_ZONE_MIN = 128.0 / 32768.0  # as in config.h
+# Of the current demanded while the dead time holds it at zero: a cold winding, longer dead time.
+DEAD_TIME_MARGIN = 1.5
 
 
 @dataclass(frozen=True)
@@ -293,14 +295,22 @@ def overcurrent_share_max(drive: Drive) -> float:
 def current_missing_ms(drive: Drive) -> float:
     """Return the per-unit reference times ms in which the sensors may show no current.
 
-    As configured, or what a disturbance that decays with L_q / R leaves room for: while the
-    reference is r such a current passes zero, within one and a half codes z, in 2 z (L_q / R) / r.
+    As configured, or the longest that healthy sensors show none. A disturbance that decays with
+    L_q / R: while the reference is r such a current passes zero, within one and a half codes z, in
+    2 z (L_q / R) / r. And a small reference whose current the dead time holds at zero, until the
+    loop's voltage, K R f times reference and time (axis_gains()), exceeds what the legs lose.
     """
-    wanted = drive.monitor.current_missing_as
+    wanted, inverter = drive.monitor.current_missing_as, drive.inverter
     if wanted is not None:
-        return 1e3 * wanted / drive.inverter.current_full_scale_a
-    resistance = drive.motor.phase_resistance_ohm + drive.inverter.switch_resistance_ohm
-    return 1.5 / 2048.0 * max(60.0, 3e3 * drive.motor.q_inductance_h / resistance)
+        return 1e3 * wanted / inverter.current_full_scale_a
+    resistance = drive.motor.phase_resistance_ohm + inverter.switch_resistance_ohm
+    disturbed = 1.5 / 2048.0 * max(60.0, 3e3 * drive.motor.q_inductance_h / resistance)
+    lost_v = inverter.dead_time_s * inverter.pwm_frequency_hz
+    lost_v *= drive.battery.max_voltage_v + 2.0 * inverter.diode_forward_voltage_v
+    pole = math.exp(-2.0 * math.pi * drive.control.current_bandwidth_hz / inverter.pwm_frequency_hz)
+    held_as = 4.0 / 3.0 * lost_v / (pole * (1.0 - pole) * resistance * inverter.pwm_frequency_hz)
+    held = DEAD_TIME_MARGIN * 1e3 * held_as / inverter.current_full_scale_a
+    return max(disturbed, held)
 
 
 def overcurrent_pu(drive: Drive) -> float:

@@ -61,7 +61,7 @@ class Monitor(Section):
             100.0,
             "A s",
             "current demanded times time in which the sensors show none; absent: 60 ms times one"
-            " and a half codes, three times L_q / R if that is longer",
+            " and a half codes, or what a disturbance or the dead time takes if that is longer",
         ),
     ] = None
     offset_tolerance_codes: Annotated[

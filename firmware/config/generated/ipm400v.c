@@ -316,7 +316,7 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         .overcurrent_periods       = 2, /* PWM periods in a row that trip; default 2 */
         .current_sum_pu_q15        = 1638, /* [pu] largest |i_a + i_b + i_c| */
         .current_dead_periods      = 2, /* a current that vanishes: PWM periods; default 2 */
-        .current_missing_pu_q15    = 3927, /* [pu ms] reference times time without any current */
+        .current_missing_pu_q15    = 10952, /* [pu ms] reference times time without any current */
         /* largest distance of a current sensor's offset from mid-range */
         .offset_tolerance_codes    = 200,
         /* [mNm] largest excess of the estimated over the permitted torque */
@@ -674,5 +674,5 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
             -224967, -234291, -243312,
         },
     },
-    .crc32 = 0xE96D64C0,
+    .crc32 = 0x8649B7D8,
 };

@@ -315,7 +315,7 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
         .overcurrent_periods       = 2, /* PWM periods in a row that trip; default 2 */
         .current_sum_pu_q15        = 1638, /* [pu] largest |i_a + i_b + i_c| */
         .current_dead_periods      = 2, /* a current that vanishes: PWM periods; default 2 */
-        .current_missing_pu_q15    = 1440, /* [pu ms] reference times time without any current */
+        .current_missing_pu_q15    = 3528, /* [pu ms] reference times time without any current */
         /* largest distance of a current sensor's offset from mid-range */
         .offset_tolerance_codes    = 200,
         /* [mNm] largest excess of the estimated over the permitted torque */
@@ -442,5 +442,5 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
             -7364, -7790, -7021, -8871, -9455,
         },
     },
-    .crc32 = 0xDAF4E8E0,
+    .crc32 = 0xC203286A,
 };

@@ -313,7 +313,7 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
         .overcurrent_periods       = 2, /* PWM periods in a row that trip; default 2 */
         .current_sum_pu_q15        = 1638, /* [pu] largest |i_a + i_b + i_c| */
         .current_dead_periods      = 2, /* a current that vanishes: PWM periods; default 2 */
-        .current_missing_pu_q15    = 1440, /* [pu ms] reference times time without any current */
+        .current_missing_pu_q15    = 5037, /* [pu ms] reference times time without any current */
         /* largest distance of a current sensor's offset from mid-range */
         .offset_tolerance_codes    = 200,
         /* [mNm] largest excess of the estimated over the permitted torque */
@@ -434,5 +434,5 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
             -5218, -5966, -6796, -7744, -8823, -10033, -11370, -12827, -14396,
         },
     },
-    .crc32 = 0xE13B02E6,
+    .crc32 = 0x69CF9071,
 };
