@@ -58,16 +58,34 @@ static bool stays_zero(monitor_open_state_t *state, int x, int32_t current_pu, i
         return false;
     }
     const bool none = q_abs(current_pu) < others_pu / 8 && step_turn < MONITOR_OPEN_FASTEST_TURN;
-    /* An angle that jumps, at a hall edge, is ahead of the current. */
-    const int32_t counted_turn = q_min(step_turn, MONITOR_OPEN_TURN * 2 / 3);
+    const int32_t counted_turn = state->unsettled > 0 ? 0 : step_turn;
     const int32_t turned = none && state->zeros[x] > 0 ? state->turned[x] + counted_turn : 0;
     state->turned[x] = (uint16_t)q_min(turned, MONITOR_OPEN_TURN);
     state->zeros[x] = (uint8_t)(none ? q_min(state->zeros[x] + 1, MONITOR_OPEN_STEPS) : 0);
     return turned >= MONITOR_OPEN_TURN && state->zeros[x] >= MONITOR_OPEN_STEPS;
 }
 
+/* Step of the angle since the sample before. A rotor does not change it by 20 degrees in a
+ * millisecond; an edge of a hall sensor at low speed does. */
+static int32_t turned_since(monitor_open_state_t *state, uint16_t theta_turn)
+{
+    const int32_t step_turn = angle_difference(theta_turn, state->theta_turn);
+    const int32_t change_turn = angle_difference((uint16_t)step_turn, (uint16_t)state->step_turn);
+    const bool known = state->steps_known >= 2;
+    state->steps_known = (uint8_t)(known ? 2 : state->steps_known + 1);
+    if (known && q_abs(change_turn) > MONITOR_OPEN_JUMP_TURN) {
+        state->unsettled = MONITOR_OPEN_JUMP_STEPS;
+    } else if (state->unsettled > 0) {
+        state->unsettled--;
+    }
+    state->theta_turn = theta_turn;
+    state->step_turn = step_turn;
+    return step_turn;
+}
+
 bool monitor_open_step(monitor_open_state_t *state, const monitor_open_input_t *in)
 {
+    const int32_t step_turn = q_abs(turned_since(state, in->theta_turn));
     if (!in->switching) {
         for (int x = 0; x < PHASES; x++) {
             state->missing[x][0] = 0;
@@ -81,13 +99,11 @@ bool monitor_open_step(monitor_open_state_t *state, const monitor_open_input_t *
     const phases_t current = phases_of(in->sampled_pu, at);
     const phases_t wanted = phases_of(in->reference_pu, at);
     const int32_t judged_pu = q_max(largest(&wanted) / 2, MONITOR_OPEN_LEAST_PU);
-    const int32_t step_turn = q_abs(angle_difference(in->theta_turn, state->theta_turn));
-    state->theta_turn = in->theta_turn;
     uint8_t most = 0;
     bool zero = false;
     for (int x = 0; x < PHASES; x++) {
         uint8_t *missing = &state->missing[x][wanted.pu[x] > 0 ? 1 : 0];
-        if (q_abs(wanted.pu[x]) >= judged_pu) {
+        if (q_abs(wanted.pu[x]) >= judged_pu && state->unsettled == 0) {
             const evidence_t found = evidence(current.pu[x], wanted.pu[x], largest(&current));
             const int32_t counted = *missing + (found == MISSING ? 1 : 0);
             *missing = (uint8_t)(found == FLOWS ? 0 : q_min(counted, MONITOR_OPEN_STEPS));

@@ -29,12 +29,25 @@ static bool fast_enough(const monitor_rotor_state_t *state, const config_t *conf
     return q_abs(speed_mrad_s) >= (state->confirmed ? from_mrad_s - from_mrad_s / 16 : from_mrad_s);
 }
 
+/* No rotor changes its speed by a quarter of the observer's least speed in a millisecond; an
+ * observer that is not settled does, as after the first hall edge from standstill, which turns the
+ * current by 60 degrees. */
+static bool settled(const monitor_rotor_state_t *state, const config_t *config,
+                    const monitor_rotor_input_t *in)
+{
+    const int64_t change_mrad_s = (int64_t)in->observer_mrad_s - state->last_mrad_s;
+    const int64_t size_mrad_s = change_mrad_s < 0 ? -change_mrad_s : change_mrad_s;
+    return 4 * size_mrad_s <= config->rotor.observer_speed_mrad_s;
+}
+
 static void confirm(monitor_rotor_state_t *state, const config_t *config,
                     const monitor_rotor_input_t *in)
 {
     const bool plausible =
         in->switching && in->acquired && in->flux_q14 >= 4 * q_abs(in->across_q14) &&
-        in->flux_q14 >= in->expected_q14 / 2 && in->flux_q14 / 4 <= in->expected_q14;
+        in->flux_q14 >= in->expected_q14 / 2 && in->flux_q14 / 4 <= in->expected_q14 &&
+        (state->confirmed || settled(state, config, in));
+    state->last_mrad_s = in->observer_mrad_s;
     state->plausible = counted(state->plausible, plausible);
     state->implausible = counted(state->implausible, !plausible);
     const bool consistent =

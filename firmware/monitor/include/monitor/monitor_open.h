@@ -7,8 +7,9 @@
  * other two phases carry opposite currents: in MONITOR_OPEN_STEPS samples of the same sign of the
  * reference, without one in between that has half of it. Or, of a slow rotor: a phase stays at zero
  * beside the others' current in MONITOR_OPEN_STEPS samples, while the rotor turns through
- * MONITOR_OPEN_TURN. A dead current sensor does not look like that: the three readings no longer
- * add up, and its sample is replaced. README, Open phase.
+ * MONITOR_OPEN_TURN. Samples after a jump of the angle, ahead of the currents, do not count. A dead
+ * current sensor does not look like that: the three readings no longer add up, and its sample is
+ * replaced. README, Open phase.
  */
 #ifndef MONITOR_MONITOR_OPEN_H
 #define MONITOR_MONITOR_OPEN_H
@@ -23,6 +24,8 @@ enum {
     MONITOR_OPEN_SUSPECT_STEPS = 2,    /* that explain an over-current */
     MONITOR_OPEN_TURN = 5461,          /* of 65 536: 30 degrees electrical, qualify angle */
     MONITOR_OPEN_FASTEST_TURN = 10923, /* 60 degrees, between two samples that are compared */
+    MONITOR_OPEN_JUMP_TURN = 3641,     /* 20 degrees: change of the step, as at a hall edge */
+    MONITOR_OPEN_JUMP_STEPS = 2,       /* ms, until the current loop has followed that */
     MONITOR_OPEN_OTHERS_PU = 800,      /* least current of the other two, Q15: 2.4 % of the range */
     MONITOR_OPEN_LEAST_PU = 1280       /* least reference of a phase that is judged, Q15 */
 };
@@ -32,6 +35,9 @@ typedef struct {
     uint8_t zeros[3];      /* consecutive samples of a phase at zero */
     uint16_t turned[3];    /* electrical angle through which a phase has stayed at zero */
     uint16_t theta_turn;   /* of the latest sample */
+    int32_t step_turn;     /* from the sample before to the latest one */
+    uint8_t steps_known;   /* of the angle's steps, up to two */
+    uint8_t unsettled;     /* samples until the currents follow an angle that has jumped */
     bool suspected;        /* in the latest step with PWM */
 } monitor_open_state_t;
 

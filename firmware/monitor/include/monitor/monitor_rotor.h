@@ -30,6 +30,7 @@
 
 typedef struct {
     int32_t agreed_steps;  /* since the sensor was wrong */
+    int32_t last_mrad_s;   /* the observer's speed in the step before */
     uint8_t plausible;     /* consecutive steps, saturating */
     uint8_t implausible;   /* likewise */
     uint8_t opposed_steps; /* at 60 degrees and more */

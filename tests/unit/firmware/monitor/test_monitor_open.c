@@ -162,3 +162,40 @@ void test_bridge_that_does_not_switch_has_no_open_phase_and_forgets(void)
         TEST_ASSERT_EQUAL_UINT16(0, state.turned[x]);
     }
 }
+
+static bool step_with(double current_turn, double turn)
+{
+    const double angle_rad = TURN_RAD * (turn - floor(turn));
+    const monitor_open_input_t in = {
+        .sampled_pu = park(wanted_at(TURN_RAD * current_turn), angle_rad),
+        .reference_pu = {.d = 0, .q = LENGTH_PU},
+        .theta_turn = (uint16_t)lround(65535.0 * (turn - floor(turn))),
+        .switching = true,
+    };
+    return monitor_open_step(&state, &in);
+}
+
+/* A wheel that hangs on a slope where a phase passes its zero, after it has crept through 12
+ * degrees; then its hall sensors report an edge, the angle jumps, and for one sample the currents
+ * stay where they were. */
+void test_healthy_phases_of_a_wheel_that_hangs_at_a_hall_edge_are_not_named(void)
+{
+    static const double JUMP[] = {-1.0 / 6.0, -1.0 / 12.0, 1.0 / 12.0, 1.0 / 6.0};
+    for (int zero = 0; zero < 6; zero++) {
+        for (int j = 0; j < 4; j++) {
+            setUp();
+            double turn = 0.0;
+            for (int ms = 0; ms <= 120; ms++) {
+                turn = zero / 6.0 + (ms - 60) / 3600.0;
+                TEST_ASSERT_FALSE(step_with(turn, turn));
+            }
+            for (int ms = 0; ms < 50; ms++) {
+                TEST_ASSERT_FALSE(step_with(turn, turn));
+            }
+            TEST_ASSERT_FALSE(step_with(turn, turn + JUMP[j]));
+            for (int ms = 0; ms < 50; ms++) {
+                TEST_ASSERT_FALSE(step_with(turn + JUMP[j], turn + JUMP[j]));
+            }
+        }
+    }
+}

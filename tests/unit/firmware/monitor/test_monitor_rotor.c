@@ -256,3 +256,19 @@ void test_more_flux_than_magnets_and_current_have_does_not_confirm(void)
     run(2);
     TEST_ASSERT_TRUE(seen.valid);
 }
+
+/* The first hall edge from standstill turns the current by 60 degrees, and the observer swings: in
+ * six milliseconds beyond its speed and back, as recorded from a scooter that drives off. */
+void test_an_observer_that_swings_is_not_believed_against_a_sensor_at_standstill(void)
+{
+    static const int32_t SWINGS_mrad_s[] = {489, -558, -5379, -7275, -2116, -239, 6877, 9940};
+    at.sensor_mrad_s = 0;
+    at.observer_mrad_s = 450;
+    run(150);
+    for (int n = 0; n < 8; n++) {
+        at.observer_mrad_s = 2 * SWINGS_mrad_s[n];
+        at.difference_turn = DEGREES_60 + 8000;
+        run(1);
+        TEST_ASSERT_TRUE(seen.valid && !seen.sensor_wrong && !seen.observer_used);
+    }
+}

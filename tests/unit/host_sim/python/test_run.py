@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from hubsim import cycles, overrides, run, scenario
+from hubsim.engine import ROOT
 from hubsim.results import RunResult, as_json, json_object
 from hubsim.results import realtime_factor as run_together
 from regen_table import models, optimum, schema
@@ -111,6 +112,18 @@ def test_five_minutes_of_udds_run_without_a_fault(drive: Drive) -> None:
     assert np.sqrt(np.mean(error_kmh**2)) < 1.0
     assert result.faults == []
     assert result.residual_relative < 1e-4
+
+
+# Share of the speed, slope in percent: the first hall edges of a drive-off, and a wheel that
+# hangs at an edge, are no lost rotor and no open phase.
+@pytest.mark.parametrize(("scale", "slope", "seconds"), [(0.45, 0.0, 30.0), (0.3, 8.0, 195.0)])
+def test_a_healthy_scooter_drives_off_without_a_fault(
+    scale: float, slope: float, seconds: float
+) -> None:
+    drive = schema.load(ROOT / "tools" / "motors" / "scooter48v.toml")
+    keys = {"speed_scale": scale, "slope_percent": slope, "max_duration_s": seconds}
+    result = simulate(drive, "ece15", "series_optimal", **keys)
+    assert result.faults == []
 
 
 def test_a_stop_has_the_kinetic_energy_and_distance_of_the_closed_form(drive: Drive) -> None:
