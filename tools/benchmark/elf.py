@@ -92,6 +92,8 @@ def _pushed(mnemonic: str, operands: str) -> int:
 def _note_jump_or_call(function: Function, mnemonic: str, operands: str, following: int) -> None:
     name = mnemonic.removesuffix(".w").removesuffix(".n")
     target = _TARGET.search(operands)
+    if name == "bl" and target and target.group(3) and target.group(2) == function.name:
+        return  # ARMv6-M has no other jump that reaches farther than 2 KiB
     if name == "bl" and target:
         function.calls.add(target.group(2))
         function.return_sites.setdefault(target.group(2), []).append(following)

@@ -308,9 +308,9 @@ def current_missing_ms(drive: Drive) -> float:
     lost_v = inverter.dead_time_s * inverter.pwm_frequency_hz
     lost_v *= drive.battery.max_voltage_v + 2.0 * inverter.diode_forward_voltage_v
     pole = math.exp(-2.0 * math.pi * drive.control.current_bandwidth_hz / inverter.pwm_frequency_hz)
-    held_as = 4.0 / 3.0 * lost_v / (pole * (1.0 - pole) * resistance * inverter.pwm_frequency_hz)
-    held = DEAD_TIME_MARGIN * 1e3 * held_as / inverter.current_full_scale_a
-    return max(disturbed, held)
+    zero_as = 4.0 / 3.0 * lost_v / (pole * (1.0 - pole) * resistance * inverter.pwm_frequency_hz)
+    zero = DEAD_TIME_MARGIN * 1e3 * zero_as / inverter.current_full_scale_a
+    return max(disturbed, zero)
 
 
 def overcurrent_pu(drive: Drive) -> float:

@@ -292,6 +292,18 @@ void test_without_a_battery_no_torque_is_enabled_and_the_mode_returns_by_itself(
     TEST_ASSERT_TRUE(torque_enable_any(step().torque_enable));
 }
 
+/* The first millisecond, in which the monitor has no name for it yet. */
+void test_lost_battery_without_a_name_is_shown_as_torque_enable(void)
+{
+    start_in(MODE_RUN);
+    in.enable = true;
+    in.battery_lost = true;
+    const modes_output_t out = step();
+    assert_mode(MODE_RUN, out);
+    TEST_ASSERT_FALSE(torque_enable_any(out.torque_enable));
+    TEST_ASSERT_EQUAL_INT(REASON_TORQUE_ENABLE, out.torque_enable.reason);
+}
+
 /* ---- lost demand ---- */
 
 void test_demand_lost_in_run_latches_a_warning_and_leaves_the_torque_enable(void)
