@@ -125,9 +125,10 @@ static void change_maps(config_t *config, bytes_t *bytes)
 static void change_configuration(config_t *config, bytes_t *bytes)
 {
     for (int changes = take8(bytes) % 12; changes > 0; changes--) {
-        const field_range_t *field = &FIELDS[take8(bytes) % (sizeof(FIELDS) / sizeof(FIELDS[0]))];
+        const config_field_t *field = &FIELDS[take8(bytes) % (sizeof(FIELDS) / sizeof(FIELDS[0]))];
         const size_t element = field->count > 1 ? take16(bytes) % field->count : 0U;
-        int32_t *value = (int32_t *)(void *)config + field->offset / sizeof(int32_t) + element;
+        int32_t *value =
+            (int32_t *)(void *)config + field->offset_bytes / sizeof(int32_t) + element;
         const int32_t before = *value;
         *value = take_within(bytes, field->lowest, field->highest);
         if (!accepted(config)) {
