@@ -35,9 +35,8 @@ static bool fast_enough(const monitor_rotor_state_t *state, const config_t *conf
 static bool settled(const monitor_rotor_state_t *state, const config_t *config,
                     const monitor_rotor_input_t *in)
 {
-    const int64_t change_mrad_s = (int64_t)in->observer_mrad_s - state->last_mrad_s;
-    const int64_t size_mrad_s = change_mrad_s < 0 ? -change_mrad_s : change_mrad_s;
-    return 4 * size_mrad_s <= config->rotor.observer_speed_mrad_s;
+    const int32_t half_change_mrad_s = in->observer_mrad_s / 2 - state->last_mrad_s / 2;
+    return q_abs(half_change_mrad_s) <= config->rotor.observer_speed_mrad_s / 8;
 }
 
 static void confirm(monitor_rotor_state_t *state, const config_t *config,

@@ -259,7 +259,7 @@ void test_more_flux_than_magnets_and_current_have_does_not_confirm(void)
 
 /* The first hall edge from standstill turns the current by 60 degrees, and the observer swings: in
  * six milliseconds beyond its speed and back, as recorded from a scooter that drives off. */
-void test_an_observer_that_swings_is_not_believed_against_a_sensor_at_standstill(void)
+void test_an_observer_that_swings_does_not_replace_a_sensor_at_standstill(void)
 {
     static const int32_t SWINGS_mrad_s[] = {489, -558, -5379, -7275, -2116, -239, 6877, 9940};
     at.sensor_mrad_s = 0;
