@@ -29,14 +29,16 @@ static bool fast_enough(const monitor_rotor_state_t *state, const config_t *conf
     return q_abs(speed_mrad_s) >= (state->confirmed ? from_mrad_s - from_mrad_s / 16 : from_mrad_s);
 }
 
-/* No rotor changes its speed by a quarter of the observer's least speed in a millisecond; an
- * observer that is not settled does, as after the first hall edge from standstill, which turns the
- * current by 60 degrees. */
+/* No rotor near standstill, as the sensor has it, changes its speed by a quarter of the observer's
+ * least in a millisecond; an observer that is not settled does, as after the first hall edge, which
+ * turns the current by 60 degrees. */
 static bool settled(const monitor_rotor_state_t *state, const config_t *config,
                     const monitor_rotor_input_t *in)
 {
     const int32_t half_change_mrad_s = in->observer_mrad_s / 2 - state->last_mrad_s / 2;
-    return q_abs(half_change_mrad_s) <= config->rotor.observer_speed_mrad_s / 8;
+    const int32_t least_mrad_s = config->rotor.observer_speed_mrad_s;
+    return q_abs(in->sensor_mrad_s / 2) >= least_mrad_s / 4 ||
+           q_abs(half_change_mrad_s) <= least_mrad_s / 8;
 }
 
 static void confirm(monitor_rotor_state_t *state, const config_t *config,
