@@ -182,6 +182,7 @@ static const fault_params_t *program_fault(const wheel_t *wheel, const wheel_wor
 void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t *order)
 {
     warm(wheel, world);
+    pmsm_rest(&wheel->rotor);
     wheel->fault.offset_a =
         world->params->wheel[wheel->index].current_offset_a + order->current_drift_a;
     const brake_sensor_report_t brake = brake_sensor_step(

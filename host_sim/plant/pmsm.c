@@ -9,6 +9,8 @@
 /* Coldest and hottest windings of a broken scenario still have copper in them. */
 static const double LEAST_SHARE = 0.05;
 
+static const double DIED_OUT_A = 1e-30;
+
 static magnetics_data_t iron_of(const pmsm_params_t *params)
 {
     const magnetics_data_t out = {
@@ -68,6 +70,14 @@ pmsm_state_t pmsm_at_rest(double theta_turn)
                               .theta_turn = within,
                               .axis = plant_phasor_of_turn(within)};
     return out;
+}
+
+void pmsm_rest(pmsm_state_t *state)
+{
+    if (fabs(state->i_t.d) + fabs(state->i_t.q) < DIED_OUT_A) {
+        state->i_t.d = 0.0;
+        state->i_t.q = 0.0;
+    }
 }
 
 static equations_t equations_at(const pmsm_t *machine, const pmsm_step_t *step)

@@ -150,3 +150,37 @@ void test_residual_current_decays_into_the_bus(void)
     TEST_ASSERT_EQUAL_DOUBLE(0.0, state.i_t.q);
     TEST_ASSERT_TRUE(into_bus_j > 0.8 * magnetic_j && into_bus_j < magnetic_j);
 }
+
+/* Through the iron branch a current at rest dies out as a geometric series, which would never be 0
+ * but, after a second, numbers too small for full speed. */
+void test_a_current_at_rest_ends_at_zero_and_its_square_is_never_a_subnormal_number(void)
+{
+    enum { PERIODS_OF_A_MS = 20, MILLISECONDS = 2000 };
+    const pmsm_params_t params = salient_machine();
+    const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
+    const pmsm_step_t step = step_at(0.0);
+    pmsm_state_t state = pmsm_at_rest(0.0);
+    state.i_t.d = -60.0;
+    state.i_t.q = 80.0;
+    int flowing_ms = 0;
+    for (int ms = 0; ms < MILLISECONDS; ms++) {
+        pmsm_rest(&state);
+        flowing_ms += state.i_t.q != 0.0 ? 1 : 0;
+        for (int k = 0; k < PERIODS_OF_A_MS; k++) {
+            pmsm_step_rectified(&machine, &state, CEILING_V, &step);
+            TEST_ASSERT_TRUE(fpclassify(state.i_t.d * state.i_t.d) != FP_SUBNORMAL);
+            TEST_ASSERT_TRUE(fpclassify(state.i_t.q * state.i_t.q) != FP_SUBNORMAL);
+        }
+    }
+    TEST_ASSERT_TRUE(flowing_ms > 1 && flowing_ms < MILLISECONDS / 10);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, state.i_t.d);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, state.i_t.q);
+}
+
+void test_a_current_that_can_be_measured_is_left_alone(void)
+{
+    pmsm_state_t state = pmsm_at_rest(0.0);
+    state.i_t.d = 1e-29;
+    pmsm_rest(&state);
+    TEST_ASSERT_EQUAL_DOUBLE(1e-29, state.i_t.d);
+}
