@@ -138,12 +138,17 @@ static inline int16_t q15_subtract(int16_t a, int16_t b)
     return q15_saturate((int32_t)a - b);
 }
 
-/* int64_t to int32_t, saturated: the lower half, where the upper one only repeats its sign. */
+/* int64_t to int32_t, saturated: the lower half, where the upper one only repeats its sign. A port
+ * may supply its own. */
 static inline int32_t q_saturate64(int64_t x)
 {
+#ifdef Q_TARGET_SATURATE64
+    return Q_TARGET_SATURATE64(x);
+#else
     const int32_t low = (int32_t)x;
     const int32_t high = (int32_t)(x >> 32);
     return low >> 31 == high ? low : (high >> 31) ^ INT32_MAX;
+#endif
 }
 
 /* value * share, share in Q15, for physical quantities of the slow loop; rounded towards zero, so
