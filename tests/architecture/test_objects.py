@@ -6,6 +6,7 @@ static; object files cannot. The modules are compiled here, each file by itself,
 compiler and for three Cortex-M cores.
 """
 
+import functools
 import re
 import shutil
 import subprocess
@@ -92,11 +93,12 @@ def compile_modules(compiler: str, options: list[str], directory: Path) -> list[
 
 def symbols_of(nm: str, objects: Iterable[Path]) -> list[tuple[Path, str, str]]:
     """Return (object, nm's letter, name) of every symbol."""
+    by_name = {str(path): path for path in objects}
     found = []
-    for path in objects:
-        for line in run(nm, "--format=posix", path).splitlines():
-            name, letter = line.split()[:2]
-            found.append((path, letter, name))
+    for line in run(nm, "--format=posix", "--print-file-name", *by_name).splitlines():
+        path, _, symbol = line.partition(": ")
+        name, letter = symbol.split()[:2]
+        found.append((by_name[path], letter, name))
     return found
 
 
@@ -254,7 +256,7 @@ def disassemble(path: Path) -> dict[str, Function]:
 
 def call_tree(objects: list[Path], root: str) -> tuple[dict[str, Function], set[str]]:
     """Return every function that `root` can reach, and the names that are in no object."""
-    by_object = {path: disassemble(path) for path in objects}
+    disassembled = functools.cache(disassemble)  # the slow steps have most of the code
     exported = {
         name: path
         for path, letter, name in symbols_of("arm-none-eabi-nm", objects)
@@ -268,9 +270,9 @@ def call_tree(objects: list[Path], root: str) -> tuple[dict[str, Function], set[
         key = name if name in exported else f"{path.name}:{name}"
         if key in reached:
             continue
-        reached[key] = by_object[path][name]
+        reached[key] = disassembled(path)[name]
         for callee in reached[key].callees:
-            home = path if callee in by_object[path] else exported.get(callee)
+            home = path if callee in disassembled(path) else exported.get(callee)
             if home is None:
                 outside.add(callee)
             else:

@@ -48,9 +48,16 @@ function(hubfoc_add_unit_test)
   add_executable(${target} ${T_SOURCES} "${runner}" ${mock_sources})
   # Runners and mocks are the generators' business; the test itself is held to the project's
   # warnings.
-  set_source_files_properties("${runner}" ${mock_sources} PROPERTIES COMPILE_OPTIONS "-w")
-  # Test functions are declared by the generated runner only.
-  set_source_files_properties(${T_SOURCES} PROPERTIES COMPILE_OPTIONS "-Wno-missing-prototypes")
+  set_source_files_properties("${runner}" ${mock_sources} PROPERTIES
+    COMPILE_OPTIONS "-w;-O0;-g0")
+  # Test functions are declared by the generated runner only. What they do is done in the modules'
+  # libraries; their own code takes longer to optimise than to run. The preset with sanitizers
+  # optimises it, for the compiler's warnings.
+  set(options -Wno-missing-prototypes)
+  if(NOT HUBFOC_SANITIZE)
+    list(APPEND options -O0)
+  endif()
+  set_source_files_properties(${T_SOURCES} PROPERTIES COMPILE_OPTIONS "${options}")
   # SYSTEM: clang-tidy leaves generated headers alone then, too.
   target_include_directories(${target} SYSTEM PRIVATE "${gen}")
   target_link_libraries(${target} PRIVATE unity ${T_LIBRARIES} hubfoc_warnings)
