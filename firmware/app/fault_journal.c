@@ -7,9 +7,9 @@
 
 #define MAGIC UINT32_C(0x4C4E4A46) /* "FJNL", little endian */
 
-_Static_assert(RECORDER_COUNTED % 2 == 0 && sizeof(fault_record_t) % 4U == 0 &&
+_Static_assert(RECORDER_COUNTED % 2 == 0 && sizeof(fault_record_t) % FLASH_UNIT_BYTES == 0 &&
                    offsetof(fault_record_t, crc32) + 4U == sizeof(fault_record_t),
-               "whole words without padding");
+               "whole units of the flash without padding");
 
 static uint32_t places(flash_sector_t sector)
 {
@@ -163,16 +163,15 @@ flash_status_t fault_journal_append(fault_journal_t *journal, const recorder_mem
     const uint32_t begin = journal->next * (uint32_t)sizeof(fault_record_t);
     flash_status_t status = FLASH_OK;
     uint32_t at = 0;
-    for (; at < offsetof(fault_record_t, crc32) && status == FLASH_OK; at += 4U) {
-        const uint32_t word = word_of(journal, box, place, at / 4U);
-        status = flash_program(journal->sector, begin + at, &word, sizeof word);
-    }
-    if (status == FLASH_OK) {
-        const uint32_t crc = config_crc32(place, (uint32_t)offsetof(fault_record_t, crc32));
-        status = flash_program(journal->sector, begin + at, &crc, sizeof crc);
+    for (; at < sizeof *place && status == FLASH_OK; at += FLASH_UNIT_BYTES) {
+        uint32_t unit[2] = {word_of(journal, box, place, at / 4U), 0};
+        unit[1] = at + 4U < offsetof(fault_record_t, crc32)
+                      ? word_of(journal, box, place, at / 4U + 1U)
+                      : config_crc32_continue(config_crc32(place, at), unit, 4U);
+        status = flash_program(journal->sector, begin + at, unit, sizeof unit);
     }
     /* A place of which something was written is used up. */
-    journal->next += status == FLASH_BRIDGE_ON && at <= 4U ? 0U : 1U;
+    journal->next += status == FLASH_BRIDGE_ON && at <= FLASH_UNIT_BYTES ? 0U : 1U;
     if (status == FLASH_OK) {
         journal->newest = place;
     }

@@ -23,11 +23,12 @@ function(hubfoc_add_firmware)
   add_executable(${F_NAME})
   target_link_libraries(${F_NAME} PRIVATE hubfoc_app_main hubfoc_app ${F_PORT} hubfoc_config_image)
   target_link_options(${F_NAME} PRIVATE -nostartfiles --specs=nano.specs "-T${F_LINKER_SCRIPT}"
+    "-L${PROJECT_SOURCE_DIR}/hal/stm32"
     "-Wl,--defsym=link_stack_size=${F_STACK_BYTES}" "-Wl,-Map=${PROJECT_BINARY_DIR}/${F_NAME}.map"
     -Wl,--print-memory-usage)
   set_target_properties(${F_NAME} PROPERTIES SUFFIX .elf
     RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}"
-    LINK_DEPENDS "${F_LINKER_SCRIPT}")
+    LINK_DEPENDS "${F_LINKER_SCRIPT};${PROJECT_SOURCE_DIR}/hal/stm32/sections.ld")
   if(HUBFOC_REPORT_PYTHON)
     list(TRANSFORM F_INTERRUPTS PREPEND "--interrupt=" OUTPUT_VARIABLE interrupts)
     set(stack_report "${HUBFOC_REPORT_PYTHON}"

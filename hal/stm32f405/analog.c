@@ -19,6 +19,7 @@
 
 #include "analog_start.h"
 #include "board.h"
+#include "current_code.h"
 #include "hal/upcall.h"
 #include "interrupts.h"
 #include "ntc.h"
@@ -35,8 +36,7 @@ enum {
     TRIGGER_RISING_EDGE = 1, /* JEXTEN */
     TWO_CONVERSIONS = 1,     /* JL: takes JSQ3 and JSQ4, results in JDR1 and JDR2 */
     CODE_RANGE = 4096,
-    CODE_LARGEST = 4095,
-    CODE_MIDDLE = 2048,
+    INVERTED = BOARD_CURRENT_INVERTED != 0,
     TWO_CURRENTS = BOARD_CURRENT_CHANNELS == 2,
     /* What ADC2 and ADC3 convert together with current a. */
     CHANNEL_OF_SECOND = TWO_CURRENTS ? BOARD_CHANNEL_CURRENT_C : BOARD_CHANNEL_CURRENT_B,
@@ -109,28 +109,16 @@ void adc_handler(void)
     app_pwm_period_isr();
 }
 
-static uint16_t current_code(uint32_t raw)
-{
-    return (uint16_t)(BOARD_CURRENT_INVERTED != 0 ? CODE_LARGEST - raw : raw);
-}
-
-/* The code whose current is minus the sum of the two, 0 .. 4095. */
-static uint16_t third_current_code(uint32_t a_code, uint32_t c_code)
-{
-    const int32_t code = 3 * CODE_MIDDLE - (int32_t)(a_code + c_code);
-    return (uint16_t)(code < 0 ? 0 : (code > CODE_LARGEST ? CODE_LARGEST : code));
-}
-
 void analog_read(analog_sample_t *sample)
 {
-    sample->phase_current_code[0] = current_code(ADC1->JDR1);
+    sample->phase_current_code[0] = current_code(ADC1->JDR1, INVERTED);
     if (TWO_CURRENTS) {
-        sample->phase_current_code[2] = current_code(ADC2->JDR1);
+        sample->phase_current_code[2] = current_code(ADC2->JDR1, INVERTED);
         sample->phase_current_code[1] =
-            third_current_code(sample->phase_current_code[0], sample->phase_current_code[2]);
+            current_code_third(sample->phase_current_code[0], sample->phase_current_code[2]);
     } else {
-        sample->phase_current_code[1] = current_code(ADC2->JDR1);
-        sample->phase_current_code[2] = current_code(ADC3->JDR1);
+        sample->phase_current_code[1] = current_code(ADC2->JDR1, INVERTED);
+        sample->phase_current_code[2] = current_code(ADC3->JDR1, INVERTED);
     }
     sample->bus_voltage_code = (uint16_t)ADC1->JDR2;
 }

@@ -26,7 +26,21 @@
 #endif
 #include HUBFOC_BOARD_HEADER
 
-enum { BOARD_AF_TIM1 = 1, BOARD_AF_TIM3 = 2, BOARD_AF_USART3 = 7, BOARD_AF_CAN1 = 9 };
+enum {
+    BOARD_AF_TIM1 = 1,
+    BOARD_AF_TIM3 = 2,
+    BOARD_AF_GATES_HIGH = BOARD_AF_TIM1,
+    BOARD_AF_GATE_LOW_A = BOARD_AF_TIM1,
+    BOARD_AF_GATE_LOW_B = BOARD_AF_TIM1,
+    BOARD_AF_GATE_LOW_C = BOARD_AF_TIM1,
+    BOARD_AF_BREAK = BOARD_AF_TIM1,
+    BOARD_AF_ENCODER = BOARD_AF_TIM3,
+    BOARD_AF_SERIAL = 7,
+    BOARD_AF_CAN1 = 9
+};
+
+/* The timer whose inputs an encoder's pins are. */
+#define ENCODER TIM3
 
 enum {
     /* Codes span the reference: half of it either way for a current, all of it for the voltage. */

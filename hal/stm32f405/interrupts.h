@@ -1,44 +1,25 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/*
- * interrupts.h: who may interrupt whom. Smaller numbers win; the core implements sixteen levels.
- *
- *     0   the chip's supply falls: a fault; the gate driver reports a fault
- *     1   the PWM period: ADC, end of the injected conversions
- *     4   the serial line: only takes a byte out of the receiver
- *     8   the millisecond: SysTick
- *
- * The core's own faults have priority 0, too; the hard fault and the non-maskable interrupt stand
- * above all of them.
- */
+/* interrupts.h: the interrupts that are used, RM0090 table 62. */
 #ifndef STM32F405_INTERRUPTS_H
 #define STM32F405_INTERRUPTS_H
 
-#include <stdint.h>
+#include "priorities.h"
 
 enum {
     INTERRUPT_SUPPLY = 1,
     INTERRUPT_ADC = 18,
     INTERRUPT_PINS_5_TO_9 = 23,
-    INTERRUPT_USART3 = 39,
+    INTERRUPT_SERIAL = 39, /* USART3 */
     INTERRUPT_PINS_10_TO_15 = 40,
     INTERRUPT_COUNT = 82
-}; /* RM0090 table 62 */
-enum {
-    PRIORITY_SUPPLY = 0,
-    PRIORITY_DRIVER_FAULT = 0,
-    PRIORITY_PWM_PERIOD = 1,
-    PRIORITY_SERIAL = 4,
-    PRIORITY_MILLISECOND = 8
 };
-/* The receiver holds one byte while the next arrives, 87 us at 115200 baud. The slow step alone
- * takes 21 000 instructions, 126 us at least: at a lower priority than that, a continuous stream of
- * bytes, such as a configuration, would lose some in every millisecond. */
-_Static_assert(PRIORITY_PWM_PERIOD < PRIORITY_SERIAL && PRIORITY_SERIAL < PRIORITY_MILLISECOND,
-               "no byte is lost");
-
-void interrupts_enable(uint32_t number, uint32_t priority);
-
-/* Priority of SysTick. */
-void interrupts_set_millisecond_priority(void);
+/* Of the vector table (startup.c): number and handler. */
+#define INTERRUPT_HANDLERS(X)                                                                      \
+    X(INTERRUPT_ADC, adc_handler)                                                                  \
+    X(INTERRUPT_PINS_5_TO_9, driver_fault_handler)                                                 \
+    X(INTERRUPT_SERIAL, serial_handler)                                                            \
+    X(INTERRUPT_PINS_10_TO_15, driver_fault_handler)
+/* The crystal stops (clock security system). */
+#define INTERRUPT_NMI_HANDLER fault_handler
 
 #endif

@@ -332,26 +332,35 @@ class DevCommandTest(DevFixture):
 
     def test_firmware_is_built_for_the_named_board_of_the_ones_that_there_are(self) -> None:
         cmake = (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
-        listed = re.search(r"set\(HUBFOC_BOARDS_stm32f405 (.*)\)", cmake)
-        assert listed is not None
-        boards = listed[1].split()
-        headers = {path.stem for path in (ROOT / "hal/stm32f405/boards").glob("*.h")}
-        self.assertEqual(set(boards), {name for name in headers if not name.endswith("_common")})
-        self.assert_refused(self.run_dev("firmware", "--board", "avr"), "avr", *boards)
-        self.assert_refused(self.run_dev("firmware", "qemu", "--board", boards[0]), "--board")
-        self.assertIn(" ".join(boards), self.run_dev("firmware", "--help").stdout)
+        help_text = self.run_dev("firmware", "--help").stdout
+        boards = []
+        for port, listed in re.findall(r"set\(HUBFOC_BOARDS_(\w+) (.*)\)", cmake):
+            found = {path.stem for path in (ROOT / f"hal/{port}/boards").glob("*.h")}
+            self.assertEqual(
+                set(listed.split()), {name for name in found if not name.endswith("_common")}
+            )
+            self.assertIn(f"{port}: {listed}", help_text)
+            boards += [(port, board) for board in listed.split()]
+        self.assertEqual({port for port, _ in boards}, {"stm32f405", "stm32g431"})
+        self.assert_refused(
+            self.run_dev("firmware", "--board", "avr"), "avr", *(b for _, b in boards)
+        )
+        for port in ("qemu", "stm32f405"):
+            self.assert_refused(self.run_dev("firmware", port, "--board", boards[-1][1]), "--board")
 
         path, environment = self.pretend_everything_is_installed()
         generated = self.home / "firmware/config/generated"
         generated.mkdir(parents=True)
         (generated / "lu2013.c").touch()
-        (self.home / "build/stm32f405").mkdir(parents=True)
-        for suffix in ("bin", "hex"):
-            (self.home / f"build/stm32f405/hubfoc_stm32f405.{suffix}").touch()
-        for arguments, board in (([], boards[0]), (["--board", boards[-1]], boards[-1])):
+        for port in ("stm32f405", "stm32g431"):
+            (self.home / f"build/{port}").mkdir(parents=True)
+            for suffix in ("bin", "hex"):
+                (self.home / f"build/{port}/hubfoc_{port}.{suffix}").touch()
+        asked = [([], *boards[0]), *((["--board", board], port, board) for port, board in boards)]
+        for arguments, port, board in asked:
             result = self.run_dev("firmware", *arguments, path=path, environment=environment)
             self.assertEqual(result.returncode, 0, result.stderr)
-            configured = [c for c in self.calls("cmake") if c.startswith("--preset stm32f405 ")]
+            configured = [c for c in self.calls("cmake") if c.startswith(f"--preset {port} ")]
             self.assertTrue(configured[-1].endswith(f"-DHUBFOC_BOARD={board}"), configured)
 
     def test_table_writes_the_requested_files_and_plots_to_the_given_directory(self) -> None:

@@ -55,13 +55,15 @@ class DevSerialTest(DevFixture):
         path, environment = self.pretend_everything_is_installed()
         (self.home / "firmware/config/generated").mkdir(parents=True)
         (self.home / "firmware/config/generated/lu2013.c").touch()
-        (self.home / "build/stm32f405").mkdir(parents=True)
-        for name in ("hubfoc_stm32f405.bin", "hubfoc_stm32f405.hex"):
-            (self.home / "build/stm32f405" / name).touch()
+        for port in ("stm32f405", "stm32g431"):
+            (self.home / f"build/{port}").mkdir(parents=True)
+            for name in (f"hubfoc_{port}.bin", f"hubfoc_{port}.hex"):
+                (self.home / f"build/{port}" / name).touch()
         for arguments, words in (
             ((), ("openocd", "hubfoc_stm32f405.elf", "brown_out_level_3", "stlink")),
             (("--only-config",), ("openocd", "hubfoc_stm32f405_config_probe.hex")),
             (("--with", "pyocd"), ("pyocd", "hubfoc_stm32f405.hex")),
+            (("--board", "b_g431b_esc1"), ("target/stm32g4x.cfg", "hubfoc_stm32g431.elf")),
         ):
             result = self.run_dev(
                 "flash", "--dry-run", *arguments, path=path, environment=environment

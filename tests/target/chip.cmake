@@ -43,11 +43,11 @@ function(planted_image name folder file old new)
   add_executable(${target} "${copy}"
     "$<FILTER:$<TARGET_OBJECTS:hubfoc_port_stm32f405>,EXCLUDE,/${stem}[.]c[.]obj$>")
   set_source_files_properties("${copy}" PROPERTIES GENERATED TRUE)
-  target_include_directories(${target} PRIVATE "${port}")
+  target_include_directories(${target} PRIVATE "${port}" "${PROJECT_SOURCE_DIR}/hal/stm32")
   target_link_libraries(${target} PRIVATE hubfoc_app_main hubfoc_app hubfoc_hal
     hubfoc_config_image)
   target_link_options(${target} PRIVATE -nostartfiles --specs=nano.specs "-T${port}/link.ld"
-    "-Wl,--defsym=link_stack_size=4096")
+    "-L${PROJECT_SOURCE_DIR}/hal/stm32" "-Wl,--defsym=link_stack_size=4096")
   set_target_properties(${target} PROPERTIES SUFFIX .elf LINK_DEPENDS "${port}/link.ld")
   add_custom_command(TARGET ${target} POST_BUILD
     COMMAND "${HUBFOC_PYTHON}" "${PROJECT_SOURCE_DIR}/tests/target/chip/seal.py"
@@ -60,7 +60,11 @@ function(planted name file old new)
   if(NOT HUBFOC_PYTHON) # pwm_interrupt_budget says so
     return()
   endif()
-  planted_image(${name} hal/stm32f405 ${file} "${old}" "${new}")
+  set(folder hal/stm32)
+  if(NOT EXISTS "${PROJECT_SOURCE_DIR}/${folder}/${file}")
+    set(folder hal/stm32f405)
+  endif()
+  planted_image(${name} ${folder} ${file} "${old}" "${new}")
   set(target planted_${name})
   if(name STREQUAL "no_error")
     chip_test(chip_finds_no_error stop "$<TARGET_FILE:${target}>")
@@ -88,13 +92,13 @@ planted(a_driver_fault_of_low_priority gate_driver.c "PRIORITY_DRIVER_FAULT);" "
 planted(a_driver_not_read_back gate_driver.c "return first && second;" "return first || true;")
 planted(a_driver_with_a_wrong_threshold gate_driver.c "OC_ADJ_SET_Pos = 6" "OC_ADJ_SET_Pos = 5")
 planted(a_driver_that_limits_instead_of_latching gate_driver.c "SHUTDOWN = 1 << 4" "SHUTDOWN = 0")
-planted(gates_of_another_timer inverter.c "BOARD_GATE_LOW_C, BOARD_AF_TIM1"
-  "BOARD_GATE_LOW_C, BOARD_AF_TIM3" full)
+planted(gates_of_another_timer inverter.c "BOARD_AF_GATE_LOW_C, GPIO"
+  "BOARD_AF_TIM3, GPIO" full)
 planted(swapped_currents analog.c
   "CURRENT_C : BOARD_CHANNEL_CURRENT_B" "CURRENT_C : BOARD_CHANNEL_CURRENT_C" full)
 planted(a_current_of_wrong_sign analog.c
   "BOARD_CURRENT_INVERTED != 0" "BOARD_CURRENT_INVERTED == 0" full)
-planted(too_few_wait_states time.c "FLASH_WAIT_STATES = 5" "FLASH_WAIT_STATES = 2")
+planted(too_few_wait_states clock.c "FLASH_WAIT_STATES = 5" "FLASH_WAIT_STATES = 2")
 planted(a_wrong_can_filter can.c "<< 5; /*" "<< 4; /*")
 planted(a_watchdog_not_fed watchdog.c "void watchdog_feed(void)
 {
@@ -112,7 +116,8 @@ function(planted_cut name folder file old new)
     COMMAND "${chip_cuts}" "$<TARGET_FILE:planted_${name}>" 32 0 planted)
   set_tests_properties(chip_finds_${name} PROPERTIES LABELS "target;full" TIMEOUT 300)
 endfunction()
-planted_cut(an_erase_of_another_sector hal/stm32f405 flash.c "FIRST_SECTOR = 1" "FIRST_SECTOR = 2")
+planted_cut(an_erase_of_another_sector hal/stm32 flash.c "flash_cells_erase(sector,"
+  "flash_cells_erase((flash_sector_t)(sector + 1),")
 set(store firmware/app config_store.c)
 planted_cut(a_configuration_replaced_in_place ${store}
   "old.sector == FLASH_CONFIGURATION_A ? FLASH_CONFIGURATION_B : FLASH_CONFIGURATION_A"

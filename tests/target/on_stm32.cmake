@@ -23,8 +23,20 @@ hubfoc_add_qemu_test(NAME stm32_without_its_crystal_reports_and_stays_in_boot EL
 # layout(NAME EXPRESSION...): facts about the linked image, from its symbols.
 add_test(NAME stm32_image_is_laid_out_as_documented
   COMMAND "${CMAKE_COMMAND}" "-DNM=${CMAKE_NM}" "-DELF=$<TARGET_FILE:hubfoc_stm32f405>"
-  "-DCONFIG=CONFIG_${config_symbol}"
+  "-DCONFIG=CONFIG_${config_symbol}" -DCHIP=stm32f405
     -P "${CMAKE_CURRENT_LIST_DIR}/check_layout.cmake")
+
+# The other STM32's image, with its own flags: the linker checks that it fits, the report behind it
+# the depth of the stack.
+set(other "${CMAKE_CURRENT_BINARY_DIR}/stm32g431")
+add_test(NAME stm32g431_image_fits
+  COMMAND "${CMAKE_CTEST_COMMAND}" --build-and-test "${PROJECT_SOURCE_DIR}" "${other}"
+    --build-generator Ninja --build-target hubfoc_stm32g431 --build-options
+    -DHUBFOC_PORT=stm32g431 -DHUBFOC_TESTS=OFF "-DCMAKE_TOOLCHAIN_FILE=${CMAKE_TOOLCHAIN_FILE}"
+    -DCMAKE_BUILD_TYPE=Release --test-command "${CMAKE_COMMAND}" "-DNM=${CMAKE_NM}"
+    "-DELF=${other}/hubfoc_stm32g431.elf" -DCONFIG=CONFIG_LU2013 -DCHIP=stm32g431
+    -P "${CMAKE_CURRENT_LIST_DIR}/check_layout.cmake")
+set_tests_properties(stm32g431_image_fits PROPERTIES LABELS "target;full" TIMEOUT 600)
 
 # ---- on the model of the chip ----
 

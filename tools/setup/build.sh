@@ -4,10 +4,14 @@
 # the commands of tools/dev use the same directories and do not undo each other's work.
 
 # shellcheck disable=SC2034  # read by tools/dev
-readonly PORTS=(stm32f405 qemu) DEFAULT_CONFIG=lu2013
-# The boards of stm32f405 in CMakeLists.txt, the default first.
+readonly PORTS=(stm32f405 stm32g431 qemu) DEFAULT_CONFIG=lu2013
+# The boards of each port in CMakeLists.txt, the default first; all of them.
 # shellcheck disable=SC2034
-readonly BOARDS=(vesc6_mk3 vesc6_mk6 vesc4_10)
+readonly BOARDS_stm32f405=(vesc6_mk3 vesc6_mk6 vesc4_10) BOARDS_stm32g431=(b_g431b_esc1)
+# shellcheck disable=SC2034
+readonly BOARDS_qemu=()
+# shellcheck disable=SC2034
+readonly BOARDS=("${BOARDS_stm32f405[@]}" "${BOARDS_stm32g431[@]}")
 readonly TESTED_PRESETS=(host host-asan stm32f405 qemu)
 # variables_are FILE [NAME=VALUE...]: does CMake's cache have these values?
 variables_are() {
@@ -139,6 +143,16 @@ build_for_tests() {
             BUILT+=("$preset")
         fi
     done
+}
+
+# port_of_board BOARD: nothing if there is no such board.
+port_of_board() {
+    local port
+    for port in "${PORTS[@]}"; do
+        local -n boards=BOARDS_$port
+        contains "$1" "${boards[@]}" && printf '%s' "$port"
+    done
+    return 0
 }
 
 # join_by SEPARATOR [WORD...]

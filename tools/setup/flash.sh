@@ -1,30 +1,41 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
 # Writing a firmware image through a debug probe. OpenOCD is taken where there is a choice, because
-# it knows the whole STM32F4 family by itself; pyOCD, if it is asked for, fetches a device pack for
+# it knows both STM32 families by itself; pyOCD, if it is asked for, fetches a device pack for
 # this part on first use. With DRY_RUN set nothing is installed or written, and what
 # would be done is printed.
 
 readonly PYOCD_VERSION=0.46.0
-readonly PYOCD_TARGET=stm32f405rg
+# chip_of IMAGE pyocd|openocd: what the program calls the chip of an image, whose name ends in it.
+chip_of() {
+    case ${1##*_},$2 in
+        stm32f405,pyocd) echo stm32f405rg ;;
+        stm32f405,openocd) echo stm32f4x ;;
+        stm32g431,pyocd) echo stm32g431cbux ;;
+        stm32g431,openocd) echo stm32g4x ;;
+    esac
+}
 
 # flash_openocd all|config IMAGE PROBE, where IMAGE is the path of the ELF without its ending
 flash_openocd() {
-    local what=$1 image=$2 probe=$3 file=$2.elf
+    local what=$1 image=$2 probe=$3 file=$2.elf brown_out=()
+    [[ $image != *_stm32f405 ]] ||
+        brown_out=(-f "$ROOT/tools/setup/brown_out.tcl" -c brown_out_level_3)
     [[ $what == all ]] || file=${image}_config_probe.hex
     [[ -n $DRY_RUN ]] || ensure_packages openocd
-    flash_with "$probe" openocd -f "interface/$probe.cfg" -f target/stm32f4x.cfg \
-        -f "$ROOT/tools/setup/brown_out.tcl" \
-        -c "program {$file} verify" -c brown_out_level_3 -c "reset run" -c shutdown
+    flash_with "$probe" openocd -f "interface/$probe.cfg" \
+        -f "target/$(chip_of "$image" openocd).cfg" "${brown_out[@]:0:2}" \
+        -c "program {$file} verify" "${brown_out[@]:2}" -c "reset run" -c shutdown
     [[ -n $DRY_RUN ]] || grep -h 'brown-out level' "$LOG_DIR/flash.log" || true
 }
 
 # flash_pyocd all|config IMAGE
 flash_pyocd() {
-    local what=$1 image=$2 pyocd=$VENV/bin/pyocd file=$2.hex
+    local what=$1 image=$2 pyocd=$VENV/bin/pyocd file=$2.hex target
+    target=$(chip_of "$image" pyocd)
     [[ $what == all ]] || file=${image}_config_probe.hex
     if [[ -n $DRY_RUN ]]; then
-        flash_with "any that pyOCD knows" "$pyocd" flash --target "$PYOCD_TARGET" --no-wait "$file"
+        flash_with "any that pyOCD knows" "$pyocd" flash --target "$target" --no-wait "$file"
         return
     fi
     ensure sim
@@ -33,14 +44,14 @@ flash_pyocd() {
             fail "pyOCD could not be installed"
     fi
     # pyOCD reports success also if it found no pack, so its list of targets is checked.
-    if ! pyocd_knows_target "$pyocd"; then
-        run_logged "Fetching pyOCD's device pack for $PYOCD_TARGET" pyocd-pack "$pyocd" pack \
-            install "$PYOCD_TARGET" || true
-        pyocd_knows_target "$pyocd" ||
-            fail "flash: pyOCD could not fetch its pack for $PYOCD_TARGET; OpenOCD needs none:" \
+    if ! pyocd_knows_target "$pyocd" "$target"; then
+        run_logged "Fetching pyOCD's device pack for $target" pyocd-pack "$pyocd" pack \
+            install "$target" || true
+        pyocd_knows_target "$pyocd" "$target" ||
+            fail "flash: pyOCD could not fetch its pack for $target; OpenOCD needs none:" \
                 "tools/dev flash --with openocd"
     fi
-    flash_with "any that pyOCD knows" "$pyocd" flash --target "$PYOCD_TARGET" --no-wait \
+    flash_with "any that pyOCD knows" "$pyocd" flash --target "$target" --no-wait \
         "$file"
 }
 
@@ -92,7 +103,7 @@ answer_with() {
     return 1
 }
 
-pyocd_knows_target() { "$1" list --targets 2>/dev/null | grep -qw "$PYOCD_TARGET"; }
+pyocd_knows_target() { "$1" list --targets 2>/dev/null | grep -qw "$2"; }
 
 # flash_with PROBES COMMAND...: a missing debug probe, the most frequent mistake, is reported in one
 # line.

@@ -13,7 +13,7 @@ work.
   sim                           the urban cycle with three braking strategies: energies and report
   test [--quick] [FOLDER...]    all tests: host, host with sanitizers, emulated Cortex-M4
   table CONFIG.toml [-o DIR]    configuration and torque table of one vehicle, as C and binary
-  firmware [PORT]               ELF, BIN, HEX, sizes, stack; stm32f405 (default) or qemu
+  firmware [PORT]               ELF, BIN, HEX, sizes, stack; stm32f405 (default), stm32g431, qemu
   flash [PORT]                  firmware onto a board through a debug probe
   hubsim ARGUMENT...            the simulator's own command
   python ARGUMENT...            the project's Python, with hubsim and regen_table importable
@@ -70,23 +70,25 @@ Turns one vehicle's TOML (see tools/motors) into the configuration that the firm
 TEXT
 }
 
+# shellcheck disable=SC2154  # build.sh has the boards
 help_firmware() {
     cat <<TEXT
 Usage: tools/dev firmware [PORT] [--config NAME] [--board BOARD]
 
-Builds the firmware for PORT, stm32f405 (default) or qemu; prints its sizes, the depth of the stack
-and the paths of ELF, BIN and HEX. NAME is a configuration in firmware/config/generated (made by
-tools/dev table); lu2013 if not given. BOARD, for stm32f405, is one of
-    ${BOARDS[*]}
-(hal/stm32f405/boards); the first if not given.
+Builds the firmware for PORT, stm32f405 (default), stm32g431 or qemu; prints its sizes, the depth of
+the stack and the paths of ELF, BIN and HEX. NAME is a configuration in firmware/config/generated
+(made by tools/dev table); lu2013 if not given. BOARD, from which PORT follows, is one of
+    stm32f405: ${BOARDS_stm32f405[*]}
+    stm32g431: ${BOARDS_stm32g431[*]}
+(hal/<port>/boards); the port's first if not given.
 TEXT
 }
 
 help_flash() {
     cat <<'TEXT'
-Usage: tools/dev flash [stm32f405] [--config NAME [--only-config]] [--board BOARD]
+Usage: tools/dev flash [PORT] [--config NAME [--only-config]] [--board BOARD]
                        [--probe stlink|cmsis-dap|jlink] [--with openocd|pyocd] [--dry-run]
-       tools/dev flash [stm32f405] --config NAME --only-config --with serial --line DEVICE
+       tools/dev flash [PORT] --config NAME --only-config --with serial --line DEVICE
 
 Builds the firmware (as tools/dev firmware does) and writes it to the board through a debug probe,
 by default an ST-Link, with OpenOCD (default) or with pyOCD, which finds the probe itself and
@@ -97,9 +99,9 @@ and the firmware checks the configuration before it replaces the old one. The wh
 ground.
 With --dry-run everything is built, and printed is what would be written and by which command.
 
-OpenOCD also sets the chip's brown-out level to 3 (option bytes; only of a chip without protection);
-pyOCD does not. The firmware reports another level at its start. The counters of faults since
-production stay, unless the BIN file is written by hand.
+OpenOCD also sets an STM32F405's brown-out level to 3 (option bytes; only of a chip without
+protection); pyOCD does not. The firmware reports another level at its start. The counters of faults
+since production stay, unless the BIN file is written by hand.
 TEXT
 }
 

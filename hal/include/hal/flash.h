@@ -19,6 +19,10 @@ typedef struct {
     uint32_t size_bytes;
 } flash_image_t;
 
+/* What is programmed at once, on some chips with an error-correcting code over all of it: a unit of
+ * which some was written cannot be written again before it is erased. */
+enum { FLASH_UNIT_BYTES = 8 };
+
 typedef enum {
     FLASH_CONFIGURATION_A = 0, /* where the build and a debug probe put the configuration */
     FLASH_CONFIGURATION_B,
@@ -29,7 +33,7 @@ typedef enum {
 
 typedef enum {
     FLASH_OK = 0,
-    FLASH_TOO_LARGE,    /* beyond the sector's end, or not whole words; nothing was done */
+    FLASH_TOO_LARGE,    /* beyond the sector's end, or not aligned; nothing was done */
     FLASH_BRIDGE_ON,    /* the bridge switches; nothing was done */
     FLASH_ERASE_FAILED, /* the sector's content is undefined */
     FLASH_WRITE_FAILED, /* the word in work is undefined, those behind it are as they were */
@@ -50,9 +54,9 @@ bool flash_brown_out_low(void);
 /* Erases a sector; the watchdog is fed. Background context. */
 flash_status_t flash_erase(flash_sector_t sector);
 
-/* Programs whole words, from the lowest address up, and compares each; ends at the first one that
- * is wrong. `at_bytes` and `size_bytes` are multiples of four. Interrupts wait for one word at a
- * time, 16 us, at most 100 us. Background context. */
+/* Programs from the lowest address up and compares; ends at the first word that is wrong.
+ * `at_bytes` is a multiple of FLASH_UNIT_BYTES, `size_bytes` of four; the rest of the last unit
+ * reads as 0xFF. Interrupts wait for one unit at a time, at most 0.2 ms. Background context. */
 flash_status_t flash_program(flash_sector_t sector, uint32_t at_bytes, const void *words,
                              uint32_t size_bytes);
 

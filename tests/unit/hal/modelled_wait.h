@@ -4,8 +4,8 @@
  * the port waits for hardware, the model of the hardware advances. The debugger's registers are not
  * at the chip's address, because the address sanitizer uses that range.
  */
-#ifndef STM32F405_WAIT_H
-#define STM32F405_WAIT_H
+#ifndef STM32_WAIT_H
+#define STM32_WAIT_H
 
 #include <stdbool.h>
 #include <stdint.h>

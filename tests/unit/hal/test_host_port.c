@@ -213,15 +213,15 @@ void test_configuration_sector_contains_the_image_and_is_erased_after_it(void)
 void test_flash_is_erased_as_a_sector_and_programming_only_clears_bits(void)
 {
     const uint8_t *other = flash_sector(FLASH_JOURNAL_B).begin;
-    TEST_ASSERT_EQUAL_INT(FLASH_OK, flash_program(FLASH_JOURNAL_B, 4, "\x09\x08\x07\x06", 4));
-    TEST_ASSERT_EQUAL_UINT8(9, other[4]);
+    TEST_ASSERT_EQUAL_INT(FLASH_OK, flash_program(FLASH_JOURNAL_B, 8, "\x09\x08\x07\x06", 4));
+    TEST_ASSERT_EQUAL_UINT8(9, other[8]);
     TEST_ASSERT_EQUAL_INT(FLASH_WRITE_FAILED,
-                          flash_program(FLASH_JOURNAL_B, 4, "\x06\x08\x07\x06", 4));
-    TEST_ASSERT_EQUAL_UINT8(0, other[4]);
+                          flash_program(FLASH_JOURNAL_B, 8, "\x06\x08\x07\x06", 4));
+    TEST_ASSERT_EQUAL_UINT8(0, other[8]);
     TEST_ASSERT_EQUAL_INT(FLASH_TOO_LARGE,
                           flash_program(FLASH_JOURNAL_B, HOST_FLASH_BYTES, "\x06\x08\x07\x06", 4));
     TEST_ASSERT_EQUAL_INT(FLASH_OK, flash_erase(FLASH_JOURNAL_B));
-    TEST_ASSERT_EQUAL_UINT8(0xFF, other[4]);
+    TEST_ASSERT_EQUAL_UINT8(0xFF, other[8]);
     const uint8_t *configuration = flash_sector(FLASH_CONFIGURATION_A).begin;
     TEST_ASSERT_EQUAL_UINT8(4, configuration[3]);
 }

@@ -63,3 +63,25 @@ void test_open_or_shorted_sensor_is_reported_as_broken(void)
     TEST_ASSERT_EQUAL_INT32(BROKEN_cC, ntc_temperature_cC((int32_t)code_at(-45.0), BROKEN_cC));
     TEST_ASSERT_EQUAL_INT32(BROKEN_cC, ntc_temperature_cC(4096, BROKEN_cC));
 }
+
+/* A thermistor R on the supply with G to ground shows 4096 G / (R + G); the table wants what 10
+ * kOhm to the supply would show for the same R, to within the rounding of both codes. */
+void test_a_divider_with_another_resistor_gives_the_same_temperature(void)
+{
+    for (double celsius = -30.0; celsius <= 140.0; celsius += 1.0) {
+        const double thermistor_Ohm =
+            10000.0 * exp(3380.0 * (1.0 / (celsius + 273.15) - 1.0 / 298.15));
+        const double shown = 4096.0 * 4700.0 / (thermistor_Ohm + 4700.0);
+        const int32_t code = ntc_code_of_divider((int32_t)lround(shown), 4700);
+        const double slope = fabs(celsius_at(code + 1) - celsius_at(code - 1)) / 2.0;
+        TEST_ASSERT_DOUBLE_WITHIN((celsius <= 130.0 ? 0.7 : 1.5) + 2.0 * slope, celsius,
+                                  0.01 * ntc_temperature_cC(code, BROKEN_cC));
+    }
+}
+
+void test_a_divider_with_another_resistor_that_is_open_or_shorted_is_broken(void)
+{
+    TEST_ASSERT_EQUAL_INT32(BROKEN_cC, ntc_temperature_cC(ntc_code_of_divider(0, 4700), BROKEN_cC));
+    TEST_ASSERT_EQUAL_INT32(BROKEN_cC,
+                            ntc_temperature_cC(ntc_code_of_divider(4095, 4700), BROKEN_cC));
+}

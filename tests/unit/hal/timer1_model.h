@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * timer1_model.h: TIM1 of the STM32F405 and the circuits connected to it, as far as
- * hal/stm32f405/inverter.c uses it, on a host: memory at the chip's addresses, and the rules of
+ * hal/stm32/inverter.c uses it, on a host: memory at the chip's addresses, and the rules of
  * RM0090 section 17 by which it changes.
  *
  *     update     the repetition counter counts ends of the count; at 0 it is loaded from RCR, the

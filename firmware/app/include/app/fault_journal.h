@@ -10,8 +10,8 @@
  * written leaves the one before.
  *
  * The older sector is erased at a start (fault_journal_make_space()) when the newer one is nearly
- * full: an erase takes up to a second, a record 2 ms. A sector holds 60 records or more and lasts
- * 10 000 erases: 600 000 records.
+ * full: an erase takes up to a second, a record 2 ms. A sector lasts 10 000 erases: of 16 KiB,
+ * which hold 60 records, 600 000 records; of 2 KiB, seven records, 70 000.
  *
  * Not counted are faults of a drive whose supply ends before the wheel was at rest once.
  */

@@ -66,7 +66,7 @@ flash_status_t flash_program(flash_sector_t sector, uint32_t at_bytes, const voi
                              uint32_t size_bytes)
 {
     if (at_bytes > FAKE_BYTES || size_bytes > FAKE_BYTES - at_bytes ||
-        (at_bytes | size_bytes) % 4U != 0) {
+        at_bytes % FLASH_UNIT_BYTES != 0 || size_bytes % 4U != 0) {
         return FLASH_TOO_LARGE;
     }
     for (uint32_t i = 0; i < size_bytes / 4U; i++) {

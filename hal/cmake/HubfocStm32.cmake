@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: Apache-2.0
+# hubfoc_stm32_port(TARGET BOARD_HEADER CHIP_SOURCE...): the port of one STM32 for one board, an
+# object library: what the chips have in common (hal/stm32) and the sources of the chip, from whose
+# folder this is called.
+set(HUBFOC_STM32 "${PROJECT_SOURCE_DIR}/hal/stm32")
+set(HUBFOC_STM32_SOURCES dead_time.c flash.c gpio.c interrupts.c inverter.c memory.c ntc.c power.c
+  rotor_sensor.c serial.c startup.c time.c watchdog.c)
+list(TRANSFORM HUBFOC_STM32_SOURCES PREPEND "${HUBFOC_STM32}/")
+
+# The PWM interrupt's; everything else no control step executes.
+set(HUBFOC_STM32_FAST inverter.c rotor_sensor.c analog.c)
+
+function(hubfoc_stm32_port target header)
+  add_library(${target} OBJECT ${HUBFOC_STM32_SOURCES} ${ARGN})
+  target_link_libraries(${target} PUBLIC hubfoc_hal PRIVATE hubfoc_warnings)
+  target_compile_definitions(${target} PRIVATE "HUBFOC_BOARD_HEADER=\"${header}\"")
+  target_include_directories(${target} PRIVATE "${CMAKE_CURRENT_SOURCE_DIR}" "${HUBFOC_STM32}")
+  foreach(source IN LISTS HUBFOC_STM32_SOURCES ARGN)
+    get_filename_component(name "${source}" NAME)
+    if(NOT name IN_LIST HUBFOC_STM32_FAST)
+      set_source_files_properties("${source}" PROPERTIES
+        COMPILE_OPTIONS "$<$<CONFIG:Release>:-Os>")
+    endif()
+  endforeach()
+endfunction()

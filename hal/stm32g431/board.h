@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * board.h: the board that this image is for, as data: boards/NAME.h, which the build chooses
+ * (tools/dev firmware --board NAME).
+ */
+#ifndef STM32G431_BOARD_H
+#define STM32G431_BOARD_H
+
+#include <stdint.h>
+
+#include "gpio.h"
+
+#ifndef HUBFOC_BOARD_HEADER
+#define HUBFOC_BOARD_HEADER "boards/b_g431b_esc1.h"
+#endif
+#include HUBFOC_BOARD_HEADER
+
+/* The timer whose inputs an encoder's pins are. */
+#define ENCODER TIM4
+
+enum {
+    /* Codes span the reference: half of it either way for a current, all of it for the voltage. */
+    BOARD_CURRENT_FULL_SCALE_mA =
+        (int)((int64_t)BOARD_REFERENCE_mV * 500000 * BOARD_AMPLIFIER_GAIN_DENOMINATOR /
+              (BOARD_SHUNT_uOhm * BOARD_AMPLIFIER_GAIN_NUMERATOR)),
+    BOARD_VOLTAGE_FULL_SCALE_mV =
+        (int)((int64_t)BOARD_REFERENCE_mV * (BOARD_DIVIDER_UPPER_Ohm + BOARD_DIVIDER_LOWER_Ohm) /
+              BOARD_DIVIDER_LOWER_Ohm)
+};
+
+_Static_assert(BOARD_CURRENT_FULL_SCALE_mA / 1000 >= BOARD_CURRENT_MOST_A,
+               "the amplifiers show what the board may carry");
+_Static_assert(BOARD_VOLTAGE_FULL_SCALE_mV / 1000 >= BOARD_VOLTAGE_MOST_V,
+               "the divider shows what the board may bear");
+
+#endif
