@@ -1,10 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every public function has a contract that is proved, or is listed as one without."""
 
+import dataclasses
 import re
+import shutil
+import subprocess
 from pathlib import Path
 
+import contract_harness
 import contracts
+import prove_contracts
+import pytest
 
 HEADER = """
 /* A speed.
@@ -20,12 +26,12 @@ void plain(void);
 """
 
 
-def registered() -> set[str]:
-    """Return the functions whose contracts CMakeLists.txt has proved."""
+def registered(variable: str) -> list[str]:
+    """Return the names in one of the lists of CMakeLists.txt."""
     text = (contracts.PROOFS / "CMakeLists.txt").read_text(encoding="utf-8")
-    match = re.search(r"headers\.\nforeach\(name IN ITEMS ([^)]*)\)", text)
+    match = re.search(rf"^set\({variable}([^)]*)\)", text, re.MULTILINE)
     assert match is not None
-    return set(match[1].split())
+    return match[1].split()
 
 
 def without() -> list[str]:
@@ -38,8 +44,18 @@ def test_every_public_function_has_a_contract_or_is_listed() -> None:
     assert without() == contracts.bare(), "python contracts.py without > without_contract.txt"
 
 
-def test_every_contract_is_proved() -> None:
-    assert registered() == {name for name, one in contracts.public().items() if one.post}
+def test_every_contract_is_proved_once_or_tested() -> None:
+    assert registered("groups") == list(contract_harness.GROUPS)
+    assert registered("heavy") == list(contract_harness.HEAVY)
+    grouped = [name for group in contract_harness.GROUPS
+               for name in contract_harness.functions_of(group)]  # fmt: skip
+    everywhere = [*grouped, *contract_harness.HEAVY, *contract_harness.TESTED]
+    assert sorted(everywhere) == sorted(contracts.known())
+
+
+def test_a_function_of_the_modules_is_never_only_tested() -> None:
+    for name in contract_harness.TESTED:
+        assert contracts.known()[name].part.startswith("core/")
 
 
 def test_a_precondition_alone_is_no_contract() -> None:
@@ -65,9 +81,8 @@ def test_a_contract_is_read_from_the_comment_before_its_function(tmp_path: Path)
     assert faster.pre == ("speed >= 0 && speed <= LIMIT",)
     assert faster.post == ("result >= old(speed + 1) && result < 9",)
     assert (plain.pre, plain.post, plain.parameters) == ((), (), ())
-    harness = contracts.Contract(
-        header, faster.name, faster.result, faster.parameters, faster.pre, faster.post
-    ).harness()
+    assert [given.name for given in faster.parameters] == ["thing", "speed"]
+    one = dataclasses.replace(faster, header=header)
     order = [
         "thing_t thing_object;",
         "thing_t *const thing = &thing_object;",
@@ -76,7 +91,112 @@ def test_a_contract_is_read_from_the_comment_before_its_function(tmp_path: Path)
         "const __typeof__(speed + 1) old_1 = speed + 1;",
         "const int32_t result = faster(thing, speed);",
         "PROVE(result >= old_1 && result < 9);",
-        "PROOF_END();",
+        '__CPROVER_assert(0, "the end of faster is reached");',
     ]
-    lines = [line.strip() for line in harness.splitlines()]
+    lines = [line.strip() for line in contract_harness.harness(one).splitlines()]
     assert [line for line in lines if line in order] == order
+    order = [
+        "int32_t faster_by_contract(const thing_t *thing, int32_t speed)",
+        "PROVE(speed >= 0 && speed <= LIMIT);",
+        "const __typeof__(speed + 1) old_1 = speed + 1;",
+        "int32_t result;",
+        "ASSUME(result >= old_1 && result < 9);",
+        "return result;",
+    ]
+    lines = [line.strip() for line in contract_harness.substitute(one).splitlines()]
+    assert [line for line in lines if line in order] == order
+
+
+def test_what_a_function_may_write_is_any_content_for_its_callers(tmp_path: Path) -> None:
+    file = tmp_path / "x.h"
+    file.write_text("/* @post *a == 0 */\nvoid fill(int32_t *a, limit_t b[3]);\n", encoding="utf-8")
+    (one,) = contracts.read(file)
+    lines = [line.strip() for line in contract_harness.substitute(one).splitlines()]
+    assert {"*a = any_a;", "b[at_b] = any;", "ASSUME(*a == 0);"} <= set(lines)
+
+
+@pytest.mark.parametrize(
+    ("printed", "wrong"),
+    [
+        ("[p.assertion.1] line 3 assertion x: SUCCESS\n{end}", 0),
+        ("[p.assertion.1] line 3 assertion x: FAILURE\n{end}", 1),
+        ("[p.assertion.1] line 3 assertion x: UNKNOWN\n{end}", 1),
+        ("[p.no-body.g] line 3 no body for callee g: FAILURE\n{end}", 1),
+        ("[p.assertion.1] line 3 assertion x: SUCCESS\n", 1),
+        ("[p.assertion.2] line 4 the end of f is reached: SUCCESS", 1),
+        ("CONVERSION ERROR", 2),
+    ],
+)
+def test_a_run_is_good_if_all_holds_and_every_end_is_reached(printed: str, wrong: int) -> None:
+    end = "[p.assertion.2] line 4 the end of f is reached: FAILURE"
+    assert len(prove_contracts.judge(printed.format(end=end), ["f"])) == wrong
+
+
+def test_contracts_of_core_hold_for_random_and_extreme_inputs(tmp_path: Path) -> None:
+    """What the solvers do not finish on; as many inputs for each function as take a second."""
+    compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+    assert compiler is not None
+    source = tmp_path / "tested.c"
+    source.write_text(program_that_tests(contract_harness.TESTED), encoding="utf-8")
+    core = contracts.FIRMWARE / "core"
+    program = tmp_path / "tested"
+    command = [compiler, "-O1", "-w", f"-I{contracts.PROOFS}", f"-I{core / 'include'}",
+               f"-I{contracts.FIRMWARE / 'config' / 'include'}", str(source),
+               str(core / "scaled.c"), str(core / "divide.c"), "-o", str(program)]  # fmt: skip
+    subprocess.run(command, check=True)
+    run = subprocess.run([str(program)], check=False, capture_output=True, text=True)
+    assert run.returncode == 0, run.stdout
+    counts = dict(line.split() for line in run.stdout.splitlines())
+    assert set(counts) == set(contract_harness.TESTED)
+    assert all(int(count) > 100_000 for count in counts.values()), counts
+
+
+def program_that_tests(names: tuple[str, ...]) -> str:
+    """Return a C program that calls functions with numbers of any length, edges among them."""
+    lines = [TESTED_HEAD]
+    for name in names:
+        one = contracts.known()[name]
+        lines += [f"static long test_{name}(void)", "{", "    long counted = 0;",
+                  "    for (long i = 0; i < 400000; i++) {"]  # fmt: skip
+        lines += [f"        const {given.type} {given.name} = ({given.type})any();"
+                  for given in one.parameters]  # fmt: skip
+        lines += [f"        if (!({line})) continue;" for line in one.pre]
+        given = ", ".join(parameter.name for parameter in one.parameters)
+        lines += [f"        const {one.result} result = {name}({given});"]
+        lines += [f'        if (!({line})) {{ puts("{name}"); exit(1); }}' for line in one.post]
+        lines += ["        counted++;", "    }", "    return counted;", "}"]
+    lines += ["int main(void)", "{"]
+    lines += [f'    printf("{name} %ld\\n", test_{name}());' for name in names]
+    return "\n".join([*lines, "    return 0;", "}", ""])
+
+
+TESTED_HEAD = """
+#include <stdio.h>
+#include <stdlib.h>
+#include "core/divide.h"
+#include "core/q15.h"
+#include "core/scaled.h"
+#define __CPROVER_assume(condition) ((void)(condition))
+#include "contract.h"
+static uint64_t bits(void)
+{
+    static uint64_t x = 88172645463325252u;
+    x ^= x << 13;
+    x ^= x >> 7;
+    x ^= x << 17;
+    return x;
+}
+/* Of any length up to 64 digits, of either sign; a third at or beside a power of two, a third near
+ * the number before. */
+static int64_t any(void)
+{
+    static uint64_t before;
+    const unsigned digits = (unsigned)(bits() % 65u);
+    const uint64_t random = digits == 0 ? 0 : bits() >> (64u - digits);
+    const uint64_t near = (UINT64_C(1) << (digits & 63u)) + bits() % 5u - 2u;
+    const uint64_t which = bits() % 3u;
+    const uint64_t x = which == 0 ? random : which == 1 ? near : before + bits() % 5u - 2u;
+    before = x;
+    return (int64_t)(bits() & 1u ? x : 0u - x);
+}
+"""

@@ -3,7 +3,8 @@
 
 A test of ctest is one program. How many test functions it ran is in the summary that Unity or
 pytest prints at its end, and the run's log has the whole output of every test. A proof is one case,
-the check that its assumptions can be met another test.
+the check that its assumptions can be met another test. A run that proves several functions says how
+many.
 """
 
 import re
@@ -18,6 +19,7 @@ _OUTPUT, _END = "Output:", "<end of output>"
 _UNITY = re.compile(r"(\d+) Tests \d+ Failures \d+ Ignored")
 _PYTEST = re.compile(r"^(?:=+ )?(\d+ [a-z]+(?:, \d+ [a-z]+)*) in [\d.]+s")
 _PYTEST_CASES = re.compile(r"(\d+) (?:passed|failed|skipped|xfailed|xpassed|errors?)\b")
+_CONTRACTS = re.compile(r"^(\d+) contracts proved: ")
 _NOT_A_PROOF = "_has_possible_inputs"
 KINDS = ("Unity functions", "property cases", "pytest cases", "proofs")
 
@@ -41,7 +43,8 @@ def outputs(log: Path) -> dict[str, list[str]]:
 def cases_of(test: Test, printed: Sequence[str]) -> tuple[str, int] | None:
     """Return kind and number of a test's cases; None of a test that has none of these kinds."""
     if "proof" in test.labels:
-        return None if test.name.endswith(_NOT_A_PROOF) else ("proofs", 1)
+        several = [int(match[1]) for line in printed if (match := _CONTRACTS.match(line))]
+        return None if test.name.endswith(_NOT_A_PROOF) else ("proofs", sum(several) or 1)
     if "python" in test.labels:
         for line in reversed(printed):
             if match := _PYTEST.match(line):

@@ -15,7 +15,20 @@
 
 enum { SCALED_ONE = 1 << 24 };
 
-/* a b / 2^24, rounded down. |a b| < 2^55. */
+/* a b / 2^24, rounded down. |a b| < 2^55.
+ *
+ * @pre is_within((int64_t)a * b, 1 - (INT64_C(1) << 55), (INT64_C(1) << 55) - 1)
+ *
+ * @post (a < 0 || b < 0 || result >= 0) && (a > 0 || b > 0 || result >= 0)
+ *
+ * @post (a < 0 || b > 0 || result <= 0) && (b < 0 || a > 0 || result <= 0)
+ *
+ * @post q_abs(b) > SCALED_ONE || is_within(result, -q_abs(a), q_abs(a))
+ *
+ * @post q_abs(a) > SCALED_ONE || is_within(result, -q_abs(b), q_abs(b))
+ *
+ * @post b != SCALED_ONE || result == a
+ */
 static inline int32_t scaled_multiply(int32_t a, int32_t b)
 {
     return (int32_t)(((int64_t)a * b) >> 24);
@@ -54,12 +67,21 @@ static inline uint32_t scaled_upper(uint32_t a, uint32_t b)
     return (uint32_t)(((uint64_t)a * b) >> 32);
 }
 
-/*
- * n 2^24 / d to nearest, d > 0; relative error below 2^-27. A quotient beyond +-2^29 is some number
+/* n 2^24 / d to nearest, d > 0; relative error below 2^-27. A quotient beyond +-2^29 is some number
  * of its sign between 2^29 and 2^30.
  *
  * d is shifted until its highest bit is bit 31. A division gives 16 digits of its reciprocal, with
  * a relative error e, |e| < 2^-15; one step of Newton's method leaves e^2.
+ *
+ * @pre d > 0
+ *
+ * @post (n < 0 || result >= 0) && (n > 0 || result <= 0) && q_abs(result) <= 1 << 30
+ *
+ * @post q_abs(n) > d || q_abs(result) <= SCALED_ONE
+ *
+ * @post q_abs(n) / 8 >= d || q_abs(result) <= 8 * SCALED_ONE
+ *
+ * @post q_abs(n) >= d || d > SCALED_ONE || q_abs(result) < SCALED_ONE
  */
 static inline int32_t scaled_ratio(int32_t n, int32_t d)
 {
@@ -79,7 +101,12 @@ static inline int32_t scaled_ratio(int32_t n, int32_t d)
     return (int32_t)(((((product >> 1 >> shift) + 1U) >> 1) ^ sign) - sign);
 }
 
-/* The square root of x, 0 <= x < 2^62; relative error below 2^-14, at most one unit below 2^16. */
+/* The square root of x, 0 <= x < 2^62; relative error below 2^-14, at most one unit below 2^16.
+ *
+ * @pre x < INT64_C(1) << 62
+ *
+ * @post result >= 0 && (x > 0 || result == 0)
+ */
 int32_t scaled_root(int64_t x);
 
 /* value 2^shift / divisor, 0 <= value, 0 < divisor < 2^62; saturated at 2^30. Takes a

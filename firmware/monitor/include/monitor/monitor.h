@@ -80,11 +80,27 @@ typedef struct {
     uint32_t least_square; /* Q30, of the current vector at the present setpoint; below the trip */
 } monitor_fast_input_t;
 
+/* @post state->trip == REASON_NONE && state->inverted_trip == ~(uint32_t)REASON_NONE
+ *
+ * @post state->trip_periods > 0 && state->dead_periods > 0 && state->dead_periods <= INT16_MAX
+ *
+ * @post state->current_periods == 0 && state->periods_left >= 0 && state->periods_left ==
+ * state->stale_limit_periods
+ *
+ * @post is_within(state->last_v_dc_pu, 0, 65536) && state->overcurrent_square <=
+ * (uint32_t)((Q15_ONE - 1) * (Q15_ONE - 1))
+ */
 void monitor_fast_init(monitor_fast_state_t *state, const config_t *config);
 
 /* Background: false if the trip differs from its inverted copy, or a limit from what the
  * configuration makes it. A trip that comes in the middle of the comparison may look like damage:
- * two calls in a row decide. */
+ * two calls in a row decide.
+ *
+ * @post !result || state->inverted_trip == ~(uint32_t)state->trip
+ *
+ * @post !result || (state->trip_periods == config->monitor.overcurrent_periods &&
+ * state->overcurrent_square <= (uint32_t)((Q15_ONE - 1) * (Q15_ONE - 1)))
+ */
 bool monitor_fast_intact(const monitor_fast_state_t *state, const config_t *config);
 
 /* monitor_fast_step() is in monitor_fast.h. */
@@ -179,7 +195,10 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
                                    const monitor_slow_input_t *in);
 
 /* Braking torque that the voltage may force at a speed whatever is commanded: 0 or
- * motor.max_torque. README, Natural torque. */
+ * motor.max_torque. README, Natural torque.
+ *
+ * @post result == 0 || result == config->motor.max_torque_mNm
+ */
 int32_t monitor_forced_torque_mNm(const config_t *config, int32_t speed_mrad_s,
                                   int32_t bus_voltage_mV);
 

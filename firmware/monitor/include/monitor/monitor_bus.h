@@ -31,7 +31,26 @@ typedef struct {
 } monitor_bus_state_t;
 
 /* True while the sensor is wrong (qualified). reading_mV: mean of this millisecond. battery_mV: of
- * the latest message; 0: none, or the contactor is not known to be closed. */
+ * the latest message; 0: none, or the contactor is not known to be closed.
+ *
+ * @pre every(i, 2, is_within(state->lowest_mV[i], 0, MONITOR_BUS_MOST_mV) &&
+ * is_within(state->highest_mV[i], 0, MONITOR_BUS_MOST_mV))
+ *
+ * @pre state->steps <= MONITOR_BUS_WINDOW_STEPS && state->level <= MONITOR_BUS_QUALIFY_STEPS
+ *
+ * @post every(i, 2, is_within(state->lowest_mV[i], 0, MONITOR_BUS_MOST_mV) &&
+ * is_within(state->highest_mV[i], 0, MONITOR_BUS_MOST_mV))
+ *
+ * @post state->steps <= MONITOR_BUS_WINDOW_STEPS && state->level <= MONITOR_BUS_QUALIFY_STEPS
+ *
+ * @post battery_mV > 0 || !result
+ *
+ * @post !result || state->wrong
+ *
+ * @post !result || old(state->wrong) || state->level == MONITOR_BUS_QUALIFY_STEPS
+ *
+ * @post state->level <= old(state->level) + 1
+ */
 bool monitor_bus_step(monitor_bus_state_t *state, int32_t reading_mV, int32_t battery_mV);
 
 #endif

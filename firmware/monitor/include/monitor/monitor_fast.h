@@ -8,7 +8,23 @@
 #include "monitor/monitor.h"
 
 /* A current vector that is too long, or that has vanished from one sample to the next. The count is
- * of periods above the trip, or negative, of periods at zero. */
+ * of periods above the trip, or negative, of periods at zero.
+ *
+ * @pre state->trip_periods > 0 && state->dead_periods > 0 && state->dead_periods <= INT16_MAX
+ *
+ * @pre state->current_periods > -state->dead_periods || state->current_periods == INT16_MIN
+ *
+ * @pre state->current_periods < state->trip_periods
+ *
+ * @post state->current_periods <= state->trip_periods && (state->current_periods >=
+ * -state->dead_periods || state->current_periods == INT16_MIN)
+ *
+ * @post square < in->least_square || result == REASON_NONE || result == REASON_OVERCURRENT
+ *
+ * @post square >= in->least_square || square <= MONITOR_DEAD_SQUARE || result == REASON_NONE
+ *
+ * @post (result == REASON_OVERCURRENT) == (state->current_periods == state->trip_periods)
+ */
 static inline reason_t monitor_fast_current(monitor_fast_state_t *state,
                                             const monitor_fast_input_t *in, uint32_t square)
 {

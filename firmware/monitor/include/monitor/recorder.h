@@ -119,7 +119,14 @@ typedef struct {
  * as well if their check agrees, and everything else is zeroed. */
 void recorder_init(recorder_t *recorder, recorder_memory_t *memory, const recorder_start_t *start);
 
-/* Background: a restart follows on purpose, which is no fault. A record is kept. */
+/* Background: a restart follows on purpose, which is no fault. A record is kept.
+ *
+ * @post recorder->memory->phase == old(recorder->memory->phase) || (old(recorder->memory->phase)
+ * == RECORDER_RECORDING && recorder->memory->phase == RECORDER_EMPTY && !recorder->takes_samples)
+ *
+ * @post recorder->memory->phase != RECORDER_RECORDING && recorder->memory->reason ==
+ * old(recorder->memory->reason)
+ */
 void recorder_expect_restart(recorder_t *recorder);
 
 /* PWM period, after the compare values are known, while recorder_t.takes_samples was true in the

@@ -47,9 +47,18 @@ typedef struct {
     bool falling;        /* at the torque rate, towards a smaller torque of the same sign */
 } torque_command_out_t;
 
-/* Permitted change of the torque's magnitude in one slow step; negative: it must fall. */
+/* Permitted change of the torque's magnitude in one slow step; negative: it must fall.
+ *
+ * @post q_abs(result) <= q_max(config->brake.torque_rate_mNm_s / 1000, 1)
+ *
+ * @post voltage_use_q15 < config->brake.torque_growth_end_q15 || result <= 0
+ *
+ * @post voltage_use_q15 > config->brake.torque_growth_end_q15 || result >= 0
+ */
 int32_t torque_command_growth_mNm(const config_t *config, int32_t voltage_use_q15);
 
+/* @post state->command_mNm == 0 && !state->braked
+ */
 void torque_command_init(torque_command_state_t *state);
 
 /* While the bridge does not switch, the command is zero at once, without a ramp. */

@@ -289,6 +289,7 @@ def test_cases_are_counted_by_kind_and_preset_from_what_ran(tmp_path: Path) -> N
         ("host", "table", ["python"], "2 failed, 70 passed, 1 skipped, 3 warnings in 8.21s"),
         ("host", "cli", ["python"], "== 1 passed in 61.00s (0:01:01) =="),
         ("host", "proof_circle", ["proof"], "VERIFICATION SUCCESSFUL"),
+        ("host", "contracts_limit", ["proof"], "3 contracts proved: a, b, c"),
         ("host", "proof_circle_has_possible_inputs", ["proof"], "VERIFICATION FAILED"),
         ("host", "boots", ["target"], "result: READY"),
     ]
@@ -306,12 +307,12 @@ def test_cases_are_counted_by_kind_and_preset_from_what_ran(tmp_path: Path) -> N
     results = {test.full_name: Result("Passed", 1.0) for test in tests}
     line = cases.closing_line(tests, results, cases.outputs(log))
     assert line == (
-        "Cases: 8 tests ran; 7 Unity functions (3 host, 4 qemu); 5 property cases (5 host);"
-        " 74 pytest cases (74 host); 1 proofs (1 host)."
+        "Cases: 9 tests ran; 7 Unity functions (3 host, 4 qemu); 5 property cases (5 host);"
+        " 74 pytest cases (74 host); 4 proofs (4 host)."
     )
     # What was skipped or never started counts nowhere.
     results["host:circle"] = Result("Skipped", 0.0)
-    del results["host:table"], results["host:proof_circle"]
+    del results["host:table"], results["host:proof_circle"], results["host:contracts_limit"]
     line = cases.closing_line(tests, results, cases.outputs(log))
     assert line == (
         "Cases: 5 tests ran; 4 Unity functions (4 qemu); 5 property cases (5 host);"

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * contract.h: what the contracts' expressions may use, and the configuration of their proofs: any
+ * one whose fields are within the ranges of config.h. The elements of its tables are any values.
+ */
+#ifndef CONTRACT_H
+#define CONTRACT_H
+
+#include "config/config.h"
+#include "proof.h"
+
+/* True if a condition holds for i = 0 .. n - 1, and if it does for one of them. */
+#define every(i, n, condition)                                                                     \
+    ({                                                                                             \
+        bool all_of = true;                                                                        \
+        for (int i = 0; i < (n); i++) {                                                            \
+            all_of = all_of && (condition);                                                        \
+        }                                                                                          \
+        all_of;                                                                                    \
+    })
+#define some(i, n, condition) (!every(i, n, !(condition)))
+
+/* lowest <= x <= highest */
+#define is_within(x, lowest, highest) ((x) >= (lowest) && (x) <= (highest))
+
+extern config_t proof_config;
+
+#define CONTRACT_FIELD(name, lowest, highest, unit, text)                                          \
+    ASSUME(is_within(any.name, lowest, highest));
+#define CONTRACT_SECTION(section, fields)                                                          \
+    {                                                                                              \
+        config_##section##_t any;                                                                  \
+        fields(CONTRACT_FIELD);                                                                    \
+        proof_config.section = any;                                                                \
+    }
+
+static inline void any_configuration(void)
+{
+    CONTRACT_SECTION(motor, CONFIG_MOTOR_FIELDS)
+    CONTRACT_SECTION(drive, CONFIG_DRIVE_FIELDS)
+    CONTRACT_SECTION(current_loop, CONFIG_CURRENT_LOOP_FIELDS)
+    CONTRACT_SECTION(rotor, CONFIG_ROTOR_FIELDS)
+    CONTRACT_SECTION(battery, CONFIG_BATTERY_FIELDS)
+    CONTRACT_SECTION(brake, CONFIG_BRAKE_FIELDS)
+    CONTRACT_SECTION(vehicle, CONFIG_VEHICLE_FIELDS)
+    CONTRACT_SECTION(driver, CONFIG_DRIVER_FIELDS)
+    CONTRACT_SECTION(pedals, CONFIG_PEDALS_FIELDS)
+    CONTRACT_SECTION(modes, CONFIG_MODES_FIELDS)
+    CONTRACT_SECTION(monitor, CONFIG_MONITOR_FIELDS)
+    CONTRACT_SECTION(thermal, CONFIG_THERMAL_FIELDS)
+    CONTRACT_SECTION(regen_map, CONFIG_REGEN_MAP_FIELDS)
+    CONTRACT_SECTION(current_map, CONFIG_CURRENT_MAP_FIELDS)
+}
+
+#endif

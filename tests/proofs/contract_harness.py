@@ -1,0 +1,248 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The C sources of a run of CBMC that proves the contracts of some functions (contracts.py).
+
+One run takes one or more parts, a header with its sources. A number that CBMC chooses selects the
+function to prove, so that one run proves all. Each part is one translation unit: it includes the
+sources under proof, and calls of functions with a contract from elsewhere are renamed to
+NAME_by_contract. Those are made here: they prove the preconditions, give any content to what the
+function may write and any result, and assume the postconditions. A call of any other function
+without a body is a failure of CBMC.
+"""
+
+import re
+from collections.abc import Iterable
+from pathlib import Path
+
+import contracts
+from contracts import FIRMWARE, PROOFS, Contract, Parameter
+
+# What is proved together in one run: the functions of these headers, without HEAVY.
+GROUPS: dict[str, tuple[str, ...]] = {
+    "modes": ("modes/modes",),
+    "monitor": ("monitor/monitor", "monitor/monitor_rotor", "monitor/monitor_fast",
+                "monitor/monitor_bus", "monitor/monitor_current", "monitor/monitor_open",
+                "monitor/monitor_stuck", "monitor/monitor_temperature"),
+    "recorder": ("monitor/recorder",),
+    "controller": ("controller/bridge_choice", "controller/current_expectation",
+                   "controller/temperatures"),
+    "torque": ("torque/limit", "torque/lift_off", "torque/stop_lamp", "torque/foldback",
+               "torque/demand", "torque/hill_hold", "torque/torque_command",
+               "torque/hydraulic_model", "torque/torque_limits", "torque/pedals"),
+}  # fmt: skip
+# Proved one by one, with `./tools/dev test --full` only.
+HEAVY: tuple[str, ...] = (
+    "torque_limits_winding", "torque_limits_switch", "torque_limits_max_speed",
+)  # fmt: skip
+# Of core: not proved but tested with random and extreme inputs (test_contracts.py).
+TESTED: tuple[str, ...] = (
+    "q_scale", "q15_share_of", "scaled_multiply", "scaled_ratio", "scaled_root",
+    "divide_by_thousand", "divide_by_million", "divide_by_billion",
+)  # fmt: skip
+
+# Sources of a part, where they are not the one of the header's name.
+SOURCES = {
+    "monitor/monitor": ("monitor_fast.c", "monitor_slow.c"),
+    "monitor/monitor_fast": (),
+    "torque/feasible_torque": ("feasible_torque.c", "feasible_circle.c", "feasible_power.c"),
+}
+# Of core, as they are, where they have no contract.
+CORE_SOURCES = ("angle", "drive_direction", "fault", "grid", "isqrt", "divide", "scaled")
+# Members that point to an object of their own.
+POINTEES = {
+    "motor_model_t": {"constants": "motor_constants_t", "config": "config_t"},
+    "feasible_set_t": {"model": "motor_model_t"},
+    "feasible_side_t": {"set": "feasible_set_t"},
+    "recorder_t": {"memory": "recorder_memory_t"},
+}
+CHECKS = (
+    "--signed-overflow-check",
+    "--undefined-shift-check",
+    "--div-by-zero-check",
+    "--bounds-check",
+    "--pointer-check",
+    "--unwind",
+    "20",
+    "--unwinding-assertions",
+)
+CORE_HEADERS = tuple(path.name for path in sorted(FIRMWARE.glob("core/include/core/*.h")))
+
+
+def functions_of(chosen: str) -> list[str]:
+    """Return the functions of a group, or the one of that name."""
+    if chosen not in GROUPS:
+        return [contracts.known()[chosen].name]
+    return [one.name for one in contracts.known().values()
+            if one.part in GROUPS[chosen] and one.name not in (*HEAVY, *TESTED)]  # fmt: skip
+
+
+def _include(header: Path) -> str:
+    name = header.as_posix()
+    return f'#include "{name.split("/include/")[1] if "/include/" in name else header.name}"'
+
+
+def _sources(part: str) -> list[Path]:
+    module, own = part.split("/")
+    paths = [FIRMWARE / module / name for name in SOURCES.get(part, (f"{own}.c",))]
+    return [path for path in paths if path.is_file()]
+
+
+def _declared(parameter: Parameter) -> str:
+    const = "const " if parameter.const else ""
+    if parameter.count:
+        return f"{const}{parameter.type} {parameter.name}[{parameter.count}]"
+    return f"{const}{parameter.type} {'*' if parameter.pointer else ''}{parameter.name}"
+
+
+def _prototype(one: Contract) -> str:
+    given = ", ".join(_declared(parameter) for parameter in one.parameters) or "void"
+    return f"{one.result} {one.name}_by_contract({given})"
+
+
+class _Conditions:
+    """Postconditions with what they take from before the call."""
+
+    def __init__(self, post: Iterable[str]) -> None:
+        self.olds: list[str] = []
+        self.post = [re.sub(r"\bold\(((?:[^()]|\([^()]*\))*)\)", self._kept, line) for line in post]
+
+    def _kept(self, match: re.Match[str]) -> str:
+        self.olds.append(match[1])
+        return f"old_{len(self.olds)}"
+
+    def before(self) -> list[str]:
+        return [f"    const __typeof__({old}) old_{n} = {old};"
+                for n, old in enumerate(self.olds, 1)]  # fmt: skip
+
+
+def _pointees(kind: str, path: str, object_name: str) -> list[str]:
+    lines = []
+    for member, inner in POINTEES.get(kind, {}).items():
+        if inner == "config_t":
+            lines.append(f"    {path}.{member} = &proof_config;")
+            continue
+        name = f"{object_name}_{member}"
+        lines += [f"    {inner} {name};", *_pointees(inner, name, name)]
+        lines.append(f"    {path}.{member} = &{name};")
+    return lines
+
+
+def _argument(parameter: Parameter) -> list[str]:
+    kind, name = parameter.type, parameter.name
+    if parameter.count:
+        return [f"    {kind} {name}[{parameter.count}];"]
+    if not parameter.pointer:
+        return [f"    {kind} {name};"]
+    if kind == "config_t":
+        return [f"    const config_t *const {name} = &proof_config;"]
+    lines = [f"    {kind} {name}_object;"]
+    lines += _pointees(kind, f"{name}_object", f"{name}_object")
+    return [*lines, f"    {kind} *const {name} = &{name}_object;"]
+
+
+def harness(one: Contract) -> str:
+    """Return a proof: any parameters that meet the preconditions, the call, what follows."""
+    conditions = _Conditions(one.post)
+    lines = [f"void prove_{one.name}(void)", "{"]
+    for parameter in one.parameters:
+        lines += _argument(parameter)
+    lines += [f"    ASSUME({line});" for line in one.pre]
+    lines += conditions.before()
+    call = f"{one.name}({', '.join(parameter.name for parameter in one.parameters)});"
+    lines.append(
+        f"    {call}" if one.result == "void" else f"    const {one.result} result = {call}"
+    )
+    lines += [f"    PROVE({line});" for line in conditions.post]
+    lines.append(f'    __CPROVER_assert(0, "the end of {one.name} is reached");')
+    return "\n".join([*lines, "}", ""])
+
+
+def substitute(one: Contract) -> str:
+    """Return what replaces a function for its callers: any behaviour that the contract allows."""
+    conditions = _Conditions(one.post)
+    lines = [_prototype(one), "{"]
+    lines += [f"    PROVE({line});" for line in one.pre]
+    lines += [f"    PROVE({parameter.name} == &proof_config);"
+              for parameter in one.parameters if parameter.type == "config_t"]  # fmt: skip
+    lines += conditions.before()
+    for parameter in one.parameters:
+        if parameter.written and parameter.count:
+            lines += [
+                f"    for (int at_{parameter.name} = 0; at_{parameter.name} < {parameter.count}; "
+                f"at_{parameter.name}++) {{",
+                f"        {parameter.type} any;",
+                f"        {parameter.name}[at_{parameter.name}] = any;",
+                "    }",
+            ]
+        elif parameter.written:
+            lines += [
+                f"    {parameter.type} any_{parameter.name};",
+                *[f"    any_{parameter.name}.{member} = {parameter.name}->{member};"
+                  for member in POINTEES.get(parameter.type, {})],
+                f"    *{parameter.name} = any_{parameter.name};",
+            ]  # fmt: skip
+    if one.result != "void":
+        lines.append(f"    {one.result} result;")
+    lines += [f"    ASSUME({line});" for line in conditions.post]
+    if one.result != "void":
+        lines.append("    return result;")
+    return "\n".join([*lines, "}", ""])
+
+
+def _core_includes() -> list[str]:
+    return ['#include "proof.h"', *(f'#include "core/{name}"' for name in CORE_HEADERS),
+            '#include "contract.h"']  # fmt: skip
+
+
+def _unit(part: str, names: list[str]) -> str:
+    """Return the translation unit of a part: its sources and the proofs of its functions."""
+    known = contracts.known()
+    elsewhere = [one for one in known.values() if one.part != part]
+    elsewhere = [one for one in elsewhere if not one.inline or one.part.startswith("core/")]
+    lines = _core_includes()
+    lines += [f"{_prototype(one)};" for one in elsewhere if one.part.startswith("core/")]
+    lines += [f"#define {one.name} {one.name}_by_contract" for one in elsewhere]
+    header = next(one.header for one in known.values() if one.part == part)
+    lines += [_include(header), *(f'#include "{path}"' for path in _sources(part))]
+    lines += [harness(known[name]) for name in names]
+    return "\n".join([*lines, ""])
+
+
+def _substitutes(names: Iterable[str]) -> str:
+    known = contracts.known()
+    replaced = [one for one in known.values() if not one.inline or one.part.startswith("core/")]
+    headers = {one.header: None for one in replaced}
+    lines = [*_core_includes(), "config_t proof_config;", *map(_include, headers)]
+    lines += [substitute(one) for one in replaced]
+    lines += [f"void prove_{name}(void);" for name in names]
+    lines += ["void prove_all(void)", "{", "    any_configuration();", "    uint8_t which;"]
+    lines.append("    switch (which) {")
+    for number, name in enumerate(names):
+        lines += [f"    case {number}:", f"        prove_{name}();", "        break;"]
+    return "\n".join([*lines, "    default:", "        break;", "    }", "}", ""])
+
+
+def command(folder: Path, names: list[str]) -> list[str]:
+    """Write the sources of a run into a folder and return CBMC's arguments."""
+    known = contracts.known()
+    parts: dict[str, list[str]] = {}
+    for name in names:
+        parts.setdefault(known[name].part, []).append(name)
+    files = [folder / "substitutes.c"]
+    files[0].write_text(_substitutes(names), encoding="utf-8")
+    for part, own in parts.items():
+        files.append(folder / f"{part.replace('/', '_')}.c")
+        files[-1].write_text(_unit(part, own), encoding="utf-8")
+    includes = [PROOFS, *FIRMWARE.glob("*/include")]
+    includes += [path for path in FIRMWARE.iterdir() if path.is_dir()]
+    core = [FIRMWARE / "core" / f"{name}.c" for name in CORE_SOURCES]
+    core = [path for path in core if f"core/{path.stem}" not in parts]
+    return [
+        "--function",
+        "prove_all",
+        *(f"-I{path}" for path in includes),
+        *map(str, files),
+        *map(str, core),
+        *CHECKS,
+        "--verbosity",
+        "4",
+    ]
