@@ -356,12 +356,15 @@ class DevCommandTest(DevFixture):
             (self.home / f"build/{port}").mkdir(parents=True)
             for suffix in ("bin", "hex"):
                 (self.home / f"build/{port}/hubfoc_{port}.{suffix}").touch()
+        (generated / "wheel24v.c").touch()
         asked = [([], *boards[0]), *((["--board", board], port, board) for port, board in boards)]
         for arguments, port, board in asked:
             result = self.run_dev("firmware", *arguments, path=path, environment=environment)
             self.assertEqual(result.returncode, 0, result.stderr)
             configured = [c for c in self.calls("cmake") if c.startswith(f"--preset {port} ")]
             self.assertTrue(configured[-1].endswith(f"-DHUBFOC_BOARD={board}"), configured)
+            config = "wheel24v" if port == "stm32g431" else "lu2013"
+            self.assertIn(f"-DHUBFOC_CONFIG={config} ", configured[-1])
 
     def test_table_writes_the_requested_files_and_plots_to_the_given_directory(self) -> None:
         path, environment = self.pretend_everything_is_installed()

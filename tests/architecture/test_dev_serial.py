@@ -54,7 +54,8 @@ class DevSerialTest(DevFixture):
     def test_a_dry_run_prints_the_command_and_runs_none(self) -> None:
         path, environment = self.pretend_everything_is_installed()
         (self.home / "firmware/config/generated").mkdir(parents=True)
-        (self.home / "firmware/config/generated/lu2013.c").touch()
+        for name in ("lu2013", "wheel24v"):
+            (self.home / f"firmware/config/generated/{name}.c").touch()
         for port in ("stm32f405", "stm32g431"):
             (self.home / f"build/{port}").mkdir(parents=True)
             for name in (f"hubfoc_{port}.bin", f"hubfoc_{port}.hex"):

@@ -34,7 +34,7 @@ add_test(NAME stm32g431_image_fits
     --build-generator Ninja --build-target hubfoc_stm32g431 --build-options
     -DHUBFOC_PORT=stm32g431 -DHUBFOC_TESTS=OFF "-DCMAKE_TOOLCHAIN_FILE=${CMAKE_TOOLCHAIN_FILE}"
     -DCMAKE_BUILD_TYPE=Release --test-command "${CMAKE_COMMAND}" "-DNM=${CMAKE_NM}"
-    "-DELF=${other}/hubfoc_stm32g431.elf" -DCONFIG=CONFIG_LU2013 -DCHIP=stm32g431
+    "-DELF=${other}/hubfoc_stm32g431.elf" -DCONFIG=CONFIG_WHEEL24V -DCHIP=stm32g431
     -P "${CMAKE_CURRENT_LIST_DIR}/check_layout.cmake")
 set_tests_properties(stm32g431_image_fits PROPERTIES LABELS "target;full" TIMEOUT 600)
 

@@ -145,6 +145,11 @@ build_for_tests() {
     done
 }
 
+# default_config PORT: the board of the stm32g431 is made for 25 V.
+default_config() {
+    if [[ $1 == stm32g431 ]]; then echo wheel24v; else echo "$DEFAULT_CONFIG"; fi
+}
+
 # port_of_board BOARD: nothing if there is no such board.
 port_of_board() {
     local port

@@ -77,7 +77,8 @@ Usage: tools/dev firmware [PORT] [--config NAME] [--board BOARD]
 
 Builds the firmware for PORT, stm32f405 (default), stm32g431 or qemu; prints its sizes, the depth of
 the stack and the paths of ELF, BIN and HEX. NAME is a configuration in firmware/config/generated
-(made by tools/dev table); lu2013 if not given. BOARD, from which PORT follows, is one of
+(made by tools/dev table); if not given, wheel24v for stm32g431 and lu2013 for the others. BOARD,
+from which PORT follows, is one of
     stm32f405: ${BOARDS_stm32f405[*]}
     stm32g431: ${BOARDS_stm32g431[*]}
 (hal/<port>/boards); the port's first if not given.

@@ -340,12 +340,12 @@ def test_the_configured_resistance_is_that_of_the_pack_times_the_wheels(change: 
     assert unpack(image.build(one)).battery.resistance_uOhm == 20000
 
 
-@pytest.mark.parametrize("path", sorted(MOTORS.glob("*.toml")), ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", sorted(MOTORS.rglob("*.toml")), ids=lambda path: path.stem)
 def test_the_stored_files_equal_those_generated_from_their_toml(path: Path) -> None:
     generate.check(schema.load(path), GENERATED)
 
 
-@pytest.mark.parametrize("path", sorted(MOTORS.glob("*.toml")), ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", sorted(MOTORS.rglob("*.toml")), ids=lambda path: path.stem)
 def test_the_compiled_c_file_has_the_bytes_of_the_binary(tmp_path: Path, path: Path) -> None:
     compiled, section = tmp_path / "config.o", tmp_path / "config.bin"
     place = '-DCONFIG_SECTION=__attribute__((section(".hubfoc_config")))'
