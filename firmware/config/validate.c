@@ -260,124 +260,109 @@ static bool flux_left_everywhere(const config_t *c)
     return good;
 }
 
-typedef struct {
-    bool holds;
-    const char *relation;
-} relation_t;
-
-/* The first of these that does not hold; NULL if all do. */
-static const char *broken(const relation_t *relations, size_t count)
-{
-    for (size_t r = 0; r < count; r++) {
-        if (!relations[r].holds) {
-            return relations[r].relation;
-        }
+/* The text of the first relation that does not hold. */
+#define REQUIRE(relation, text)                                                                    \
+    if (!(relation)) {                                                                             \
+        return text;                                                                               \
     }
-    return NULL;
-}
 
 static const char *broken_in_drive(const config_t *c)
 {
     const int64_t max_current_pu_q15 =
         (int64_t)c->motor.max_phase_current_mA * 32768 / c->drive.current_full_scale_mA;
-    const relation_t relations[] = {
-        {c->motor.rated_torque_mNm <= c->motor.max_torque_mNm,
-         "motor.rated_torque_mNm <= motor.max_torque_mNm"},
-        {c->motor.derate_winding_temperature_cC < c->motor.max_winding_temperature_cC,
-         "motor.derate_winding_temperature_cC < motor.max_winding_temperature_cC"},
-        {c->motor.type == CONFIG_MOTOR_IPMSM ||
-             c->motor.d_inductance_nH == c->motor.q_inductance_nH,
-         "motor.d_inductance_nH = motor.q_inductance_nH for surface magnets"},
-        {c->drive.derate_switch_temperature_cC <= c->drive.max_switch_temperature_cC,
-         "drive.derate_switch_temperature_cC <= drive.max_switch_temperature_cC"},
-        {c->drive.min_pulse_counts * 5 <= c->drive.pwm_period_counts,
-         "drive.min_pulse_counts <= drive.pwm_period_counts / 5"},
-        {bases_dead_time_share_1e9(c) <= 125000000,
-         "drive.dead_time_ns, with drive.diode_drop_mV, within an eighth of the PWM period"},
-        {max_current_pu_q15 <= c->current_loop.max_current_pu_q15 + 1,
-         "motor.max_phase_current_mA within current_loop.max_current_pu_q15"},
-        {c->current_loop.max_current_pu_q15 < c->monitor.overcurrent_pu_q15,
-         "current_loop.max_current_pu_q15 < monitor.overcurrent_pu_q15"},
-        {overcurrent_can_be_seen(&c->monitor), "monitor.overcurrent_pu_q15 within the converter's "
-                                               "range less monitor.offset_tolerance_codes"},
-        {speed_within_base(c),
-         "motor.max_speed_mrad_s within a sixteenth of an electrical turn a PWM period"},
-        {gains_fit(c), "current_loop gains fit their formats at battery.undervoltage_trip_mV"},
-        {cross_coupling_fits(c),
-         "current_loop inductances fit their formats at motor.max_speed_mrad_s"},
-        {time_constants_long_enough(&c->current_loop), "L / R longer than four PWM periods"},
-        {hall_sectors_in_order(&c->rotor),
-         "rotor.edge_turn in forward order, 30 to 90 degrees apart"},
-        {encoder_fine_enough(c), "rotor.encoder_counts at least 32 for each of motor.pole_pairs"},
-        {encoder_index_sharp_enough(c),
-         "rotor.encoder_index_tolerance_counts within 30 degrees electrical"},
-        {halls_measure_the_blend_out_speed(c),
-         "brake.blend_out_end_mrad_s at least one electrical turn a second with halls"},
-        {c->current_loop.field_weakening_current_pu_q15 <= c->current_loop.max_current_pu_q15,
-         "current_loop.field_weakening_current_pu_q15 <= current_loop.max_current_pu_q15"},
-    };
-    return broken(relations, sizeof relations / sizeof relations[0]);
+    REQUIRE(c->motor.rated_torque_mNm <= c->motor.max_torque_mNm,
+            "motor.rated_torque_mNm <= motor.max_torque_mNm");
+    REQUIRE(c->motor.derate_winding_temperature_cC < c->motor.max_winding_temperature_cC,
+            "motor.derate_winding_temperature_cC < motor.max_winding_temperature_cC");
+    REQUIRE(c->motor.type == CONFIG_MOTOR_IPMSM ||
+                c->motor.d_inductance_nH == c->motor.q_inductance_nH,
+            "motor.d_inductance_nH = motor.q_inductance_nH for surface magnets");
+    REQUIRE(c->drive.derate_switch_temperature_cC <= c->drive.max_switch_temperature_cC,
+            "drive.derate_switch_temperature_cC <= drive.max_switch_temperature_cC");
+    REQUIRE(c->drive.min_pulse_counts * 5 <= c->drive.pwm_period_counts,
+            "drive.min_pulse_counts <= drive.pwm_period_counts / 5");
+    REQUIRE(bases_dead_time_share_1e9(c) <= 125000000,
+            "drive.dead_time_ns, with drive.diode_drop_mV, within an eighth of the PWM period");
+    REQUIRE(max_current_pu_q15 <= c->current_loop.max_current_pu_q15 + 1,
+            "motor.max_phase_current_mA within current_loop.max_current_pu_q15");
+    REQUIRE(c->current_loop.max_current_pu_q15 < c->monitor.overcurrent_pu_q15,
+            "current_loop.max_current_pu_q15 < monitor.overcurrent_pu_q15");
+    REQUIRE(overcurrent_can_be_seen(&c->monitor),
+            "monitor.overcurrent_pu_q15 within the converter's "
+            "range less monitor.offset_tolerance_codes");
+    REQUIRE(speed_within_base(c),
+            "motor.max_speed_mrad_s within a sixteenth of an electrical turn a PWM period");
+    REQUIRE(gains_fit(c), "current_loop gains fit their formats at battery.undervoltage_trip_mV");
+    REQUIRE(cross_coupling_fits(c),
+            "current_loop inductances fit their formats at motor.max_speed_mrad_s");
+    REQUIRE(time_constants_long_enough(&c->current_loop), "L / R longer than four PWM periods");
+    REQUIRE(hall_sectors_in_order(&c->rotor),
+            "rotor.edge_turn in forward order, 30 to 90 degrees apart");
+    REQUIRE(encoder_fine_enough(c),
+            "rotor.encoder_counts at least 32 for each of motor.pole_pairs");
+    REQUIRE(encoder_index_sharp_enough(c),
+            "rotor.encoder_index_tolerance_counts within 30 degrees electrical");
+    REQUIRE(halls_measure_the_blend_out_speed(c),
+            "brake.blend_out_end_mrad_s at least one electrical turn a second with halls");
+    REQUIRE(c->current_loop.field_weakening_current_pu_q15 <= c->current_loop.max_current_pu_q15,
+            "current_loop.field_weakening_current_pu_q15 <= current_loop.max_current_pu_q15");
+    return NULL;
 }
 
 static const char *broken_in_battery(const config_t *c)
 {
-    const relation_t relations[] = {
-        {c->battery.undervoltage_trip_mV < c->battery.min_voltage_mV,
-         "battery.undervoltage_trip_mV < battery.min_voltage_mV"},
-        {c->battery.min_voltage_mV < c->battery.foldback_voltage_mV,
-         "battery.min_voltage_mV < battery.foldback_voltage_mV"},
-        {c->battery.min_voltage_mV < c->battery.discharge_foldback_voltage_mV,
-         "battery.min_voltage_mV < battery.discharge_foldback_voltage_mV"},
-        {c->battery.discharge_foldback_voltage_mV < c->battery.max_voltage_mV,
-         "battery.discharge_foldback_voltage_mV < battery.max_voltage_mV"},
-        {c->battery.foldback_voltage_mV < c->battery.max_voltage_mV,
-         "battery.foldback_voltage_mV < battery.max_voltage_mV"},
-        {c->battery.max_voltage_mV < c->battery.overvoltage_trip_mV,
-         "battery.max_voltage_mV < battery.overvoltage_trip_mV"},
-        {c->battery.overvoltage_trip_mV <= c->drive.device_voltage_mV,
-         "battery.overvoltage_trip_mV <= drive.device_voltage_mV"},
-        {stored_offsets_plausible(c),
-         "drive.offset_a_q4, _b_q4, _c_q4 within monitor.offset_tolerance_codes of mid-range"},
-        /* The converter's last code is 4095 of 4096. */
-        {(int64_t)c->battery.overvoltage_trip_mV * 4096 <
-             (int64_t)c->drive.voltage_full_scale_mV * 4095,
-         "battery.overvoltage_trip_mV < drive.voltage_full_scale_mV less one code"},
-    };
-    return broken(relations, sizeof relations / sizeof relations[0]);
+    REQUIRE(c->battery.undervoltage_trip_mV < c->battery.min_voltage_mV,
+            "battery.undervoltage_trip_mV < battery.min_voltage_mV");
+    REQUIRE(c->battery.min_voltage_mV < c->battery.foldback_voltage_mV,
+            "battery.min_voltage_mV < battery.foldback_voltage_mV");
+    REQUIRE(c->battery.min_voltage_mV < c->battery.discharge_foldback_voltage_mV,
+            "battery.min_voltage_mV < battery.discharge_foldback_voltage_mV");
+    REQUIRE(c->battery.discharge_foldback_voltage_mV < c->battery.max_voltage_mV,
+            "battery.discharge_foldback_voltage_mV < battery.max_voltage_mV");
+    REQUIRE(c->battery.foldback_voltage_mV < c->battery.max_voltage_mV,
+            "battery.foldback_voltage_mV < battery.max_voltage_mV");
+    REQUIRE(c->battery.max_voltage_mV < c->battery.overvoltage_trip_mV,
+            "battery.max_voltage_mV < battery.overvoltage_trip_mV");
+    REQUIRE(c->battery.overvoltage_trip_mV <= c->drive.device_voltage_mV,
+            "battery.overvoltage_trip_mV <= drive.device_voltage_mV");
+    REQUIRE(stored_offsets_plausible(c),
+            "drive.offset_a_q4, _b_q4, _c_q4 within monitor.offset_tolerance_codes of mid-range");
+    /* The converter's last code is 4095 of 4096. */
+    REQUIRE((int64_t)c->battery.overvoltage_trip_mV * 4096 <
+                (int64_t)c->drive.voltage_full_scale_mV * 4095,
+            "battery.overvoltage_trip_mV < drive.voltage_full_scale_mV less one code");
+    return NULL;
 }
 
 static const char *broken_in_vehicle(const config_t *c)
 {
-    const relation_t relations[] = {
-        {c->brake.blend_out_end_mrad_s <= c->brake.blend_out_start_mrad_s,
-         "brake.blend_out_end_mrad_s <= brake.blend_out_start_mrad_s"},
-        {c->brake.torque_growth_end_q15 > square_q15(c->current_loop.modulation_target_pu_q15),
-         "brake.torque_growth_end_q15 > square of current_loop.modulation_target_pu_q15"},
-        {c->brake.stop_lamp_off_mm_s2 <= c->brake.stop_lamp_on_mm_s2,
-         "brake.stop_lamp_off_mm_s2 <= brake.stop_lamp_on_mm_s2"},
-        {c->driver.hold_torque_mNm <= c->brake.max_hydraulic_torque_mNm,
-         "driver.hold_torque_mNm <= brake.max_hydraulic_torque_mNm"},
-        {pedal_channels_calibrated(&c->pedals),
-         "pedals.lowest_q15 < released_q15 and pressed_q15 < highest_q15, 0.1 apart"},
-        {c->pedals.free_travel_torque_mNm <= c->pedals.brake_torque_mNm,
-         "pedals.free_travel_torque_mNm <= pedals.brake_torque_mNm"},
-        {c->monitor.coasting_mm_s2 <= c->monitor.tyre_grip_mm_s2,
-         "monitor.coasting_mm_s2 <= monitor.tyre_grip_mm_s2"},
-        {c->regen_map.speed_points * c->regen_map.temperature_points <= CONFIG_REGEN_POINTS_MAX,
-         "regen_map.speed_points * regen_map.temperature_points within the table"},
-        {c->current_map.torque_points % 2 == 1,
-         "current_map.torque_points odd, so that the middle one is no torque"},
-        {c->current_map.torque_points * c->current_map.speed_points *
-                 c->current_map.temperature_points <=
-             CONFIG_CURRENT_MAP_POINTS_MAX,
-         "current_map.torque_points * speed_points * temperature_points within the table"},
-        {flux_left_everywhere(c),
-         "current_map.current_d_mA leaves a quarter of motor.flux_linkage_nWb"},
-    };
-    return broken(relations, sizeof relations / sizeof relations[0]);
+    REQUIRE(c->brake.blend_out_end_mrad_s <= c->brake.blend_out_start_mrad_s,
+            "brake.blend_out_end_mrad_s <= brake.blend_out_start_mrad_s");
+    REQUIRE(c->brake.torque_growth_end_q15 > square_q15(c->current_loop.modulation_target_pu_q15),
+            "brake.torque_growth_end_q15 > square of current_loop.modulation_target_pu_q15");
+    REQUIRE(c->brake.stop_lamp_off_mm_s2 <= c->brake.stop_lamp_on_mm_s2,
+            "brake.stop_lamp_off_mm_s2 <= brake.stop_lamp_on_mm_s2");
+    REQUIRE(c->driver.hold_torque_mNm <= c->brake.max_hydraulic_torque_mNm,
+            "driver.hold_torque_mNm <= brake.max_hydraulic_torque_mNm");
+    REQUIRE(pedal_channels_calibrated(&c->pedals),
+            "pedals.lowest_q15 < released_q15 and pressed_q15 < highest_q15, 0.1 apart");
+    REQUIRE(c->pedals.free_travel_torque_mNm <= c->pedals.brake_torque_mNm,
+            "pedals.free_travel_torque_mNm <= pedals.brake_torque_mNm");
+    REQUIRE(c->monitor.coasting_mm_s2 <= c->monitor.tyre_grip_mm_s2,
+            "monitor.coasting_mm_s2 <= monitor.tyre_grip_mm_s2");
+    REQUIRE(c->regen_map.speed_points * c->regen_map.temperature_points <= CONFIG_REGEN_POINTS_MAX,
+            "regen_map.speed_points * regen_map.temperature_points within the table");
+    REQUIRE(c->current_map.torque_points % 2 == 1,
+            "current_map.torque_points odd, so that the middle one is no torque");
+    REQUIRE(c->current_map.torque_points * c->current_map.speed_points *
+                    c->current_map.temperature_points <=
+                CONFIG_CURRENT_MAP_POINTS_MAX,
+            "current_map.torque_points * speed_points * temperature_points within the table");
+    REQUIRE(flux_left_everywhere(c),
+            "current_map.current_d_mA leaves a quarter of motor.flux_linkage_nWb");
+    return NULL;
 }
 
-/* In three parts for the sake of the stack. */
 static config_result_t check_relations(const config_t *c)
 {
     const char *relation = broken_in_drive(c);
