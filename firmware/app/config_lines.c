@@ -1,14 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "app/config_lines.h"
 
-#include <string.h>
+#include <stddef.h>
 
 #include "config/validate.h"
-
-static bool begins_with(const char *name, const char *prefix)
-{
-    return strncmp(name, prefix, strlen(prefix)) == 0;
-}
 
 static void add(const config_t *config, const config_field_t *field, text_t *line)
 {
@@ -25,7 +20,7 @@ bool config_lines_get(const config_t *config, const char *prefix, uint32_t numbe
     uint32_t left = number;
     const config_field_t *field = config_field(0);
     for (uint32_t i = 0; field != NULL; field = config_field(++i)) {
-        if (field->count > CONFIG_FIELD_VALUES_MAX || !begins_with(field->name, prefix)) {
+        if (field->count > CONFIG_FIELD_VALUES_MAX || !text_begins_with(field->name, prefix)) {
             continue;
         }
         if (left == 0) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "app/console.h"
 
+#include "hal/crash.h"
 #include "hal/power.h"
 #include "hal/serial.h"
 
@@ -10,6 +11,7 @@ enum {
     LIMITS,
     FAULTS,
     BLACKBOX,
+    CRASH,
     CAN,
     BOOT,
     CONFIG,
@@ -26,6 +28,7 @@ static const shell_command_t COMMANDS[COMMANDS_COUNT] = {
     [FAULTS] = {"faults", "[PREFIX]", "the faults whose names begin so: times, reaction, clearing"},
     [BLACKBOX] = {"blackbox", "",
                   "the first fault's record, for hubsim blackbox; counts of faults"},
+    [CRASH] = {"crash", "", "the latest fault of the core or failed check"},
     [CAN] = {"can", "", "received frames and errors of each sender"},
     [BOOT] = {"boot", "", "what the self-tests found"},
     [CONFIG] = {"config", "[PREFIX]", "the configuration's fields that begin so"},
@@ -33,6 +36,8 @@ static const shell_command_t COMMANDS[COMMANDS_COUNT] = {
     [INSTALL] = {"install", "", "another configuration: send it as Intel HEX, the wheel at rest"},
     [OFF] = {"off", "", "lets the board's supply go, the wheel at rest"},
 };
+
+static const char REFUSED[] = "refused: only with the wheel known to be at rest and switched off";
 
 static bool answer_boot(const console_t *console, uint32_t number, text_t *line)
 {
@@ -68,6 +73,8 @@ static bool answer(console_t *console, const shell_request_t *asked, text_t *lin
         return report_faults(console->boot, asked->argument, asked->number, line);
     case BLACKBOX:
         return report_black_box(&console->status, asked->number, line);
+    case CRASH:
+        return report_crash(crash_record(), asked->number, line);
     case CAN:
         return report_can(&console->status, asked->number, line);
     case BOOT:
@@ -122,6 +129,9 @@ void console_greet(console_t *console)
     for (uint32_t i = 0; report_boot(console->boot, i, line); i++) {
         console_print(console, line);
         text_clear(line);
+    }
+    if (crash_record() != 0 && report_crash(crash_record(), 0, line)) {
+        console_print(console, line);
     }
 }
 
@@ -181,8 +191,8 @@ void console_install(console_t *console, bool permitted)
     if (permitted) {
         (void)installer_write(&console->installer, line);
     } else {
-        text_add(line, "refused: only with the wheel known to be at rest and switched off; the "
-                       "configuration is as it was");
+        text_add(line, REFUSED);
+        text_add(line, "; the configuration is as it was");
     }
     console_print(console, line);
 }
@@ -196,14 +206,13 @@ bool console_wants_off(console_t *console)
 
 void console_switch_off(console_t *console, bool permitted)
 {
-    text_t line;
-    text_clear(&line);
+    text_t *line = console_line(console);
     if (permitted) {
-        text_add(&line, power_off() ? "the supply is let go" : "this board keeps its supply");
+        text_add(line, power_off() ? "the supply is let go" : "this board keeps its supply");
     } else {
-        text_add(&line, "refused: only with the wheel known to be at rest and switched off");
+        text_add(line, REFUSED);
     }
-    console_print(console, &line);
+    console_print(console, line);
 }
 
 void console_pump(console_t *console, uint32_t now_ms, const report_status_t *status)

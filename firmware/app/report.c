@@ -2,7 +2,6 @@
 #include "app/report.h"
 
 #include <stddef.h>
-#include <string.h>
 
 #include "app/commit.h"
 #include "app/config_lines.h"
@@ -314,7 +313,7 @@ static const fault_t *fault_that_begins(const char *prefix, uint32_t number)
     uint32_t left = number;
     const fault_t *row = fault_row(0);
     for (unsigned i = 0; row != NULL; row = fault_row(++i)) {
-        if (strncmp(row->name, prefix, strlen(prefix)) != 0) {
+        if (!text_begins_with(row->name, prefix)) {
             continue;
         }
         if (left == 0) {

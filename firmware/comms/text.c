@@ -58,6 +58,15 @@ void text_add_hex(text_t *text, uint32_t value)
     }
 }
 
+bool text_begins_with(const char *chars, const char *prefix)
+{
+    uint32_t i = 0;
+    while (prefix[i] != '\0' && prefix[i] == chars[i]) {
+        i++;
+    }
+    return prefix[i] == '\0';
+}
+
 void text_add_until(text_t *text, uint32_t column)
 {
     add_char(text, ' ');

@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 # hubfoc_add_firmware(NAME hubfoc_stm32f405 LINKER_SCRIPT link.ld PORT hubfoc_port_stm32f405
 # STACK_BYTES 4096
-#                     INTERRUPTS lowest_handler ... highest_handler)
+#                     INTERRUPTS lowest_handler ... highest_handler FAULTS handler)
 #
 # The firmware of one port: <name>.elf with its CRC filled in, <name>.bin, <name>.hex, and
 # <name>_config.bin and <name>_config.hex, the configuration alone, for the serial line, and
 # <name>_config_probe.hex, the same with its address and with whatever else of the port's linker
 # script a probe has to write with it. Prints the size of what was
 # linked and, where there is a Python, the worst-case depth of the stack, which fails the build if
-# STACK_BYTES are not enough for main() and one of each interrupt on top of each other.
+# STACK_BYTES, less the 32 of the guard below, are not enough for main() and one of each interrupt
+# on top of each other. FAULTS: the faults' handler, which has a stack of its own.
 set(HUBFOC_SEAL "${CMAKE_CURRENT_LIST_DIR}/seal_image.cmake")
 find_program(HUBFOC_REPORT_PYTHON python3 DOC "Any Python 3.11 or newer, for the stack report")
 
@@ -16,7 +17,8 @@ find_program(HUBFOC_REPORT_PYTHON python3 DOC "Any Python 3.11 or newer, for the
 target_compile_options(hubfoc_warnings INTERFACE -fcallgraph-info=su)
 
 function(hubfoc_add_firmware)
-  cmake_parse_arguments(F "" "NAME;LINKER_SCRIPT;PORT;STACK_BYTES" "INTERRUPTS" ${ARGN})
+  cmake_parse_arguments(F "" "NAME;LINKER_SCRIPT;PORT;STACK_BYTES;FAULTS"
+    "INTERRUPTS" ${ARGN})
   cmake_path(ABSOLUTE_PATH F_LINKER_SCRIPT NORMALIZE)
   target_compile_definitions(hubfoc_config_image PRIVATE
     "CONFIG_SECTION=__attribute__((section(\".hubfoc_config\"),used))")
@@ -31,10 +33,19 @@ function(hubfoc_add_firmware)
     LINK_DEPENDS "${F_LINKER_SCRIPT};${PROJECT_SOURCE_DIR}/hal/stm32/sections.ld")
   if(HUBFOC_REPORT_PYTHON)
     list(TRANSFORM F_INTERRUPTS PREPEND "--interrupt=" OUTPUT_VARIABLE interrupts)
+    # boot.h and app.c: everything before inverter_start() and time_start_tick().
+    foreach(called IN ITEMS boot_run console_greet controller_init controller_initial_setpoint
+        controller_fast_report recorder_init background_check_init can_link_init pedal_link_init)
+      list(APPEND interrupts "--before-interrupts=app_boot:${called}")
+    endforeach()
+    if(F_FAULTS)
+      list(APPEND interrupts "--own-stack=${F_FAULTS}")
+    endif()
+    math(EXPR stack_limit "${F_STACK_BYTES} - 32")
     set(stack_report "${HUBFOC_REPORT_PYTHON}"
       "${PROJECT_SOURCE_DIR}/tools/benchmark/stack_report.py"
       "--elf=${PROJECT_BINARY_DIR}/${F_NAME}.elf" "--objects=${PROJECT_BINARY_DIR}/firmware"
-      "--objects=${PROJECT_BINARY_DIR}/hal" --limit=${F_STACK_BYTES} --root=main ${interrupts})
+      "--objects=${PROJECT_BINARY_DIR}/hal" --limit=${stack_limit} --root=main ${interrupts})
   else()
     set(stack_report "${CMAKE_COMMAND}" -E echo "No stack report: no python3")
   endif()

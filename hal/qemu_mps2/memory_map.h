@@ -44,6 +44,8 @@ enum { INTERRUPT_TIMER0 = 8, INTERRUPT_COUNT = 32 };
 #define SYSTICK_CVR ((volatile uint32_t *)0xE000E018U)
 #define NVIC_ISER ((volatile uint32_t *)0xE000E100U)
 #define NVIC_IPR ((volatile uint8_t *)0xE000E400U)
+#define SCB_AIRCR ((volatile uint32_t *)0xE000ED0CU)
+#define SCB_AIRCR_RESET 0x05FA0004U
 #define SCB_SHPR ((volatile uint8_t *)0xE000ED18U) /* priority of exceptions 4 .. 15 */
 #define SCB_SHCSR ((volatile uint32_t *)0xE000ED24U)
 #define SCB_CPACR ((volatile uint32_t *)0xE000ED88U)

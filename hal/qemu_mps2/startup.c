@@ -22,9 +22,16 @@ typedef union {
 
 enum { EXCEPTIONS = 16, FAULTS_ENABLED = 7 << 16, COPROCESSORS_10_11_FULL = 0xF << 20 };
 
-__attribute__((weak, alias("fault_handler"))) void systick_handler(void);
-__attribute__((weak, alias("fault_handler"))) void timer0_handler(void);
-__attribute__((weak, alias("fault_handler"))) void watchdog_handler(void);
+static void stop(void)
+{
+    semihost_print("fault: unexpected exception\n");
+    semihost_exit(false);
+}
+
+__attribute__((weak, alias("stop"))) void fault_handler(void);
+__attribute__((weak, alias("stop"))) void systick_handler(void);
+__attribute__((weak, alias("stop"))) void timer0_handler(void);
+__attribute__((weak, alias("stop"))) void watchdog_handler(void);
 
 __attribute__((section(".vectors"), used)) const vector_t vectors[EXCEPTIONS + INTERRUPT_COUNT] = {
     [0] = {.stack = link_stack_end},
@@ -37,12 +44,6 @@ __attribute__((section(".vectors"), used)) const vector_t vectors[EXCEPTIONS + I
     [EXCEPTIONS + INTERRUPT_TIMER0 + 1 ... EXCEPTIONS + INTERRUPT_COUNT - 1] = {.handler =
                                                                                     fault_handler},
 };
-
-void fault_handler(void)
-{
-    semihost_print("fault: unexpected exception\n");
-    semihost_exit(false);
-}
 
 void reset_handler(void)
 {

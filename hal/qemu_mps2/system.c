@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Time, serial line, watchdog and memory of the emulated board. */
+#include "../cortex_m/mpu.h"
+#include "hal/crash.h"
 #include "hal/flash.h"
 #include "hal/memory.h"
 #include "hal/serial.h"
@@ -7,6 +9,7 @@
 #include "hal/upcall.h"
 #include "hal/watchdog.h"
 #include "memory_map.h"
+#include "provoke.h"
 #include "semihost.h"
 #include "vectors.h"
 
@@ -25,13 +28,29 @@ enum {
 
 extern const uint32_t link_image_begin[], link_image_end[], link_image_crc32[];
 extern const uint32_t link_configuration_begin[], link_configuration_end[];
-extern uint32_t link_stack_begin[], link_retained_begin[], link_retained_end[];
+extern uint32_t link_guard_begin[], link_stack_begin[], link_retained_begin[], link_retained_end[];
 
 static volatile uint32_t milliseconds;
 static uint32_t run_ms;
+static uint32_t crashes_at_start;
+
+/* Flash is not written and RAM not executed. */
+static void protect_memory(void)
+{
+    const mpu_region_t regions[] = {
+        {(const void *)0U, MPU_READ_ONLY | MPU_SIZE(22U)},
+        {(const void *)0x20000000U, MPU_READ_WRITE | MPU_NO_EXECUTE | MPU_SIZE(22U)},
+        {link_guard_begin, MPU_NO_ACCESS | MPU_NO_EXECUTE | MPU_SIZE(5U)},
+    };
+    mpu_start(regions, sizeof regions / sizeof regions[0]);
+}
 
 bool time_init(void)
 {
+    protect_memory();
+    provoke_init();
+    const crash_record_t *crash = crash_record();
+    crashes_at_start = crash != 0 ? crash->value[CRASH_COUNT] : 0U;
     run_ms = semihost_option("run_ms", RUN_ms_DEFAULT);
     return semihost_option("clock_fault", 0) == 0;
 }
@@ -65,6 +84,7 @@ uint32_t time_cycles(void)
 
 bool time_running(void)
 {
+    provoke_now();
     return milliseconds < run_ms;
 }
 
@@ -94,8 +114,8 @@ bool serial_read(uint8_t *byte)
     return true;
 }
 
-/* The watchdog's interrupt is the NMI. A board would start anew; here a starved watchdog fails the
- * run. */
+/* The watchdog's interrupt is the NMI. A board would start anew; so does this after a crash, and
+ * any other starved watchdog fails the run. */
 void watchdog_start(uint32_t timeout_ms)
 {
     *CMSDK_WATCHDOG_LOCK = CMSDK_WATCHDOG_UNLOCK;
@@ -110,6 +130,10 @@ void watchdog_feed(void)
 
 void watchdog_handler(void)
 {
+    const crash_record_t *crash = crash_record();
+    if (crash != 0 && crash->value[CRASH_COUNT] != crashes_at_start) {
+        *SCB_AIRCR = SCB_AIRCR_RESET;
+    }
     semihost_print("watchdog: not fed in time\n");
     semihost_exit(false);
 }

@@ -18,6 +18,7 @@
 #include "clock.h"
 #include "dead_time.h"
 #include "gate_driver.h"
+#define COLD __attribute__((cold)) /* optimised for size */
 #include "registers/iwdg.h"
 #include "registers/rcc.h"
 #include "registers/tim.h"
@@ -51,7 +52,7 @@ static bool frequency_fits(const inverter_settings_t *settings)
            frequency_Hz <= settings->pwm_frequency_Hz + tolerance_Hz;
 }
 
-static void connect_pins(void)
+COLD static void connect_pins(void)
 {
     /* Pulled down, so that a gate input is low also while its pin is not driven. */
     gpio_make_alternate(BOARD_GATE_HIGH_A, BOARD_AF_GATES_HIGH, GPIO_PULL_DOWN);
@@ -65,7 +66,7 @@ static void connect_pins(void)
     }
 }
 
-static void configure_timer(uint32_t dead_time_code)
+COLD static void configure_timer(uint32_t dead_time_code)
 {
     TIM1->CR1 = ((uint32_t)CENTRE_ALIGNED_1 << TIM_CR1_CMS_Pos) | TIM_CR1_ARPE;
     TIM1->CR2 = (uint32_t)TRIGGER_OUTPUT_OC4REF
@@ -106,7 +107,7 @@ static bool wait_for_update(void)
 
 /* Starts the counter with its update at the top and verifies it: right after an update at the top
  * the counter counts down. False if not. The bridge stays off. */
-static bool start_with_update_at_top(void)
+COLD static bool start_with_update_at_top(void)
 {
     TIM1->CR1 |= TIM_CR1_CEN;
     bool seen = wait_for_update();
@@ -129,7 +130,7 @@ static int32_t trigger_from_top(uint32_t dead_clocks)
     return counts == 0 ? -1 : counts;
 }
 
-inverter_status_t inverter_init(const inverter_settings_t *settings)
+COLD inverter_status_t inverter_init(const inverter_settings_t *settings)
 {
     if (!frequency_fits(settings)) {
         return INVERTER_FREQUENCY_UNSUPPORTED;
@@ -296,14 +297,5 @@ void inverter_clear_fault(void)
         if (faults != driver_faults) { /* one has come since */
             inverter_trip();
         }
-    }
-}
-
-/* Nothing can be trusted any more: the bridge goes off and the watchdog, no longer fed, restarts
- * the core. */
-void fault_handler(void)
-{
-    inverter_trip();
-    for (;;) {
     }
 }

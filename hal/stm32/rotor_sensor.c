@@ -10,6 +10,8 @@
 #include "clock.h"
 #include "registers/tim.h"
 
+#define COLD __attribute__((cold)) /* optimised for size */
+
 enum {
     ENCODER_MODE_3 = 3, /* SMS: count on both edges of both inputs */
     INPUT_DIRECT = 1,   /* CCxS: input x on its own pin */
@@ -18,14 +20,14 @@ enum {
 
 static rotor_sensor_kind_t sensor;
 
-static void init_halls(void)
+COLD static void init_halls(void)
 {
     gpio_make_input(BOARD_ROTOR_A, GPIO_PULL_UP);
     gpio_make_input(BOARD_ROTOR_B, GPIO_PULL_UP);
     gpio_make_input(BOARD_ROTOR_C, GPIO_PULL_UP);
 }
 
-static void init_encoder(void)
+COLD static void init_encoder(void)
 {
     clock_start_encoder();
     gpio_make_alternate(BOARD_ROTOR_A, BOARD_AF_ENCODER, GPIO_PULL_UP);
@@ -44,7 +46,7 @@ static void init_encoder(void)
     ENCODER->CR1 = TIM_CR1_CEN;
 }
 
-bool rotor_sensor_init(rotor_sensor_kind_t kind)
+COLD bool rotor_sensor_init(rotor_sensor_kind_t kind)
 {
     gpio_init();
     sensor = kind;

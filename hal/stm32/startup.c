@@ -2,13 +2,15 @@
 /* Vector table and the way from reset to main(). */
 #include <stdint.h>
 
+#include "../cortex_m/mpu.h"
 #include "interrupts.h"
+#include "protected.h"
 #include "registers/core.h"
 #include "vectors.h"
 
 extern uint32_t link_stack_end[];
 extern const uint32_t link_data_load[];
-extern uint32_t link_data_begin[], link_data_end[];
+extern uint32_t link_data_begin[], link_data_end[], link_ram_code_end[], link_guard_begin[];
 extern uint32_t link_bss_begin[], link_bss_end[];
 
 int main(void);
@@ -44,6 +46,24 @@ const vector_t vectors[EXCEPTIONS + INTERRUPT_COUNT] = {
 #pragma GCC diagnostic pop
 _Static_assert(sizeof vectors <= 512, "the table's alignment");
 
+/* The image cannot be written; the application's sectors are programmed by stores (protected.h of
+ * the chip). RAM cannot be executed but for the code that programs. */
+static void protect_memory(void)
+{
+    const uint32_t eighths =
+        (uint32_t)((uintptr_t)link_ram_code_end - (uintptr_t)link_data_begin) / 32U;
+    const mpu_region_t regions[] = {
+        {(const void *)0x08000000U, MPU_READ_ONLY | MPU_SIZE(PROTECTED_FLASH_LOG2) |
+                                        MPU_WITHOUT_EIGHTHS(PROTECTED_NOT_EIGHTHS)},
+        {(const void *)0x20000000U, MPU_READ_WRITE | MPU_NO_EXECUTE | MPU_SIZE(PROTECTED_RAM_LOG2)},
+        {link_data_begin,
+         MPU_READ_ONLY | MPU_SIZE(8U) | MPU_WITHOUT_EIGHTHS(0xFFU << eighths & 0xFFU)},
+        {link_guard_begin, MPU_NO_ACCESS | MPU_NO_EXECUTE | MPU_SIZE(5U)},
+        {(const void *)0U, MPU_NO_ACCESS | MPU_NO_EXECUTE | MPU_SIZE(12U)}, /* null pointers */
+    };
+    mpu_start(regions, sizeof regions / sizeof regions[0]);
+}
+
 void reset_handler(void)
 {
     *SCB_VTOR = (uint32_t)(uintptr_t)vectors;
@@ -58,6 +78,7 @@ void reset_handler(void)
     for (uint32_t *to = link_bss_begin; to < link_bss_end; to++) {
         *to = 0;
     }
+    protect_memory();
     (void)main();
     fault_handler(); /* main() does not return on a board */
 }

@@ -4,9 +4,10 @@
 #ifndef STM32_VECTORS_H
 #define STM32_VECTORS_H
 
-void reset_handler(void); /* startup.c */
-/* inverter.c: NMI, hard, memory, bus and usage fault, and every unexpected interrupt. */
-void fault_handler(void);
+/* NMI, hard, memory, bus and usage fault, and every unexpected interrupt: fault_handler(). */
+#include "../cortex_m/crash.h"
+
+void reset_handler(void);        /* startup.c */
 void driver_fault_handler(void); /* inverter.c: the gate driver's fault pin falls */
 void systick_handler(void);      /* time.c */
 void adc_handler(void);          /* analog.c */

@@ -23,6 +23,7 @@
 #include "hal/upcall.h"
 #include "interrupts.h"
 #include "ntc.h"
+#define COLD __attribute__((cold)) /* optimised for size */
 #include "registers/adc.h"
 #include "registers/rcc.h"
 #include "vectors.h"
@@ -44,7 +45,7 @@ enum {
 };
 
 /* 13.13.4, 13.13.5: SMPR1 has the channels from 10 on. */
-static void set_sampling_time(adc_registers_t *adc, uint32_t channel, uint32_t code)
+COLD static void set_sampling_time(adc_registers_t *adc, uint32_t channel, uint32_t code)
 {
     if (channel >= 10) {
         adc->SMPR1 |= code << 3U * (channel - 10U);
@@ -53,7 +54,7 @@ static void set_sampling_time(adc_registers_t *adc, uint32_t channel, uint32_t c
     }
 }
 
-static void configure(adc_registers_t *adc, uint32_t first_channel, uint32_t second_channel)
+COLD static void configure(adc_registers_t *adc, uint32_t first_channel, uint32_t second_channel)
 {
     adc->CR1 = ADC_CR1_SCAN;
     adc->SMPR1 = 0;
@@ -67,7 +68,7 @@ static void configure(adc_registers_t *adc, uint32_t first_channel, uint32_t sec
     adc->CR2 = ADC_CR2_ADON;
 }
 
-bool analog_init(void)
+COLD bool analog_init(void)
 {
     gpio_make_analog(BOARD_CURRENT_A);
     if (pin_is_wired(BOARD_CURRENT_B)) {
@@ -145,7 +146,7 @@ int32_t analog_switch_temperature_cC(void)
 }
 
 /* Takes the conversions started a millisecond ago; reading clears their flags. */
-bool analog_pedals(uint16_t code[ANALOG_PEDAL_CHANNELS])
+COLD bool analog_pedals(uint16_t code[ANALOG_PEDAL_CHANNELS])
 {
     const bool converted = (ADC1->SR & ADC2->SR & ADC_SR_EOC) != 0;
     if (converted) {

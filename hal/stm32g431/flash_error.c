@@ -22,8 +22,9 @@ static bool is_of_a_sector(uint32_t error)
 
 void flash_error_handler(void)
 {
-    if ((RCC->CIFR & RCC_CIFR_CSSF) != 0 || !is_of_a_sector(FLASH->ECCR)) {
-        fault_handler();
+    if ((RCC->CIFR & RCC_CIFR_CSSF) == 0 && is_of_a_sector(FLASH->ECCR)) {
+        FLASH->ECCR = FLASH_ECCR_ECCD; /* cleared by writing 1 */
+        return;
     }
-    FLASH->ECCR = FLASH_ECCR_ECCD; /* cleared by writing 1 */
+    fault_handler(); /* last, so that nothing is on the stack above the core's frame */
 }

@@ -12,6 +12,12 @@ chip_test(chip_boots_and_brakes stop "$<TARGET_FILE:hubfoc_stm32f405>")
 chip_test(chip_answers_faults faults "$<TARGET_FILE:hubfoc_stm32f405>")
 chip_test(chip_gate_driver_protects driver "$<TARGET_FILE:hubfoc_stm32f405>")
 
+# A fault of the core (chip/crash.c).
+add_test(NAME chip_shows_a_crash_after_its_restart
+  COMMAND "${PROJECT_SOURCE_DIR}/build/host/tests/target/chip/chip_crash"
+    "$<TARGET_FILE:hubfoc_stm32f405>")
+set_tests_properties(chip_shows_a_crash_after_its_restart PROPERTIES LABELS target TIMEOUT 120)
+
 # The supply fails in the middle of an update of the configuration (chip/cuts.c).
 set(chip_cuts "${PROJECT_SOURCE_DIR}/build/host/tests/target/chip/chip_cuts")
 add_test(NAME chip_keeps_a_configuration_when_the_supply_fails
@@ -47,7 +53,7 @@ function(planted_image name folder file old new)
   target_link_libraries(${target} PRIVATE hubfoc_app_main hubfoc_app hubfoc_hal
     hubfoc_config_image)
   target_link_options(${target} PRIVATE -nostartfiles --specs=nano.specs "-T${port}/link.ld"
-    "-L${PROJECT_SOURCE_DIR}/hal/stm32" "-Wl,--defsym=link_stack_size=4096")
+    "-L${PROJECT_SOURCE_DIR}/hal/stm32" "-Wl,--defsym=link_stack_size=2560")
   set_target_properties(${target} PROPERTIES SUFFIX .elf LINK_DEPENDS "${port}/link.ld")
   add_custom_command(TARGET ${target} POST_BUILD
     COMMAND "${HUBFOC_PYTHON}" "${PROJECT_SOURCE_DIR}/tests/target/chip/seal.py"

@@ -35,6 +35,15 @@ hubfoc_add_qemu_test(NAME firmware_without_its_clock_stays_in_boot ELF hubfoc_qe
   ARGUMENTS clock_fault=1 EXPECT_EXIT 1
   EXPECT "clock fault" "result: FAILED, BOOT")
 
+# The memory protection unit: the fault is recorded, and the restarted firmware shows it.
+hubfoc_add_qemu_test(NAME firmware_records_an_overflow_of_its_stack ELF hubfoc_qemu
+  ARGUMENTS crash=1
+  EXPECT "crash 1 since the supply came: stack overflow at" "result: READY, no limit")
+hubfoc_add_qemu_test(NAME firmware_cannot_write_its_image ELF hubfoc_qemu ARGUMENTS crash=2
+  EXPECT "crash 1 since the supply came: memory fault at 0x0000" "result: READY, no limit")
+hubfoc_add_qemu_test(NAME firmware_cannot_execute_data ELF hubfoc_qemu ARGUMENTS crash=3
+  EXPECT "crash 1 since the supply came: memory fault at 0x2000" "result: READY, no limit")
+
 # damaged(NAME SECTION OFFSET): a copy of the firmware with one wrong byte.
 function(damaged name section offset)
   add_custom_command(OUTPUT "${name}.elf"

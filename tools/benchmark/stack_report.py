@@ -9,7 +9,9 @@ adc_handler ...``
 The compiler writes for every file it compiles (``-fcallgraph-info=su``) what each function puts on
 the stack; functions of the run-time library, which come compiled, are measured by the instructions
 that move the stack pointer. Each interrupt that can preempt the ones before it adds its own worst
-path and the frame that the core pushes.
+path and the frame that the core pushes; one with a stack of its own adds that frame alone. Calls
+that a function makes before interrupts are enabled (``--before-interrupts CALLER:CALLED,...``) are
+a case of their own, with the faults of the core (``--own-stack``) on top.
 
 Standard library only, because it runs after every link of the firmware.
 """
@@ -76,9 +78,12 @@ def _base_name(name: str) -> str:
 
 
 def worst_path(
-    start: str, functions: dict[str, elf_reader.Function], frames: dict[str, int]
+    start: str,
+    functions: dict[str, elf_reader.Function],
+    frames: dict[str, int],
+    left_out: frozenset[tuple[str, str]] = frozenset(),
 ) -> CallPath:
-    """Deepest chain of calls from a function."""
+    """Deepest chain of calls from a function, without the calls that are left out."""
     if start not in functions:
         raise StackError(f"{start}: no such function in the program")
     known: dict[str, CallPath] = {}
@@ -95,7 +100,7 @@ def worst_path(
             own = max(frames.get(_base_name(name), 0), function.pushed_bytes)
             deepest = CallPath(0, ())
             for called in sorted(function.calls):
-                if called in functions:
+                if called in functions and (name, called) not in left_out:
                     below = visit(called, (*above, name))
                     deepest = max(deepest, below, key=lambda path: path.bytes)
             known[name] = CallPath(own + deepest.bytes, (name, *deepest.functions))
@@ -104,21 +109,45 @@ def worst_path(
     return visit(start, ())
 
 
+@dataclass(frozen=True)
+class Cases:
+    """What does not add up with everything else."""
+
+    early: frozenset[tuple[str, str]] = frozenset()
+    """Calls before interrupts are enabled."""
+    own_stack: tuple[str, ...] = ()
+    """Interrupts that leave the stack alone after the core's frame."""
+
+
 def report(
-    elf: Path, objects: list[Path], root: str, interrupts: list[str]
+    elf: Path, objects: list[Path], root: str, interrupts: list[str], cases: Cases | None = None
 ) -> list[tuple[str, CallPath]]:
-    """Worst path of the root and of each interrupt, the core's frame included in the latter."""
+    """Worst path of the root and of each interrupt, the core's frame included in the latter.
+
+    The first row of two or more is the root with interrupts, without the early calls.
+    """
+    cases = cases or Cases()
     functions = elf_reader.functions(elf)
     frames = compiled_frames(objects)
     if not frames:
         raise StackError(
             f"no .ci files in {', '.join(map(str, objects))}; compile with -fcallgraph-info=su"
         )
-    rows = [(root, worst_path(root, functions, frames))]
+    rows = [(root, worst_path(root, functions, frames, cases.early))]
     for name in interrupts:
-        path = worst_path(name, functions, frames)
+        path = (
+            CallPath(0, (name,)) if name in cases.own_stack else worst_path(name, functions, frames)
+        )
         rows.append((name, CallPath(path.bytes + EXCEPTION_FRAME_BYTES, path.functions)))
     return rows
+
+
+def early_case(
+    elf: Path, objects: list[Path], root: str, rows: list[tuple[str, CallPath]], cases: Cases
+) -> list[tuple[str, CallPath]]:
+    """Return the root with its early calls, and the interrupts that come on any stack."""
+    path = worst_path(root, elf_reader.functions(elf), compiled_frames(objects))
+    return [(root, path), *(row for row in rows[1:] if row[0] in cases.own_stack)]
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -136,10 +165,30 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument(
         "--interrupt", action="append", default=[], help="from the lowest priority to the highest"
     )
+    parser.add_argument(
+        "--own-stack", action="append", default=[], help="an interrupt that has one, the highest"
+    )
+    parser.add_argument(
+        "--before-interrupts",
+        action="append",
+        default=[],
+        metavar="CALLER:CALLED,...",
+        help="calls before interrupts are enabled",
+    )
     parser.add_argument("--limit", type=int, required=True, help="bytes the linker script reserves")
     options = parser.parse_args(arguments)
+    early = {
+        (caller, called)
+        for caller, _, names in (text.partition(":") for text in options.before_interrupts)
+        for called in names.split(",")
+    }
+    cases = Cases(frozenset(early), tuple(options.own_stack))
+    interrupts = [*options.interrupt, *options.own_stack]
     try:
-        rows = report(options.elf, options.objects, options.root, options.interrupt)
+        rows = report(options.elf, options.objects, options.root, interrupts, cases)
+        if early:
+            alone = early_case(options.elf, options.objects, options.root, rows, cases)
+            rows = max(rows, alone, key=lambda case: sum(path.bytes for _, path in case))
     except StackError as error:
         print(f"stack_report: {options.elf.name}: {error}", file=sys.stderr)
         return 1

@@ -127,6 +127,13 @@ chip_ticks_t chip_now(const chip_t *chip);
 void chip_send(chip_t *chip, const chip_frame_t *frame);
 bool chip_receive(chip_t *chip, chip_frame_t *frame);
 
+/* Disturbances, from the next instruction on: r0 to r12 hold this value; the next instruction is
+ * fetched from this address. */
+void chip_spoil_registers(chip_t *chip, uint32_t value);
+void chip_derail(chip_t *chip, uint32_t address);
+/* Accesses so far that no memory has answered, and the latest instruction with one. */
+unsigned chip_bus_faults(const chip_t *chip, uint32_t *instruction);
+
 /* The serial line: all that the chip has written, and typing on it. */
 const char *chip_text(const chip_t *chip);
 void chip_type(chip_t *chip, const char *text);

@@ -16,99 +16,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bench/bench.h"
-#include "drive.h"
-#include "unity.h"
-#include "vehicle_fixture.h"
+#include "rig.h"
 
-static const double SPEED_M_PER_S = 2.5;
+static const double SPEED_M_PER_S = RIG_SPEED_M_PER_S;
 static const double BRAKE_NM = 90.0;
 /* Of the messages, which CAN adds to the demand and again to the brake's command. */
 static const double CYCLE_S = 0.010;
-enum { PERIODS_A_SECOND = 20000, READY_PERIODS = 8000, LONGEST_STOP_s = 5, WHY_BYTES = 160 };
-
-typedef struct {
-    const char *elf;
-    chip_t *chip;
-    drive_t drive;
-    wheel_coupling_t coupling;
-    config_t config;
-    bench_t bench;
-    char why[WHY_BYTES]; /* the first thing that is wrong; empty: nothing */
-} rig_t;
-
-static rig_t rig;
-
-/* The fixture's checks are Unity's. */
-void setUp(void) {}
-
-void tearDown(void) {}
-
-static bool wrong(const char *text)
-{
-    if (rig.why[0] == '\0') {
-        (void)snprintf(rig.why, sizeof rig.why, "%s", text);
-    }
-    return false;
-}
-
-static bool expect(bool good, const char *text)
-{
-    return good ? true : wrong(text);
-}
-
-static bool obeys_the_manuals(void)
-{
-    const char *violation = chip_violation_text(rig.chip, 0);
-    return violation == NULL ? true : wrong(violation);
-}
-
-static bool says(const char *text)
-{
-    return strstr(chip_text(rig.chip), text) != NULL;
-}
-
-/* A chip as it leaves the programmer, before its first instruction. */
-static bool open_rig(const char *elf)
-{
-    chip_close(rig.chip);
-    memset(&rig, 0, sizeof rig);
-    rig.elf = elf;
-    rig.config = fixture_config(CONFIG_STRATEGY_SERIES_OPTIMAL);
-    rig.chip = chip_open(elf);
-    return rig.chip != NULL;
-}
-
-static void boot(void)
-{
-    drive_begin(&rig.drive, rig.chip, &rig.config);
-    rig.coupling = drive_coupling(&rig.drive);
-}
-
-/* At rest until the controller runs, or long enough for it: calibration takes 0.1 s. Then brought
- * to speed. */
-static bool drive_off(const wheel_coupling_t *coupling)
-{
-    bench_params_t params = fixture_quarter_vehicle();
-    params.run.initial_speed_m_per_s = SPEED_M_PER_S;
-    const driver_trace_t none = {.points = 0};
-    bench_init(&rig.bench, &params, &rig.config, &none);
-    rig.bench.wheel[0].coupling = coupling;
-    rig.bench.speed_prescribed = true;
-    rig.bench.vehicle.speed_m_per_s = 0.0;
-    for (int i = 0; i < READY_PERIODS && rig.bench.wheel[0].slow.mode != MODE_RUN; i++) {
-        bench_period(&rig.bench);
-    }
-    return rig.bench.wheel[0].slow.mode == MODE_RUN && bench_start(&rig.bench) == BENCH_READY;
-}
-
-static void run(double duration_s)
-{
-    const int64_t periods = llround(duration_s * PERIODS_A_SECOND);
-    for (int64_t i = 0; i < periods; i++) {
-        bench_period(&rig.bench);
-    }
-}
+enum { PERIODS_A_SECOND = RIG_PERIODS_A_SECOND, LONGEST_STOP_s = 5 };
 
 typedef struct {
     double distance_m, stored_j, kinetic_j;

@@ -275,6 +275,18 @@ static void events(chip_t *chip)
     chip_clocks_events(chip);
 }
 
+static bool on_no_memory(uc_engine *core, uc_mem_type type, uint64_t address, int size,
+                         int64_t value, void *user)
+{
+    (void)core;
+    (void)size;
+    (void)value;
+    chip_t *chip = user;
+    chip->missing = (uint32_t)address;
+    chip->missing_code = type == UC_MEM_FETCH_UNMAPPED;
+    return false;
+}
+
 /* Executes until the deadline, an exception or a reset. */
 static void execute(chip_t *chip)
 {
@@ -284,7 +296,7 @@ static void execute(chip_t *chip)
     if (error != UC_ERR_OK) {
         (void)uc_reg_read(chip->core, UC_ARM_REG_PC, &at);
         chip_note(chip, "%s at 0x%08X", uc_strerror(error), at);
-        chip_pend(chip, EXCEPTION_HARD_FAULT);
+        chip_bus_fault(chip, chip->missing, chip->missing_code);
         if (chip->nvic.active[EXCEPTION_HARD_FAULT]) {
             chip->now = chip->deadline; /* locked up until the watchdog acts */
         }
@@ -358,6 +370,8 @@ bool chip_core_open(chip_t *chip)
         good &&
         uc_hook_add(chip->core, &hook, UC_HOOK_BLOCK, (void *)on_block, chip, 1, 0) == UC_ERR_OK &&
         uc_hook_add(chip->core, &hook, UC_HOOK_INTR, (void *)on_exception, chip, 1, 0) ==
+            UC_ERR_OK &&
+        uc_hook_add(chip->core, &hook, UC_HOOK_MEM_UNMAPPED, (void *)on_no_memory, chip, 1, 0) ==
             UC_ERR_OK &&
         uc_hook_add(chip->core, &hook, UC_HOOK_MEM_WRITE, (void *)on_flash_write, chip,
                     CHIP_FLASH_BASE, CHIP_FLASH_BASE + CHIP_FLASH_BYTES - 1) == UC_ERR_OK;

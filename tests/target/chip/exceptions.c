@@ -19,6 +19,10 @@ enum {
     AT_VTOR = (int)0xE000ED08,
     AT_AIRCR = (int)0xE000ED0C,
     AT_SHPR = (int)0xE000ED18,
+    AT_SHCSR = (int)0xE000ED24,
+    AT_CFSR = (int)0xE000ED28,
+    AT_HFSR = (int)0xE000ED2C,
+    AT_BFAR = (int)0xE000ED38,
     AT_CPUID = (int)0xE000ED00,
     INTERRUPTS = 82,
     LOWEST_PRIORITY = 256
@@ -28,13 +32,15 @@ static const uint32_t SYST_ENABLE = 1, SYST_TICKINT = 2;
 static const uint32_t ICSR_PENDSVSET = 1U << 28, ICSR_PENDSTSET = 1U << 26;
 static const uint32_t AIRCR_KEY = 0x05FA, AIRCR_SYSRESETREQ = 4;
 static const uint32_t CONTROL_FPCA = 4;
+static const uint32_t SHCSR_BUSFAULTENA = 1U << 17, HFSR_FORCED = 1U << 30;
+static const uint32_t CFSR_IBUSERR = 1U << 8, CFSR_PRECISERR = 1U << 9, CFSR_BFARVALID = 1U << 15;
 static const uint32_t IT_BITS = 0x0600FC00;
 
 /* The exceptions that can come, for a short look. */
 static const uint8_t SOURCES[] = {
-    EXCEPTION_NMI,     EXCEPTION_HARD_FAULT,  EXCEPTION_PENDSV,
-    EXCEPTION_SYSTICK, INTERRUPT_PVD,         INTERRUPT_ADC,
-    INTERRUPT_USART3,  INTERRUPT_PINS_5_TO_9, INTERRUPT_PINS_10_TO_15};
+    EXCEPTION_NMI,         EXCEPTION_HARD_FAULT,   EXCEPTION_BUS_FAULT, EXCEPTION_PENDSV,
+    EXCEPTION_SYSTICK,     INTERRUPT_PVD,          INTERRUPT_ADC,       INTERRUPT_USART3,
+    INTERRUPT_PINS_5_TO_9, INTERRUPT_PINS_10_TO_15};
 enum { SOURCE_COUNT = sizeof SOURCES };
 
 static uint32_t *word(chip_t *chip, int address)
@@ -123,7 +129,7 @@ unsigned chip_exception_due(chip_t *chip)
             before = priority_of(chip, each);
         }
     }
-    if (due == 0 || before < 0) {
+    if (due == 0 || before < 0 || due == EXCEPTION_BUS_FAULT) {
         return due;
     }
     /* In the middle of an IT block the emulator keeps the conditions, which a handler would
@@ -138,6 +144,22 @@ unsigned chip_exception_due(chip_t *chip)
         return 0;
     }
     return (masked & 1U) != 0 || (base != 0 && (uint32_t)before >= base) ? 0 : due;
+}
+
+void chip_bus_fault(chip_t *chip, uint32_t address, bool fetch)
+{
+    uint32_t masked;
+    (void)uc_reg_read(chip->core, UC_ARM_REG_PC, &chip->bus_fault_at);
+    (void)uc_reg_read(chip->core, UC_ARM_REG_PRIMASK, &masked);
+    chip->bus_faults++;
+    *word(chip, AT_CFSR) |= fetch ? CFSR_IBUSERR : CFSR_PRECISERR | CFSR_BFARVALID;
+    if (!fetch) {
+        *word(chip, AT_BFAR) = address;
+    }
+    const bool may_enter = (*word(chip, AT_SHCSR) & SHCSR_BUSFAULTENA) != 0 && masked == 0 &&
+                           priority_of(chip, EXCEPTION_BUS_FAULT) < priority_now(chip);
+    *word(chip, AT_HFSR) |= may_enter ? 0U : HFSR_FORCED;
+    chip_pend(chip, may_enter ? EXCEPTION_BUS_FAULT : EXCEPTION_HARD_FAULT);
 }
 
 /* B1.5.6: eight words, and eighteen more if the floating-point unit has been used. */

@@ -157,6 +157,25 @@ bool chip_write(chip_t *chip, uint32_t address, const void *bytes, uint32_t size
     return uc_mem_write(chip->core, address, bytes, size) == UC_ERR_OK;
 }
 
+void chip_spoil_registers(chip_t *chip, uint32_t value)
+{
+    for (int i = 0; i <= 12; i++) {
+        (void)uc_reg_write(chip->core, UC_ARM_REG_R0 + i, &value);
+    }
+}
+
+void chip_derail(chip_t *chip, uint32_t address)
+{
+    const uint32_t to = address | 1U;
+    (void)uc_reg_write(chip->core, UC_ARM_REG_PC, &to);
+}
+
+unsigned chip_bus_faults(const chip_t *chip, uint32_t *instruction)
+{
+    *instruction = chip->bus_fault_at;
+    return chip->bus_faults;
+}
+
 unsigned chip_resets(const chip_t *chip)
 {
     return chip->resets;

@@ -23,6 +23,7 @@ enum {
     CHIP_FLASH_FIXES = 8,
     EXCEPTION_NMI = 2,
     EXCEPTION_HARD_FAULT = 3,
+    EXCEPTION_BUS_FAULT = 5,
     EXCEPTION_PENDSV = 14,
     EXCEPTION_SYSTICK = 15,
     INTERRUPT_PVD = 16 + 1,
@@ -129,6 +130,11 @@ struct chip {
     chip_flash_t flash;
     chip_driver_t driver;
 
+    unsigned bus_faults;
+    uint32_t bus_fault_at; /* instruction of the latest one */
+    uint32_t missing;      /* address of the latest access without a memory */
+    bool missing_code;     /* it was a fetch */
+
     unsigned violations;
     char violation[CHIP_VIOLATIONS][CHIP_VIOLATION_BYTES];
 };
@@ -163,6 +169,8 @@ uint32_t chip_core_read(chip_t *chip, uint32_t address);
 void chip_core_write(chip_t *chip, uint32_t address, uint32_t value);
 /* Number of the exception to be taken now; 0: none. */
 unsigned chip_exception_due(chip_t *chip);
+/* An access that no memory answers (B1.5.14, B3.2.15); fetch: of an instruction. */
+void chip_bus_fault(chip_t *chip, uint32_t address, bool fetch);
 /* Whether one is pending, masked or not. */
 bool chip_exception_waits(const chip_t *chip);
 void chip_exception_enter(chip_t *chip, unsigned exception);

@@ -7,6 +7,7 @@
  *     limits            every torque limit, which one is the tightest, and why
  *     faults [PREFIX]   the table of faults: times, reaction, clearing, driver
  *     blackbox          the record of the first fault (monitor/recorder.h), counts of faults
+ *     crash             the latest fault of the core or failed check (hal/crash.h)
  *     can               received frames and errors of each sender
  *     boot              what the self-tests found
  *     config [PREFIX]   the configuration's fields

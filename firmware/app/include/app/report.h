@@ -13,6 +13,7 @@
 #include "comms/node.h"
 #include "comms/text.h"
 #include "controller/controller.h"
+#include "hal/crash.h"
 #include "monitor/recorder.h"
 
 /* Present values for the lines below. */
@@ -66,6 +67,10 @@ bool report_faults(const boot_report_t *boot, const char *prefix, uint32_t numbe
 /* What the black box holds, the counters of faults since production that are not zero, and the
  * whole memory as hex, 32 bytes a line after their offset: what `hubsim blackbox` reads. */
 bool report_black_box(const report_status_t *status, uint32_t number, text_t *line);
+
+/* The latest crash (hal/crash.h): its cause and where; then the registers. crash: NULL if there was
+ * none. */
+bool report_crash(const crash_record_t *crash, uint32_t number, text_t *line);
 
 /* Name, checksum and versions; then the fields whose names begin with `prefix`. */
 bool report_config(const boot_report_t *boot, const char *prefix, uint32_t number, text_t *line);

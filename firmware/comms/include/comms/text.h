@@ -6,6 +6,7 @@
 #ifndef COMMS_TEXT_H
 #define COMMS_TEXT_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 enum { TEXT_CAPACITY = 256 };
@@ -24,5 +25,7 @@ void text_add_decimal(text_t *text, int32_t value, uint32_t decimals);
 void text_add_until(text_t *text, uint32_t column);
 /* 0x and eight digits. */
 void text_add_hex(text_t *text, uint32_t value);
+/* The first characters of `chars` are `prefix`; every text begins with an empty one. */
+bool text_begins_with(const char *chars, const char *prefix);
 
 #endif

@@ -5,6 +5,7 @@
 
 #include "app/console.h"
 #include "boot_fixture.h"
+#include "mock_crash.h"
 #include "mock_flash.h"
 #include "mock_inverter.h"
 #include "mock_power.h"
@@ -41,6 +42,14 @@ static bool type(uint8_t *byte, int calls)
     return true;
 }
 
+static const crash_record_t *crash;
+
+static const crash_record_t *give_crash(int calls)
+{
+    (void)calls;
+    return crash;
+}
+
 void setUp(void)
 {
     boot = successful_boot();
@@ -55,6 +64,8 @@ void setUp(void)
     screen[0] = '\0';
     line_takes = 1000;
     keys = "";
+    crash = NULL;
+    crash_record_Stub(give_crash);
     serial_write_StubWithCallback(take);
     serial_read_StubWithCallback(type);
 }
@@ -101,9 +112,9 @@ void test_greeting_is_the_banner_and_the_result_of_the_self_tests(void)
 void test_every_command_that_help_lists_has_an_answer(void)
 {
     type_and_wait("help\r");
-    static const char *const NAMES[] = {"help",    "reasons",  "status", "watch", "limits",
-                                        "faults",  "blackbox", "can",    "boot",  "config",
-                                        "version", "install",  "off"};
+    static const char *const NAMES[] = {"help",   "reasons",  "status",  "watch", "limits",
+                                        "faults", "blackbox", "crash",   "can",   "boot",
+                                        "config", "version",  "install", "off"};
     for (size_t i = 0; i < sizeof NAMES / sizeof NAMES[0]; i++) {
         text_t line_begin;
         text_clear(&line_begin);
@@ -249,4 +260,41 @@ void test_the_supply_is_let_go_only_when_asked_and_permitted(void)
     console_switch_off(&console, true);
     type_and_wait("");
     assert_shows("the supply is let go");
+}
+
+static void assert_crash_shows(uint32_t cause, const char *words)
+{
+    crash_record_t record = {.value = {[CRASH_PC] = 0x08021234, [CRASH_COUNT] = 3}};
+    record.value[CRASH_CAUSE] = cause;
+    record.value[CRASH_ADDRESS] = 0x60000010;
+    crash = &record;
+    console_greet(&console);
+    type_and_wait("");
+    assert_shows(words);
+    screen_bytes = 0;
+    type_and_wait("crash\r");
+    assert_shows(words);
+    assert_shows("r0 .. r3 r12 lr pc psr sp cfsr hfsr address: 0x00000000 ");
+    assert_shows(" 0x08021234 0x00000000 0x00000000 0x00000000 0x00000000 0x60000010\r\n");
+}
+
+void test_a_crash_is_shown_at_the_start_and_by_the_shell(void)
+{
+    assert_crash_shows(2, "crash 3 since the supply came: NMI at 0x08021234\r\n");
+    assert_crash_shows(3, ": hard fault at 0x08021234\r\n");
+    assert_crash_shows(4, ": memory fault at ");
+    assert_crash_shows(5, ": bus fault at ");
+    assert_crash_shows(6, ": usage fault at ");
+    assert_crash_shows(17, ": exception 17 at ");
+    assert_crash_shows(CRASH_CAUSE_STACK, ": stack overflow at ");
+    assert_crash_shows(CRASH_CAUSE_CHECK, ": failed check at ");
+}
+
+void test_without_a_crash_the_start_shows_none(void)
+{
+    console_greet(&console);
+    type_and_wait("");
+    TEST_ASSERT_NULL(strstr(screen, "crash"));
+    type_and_wait("crash\r");
+    assert_shows("no crash since the supply came\r\n");
 }

@@ -12,6 +12,7 @@
 #include "hal/upcall.h"
 #include "mock_analog.h"
 #include "mock_can.h"
+#include "mock_crash.h"
 #include "mock_flash.h"
 #include "mock_inverter.h"
 #include "mock_memory.h"
@@ -33,6 +34,7 @@ void setUp(void)
     const int32_t v_dc_mV = (c->battery.min_voltage_mV + c->battery.foldback_voltage_mV) / 2;
     board.sample = (analog_sample_t){
         {2048, 2048, 2048}, (uint16_t)((int64_t)v_dc_mV * 4096 / c->drive.voltage_full_scale_mV)};
+    crash_record_IgnoreAndReturn(NULL);
     time_init_IgnoreAndReturn(true);
     time_start_tick_Ignore();
     time_ms_StubWithCallback(now);

@@ -77,3 +77,13 @@ void test_column_beyond_the_end_fills_the_line(void)
     TEST_ASSERT_EQUAL_UINT32(TEXT_CAPACITY - 1, text.length);
     TEST_ASSERT_EQUAL_size_t(TEXT_CAPACITY - 1, strlen(text.chars));
 }
+
+void test_a_text_begins_with_each_of_its_prefixes_and_no_other(void)
+{
+    TEST_ASSERT_TRUE(text_begins_with("rotor.hall", ""));
+    TEST_ASSERT_TRUE(text_begins_with("rotor.hall", "rotor."));
+    TEST_ASSERT_TRUE(text_begins_with("rotor.hall", "rotor.hall"));
+    TEST_ASSERT_FALSE(text_begins_with("rotor.hall", "rotor.halls"));
+    TEST_ASSERT_FALSE(text_begins_with("rotor.hall", "motor"));
+    TEST_ASSERT_FALSE(text_begins_with("", "m"));
+}

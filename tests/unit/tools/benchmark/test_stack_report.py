@@ -45,6 +45,28 @@ def test_an_interrupt_adds_the_exception_frame(
     assert rows[1][1].bytes == 24 + (24 + 4) + 36
 
 
+def test_a_handler_with_a_stack_of_its_own_adds_the_exception_frame_alone(
+    program: Callable[..., Path], tmp_path: Path
+) -> None:
+    cases = stack_report.Cases(own_stack=("handler",))
+    rows = stack_report.report(program(CHAIN), [tmp_path], "top", ["handler"], cases)
+    assert rows[1][1].bytes == 36
+
+
+def test_calls_before_interrupts_are_a_case_without_them(
+    program: Callable[..., Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    image = program(CHAIN)
+    arguments = ["--elf", str(image), "--objects", str(tmp_path), "--root", "top"]
+    early = [*arguments, "--before-interrupts", "top:middle", "--limit", "500"]
+    assert stack_report.main(early) == 0
+    assert "124 of 500" in capsys.readouterr().out
+    assert stack_report.main([*early, "--interrupt", "handler"]) == 0
+    assert "124 of 500" in capsys.readouterr().out, "8 + 24 + 28 + 36 are less"
+    assert stack_report.main([*early, "--own-stack", "handler"]) == 0
+    assert "160 of 500" in capsys.readouterr().out
+
+
 def test_the_compilers_figure_applies_if_larger_than_that_of_the_instructions(
     program: Callable[..., Path], tmp_path: Path
 ) -> None:

@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* rig.h: the flashable image on the model of its chip in one wheel of the paper's vehicle, and what
+ * is expected of it. */
+#ifndef CHIP_RIG_H
+#define CHIP_RIG_H
+
+#include "bench/bench.h"
+#include "drive.h"
+
+#define RIG_SPEED_M_PER_S 2.5
+enum { RIG_PERIODS_A_SECOND = 20000, RIG_WHY_BYTES = 160 };
+
+typedef struct {
+    const char *elf;
+    chip_t *chip;
+    drive_t drive;
+    wheel_coupling_t coupling;
+    config_t config;
+    bench_t bench;
+    char why[RIG_WHY_BYTES]; /* the first thing that is wrong; empty: nothing */
+} rig_t;
+
+extern rig_t rig;
+
+/* Notes the first thing that is wrong; false, and for expect() whether it is good. */
+bool wrong(const char *text);
+bool expect(bool good, const char *text);
+
+bool obeys_the_manuals(void);
+
+/* The serial line has shown this text. */
+bool says(const char *text);
+
+/* A chip as it leaves the programmer, before its first instruction. */
+bool open_rig(const char *elf);
+void boot(void);
+
+/* At rest until the controller runs, or long enough for it: calibration takes 0.1 s. Then brought
+ * to speed. coupling NULL: the bench's own controller. */
+bool drive_off(const wheel_coupling_t *coupling);
+
+void run(double duration_s);
+
+#endif
