@@ -133,10 +133,19 @@ def report(
         raise StackError(
             f"no .ci files in {', '.join(map(str, objects))}; compile with -fcallgraph-info=su"
         )
-    rows = [(root, worst_path(root, functions, frames, cases.early))]
+    elsewhere = frozenset(
+        (name, called)
+        for name in cases.own_stack
+        if name in functions
+        for called in functions[name].calls
+    )
+    left_out = cases.early | elsewhere
+    rows = [(root, worst_path(root, functions, frames, left_out))]
     for name in interrupts:
         path = (
-            CallPath(0, (name,)) if name in cases.own_stack else worst_path(name, functions, frames)
+            CallPath(0, (name,))
+            if name in cases.own_stack
+            else worst_path(name, functions, frames, left_out)
         )
         rows.append((name, CallPath(path.bytes + EXCEPTION_FRAME_BYTES, path.functions)))
     return rows
