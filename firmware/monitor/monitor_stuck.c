@@ -88,7 +88,10 @@ monitor_stuck_output_t monitor_stuck_step(monitor_stuck_state_t *state, const co
     state->side = in->tripped ? state->side : BRIDGE_OFF;
     const bool looks = in->tripped && in->bridge != BRIDGE_PWM && in->currents_known &&
                        in->rotor_valid && state->side == BRIDGE_OFF;
-    if (looks) {
+    /* A window has one bridge mode: a short circuit's current has a mean in freewheel as well. */
+    const bool same = in->bridge == state->bridge;
+    state->bridge = in->bridge;
+    if (looks && same) {
         watch(state, config, in);
     } else {
         forget(state, in);

@@ -7,10 +7,10 @@
  * with a stuck high side. README, A switch that is stuck closed. The answer is the active short
  * circuit on that side, from then on until the trip is acknowledged.
  *
- * Windows of at least one electrical turn by the valid rotor sensor, and at most
- * MONITOR_STUCK_STEPS; no side is determined without a valid rotor sensor, with a named current
- * sensor, or if the sum of the currents is implausible in more than three quarters of the steps: a
- * sensor that is wrong, and not one that half waves drive beyond its range.
+ * Windows of at least one electrical turn by the valid rotor sensor in one mode of the bridge, and
+ * at most MONITOR_STUCK_STEPS; no side is determined without a valid rotor sensor, with a named
+ * current sensor, or if the sum of the currents is implausible in more than three quarters of the
+ * steps: a sensor that is wrong, and not one that half waves drive beyond its range.
  */
 #ifndef MONITOR_MONITOR_STUCK_H
 #define MONITOR_MONITOR_STUCK_H
@@ -34,6 +34,7 @@ enum {
 typedef struct {
     bridge_mode_t side; /* of the stuck switch: BRIDGE_SHORT, BRIDGE_SHORT_HIGH; OFF: not known */
     bridge_mode_t candidate;
+    bridge_mode_t bridge;  /* of the step before */
     int32_t windows;       /* in which it was the candidate */
     int32_t release_steps; /* left */
     int32_t steps;         /* of this window */

@@ -166,3 +166,21 @@ void test_extreme_inputs_are_harmless(void)
         TEST_ASSERT_NOT_EQUAL_INT(BRIDGE_PWM, out.side);
     }
 }
+
+/* The short circuit's own direct current fills most of the turn in which it ends. */
+void test_short_circuit_that_ends_within_a_turn_is_no_stuck_switch(void)
+{
+    for (int shorted_ms = 1; shorted_ms < 30; shorted_ms++) {
+        setUp();
+        in.speed_mrad_s = (int32_t)lround(TWO_PI * 40.0 * 1000.0 / CONFIG_LU2013.motor.pole_pairs);
+        for (int ms = 0; ms < 100; ms++) {
+            in.bridge = ms < shorted_ms ? BRIDGE_SHORT : BRIDGE_OFF;
+            const double direct_pu = ms < shorted_ms ? trip_pu() : 0.0;
+            for (int k = 0; k < PERIODS; k++) {
+                add(direct_pu, -0.5 * direct_pu, -0.5 * direct_pu);
+            }
+            out = monitor_stuck_step(&state, &CONFIG_LU2013, &in);
+            TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.side);
+        }
+    }
+}
