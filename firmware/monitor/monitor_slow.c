@@ -114,9 +114,9 @@ static void watch_bus_sensor(monitor_slow_state_t *state, const config_t *config
     state->bus_sensor_wrong = state->return_steps > 0 && (wrong || state->bus_sensor_wrong);
 }
 
-/* A bus beyond a trip puts the bridge into its safe state at once, here or by the fast trip. A
- * contactor that opens on braking or driving motors does that, and the battery's message explains
- * it later. True where none has and the bus is not back either. */
+/* A bus beyond a trip, or one that no battery holds, puts the bridge into its safe state at once,
+ * here or by the fast trip. A contactor that opens does that, and the battery's message explains it
+ * later. True where none has and the bus is not back either. */
 static bool bus_unexplained(monitor_slow_state_t *state, const config_t *config,
                             const monitor_slow_input_t *in)
 {
@@ -129,7 +129,9 @@ static bool bus_unexplained(monitor_slow_state_t *state, const config_t *config,
     const bool back =
         in->bus_voltage_mV < (battery->max_voltage_mV + battery->overvoltage_trip_mV) / 2 &&
         in->bus_voltage_mV >= battery->undervoltage_trip_mV && !overcurrent;
-    if (high || low) {
+    const bool swings = monitor_bus_swings(&state->swing, battery, in->bus_voltage_mV,
+                                           in->bridge == BRIDGE_PWM && !in->battery_open);
+    if (high || low || swings) {
         state->bus_was_low = low || (state->bus_was_low && state->return_steps > 0);
         state->return_steps = MONITOR_BUS_RETURN_STEPS;
     } else if (back && state->return_steps > 0) {
@@ -315,11 +317,12 @@ static monitor_stuck_input_t stuck_input(const config_t *config, const monitor_s
     return out;
 }
 
-/* The name comes a step after the torque has gone: watch_bus_sensor(). */
+/* The name of a low bus comes a step after the torque has gone: watch_bus_sensor(). */
 static reason_t bus_warning(const monitor_slow_state_t *state, const monitor_slow_input_t *in)
 {
-    const bool known = in->battery_open || state->return_steps < MONITOR_BUS_RETURN_STEPS ||
-                       state->bus_steps > 1 || fast_trip_of_bus(in);
+    const bool known = in->battery_open || !state->bus_was_low ||
+                       state->return_steps < MONITOR_BUS_RETURN_STEPS || state->bus_steps > 1 ||
+                       fast_trip_of_bus(in);
     return !in->battery_open && state->bus_sensor_wrong ? REASON_BUS_SENSOR
            : known                                      ? REASON_BATTERY_DISCONNECTED
                                                         : REASON_NONE;

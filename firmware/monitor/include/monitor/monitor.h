@@ -128,6 +128,7 @@ typedef struct {
     bool bus_was_low;      /* of the latest bus beyond a trip */
     bool bus_sensor_wrong; /* its reading went where no bus goes */
     bool started;
+    monitor_swing_state_t swing;
 } monitor_slow_state_t;
 
 typedef struct {

@@ -1,10 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The bus sensor beside a battery whose message comes every 100 ms. */
+/* The bus sensor beside a battery whose message comes every 100 ms, and a bus whose battery leaves.
+ */
 #include "monitor/monitor_bus.h"
 
 #include "unity.h"
 
 enum { CYCLE_ms = 100 };
+
+/* 112.5 A from full charging to full discharging current move the bus by 5.4 V. */
+static const config_battery_t BATTERY = {.max_charge_current_mA = 50000,
+                                         .max_discharge_current_mA = 62500,
+                                         .max_voltage_mV = 58400,
+                                         .resistance_uOhm = 48000};
+static monitor_swing_state_t swing;
 
 typedef int32_t (*voltage_t)(int ms);
 
@@ -14,6 +22,8 @@ void setUp(void)
 {
     const monitor_bus_state_t fresh = {.wrong = false};
     state = fresh;
+    const monitor_swing_state_t none = {.watching = false};
+    swing = none;
 }
 
 void tearDown(void) {}
@@ -108,4 +118,82 @@ void test_the_bus_sensor_is_not_judged_without_a_message(void)
     for (int ms = 0; ms < MONITOR_BUS_WINDOW_STEPS; ms++) {
         TEST_ASSERT_FALSE(monitor_bus_step(&state, INT32_MIN, INT32_MAX));
     }
+}
+
+/* ---- movement of the bus ---- */
+
+/* From `low_mV` to `high_mV` at 1 ms, and back and forth every `every_ms`, for a second; the
+ * millisecond in which the battery counts as gone, -1: never. */
+static int gone_at(const config_battery_t *battery, int32_t low_mV, int32_t high_mV, int every_ms)
+{
+    setUp();
+    for (int ms = 0; ms < 1000; ms++) {
+        const bool high = ms > 0 && (ms - 1) / every_ms % 2 == 0;
+        if (monitor_bus_swings(&swing, battery, high ? high_mV : low_mV, true)) {
+            return ms;
+        }
+    }
+    return -1;
+}
+
+void test_connected_battery_may_go_from_full_charging_to_full_discharging_current(void)
+{
+    TEST_ASSERT_EQUAL_INT(-1, gone_at(&BATTERY, 50000, 55400, 30));
+    /* A quarter more resistance, of a cold battery; once. */
+    TEST_ASSERT_EQUAL_INT(-1, gone_at(&BATTERY, 50000, 56700, 1000));
+}
+
+/* 3, 5.6 and 7.9 V against 6.39, 7/64 of 58.4 V: a step's movement has lost an eighth in the next.
+ */
+void test_bus_that_moves_on_has_lost_its_battery(void)
+{
+    TEST_ASSERT_EQUAL_INT(3, gone_at(&BATTERY, 40000, 43000, 1));
+    /* Of larger steps 7/128 of 58.4 V count, up as well as down: 3.19, 5.99 and 8.4 V. */
+    TEST_ASSERT_EQUAL_INT(3, gone_at(&BATTERY, 38000, 45000, 1));
+    TEST_ASSERT_EQUAL_INT(3, gone_at(&BATTERY, 45000, 38000, 1));
+    /* 0.79 V a step amount to 8 * 0.79 V = 6.32 V, 0.82 V to 6.56 V. */
+    TEST_ASSERT_EQUAL_INT(-1, gone_at(&BATTERY, 40000, 40790, 1));
+    TEST_ASSERT_GREATER_THAN_INT(8, gone_at(&BATTERY, 40000, 40820, 1));
+}
+
+/* A reading that jumps shows it in the mean of one millisecond or of two. */
+void test_sensor_that_jumps_is_no_battery_that_has_left(void)
+{
+    TEST_ASSERT_EQUAL_INT(-1, gone_at(&BATTERY, 0, 75000, 1000));
+    TEST_ASSERT_EQUAL_INT(-1, gone_at(&BATTERY, 75000, 0, 1000));
+    setUp();
+    for (int ms = 0; ms < 1000; ms++) {
+        const int32_t shown_mV = ms < 500 ? 53000 : ms == 500 ? 30000 : 10000;
+        TEST_ASSERT_FALSE(monitor_bus_swings(&swing, &BATTERY, shown_mV, true));
+    }
+}
+
+void test_a_stiff_battery_counts_by_its_voltage_a_soft_one_by_its_resistance(void)
+{
+    config_battery_t battery = BATTERY;
+    battery.resistance_uOhm = 100; /* the 7/64 as well */
+    TEST_ASSERT_EQUAL_INT(-1, gone_at(&battery, 50000, 50790, 1));
+    TEST_ASSERT_GREATER_THAN_INT(8, gone_at(&battery, 50000, 50820, 1));
+    battery.resistance_uOhm = 96000; /* 9/8 of 10.8 V are 12.15 V, 1.52 V a step */
+    TEST_ASSERT_EQUAL_INT(-1, gone_at(&battery, 50000, 51500, 1));
+    TEST_ASSERT_GREATER_THAN_INT(8, gone_at(&battery, 50000, 51560, 1));
+    battery.resistance_uOhm = 0; /* not known */
+    TEST_ASSERT_EQUAL_INT(-1, gone_at(&battery, 0, 58400, 1));
+}
+
+void test_movement_counts_only_while_the_bus_is_watched(void)
+{
+    for (int ms = 0; ms < 1000; ms++) {
+        TEST_ASSERT_FALSE(
+            monitor_bus_swings(&swing, &BATTERY, ms % 2 == 0 ? INT32_MAX : INT32_MIN, false));
+    }
+    TEST_ASSERT_FALSE(monitor_bus_swings(&swing, &BATTERY, 53000, true));
+    TEST_ASSERT_FALSE(monitor_bus_swings(&swing, &BATTERY, 53000, true));
+    TEST_ASSERT_FALSE(monitor_bus_swings(&swing, &BATTERY, INT32_MIN, true));
+    TEST_ASSERT_FALSE(monitor_bus_swings(&swing, &BATTERY, 53000, true));
+    TEST_ASSERT_FALSE(monitor_bus_swings(&swing, &BATTERY, INT32_MIN, false));
+    TEST_ASSERT_FALSE(monitor_bus_swings(&swing, &BATTERY, INT32_MAX, true));
+    TEST_ASSERT_FALSE(monitor_bus_swings(&swing, &BATTERY, INT32_MIN, true));
+    TEST_ASSERT_FALSE(monitor_bus_swings(&swing, &BATTERY, INT32_MAX, true));
+    TEST_ASSERT_TRUE(monitor_bus_swings(&swing, &BATTERY, INT32_MIN, true));
 }

@@ -249,6 +249,29 @@ void test_low_bus_ends_torque_at_once_and_is_no_fault_once_the_contactor_is_open
     TEST_ASSERT_FALSE(step().battery_lost);
 }
 
+/* The current loop holds a bus between its trips that no battery holds. */
+void test_bus_that_moves_as_no_battery_lets_it_ends_torque_and_is_no_fault(void)
+{
+    (void)run(100);
+    for (int n = 0; n < 2; n++) { /* the image's battery: 6.4 V */
+        in.bus_voltage_mV -= 3000;
+        TEST_ASSERT_FALSE(step().battery_lost);
+    }
+    in.bus_voltage_mV += 3000;
+    const monitor_output_t lost = step();
+    TEST_ASSERT_TRUE(lost.battery_lost);
+    TEST_ASSERT_EQUAL_INT(REASON_BATTERY_DISCONNECTED, lost.warning);
+    in.bridge = BRIDGE_OFF;
+    in.bus_voltage_mV = 58000; /* the windings' energy */
+    for (int n = 0; n < MONITOR_BUS_RETURN_STEPS - 1; n++) {
+        const monitor_output_t out = step();
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, out.fault);
+        TEST_ASSERT_EQUAL_INT(REASON_BATTERY_DISCONNECTED, out.warning);
+        TEST_ASSERT_FALSE(out.release_trip);
+    }
+    TEST_ASSERT_FALSE(step().battery_lost);
+}
+
 /* Without the message it is one: a phase that is shorted empties the bus as well. */
 void test_overcurrent_on_a_low_bus_without_a_message_is_a_fault(void)
 {
@@ -266,10 +289,10 @@ void test_undervoltage_is_a_fault_only_while_the_bridge_switches(void)
 {
     in.bus_voltage_mV = 35999;
     assert_fault_after(300 + 5, REASON_BUS_UNDERVOLTAGE);
+    in.bridge = BRIDGE_OFF;
     in.bus_voltage_mV = 53000;
     (void)run(MONITOR_BUS_RETURN_STEPS);
     in.bus_voltage_mV = 35999;
-    in.bridge = BRIDGE_OFF;
     assert_never_a_fault();
     in.bus_voltage_mV = 36000;
     assert_never_a_fault();
