@@ -114,14 +114,15 @@ static monitor_rotor_output_t judge_rotor(controller_slow_t *slow, const config_
     return monitor_rotor_step(&slow->rotor, config, &in);
 }
 
-static monitor_slow_input_t monitor_input(const controller_slow_t *slow, const config_t *config,
-                                          const fast_report_t *report, const slow_input_t *in,
-                                          const operating_point_t *at,
-                                          const monitor_rotor_output_t *rotor)
+/* The input is built in its place: a copy of it would cost 90 instructions. */
+static monitor_output_t step_monitor(controller_slow_t *slow, const config_t *config,
+                                     const fast_report_t *report, const slow_input_t *in,
+                                     const operating_point_t *at,
+                                     const monitor_rotor_output_t *rotor)
 {
     const uint16_t observed_turn =
         (uint16_t)(report->observer.theta_turn - slow->operating_point.observer_lead_turn);
-    const monitor_slow_input_t out = {
+    const monitor_slow_input_t watched = {
         .fast_trip = report->trip,
         .current_sum_pu = report->current_sum_pu,
         .offsets_known = report->offsets_done,
@@ -161,15 +162,6 @@ static monitor_slow_input_t monitor_input(const controller_slow_t *slow, const c
         .idle_beta_pu = report->idle_beta_pu,
         .bridge = report->bridge,
     };
-    return out;
-}
-
-static monitor_output_t step_monitor(controller_slow_t *slow, const config_t *config,
-                                     const fast_report_t *report, const slow_input_t *in,
-                                     const operating_point_t *at,
-                                     const monitor_rotor_output_t *rotor)
-{
-    const monitor_slow_input_t watched = monitor_input(slow, config, report, in, at, rotor);
     return monitor_slow_step(&slow->monitor, config, &watched);
 }
 

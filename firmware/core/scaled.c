@@ -1,6 +1,33 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "core/scaled.h"
 
+/* Upper half of a 64-bit product. */
+static uint32_t upper(uint32_t a, uint32_t b)
+{
+    return (uint32_t)(((uint64_t)a * b) >> 32);
+}
+
+/* d is shifted until its highest bit is bit 31. A division gives 16 digits of its reciprocal, with
+ * a relative error e, |e| < 2^-15; one step of Newton's method leaves e^2. One function for all
+ * callers: its copies took 2.5 kB of flash, the calls take 1 % of a slow step. */
+int32_t scaled_ratio(int32_t n, int32_t d)
+{
+    const uint32_t sign = (uint32_t)(n >> 31); /* all ones for n < 0 */
+    const uint32_t magnitude = ((uint32_t)n ^ sign) - sign;
+    const uint32_t n_zeros = scaled_leading_zeros(magnitude | 1U);
+    const uint32_t d_zeros = scaled_leading_zeros((uint32_t)d);
+    const uint32_t by = (uint32_t)d << d_zeros;
+    const uint32_t rough = (UINT32_MAX / (by >> 16)) << 14; /* 2^62 / by (1 + e) */
+    const uint32_t less = 0U - 2U * upper(rough, by);       /* 2^31 (1 - e) */
+    const uint32_t inverse = upper(rough, less) << 2;       /* 2^63 / by */
+    const uint32_t product = upper(magnitude << n_zeros, inverse);
+    const uint32_t shift = n_zeros - d_zeros + 5U; /* wraps below zero */
+    if (shift >= 31U) {
+        return shift >> 31 == 0 ? 0 : (int32_t)(((UINT32_C(1) << 30) ^ sign) - sign);
+    }
+    return (int32_t)(((((product >> 1 >> shift) + 1U) >> 1) ^ sign) - sign);
+}
+
 /* n in [2^30, 2^32): the chord of the root is at most 6 % below it; two steps of Newton leave the
  * rounding of 16 bits. */
 static uint32_t root_of_normalised(uint32_t n)

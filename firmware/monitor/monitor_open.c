@@ -98,17 +98,18 @@ bool monitor_open_step(monitor_open_state_t *state, const monitor_open_input_t *
     const sincos_t at = angle_sincos(in->theta_turn);
     const phases_t current = phases_of(in->sampled_pu, at);
     const phases_t wanted = phases_of(in->reference_pu, at);
+    const int32_t longest_pu = largest(&current);
     const int32_t judged_pu = q_max(largest(&wanted) / 2, MONITOR_OPEN_LEAST_PU);
     uint8_t most = 0;
     bool zero = false;
     for (int x = 0; x < PHASES; x++) {
         uint8_t *missing = &state->missing[x][wanted.pu[x] > 0 ? 1 : 0];
         if (q_abs(wanted.pu[x]) >= judged_pu && state->unsettled == 0) {
-            const evidence_t found = evidence(current.pu[x], wanted.pu[x], largest(&current));
+            const evidence_t found = evidence(current.pu[x], wanted.pu[x], longest_pu);
             const int32_t counted = *missing + (found == MISSING ? 1 : 0);
             *missing = (uint8_t)(found == FLOWS ? 0 : q_min(counted, MONITOR_OPEN_STEPS));
         }
-        zero = stays_zero(state, x, current.pu[x], largest(&current), step_turn) || zero;
+        zero = stays_zero(state, x, current.pu[x], longest_pu, step_turn) || zero;
         most = (uint8_t)q_max(most, q_max(state->missing[x][0], state->missing[x][1]));
     }
     state->suspected = most >= MONITOR_OPEN_SUSPECT_STEPS;

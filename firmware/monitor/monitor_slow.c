@@ -188,11 +188,11 @@ static bool rotor_warning(monitor_slow_state_t *state, const config_t *config,
 
 static bool offsets_plausible(const config_t *config, const int32_t offset_q4[3])
 {
+    const int32_t tolerance_q4 = config->monitor.offset_tolerance_codes * OFFSET_SCALE;
     bool plausible = true;
     for (int x = 0; x < 3; x++) {
-        const int64_t beside_q4 = offset_q4[x] - (int64_t)OFFSET_MID_CODE * OFFSET_SCALE;
-        const int32_t tolerance_q4 = config->monitor.offset_tolerance_codes * OFFSET_SCALE;
-        plausible = plausible && beside_q4 <= tolerance_q4 && beside_q4 >= -tolerance_q4;
+        const int32_t beside_q4 = q_max(offset_q4[x], 0) - OFFSET_MID_CODE * OFFSET_SCALE;
+        plausible = plausible && q_abs(beside_q4) <= tolerance_q4;
     }
     return plausible;
 }

@@ -35,6 +35,16 @@ static machine_t machine_at(const config_t *config, int32_t speed_mrad_s)
     return out;
 }
 
+/* psi / L_d, nWb / nH = A, rounded down: in two steps of 32 bits up to 4 mH. */
+static int32_t infinite_mA(const config_motor_t *motor)
+{
+    const uint32_t flux_nWb = (uint32_t)motor->flux_linkage_nWb;
+    const uint32_t l_nH = (uint32_t)motor->d_inductance_nH;
+    const uint64_t rest = (uint64_t)(flux_nWb % l_nH) * 1000U;
+    const uint32_t part_mA = rest <= UINT32_MAX ? (uint32_t)rest / l_nH : (uint32_t)(rest / l_nH);
+    return q_saturate64((int64_t)(flux_nWb / l_nH) * 1000 + part_mA);
+}
+
 static void make_ratios(machine_t *m, const config_t *config, const safe_state_input_t *in)
 {
     if (m->has_ratios) {
@@ -45,7 +55,7 @@ static void make_ratios(machine_t *m, const config_t *config, const safe_state_i
     const int32_t x_uOhm = q_saturate64(divide_by_million(w_mrad_s * motor->d_inductance_nH));
     const int32_t r_uOhm = bases_at_winding_temperature(config, motor->phase_resistance_uOhm,
                                                         in->winding_temperature_cC);
-    m->infinite_mA = q_saturate64((int64_t)motor->flux_linkage_nWb * 1000 / motor->d_inductance_nH);
+    m->infinite_mA = infinite_mA(motor);
     const int64_t flux_uA_Wb = divide_by_million((int64_t)motor->flux_linkage_nWb * m->infinite_mA);
     m->stall_mNm = q_saturate64(divide_by_thousand(flux_uA_Wb * 3 / 2 * motor->pole_pairs));
     m->rho_q24 = scaled_ratio(r_uOhm, q_max(x_uOhm, 1));

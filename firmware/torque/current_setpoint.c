@@ -14,7 +14,8 @@ current_setpoint_t current_setpoint_step(const feasible_set_t *set, int32_t torq
         q_clamp(i_d_weakening_mA, -motor_model_current_mA(k, k->weakening_most_b), 0);
     const int32_t airgap_b = motor_model_airgap_of_shaft_b(model, torque_mNm);
     motor_point_t at = feasible_point(set, airgap_b);
-    const bool forced = feasible_forced(set, &at);
+    const bool has_voltage = feasible_holds(set, at);
+    const bool forced = !has_voltage && feasible_forced(set, &at);
     const int32_t wanted_mA = motor_model_current_mA(k, at.d_b);
     const int32_t trimmed_mA = q_max(wanted_mA + trim_mA, q_min(wanted_mA, weakest_mA));
     const int32_t d_mA = q_limit(forced ? wanted_mA : trimmed_mA, most_mA);
@@ -32,7 +33,8 @@ current_setpoint_t current_setpoint_step(const feasible_set_t *set, int32_t torq
         .i_d_mA = q_limit(d_mA - trim_mA, most_mA),
         .i_q_mA = q_limit(q_mA, left_mA),
         .limited = limited,
-        .feasible = q_abs(q_mA) <= left_mA + most_mA / 16 && feasible_holds(set, at),
+        .feasible = q_abs(q_mA) <= left_mA + most_mA / 16 &&
+                    ((has_voltage && d_mA == wanted_mA) || feasible_holds(set, at)),
         .forced_mNm = forced ? q_abs(motor_model_torque_mNm(model, at)) : 0,
     };
     return out;

@@ -19,7 +19,7 @@ enum {
 
 static inline int32_t clamped_b(int32_t x)
 {
-    return q_limit(x, MOTOR_MODEL_MOST_CURRENT_b);
+    return q_saturate26(x);
 }
 
 static inline int32_t multiply64_b(int64_t a, int64_t b)
@@ -29,7 +29,7 @@ static inline int32_t multiply64_b(int64_t a, int64_t b)
 
 static inline int32_t within(int32_t x)
 {
-    return q_limit(x, 1 << 26);
+    return q_saturate27(x);
 }
 
 /* Of a quadratic equation: keeps the products under its root below 2^62. */

@@ -46,9 +46,12 @@ int32_t loss_braking_torque_mNm(const feasible_side_t *side, loss_braking_t *los
     const motor_model_t *m = set->model;
     losses->by_map_mNm = by_map_mNm;
     losses->torque_mNm = 0;
+    if (by_map_mNm == FEASIBLE_UNBOUNDED) {
+        return by_map_mNm;
+    }
     const int32_t copper_b = (int32_t)((square(losses->current_b) >> 24) * m->resistance_b >> 24);
     const int32_t loss_b = copper_b + motor_model_bridge_loss_b(m->constants, losses->current_b);
-    if (losses->returned.power_b > loss_b || by_map_mNm == FEASIBLE_UNBOUNDED) {
+    if (losses->returned.power_b > loss_b) {
         return by_map_mNm;
     }
     static const feasible_returned_t ZERO = {.power_b = 0, .margin_b = 0};

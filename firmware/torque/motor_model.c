@@ -19,7 +19,7 @@ enum {
 
 static int32_t within_b(int32_t x)
 {
-    return q_limit(x, MOST_b);
+    return q_saturate27(x);
 }
 
 /* The shift that brings x > 0 into [2^22, 2^23). */
@@ -177,19 +177,19 @@ motor_model_t motor_model_at(const motor_constants_t *constants, const config_t 
 }
 
 /* Magnet flux plus the reluctance term (L_d - L_q) i_dt. */
-static int32_t flux_at_b(const motor_model_t *model, motor_point_t at)
+static int32_t flux_at_b(const motor_model_t *model, int32_t d_b, int32_t x_b)
 {
     if (model->saliency_b == 0) {
         return model->flux_b;
     }
     /* Below 2^28, so that the product stays below 2^30. */
-    const int32_t i_dt_b = at.d_b + scaled_multiply(model->cross_q, at.x_b);
+    const int32_t i_dt_b = d_b + scaled_multiply(model->cross_q, x_b);
     return within_b(model->flux_b + scaled_multiply(model->saliency_b, i_dt_b));
 }
 
 int32_t motor_model_airgap_b(const motor_model_t *model, motor_point_t at)
 {
-    return scaled_multiply(scaled_multiply(flux_at_b(model, at), at.x_b),
+    return scaled_multiply(scaled_multiply(flux_at_b(model, at.d_b, at.x_b), at.x_b),
                            model->constants->torque_factor_q24);
 }
 
@@ -197,22 +197,22 @@ int32_t motor_model_x_of_airgap_b(const motor_model_t *model, int32_t airgap_b, 
 {
     if (model->saliency_b == 0) {
         const int64_t x_b = ((int64_t)airgap_b * model->x_per_airgap_q23) >> 23;
-        return q_limit(q_saturate64(x_b), MOST_CURRENT_b);
+        return q_saturate26(q_saturate64(x_b));
     }
     /* (flux + change x) x = per_pole: the root that is zero at zero torque. */
     const int32_t per_pole_b = scaled_multiply(airgap_b, model->constants->torque_inverse_q24);
     const int32_t least_b = model->flux_b >> 2;
-    const motor_point_t without_x = {.d_b = d_b, .x_b = 0};
-    const int32_t flux_b = q_max(flux_at_b(model, without_x), least_b);
+    const int32_t flux_b = q_max(flux_at_b(model, d_b, 0), least_b);
     const int32_t root_b =
         scaled_root((int64_t)flux_b * flux_b + 4 * (int64_t)model->flux_per_x * per_pole_b);
     const int32_t twice_b = q_max(flux_b + root_b, 2 * least_b);
-    return q_limit(scaled_ratio(per_pole_b, twice_b >> 1), MOST_CURRENT_b);
+    return q_saturate26(scaled_ratio(per_pole_b, twice_b >> 1));
 }
 
 int32_t motor_model_airgap_per_x(const motor_model_t *model, motor_point_t at)
 {
-    const int32_t slope_b = flux_at_b(model, at) + scaled_multiply(model->flux_per_x, at.x_b);
+    const int32_t slope_b =
+        flux_at_b(model, at.d_b, at.x_b) + scaled_multiply(model->flux_per_x, at.x_b);
     return scaled_multiply(q_max(slope_b, model->flux_b >> 2), model->constants->torque_factor_q24);
 }
 
@@ -225,9 +225,9 @@ int32_t motor_model_airgap_per_d(const motor_model_t *model, motor_point_t at)
 int32_t motor_model_x_per_d(const motor_model_t *model, motor_point_t at)
 {
     const int32_t least_b = model->flux_b >> 2;
-    const int32_t slope_b =
-        q_max(flux_at_b(model, at) + scaled_multiply(model->flux_per_x, at.x_b), least_b);
-    return q_limit(scaled_ratio(-scaled_multiply(model->saliency_b, at.x_b), slope_b), MOST_b);
+    const int32_t slope_b = q_max(
+        flux_at_b(model, at.d_b, at.x_b) + scaled_multiply(model->flux_per_x, at.x_b), least_b);
+    return within_b(scaled_ratio(-scaled_multiply(model->saliency_b, at.x_b), slope_b));
 }
 
 int32_t motor_model_shaft_mNm(const motor_model_t *model, int32_t airgap_b)
@@ -250,7 +250,7 @@ motor_point_t motor_model_point(const motor_model_t *model, motor_current_t i)
     const int32_t along_mA = model->speed_mrad_s >= 0 ? i.q_mA : -q_max(i.q_mA, -INT32_MAX);
     motor_point_t at = {.d_b = motor_model_current_b(model->constants, i.d_mA), .x_b = 0};
     const int32_t i_q_b = motor_model_current_b(model->constants, along_mA);
-    at.x_b = q_limit(motor_model_x_of_i_q_b(model, i_q_b, at.d_b), MOST_CURRENT_b);
+    at.x_b = q_saturate26(motor_model_x_of_i_q_b(model, i_q_b, at.d_b));
     return at;
 }
 

@@ -43,8 +43,12 @@ limit_t torque_limits_at_most(const limit_t *lines, int32_t torque_mNm)
 limit_t torque_limits_tightest(const limit_t *lines, torque_line_t begin, torque_line_t end)
 {
     const limit_t *tightest = &lines[begin];
+    int32_t least_mNm = tightest->torque_mNm;
     for (const limit_t *line = tightest + 1; line < &lines[end]; line++) {
-        tightest = line->torque_mNm < tightest->torque_mNm ? line : tightest;
+        if (line->torque_mNm < least_mNm) {
+            least_mNm = line->torque_mNm;
+            tightest = line;
+        }
     }
     return *tightest;
 }

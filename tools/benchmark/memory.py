@@ -14,7 +14,7 @@ from rich.console import Console
 from benchmark import build
 
 FLASH_GOAL = 112 * 1024
-FLASH_AT_MOST = 118 * 1024
+FLASH_AT_MOST = 116 * 1024
 """Of the flashable image. The goal is missed (README, Flash): held is what there is."""
 RAM_AT_MOST = 24 * 1024
 """Without the black box, whose size a port chooses."""

@@ -66,9 +66,11 @@ Q_TARGET_INLINE int32_t q_negative(int32_t x)
 }
 
 /* |x|; |INT32_MIN| saturates to INT32_MAX. */
-static inline int32_t q_abs(int32_t x)
+Q_TARGET_INLINE int32_t q_abs(int32_t x)
 {
-    return x >= 0 ? x : (x == INT32_MIN ? INT32_MAX : -x);
+    const uint32_t sign = (uint32_t)(x >> 31); /* all ones for x < 0 */
+    const uint32_t magnitude = ((uint32_t)x ^ sign) - sign;
+    return (int32_t)(magnitude - (magnitude >> 31));
 }
 
 /* x saturated to the range of a signed number of `bits` bits, 1 <= bits <= 31. The common case, x
@@ -104,6 +106,16 @@ Q_TARGET_INLINE int32_t q_saturate17(int32_t x)
 Q_TARGET_INLINE int32_t q_saturate18(int32_t x)
 {
     return Q_TARGET_SATURATE(x, 18);
+}
+
+Q_TARGET_INLINE int32_t q_saturate26(int32_t x)
+{
+    return Q_TARGET_SATURATE(x, 26);
+}
+
+Q_TARGET_INLINE int32_t q_saturate27(int32_t x)
+{
+    return Q_TARGET_SATURATE(x, 27);
 }
 
 Q_TARGET_INLINE int32_t q_saturate31(int32_t x)

@@ -61,17 +61,8 @@ static inline uint32_t scaled_leading_zeros(uint32_t x)
 #endif
 }
 
-/* Upper half of a 64-bit product. */
-static inline uint32_t scaled_upper(uint32_t a, uint32_t b)
-{
-    return (uint32_t)(((uint64_t)a * b) >> 32);
-}
-
 /* n 2^24 / d to nearest, d > 0; relative error below 2^-27. A quotient beyond +-2^29 is some number
  * of its sign between 2^29 and 2^30.
- *
- * d is shifted until its highest bit is bit 31. A division gives 16 digits of its reciprocal, with
- * a relative error e, |e| < 2^-15; one step of Newton's method leaves e^2.
  *
  * @pre d > 0
  *
@@ -83,23 +74,7 @@ static inline uint32_t scaled_upper(uint32_t a, uint32_t b)
  *
  * @post q_abs(n) >= d || d > SCALED_ONE || q_abs(result) < SCALED_ONE
  */
-static inline int32_t scaled_ratio(int32_t n, int32_t d)
-{
-    const uint32_t sign = (uint32_t)(n >> 31); /* all ones for n < 0 */
-    const uint32_t magnitude = ((uint32_t)n ^ sign) - sign;
-    const uint32_t n_zeros = scaled_leading_zeros(magnitude | 1U);
-    const uint32_t d_zeros = scaled_leading_zeros((uint32_t)d);
-    const uint32_t by = (uint32_t)d << d_zeros;
-    const uint32_t rough = (UINT32_MAX / (by >> 16)) << 14;  /* 2^62 / by (1 + e) */
-    const uint32_t less = 0U - 2U * scaled_upper(rough, by); /* 2^31 (1 - e) */
-    const uint32_t inverse = scaled_upper(rough, less) << 2; /* 2^63 / by */
-    const uint32_t product = scaled_upper(magnitude << n_zeros, inverse);
-    const uint32_t shift = n_zeros - d_zeros + 5U; /* wraps below zero */
-    if (shift >= 31U) {
-        return shift >> 31 == 0 ? 0 : (int32_t)(((UINT32_C(1) << 30) ^ sign) - sign);
-    }
-    return (int32_t)(((((product >> 1 >> shift) + 1U) >> 1) ^ sign) - sign);
-}
+int32_t scaled_ratio(int32_t n, int32_t d);
 
 /* The square root of x, 0 <= x < 2^62; relative error below 2^-14, at most one unit below 2^16.
  *

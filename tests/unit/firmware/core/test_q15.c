@@ -51,6 +51,8 @@ void test_other_saturations_keep_their_bits(void)
         TEST_ASSERT_EQUAL_INT64(clamped(X[k], -4096, 4095), q_saturate13((int32_t)X[k]));
         TEST_ASSERT_EQUAL_INT64(clamped(X[k], -65536, 65535), q_saturate17((int32_t)X[k]));
         TEST_ASSERT_EQUAL_INT64(clamped(X[k], -131072, 131071), q_saturate18((int32_t)X[k]));
+        TEST_ASSERT_EQUAL_INT64(clamped(X[k], -33554432, 33554431), q_saturate26((int32_t)X[k]));
+        TEST_ASSERT_EQUAL_INT64(clamped(X[k], -67108864, 67108863), q_saturate27((int32_t)X[k]));
         TEST_ASSERT_EQUAL_INT64(clamped(X[k], -1073741824, 1073741823),
                                 q_saturate31((int32_t)X[k]));
     }
