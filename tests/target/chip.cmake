@@ -18,6 +18,20 @@ add_test(NAME chip_shows_a_crash_after_its_restart
     "$<TARGET_FILE:hubfoc_stm32f405>")
 set_tests_properties(chip_shows_a_crash_after_its_restart PROPERTIES LABELS target TIMEOUT 120)
 
+# python-can and cantools drive it (chip/test_can_client.py).
+if(HUBFOC_PYTHON)
+  add_test(NAME chip_is_stopped_by_a_can_client
+    COMMAND "${HUBFOC_PYTHON}" -m pytest -q -p no:cacheprovider test_can_client.py
+    WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}/tests/target/chip")
+else()
+  add_test(NAME chip_is_stopped_by_a_can_client COMMAND "${CMAKE_COMMAND}" -DMISSING=python3
+    -P "${PROJECT_SOURCE_DIR}/tests/target/prerequisites.cmake")
+endif()
+set_tests_properties(chip_is_stopped_by_a_can_client PROPERTIES LABELS "target;python" TIMEOUT 120
+  ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1;PYTHONPATH=${PROJECT_SOURCE_DIR}/host_sim/python;\
+HUBFOC_CHIP_ELF=$<TARGET_FILE:hubfoc_stm32f405>;\
+HUBFOC_CHIP_BUS=${PROJECT_SOURCE_DIR}/build/host/tests/target/chip/chip_bus")
+
 # The supply fails in the middle of an update of the configuration (chip/cuts.c).
 set(chip_cuts "${PROJECT_SOURCE_DIR}/build/host/tests/target/chip/chip_cuts")
 add_test(NAME chip_keeps_a_configuration_when_the_supply_fails

@@ -131,7 +131,12 @@ static slow_output_t millisecond(void *context, const slow_input_t *in)
 {
     drive_t *drive = context;
     set_temperatures(drive, in->temperature.winding_cC, in->temperature.switch_cC);
-    vehicle_can_send(&drive->vehicle, in);
+    drive->vehicle.queued_count = 0;
+    if (drive->exchange != NULL) {
+        drive->exchange(drive, in);
+    } else {
+        vehicle_can_send(&drive->vehicle, in);
+    }
     for (uint32_t i = 0; i < drive->vehicle.queued_count; i++) {
         const messages_frame_t *queued = &drive->vehicle.queued[i];
         chip_frame_t frame = {.identifier = queued->identifier, .length = queued->length};
@@ -144,6 +149,9 @@ static slow_output_t millisecond(void *context, const slow_input_t *in)
         messages_frame_t frame = {.identifier = sent.identifier, .length = sent.length};
         memcpy(frame.data, sent.data, sizeof frame.data);
         vehicle_can_receive(&drive->vehicle, &frame);
+        if (drive->seen != NULL) {
+            drive->seen(&sent);
+        }
     }
     return drive->vehicle.received;
 }

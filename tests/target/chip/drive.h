@@ -18,9 +18,13 @@
 #include "bench/wheel.h"
 #include "chip.h"
 
-typedef struct {
+typedef struct drive {
     chip_t *chip;
     vehicle_can_t vehicle;
+    /* Not NULL: who is on the CAN bus instead of the bench's vehicle, once a millisecond; and is
+     * given every frame of the chip. */
+    void (*exchange)(struct drive *drive, const slow_input_t *in);
+    void (*seen)(const chip_frame_t *frame);
     int32_t period_counts; /* of the plant's bridge */
     chip_ticks_t period;   /* PWM */
     uint32_t dead_time_ns; /* that the gates must keep, at least */
