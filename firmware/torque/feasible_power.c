@@ -85,28 +85,19 @@ static int32_t uncertain_b(const motor_model_t *m, motor_point_t at, int32_t i_q
     return multiply64_b(q_abs(across_b), angle_b);
 }
 
-/* Switching loss of the bridge, c |i|, as a straight line over x: that of a point, with the slope
- * of |i_q|. */
-typedef struct {
-    int32_t slope_b, offset_b;
-} switching_t;
-
-static switching_t switching_at(const motor_model_t *m, motor_point_t at, int32_t i_q_b)
+/* Adds the switching loss of the bridge, c |i|, as a straight line over x: that of a point, with
+ * the slope of |i_q|. Returns i_q. */
+static int32_t add_switching(power_t *p, const motor_model_t *m, const motor_point_t *at)
 {
+    const int32_t i_q_b = clamped_b(motor_model_i_q_b(m, *at));
     const int32_t per_ampere_b = m->constants->loss_b;
     const int32_t slope_b = i_q_b < 0 ? -per_ampere_b : per_ampere_b;
-    const int32_t current_b = motor_model_magnitude_b(at.d_b, i_q_b);
-    const switching_t out = {
-        .slope_b = slope_b,
-        .offset_b = scaled_multiply(per_ampere_b, current_b) - scaled_multiply(slope_b, at.x_b),
-    };
-    return out;
-}
-
-static void add_switching(power_t *p, switching_t s)
-{
-    p->b += s.slope_b;
-    p->c = coefficient((int64_t)p->c + s.offset_b);
+    const int32_t current_b = motor_model_magnitude_b(at->d_b, i_q_b);
+    const int32_t offset_b =
+        scaled_multiply(per_ampere_b, current_b) - scaled_multiply(slope_b, at->x_b);
+    p->b += slope_b;
+    p->c = coefficient((int64_t)p->c + offset_b);
+    return i_q_b;
 }
 
 /* What the battery takes, less what an uncertain angle may return beyond the margin: but no draw by
@@ -179,7 +170,7 @@ int32_t feasible_by_drawn_mNm(const feasible_side_t *side, int32_t power_b)
     const int32_t most_b = drives ? power_b : q_max(power_b, m->constants->negligible_power_b);
     motor_point_t at = side->cap;
     power_t p = power_at(side->set, at.d_b);
-    add_switching(&p, switching_at(m, at, clamped_b(motor_model_i_q_b(m, at))));
+    (void)add_switching(&p, m, &at);
     if (power_of_x_b(&p, at.x_b) <= most_b) {
         return FEASIBLE_UNBOUNDED;
     }
@@ -197,7 +188,7 @@ int32_t feasible_by_drawn_mNm(const feasible_side_t *side, int32_t power_b)
             return feasible_magnitude_mNm(side, motor_model_airgap_b(m, at));
         }
         last = !corrected(side->set, &at, drives, &p) || pass == CORRECTIONS - 1;
-        add_switching(&p, switching_at(m, at, clamped_b(motor_model_i_q_b(m, at))));
+        (void)add_switching(&p, m, &at);
     }
 }
 
@@ -206,8 +197,7 @@ int32_t feasible_by_returned_mNm(const feasible_side_t *side, feasible_returned_
     const motor_model_t *m = side->set->model;
     motor_point_t at = side->cap;
     power_t p = power_at(side->set, at.d_b);
-    int32_t i_q_b = clamped_b(motor_model_i_q_b(m, at));
-    add_switching(&p, switching_at(m, at, i_q_b));
+    int32_t i_q_b = add_switching(&p, m, &at);
     p.c = coefficient((int64_t)p.c + taken_b(m, at, i_q_b, returned));
     const int64_t vertex_b = 2 * (((int64_t)p.a * at.x_b) >> 24) + p.b;
     if (vertex_b >= 0 && power_of_x_b(&p, at.x_b) >= 0) {
@@ -226,8 +216,7 @@ int32_t feasible_by_returned_mNm(const feasible_side_t *side, feasible_returned_
         }
         at.x_b = q_max(at.x_b, side->cap.x_b);
         last = !corrected(side->set, &at, true, &p) || pass == CORRECTIONS - 1;
-        i_q_b = clamped_b(motor_model_i_q_b(m, at));
-        add_switching(&p, switching_at(m, at, i_q_b));
+        i_q_b = add_switching(&p, m, &at);
         p.c = coefficient((int64_t)p.c + taken_b(m, at, i_q_b, returned));
     }
 }

@@ -97,7 +97,10 @@ def shared_sources() -> list[Path]:
 def optimisation() -> tuple[dict[Path, list[str]], set[Path]]:
     """Return the flags of each folder of the firmware and the files compiled for size."""
     lines = [line.split() for line in OPTIMISE.read_text().splitlines() if not line.startswith("#")]
-    flags = {ROOT / "firmware" / words[0]: words[1:] for kind, *words in lines if kind == "flags"}
+    flags: dict[Path, list[str]] = {}
+    for kind, *words in lines:
+        if kind == "flags":
+            flags.setdefault(ROOT / "firmware" / words[0], []).extend(words[1:])
     size = {ROOT / "firmware" / words[0] for kind, *words in lines if kind == "size"}
     return flags, size
 
