@@ -359,14 +359,20 @@ static void write_journal(const snapshot_t *snapshot, uint32_t now_ms)
     (void)fault_journal_append(&app.journal, box);
 }
 
+/* The watchdog restarts the core. */
+static void stop_control(void)
+{
+    app.config = NULL;
+    app.restarting = true;
+    recorder_expect_restart(&app.recorder);
+}
+
 /* Control ends here, because the core stands still while the memory is erased. */
 static void replace_configuration(const snapshot_t *snapshot)
 {
     const bool permitted = is_at_standstill(&snapshot->output);
     if (permitted) {
-        app.config = NULL;
-        app.restarting = true;
-        recorder_expect_restart(&app.recorder);
+        stop_control();
     }
     console_install(&app.console, permitted);
 }
@@ -439,6 +445,10 @@ void app_background(void)
     console_pump(&app.console, now_ms, &status);
     if (console_wants_off(&app.console)) {
         console_switch_off(&app.console, is_at_standstill(&snapshot->output));
+    }
+    if (console_wants_bootloader(&app.console) &&
+        console_request_bootloader(&app.console, is_at_standstill(&snapshot->output))) {
+        stop_control();
     }
     if (console_has_accepted(&app.console)) {
         replace_configuration(snapshot);

@@ -18,6 +18,7 @@ enum {
     VERSION,
     INSTALL,
     OFF,
+    BOOTLOADER,
     COMMANDS_COUNT
 };
 
@@ -35,6 +36,7 @@ static const shell_command_t COMMANDS[COMMANDS_COUNT] = {
     [VERSION] = {"version", "", "program, version, commit, port"},
     [INSTALL] = {"install", "", "another configuration: send it as Intel HEX, the wheel at rest"},
     [OFF] = {"off", "", "lets the board's supply go, the wheel at rest"},
+    [BOOTLOADER] = {"bootloader", "", "restarts in the chip's own, the wheel at rest"},
 };
 
 static const char REFUSED[] = "refused: only with the wheel known to be at rest and switched off";
@@ -92,6 +94,10 @@ static bool answer(console_t *console, const shell_request_t *asked, text_t *lin
         console->off_wanted = console->off_wanted || asked->number == 0;
         text_add(line, "only with the wheel at rest");
         return asked->number == 0;
+    case BOOTLOADER:
+        console->bootloader_wanted = console->bootloader_wanted || asked->number == 0;
+        text_add(line, "only with the wheel at rest");
+        return asked->number == 0;
     default:
         return false;
     }
@@ -106,6 +112,7 @@ void console_init(console_t *console, const boot_report_t *boot)
     console->watched_ms = 0;
     console->watching = false;
     console->off_wanted = false;
+    console->bootloader_wanted = false;
     console->now_ms = 0;
     installer_init(&console->installer);
 }
@@ -213,6 +220,24 @@ void console_switch_off(console_t *console, bool permitted)
         text_add(line, REFUSED);
     }
     console_print(console, line);
+}
+
+bool console_wants_bootloader(console_t *console)
+{
+    const bool wanted = console->bootloader_wanted;
+    console->bootloader_wanted = false;
+    return wanted;
+}
+
+bool console_request_bootloader(console_t *console, bool permitted)
+{
+    const bool requested = permitted && power_request_bootloader();
+    text_t *line = console_line(console);
+    text_add(line, requested   ? "restarting in the chip's bootloader"
+                   : permitted ? "this chip has no bootloader"
+                               : REFUSED);
+    console_print(console, line);
+    return requested;
 }
 
 void console_pump(console_t *console, uint32_t now_ms, const report_status_t *status)

@@ -104,6 +104,11 @@ bool power_off(void)
     return false;
 }
 
+bool power_request_bootloader(void)
+{
+    return false;
+}
+
 uint32_t inverter_driver_status(void)
 {
     return 0;

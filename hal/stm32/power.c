@@ -2,6 +2,7 @@
 #include "power.h"
 
 #include "board.h"
+#include "bootloader_request.h"
 #include "hal/power.h"
 
 #define DRIVE_PIN(port, number, level) gpio_make_output((pin_t){port, number}, level);
@@ -21,5 +22,12 @@ bool power_off(void)
         return false;
     }
     gpio_write(BOARD_POWER_HOLD, false);
+    return true;
+}
+
+bool power_request_bootloader(void)
+{
+    link_bootloader_request[0] = BOOTLOADER_REQUEST;
+    link_bootloader_request[1] = ~BOOTLOADER_REQUEST;
     return true;
 }

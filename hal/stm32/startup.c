@@ -3,7 +3,10 @@
 #include <stdint.h>
 
 #include "../cortex_m/mpu.h"
+#include "bootloader.h"
+#include "bootloader_request.h"
 #include "interrupts.h"
+#include "power.h"
 #include "protected.h"
 #include "registers/core.h"
 #include "vectors.h"
@@ -64,8 +67,29 @@ static void protect_memory(void)
     mpu_start(regions, sizeof regions / sizeof regions[0]);
 }
 
+/* As after a reset but for the pins that keep the board's supply on. No variable is initialised
+ * yet. */
+static void enter_bootloader_on_request(void)
+{
+    if (link_bootloader_request[0] != BOOTLOADER_REQUEST ||
+        link_bootloader_request[1] != ~BOOTLOADER_REQUEST) {
+        return;
+    }
+    link_bootloader_request[0] = 0;
+    power_start();
+    bootloader_map();
+    __asm volatile("ldr sp, [%0]\n\t"
+                   "ldr r0, [%0, #4]\n\t"
+                   "bx r0"
+                   :
+                   : "r"(BOOTLOADER_BEGIN)
+                   : "r0");
+    __builtin_unreachable();
+}
+
 void reset_handler(void)
 {
+    enter_bootloader_on_request();
     *SCB_VTOR = (uint32_t)(uintptr_t)vectors;
     *SCB_SHCSR |= SCB_SHCSR_FAULTS_ENABLED;
     /* The firmware computes nothing in floating point, but a compiler may keep integers in the

@@ -96,6 +96,13 @@ void chip_power_cycle(chip_t *chip);
 chip_inputs_t *chip_inputs(chip_t *chip);
 chip_faults_t *chip_faults(chip_t *chip);
 
+/* Pulls the reset pin. */
+void chip_press_reset(chip_t *chip);
+
+/* Its maker's bootloader runs, with its own stack, its vectors at address 0 and the clocks as after
+ * a reset. It does nothing here. */
+bool chip_in_bootloader(const chip_t *chip);
+
 /* Runs for so long. */
 void chip_run(chip_t *chip, chip_ticks_t duration);
 

@@ -352,6 +352,20 @@ void chip_sample(chip_t *chip)
     }
 }
 
+/* Instead of the maker's bootloader: stack, entry, and there a loop. */
+static const uint32_t SYSTEM_MEMORY[] = {CHIP_RAM_BASE + 0x2000, CHIP_SYSTEM_BASE + 8 + 1,
+                                         0xE7FEE7FE};
+
+bool chip_in_bootloader(const chip_t *chip)
+{
+    uint32_t at;
+    uint32_t stack;
+    (void)uc_reg_read(chip->core, UC_ARM_REG_PC, &at);
+    (void)uc_reg_read(chip->core, UC_ARM_REG_SP, &stack);
+    return at - CHIP_SYSTEM_BASE < CHIP_SYSTEM_BYTES && stack == SYSTEM_MEMORY[0] &&
+           chip_get(chip, CHIP_SYSCFG_MEMRM) == 1 && chip_get(chip, CHIP_RCC_CFGR) == 0;
+}
+
 bool chip_core_open(chip_t *chip)
 {
     uc_hook hook;
@@ -360,6 +374,10 @@ bool chip_core_open(chip_t *chip)
         uc_ctl_set_cpu_model(chip->core, UC_CPU_ARM_CORTEX_M4) == UC_ERR_OK &&
         uc_mem_map(chip->core, CHIP_FLASH_BASE, CHIP_FLASH_BYTES, UC_PROT_ALL) == UC_ERR_OK &&
         uc_mem_map(chip->core, CHIP_RAM_BASE, CHIP_RAM_BYTES, UC_PROT_ALL) == UC_ERR_OK &&
+        uc_mem_map(chip->core, CHIP_SYSTEM_BASE, CHIP_SYSTEM_BYTES, UC_PROT_READ | UC_PROT_EXEC) ==
+            UC_ERR_OK &&
+        uc_mem_write(chip->core, CHIP_SYSTEM_BASE, SYSTEM_MEMORY, sizeof SYSTEM_MEMORY) ==
+            UC_ERR_OK &&
         uc_mmio_map(chip->core, CHIP_PERIPHERAL_BASE, CHIP_PERIPHERAL_BYTES, on_read, chip,
                     on_write, chip) == UC_ERR_OK &&
         uc_mmio_map(chip->core, (uint32_t)CHIP_CORE_BASE, CHIP_CORE_BYTES, on_core_read, chip,

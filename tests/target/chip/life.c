@@ -126,6 +126,11 @@ void chip_power_cycle(chip_t *chip)
     chip_reset(chip, false);
 }
 
+void chip_press_reset(chip_t *chip)
+{
+    chip_reset(chip, false);
+}
+
 void chip_pend(chip_t *chip, unsigned exception)
 {
     chip->nvic.pending[exception] = true;

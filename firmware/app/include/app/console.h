@@ -14,6 +14,7 @@
  *     version           program, version, commit, port
  *     install           another configuration, as Intel HEX (installer.h)
  *     off               lets the board's supply go
+ *     bootloader        restarts in the chip's own bootloader
  *     help, reasons     commands of the shell itself (shell.h)
  *
  * Background context; never blocks. When the buffer is full, a line that is not part of an answer
@@ -42,6 +43,7 @@ typedef struct {
     uint32_t now_ms;        /* of the latest pump */
     bool watching;          /* `watch` repeats the status line */
     bool off_wanted;        /* `off` has been typed */
+    bool bootloader_wanted; /* likewise */
     installer_t installer;
 } console_t;
 
@@ -69,6 +71,13 @@ bool console_wants_off(console_t *console);
 /* Lets the board's supply go if that is permitted, and prints what came of it. Where there is none
  * to let go, or the button is pressed, control goes on. */
 void console_switch_off(console_t *console, bool permitted);
+
+/* True once, when `bootloader` has been typed. */
+bool console_wants_bootloader(console_t *console);
+
+/* Requests the bootloader for the next reset if that is permitted, and prints what came of it.
+ * True: requested; the caller stops control and feeding the watchdog. */
+bool console_request_bootloader(console_t *console, bool permitted);
 
 /* True once, when a configuration has been received and accepted. */
 bool console_has_accepted(console_t *console);

@@ -114,7 +114,7 @@ void test_every_command_that_help_lists_has_an_answer(void)
     type_and_wait("help\r");
     static const char *const NAMES[] = {"help",   "reasons",  "status",  "watch", "limits",
                                         "faults", "blackbox", "crash",   "can",   "boot",
-                                        "config", "version",  "install", "off"};
+                                        "config", "version",  "install", "off",   "bootloader"};
     for (size_t i = 0; i < sizeof NAMES / sizeof NAMES[0]; i++) {
         text_t line_begin;
         text_clear(&line_begin);
@@ -260,6 +260,27 @@ void test_the_supply_is_let_go_only_when_asked_and_permitted(void)
     console_switch_off(&console, true);
     type_and_wait("");
     assert_shows("the supply is let go");
+}
+
+/* power_request_bootloader() is called only where it is permitted, like power_off(). */
+void test_the_bootloader_is_requested_only_when_asked_and_permitted(void)
+{
+    type_and_wait("status\r");
+    TEST_ASSERT_FALSE(console_wants_bootloader(&console));
+    type_and_wait("bootloader\r");
+    TEST_ASSERT_TRUE(console_wants_bootloader(&console));
+    TEST_ASSERT_FALSE(console_wants_bootloader(&console));
+    TEST_ASSERT_FALSE(console_request_bootloader(&console, false));
+    type_and_wait("");
+    assert_shows("refused: only with the wheel known to be at rest");
+    power_request_bootloader_ExpectAndReturn(false);
+    TEST_ASSERT_FALSE(console_request_bootloader(&console, true));
+    type_and_wait("");
+    assert_shows("this chip has no bootloader");
+    power_request_bootloader_ExpectAndReturn(true);
+    TEST_ASSERT_TRUE(console_request_bootloader(&console, true));
+    type_and_wait("");
+    assert_shows("restarting in the chip's bootloader");
 }
 
 static void assert_crash_shows(uint32_t cause, const char *words)
