@@ -149,7 +149,7 @@ analog_scale_t analog_scale(void)
     return scale;
 }
 
-/* The board has no input for one: the configuration switches that limit off. */
+/* The board has no input for one: the firmware estimates it. */
 int32_t analog_winding_temperature_cC(void)
 {
     return ANALOG_TEMPERATURE_BROKEN_cC;

@@ -36,7 +36,8 @@ add_test(NAME stm32g431_image_fits
     -DCMAKE_BUILD_TYPE=Release --test-command "${CMAKE_COMMAND}" "-DNM=${CMAKE_NM}"
     "-DELF=${other}/hubfoc_stm32g431.elf" -DCONFIG=CONFIG_WHEEL24V -DCHIP=stm32g431
     -P "${CMAKE_CURRENT_LIST_DIR}/check_layout.cmake")
-set_tests_properties(stm32g431_image_fits PROPERTIES LABELS "target;full" TIMEOUT 600)
+set_tests_properties(stm32g431_image_fits PROPERTIES LABELS "target;full" TIMEOUT 600
+  FIXTURES_SETUP stm32g431_image)
 
 # ---- on the model of the chip ----
 
@@ -64,6 +65,16 @@ else()
 endif()
 set_tests_properties(pwm_interrupt_budget PROPERTIES TIMEOUT 300 LABELS target
   ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+
+# The other STM32's image on a coarse model of its chip: it comes to drive and to brake, within the
+# budget of its PWM interrupt.
+if(HUBFOC_PYTHON)
+  add_test(NAME stm32g431_drives_and_brakes COMMAND "${HUBFOC_PYTHON}" -m benchmark.stm32g431
+    "${other}/hubfoc_stm32g431.elf" WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}/tools")
+  set(path "${PROJECT_SOURCE_DIR}/tools:${PROJECT_SOURCE_DIR}/host_sim/python")
+  set_tests_properties(stm32g431_drives_and_brakes PROPERTIES LABELS "target;full" TIMEOUT 600
+    FIXTURES_REQUIRED stm32g431_image ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1;PYTHONPATH=${path}")
+endif()
 
 # ---- the release ----
 

@@ -19,6 +19,7 @@ from collections import Counter, deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import ClassVar
 
 import unicorn
 from unicorn import arm_const
@@ -37,8 +38,8 @@ NESTED_BITS = 0xFFFFFFF8
 
 # RM0090: addresses of the registers that do more than store.
 RCC_CR, RCC_CFGR = 0x40023800, 0x40023808
-TIM1_CR1, TIM1_SR, TIM1_ARR, TIM1_RCR = 0x40010000, 0x40010010, 0x4001002C, 0x40010030
-TIM1_CCR, TIM1_BDTR = (0x40010034, 0x40010038, 0x4001003C), 0x40010044
+TIM_CR1, TIM_SR, TIM_ARR, TIM_RCR = 0x00, 0x10, 0x2C, 0x30
+TIM_CCR, TIM_BDTR = (0x34, 0x38, 0x3C), 0x44
 TIM_UPDATE, TIM_DOWN, TIM_OUTPUTS = 1 << 0, 1 << 4, 1 << 15
 ADC_SR, ADC_FIRST, ADC_SECOND = (0x40012000, 0x40012100, 0x40012200), 0x3C, 0x40
 GPIO_INPUTS = {"A": 0x40020010, "B": 0x40020410, "C": 0x40020810}
@@ -107,6 +108,14 @@ class GateDriver:
 class Chip:
     """One chip with an image in its flash."""
 
+    MAPPED: ClassVar[tuple[tuple[int, int], ...]] = (
+        (PERIPHERALS, PERIPHERALS_BYTES),
+        (CORE_PERIPHERALS, CORE_BYTES),
+    )
+    TIM1: ClassVar[int] = 0x40010000
+    INPUTS: ClassVar[dict[str, int]] = GPIO_INPUTS
+    CLOCK_HZ: ClassVar[float] = 168e6
+
     image: Path
     flash: int = FLASH
     """Where the image begins."""
@@ -129,34 +138,23 @@ class Chip:
         self._core.mem_map(self.flash, FLASH_BYTES)
         self._core.mem_map(RAM, RAM_BYTES)
         self._core.mem_map(STOP, PAGE)
-        for base, size in (
-            (PERIPHERALS, PERIPHERALS_BYTES),
-            (CORE_PERIPHERALS, CORE_BYTES),
-        ):
+        for base, size in self.MAPPED:
             self._core.mmio_map(base, size, self._on_read, base, self._on_write, base)
         self._lengths: dict[tuple[int, int], int] = {}
         self._counting = False
         self._read: dict[int, Callable[[], int]] = {
-            RCC_CR: lambda: self._ready_bits(RCC_CR, ((16, 17), (24, 25))),
-            RCC_CFGR: lambda: self._ready_bits(RCC_CFGR, ((0, 2), (1, 3))),
-            TIM1_SR: self._timer_status,
-            TIM1_CR1: lambda: (
-                self.registers.get(TIM1_CR1, 0) | (TIM_DOWN if self.timer.at_top else 0)
+            self.TIM1 + TIM_SR: self._timer_status,
+            self.TIM1 + TIM_CR1: lambda: (
+                self._of_timer(TIM_CR1) | (TIM_DOWN if self.timer.at_top else 0)
             ),
-            CAN_MSR: lambda: self.registers.get(CAN_MCR, 0) & 1,
-            CAN_TSR: lambda: 7 << 26,
-            CAN_RF0R: lambda: min(len(self.frames), 3),
-            USART3_SR: lambda: 1 << 7,
             DWT_CYCCNT: lambda: self.instructions & 0xFFFFFFFF,
+            **self._reads(),
         }
         self._write: dict[int, Callable[[int], None]] = {
-            TIM1_SR: lambda value: self._clear(TIM1_SR, value),
-            CAN_RF0R: self._release_frame,
-            GPIOB_BSRR: self._set_port_b,
-            GPIOC_BSRR: self._set_port_c,
-            **{status: self._clearing(status) for status in ADC_SR},
+            self.TIM1 + TIM_SR: self._clearing(self.TIM1 + TIM_SR),
+            **self._writes(),
         }
-        for port in GPIO_INPUTS.values():
+        for port in self.INPUTS.values():
             self.registers[port] = 0xFFFF
         self._load()
 
@@ -175,6 +173,30 @@ class Chip:
 
     # ---- peripherals ----
 
+    def _reads(self) -> dict[int, Callable[[], int]]:
+        """Return the registers that show something else than what was written."""
+        return {
+            RCC_CR: lambda: self._ready_bits(RCC_CR, ((16, 17), (24, 25))),
+            RCC_CFGR: lambda: self._ready_bits(RCC_CFGR, ((0, 2), (1, 3))),
+            CAN_MSR: lambda: self.registers.get(CAN_MCR, 0) & 1,
+            CAN_TSR: lambda: 7 << 26,
+            CAN_RF0R: lambda: min(len(self.frames), 3),
+            **{CAN_MAILBOX + 4 * i: self._of_frame(i) for i in range(4)},
+            USART3_SR: lambda: 1 << 7,
+        }
+
+    def _writes(self) -> dict[int, Callable[[int], None]]:
+        """Return the registers that do something else than store."""
+        return {
+            CAN_RF0R: self._release_frame,
+            GPIOB_BSRR: self._set_port_b,
+            GPIOC_BSRR: self._set_port_c,
+            **{status: self._clearing(status) for status in ADC_SR},
+        }
+
+    def _of_timer(self, offset: int) -> int:
+        return self.registers.get(self.TIM1 + offset, 0)
+
     def _ready_bits(self, register: int, pairs: tuple[tuple[int, int], ...]) -> int:
         """Return the register; what is switched on is ready."""
         value = self.registers.get(register, 0)
@@ -184,14 +206,14 @@ class Chip:
 
     def _timer_status(self) -> int:
         """While the firmware waits for an update, the count advances by half a period per poll."""
-        status = self.registers.get(TIM1_SR, 0)
+        status = self._of_timer(TIM_SR)
         if (
             not status & TIM_UPDATE
-            and self.registers.get(TIM1_CR1, 0) & 1
+            and self._of_timer(TIM_CR1) & 1
             and not self._counting
-            and self.timer.next_end(self.registers.get(TIM1_RCR, 0))
+            and self.timer.next_end(self._of_timer(TIM_RCR))
         ):
-            self.registers[TIM1_SR] = status | TIM_UPDATE
+            self.registers[self.TIM1 + TIM_SR] = status | TIM_UPDATE
         return status
 
     def _clear(self, register: int, value: int) -> None:
@@ -220,24 +242,20 @@ class Chip:
         if value & 1 << 5 and self.frames:
             self.frames.popleft()
 
-    def _mailbox(self, address: int) -> int:
-        """RIR, RDTR, RDLR and RDHR of the oldest frame."""
+    def _of_frame(self, word: int) -> Callable[[], int]:
+        """RIR, RDTR, RDLR or RDHR of the oldest frame."""
+        return lambda: self._mailbox()[word]
+
+    def _mailbox(self) -> tuple[int, ...]:
         if not self.frames:
-            return 0
+            return 0, 0, 0, 0
         identifier, data = self.frames[0]
-        low, high = struct.unpack("<2I", data)
-        words: tuple[int, ...] = (identifier << 21, len(data), low, high)
-        return words[(address - CAN_MAILBOX) // 4]
+        return identifier << 21, len(data), *struct.unpack("<2I", data)
 
     def _on_read(self, _core: unicorn.Uc, offset: int, size: int, base: int) -> int:
         address = base + offset
         word = address & ~3
-        if word in self._read:
-            value = self._read[word]()
-        elif CAN_MAILBOX <= word < CAN_MAILBOX + 16:
-            value = self._mailbox(word)
-        else:
-            value = self.registers.get(word, 0)
+        value = self._read[word]() if word in self._read else self.registers.get(word, 0)
         return value >> 8 * (address & 3) & ((1 << 8 * size) - 1)
 
     def _on_write(self, _core: unicorn.Uc, offset: int, size: int, value: int, base: int) -> None:
@@ -347,15 +365,15 @@ class Chip:
     @property
     def outputs_on(self) -> bool:
         """Whether the timer drives the bridge."""
-        return bool(self.registers.get(TIM1_BDTR, 0) & TIM_OUTPUTS)
+        return bool(self._of_timer(TIM_BDTR) & TIM_OUTPUTS)
 
     @property
     def period_counts(self) -> int:
         """Counts from zero to the top."""
-        return self.registers.get(TIM1_ARR, 0)
+        return self._of_timer(TIM_ARR)
 
     @property
     def compare_counts(self) -> tuple[int, int, int]:
         """Compare values as last written."""
-        a, b, c = (self.registers.get(register, 0) for register in TIM1_CCR)
+        a, b, c = (self._of_timer(register) for register in TIM_CCR)
         return a, b, c

@@ -26,7 +26,6 @@ EXCEPTION = 12
 """Cycles from the signal to the handler's first instruction, and from its last one back."""
 LINE_BYTES, WAIT_STATES, INSTRUCTION_LINES, CONSTANT_LINES = 16, 5, 64, 8
 """RM0090 section 3.5: lines of 128 bits, wait states at 168 MHz, lines the accelerator keeps."""
-CLOCK_HZ = 168e6
 
 _LINE = re.compile(r"^\s*([0-9a-f]+):\t([0-9a-f ]+?)\s*\t(\S+)\s*(.*)$")
 _BRANCH = re.compile(r"^(b|bl|bx|blx)(eq|ne|cs|hs|cc|lo|mi|pl|vs|vc|hi|ls|ge|lt|gt|le|al)?$")

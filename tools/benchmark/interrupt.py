@@ -179,20 +179,30 @@ def _summary(calls: list[tuple[str, int]]) -> dict[str, Any]:
 
 def _motor_table(symbols: dict[str, elf.Symbol]) -> tuple[str, dict[str, dict[str, Any]]]:
     """Name of the configuration in an image, and what its motor is made from."""
-    names = {path.stem: path for path in (build.ROOT / "tools" / "motors").glob("*.toml")}
+    names = {path.stem: path for path in (build.ROOT / "tools" / "motors").rglob("*.toml")}
     for name, path in names.items():
         if f"CONFIG_{name.upper()}" in symbols:
             table = tomllib.loads(path.read_text())
             if table.get("rotor", {}).get("sensor") != "hall":
                 raise BenchError(f"{name}: the ride of the PWM interrupt is one with hall sensors")
-            if not isinstance(table["battery"]["open_circuit_voltage_v"], float):
-                raise BenchError(f"{name}: the ride of the PWM interrupt has one bus voltage")
             return name, table
     raise BenchError("the image holds no configuration of tools/motors")
 
 
+def _bus_voltage_v(battery: dict[str, Any]) -> float:
+    """Bus voltage of the ride: of a pack with a curve, the one where work begins, to its point."""
+    voltage = battery["open_circuit_voltage_v"]
+    if isinstance(voltage, float):
+        return voltage
+    begin = battery.get("initial_soc", 1.0)
+    return float(min(voltage, key=lambda point: abs(point[0] - begin))[1])
+
+
 def _cycles(
-    fast: list[cycles.Cost], slow: list[tuple[cycles.Cost, int]], periods: int
+    fast: list[cycles.Cost],
+    slow: list[tuple[cycles.Cost, int]],
+    periods: int,
+    clock_hz: float,
 ) -> dict[str, Any]:
     """Cycles of both interrupts, and the share of the core's time in the worst millisecond.
 
@@ -211,20 +221,24 @@ def _cycles(
         ("load_cold", found["pwm_interrupt"]["cold"]["max"], each_cold),
     ):
         total = periods * longest + an_instruction * most_instructions
-        found[name] = round(total / (cycles.CLOCK_HZ / 1000.0), 4)
+        found[name] = round(total / (clock_hz / 1000.0), 4)
     return found
 
 
-def measure(image: Path, blocks: Counter[tuple[int, int]] | None = None) -> dict[str, Any]:
+def measure(
+    image: Path,
+    blocks: Counter[tuple[int, int]] | None = None,
+    chip_type: type[Chip] = Chip,
+) -> dict[str, Any]:
     """Drive an image. blocks: if given, receives how often each stretch of code was entered."""
     if not image.is_file():
         raise BenchError(f"no image {image}; ./tools/dev firmware makes it")
     symbols = elf.symbols(image)
     config, table = _motor_table(symbols)
     background = symbols["app_background"].address
-    chip = Chip(image)
+    chip = chip_type(image)
     chip.boot(background)
-    motor = Motor(table, bus_v=table["battery"]["open_circuit_voltage_v"])
+    motor = Motor(table, bus_v=_bus_voltage_v(table["battery"]))
     vehicle = Vehicle(table)
     periods = round(table["inverter"]["pwm_frequency_hz"] / 1000.0)
     active = (False, (0, 0, 0))
@@ -259,5 +273,5 @@ def measure(image: Path, blocks: Counter[tuple[int, int]] | None = None) -> dict
         "image": image.name,
         "config": config,
         **_summary(calls),
-        "cycles": _cycles(fast, slow, periods),
+        "cycles": _cycles(fast, slow, periods, chip.CLOCK_HZ),
     }

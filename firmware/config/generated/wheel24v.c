@@ -54,9 +54,9 @@ CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
         /* last part of the speed range over which driving torque fades out; 0: a step at its
          * end; default 1/32 */
         .speed_fade_share_q15              = 1024,
-        .derate_winding_temperature_cC     = 28000, /* [cC] start of the derating */
+        .derate_winding_temperature_cC     = 9000, /* [cC] start of the derating */
         /* [cC] end of the derating: torque limit zero */
-        .max_winding_temperature_cC        = 30000,
+        .max_winding_temperature_cC        = 11000,
     },
     .drive = {
         /* [mA] base of current: half the range of the converter */
@@ -370,17 +370,17 @@ CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
     .thermal = {
         /* [mJ/K] of one motor's winding; 0: its temperature is not estimated, and a broken
          * sensor ends the torque */
-        .winding_heat_capacity_mJ_K       = 0,
-        .winding_thermal_resistance_mK_W  = 0, /* [mK/W] winding to housing; 0: insulated */
+        .winding_heat_capacity_mJ_K       = 230000,
+        .winding_thermal_resistance_mK_W  = 400, /* [mK/W] winding to housing; 0: insulated */
         /* [mJ/K] of one motor's iron and housing; 0: none between winding and ambient */
-        .housing_heat_capacity_mJ_K       = 0,
-        .housing_thermal_resistance_mK_W  = 0, /* [mK/W] housing to ambient; 0: insulated */
+        .housing_heat_capacity_mJ_K       = 1500000,
+        .housing_thermal_resistance_mK_W  = 1500, /* [mK/W] housing to ambient; 0: insulated */
         /* [mJ/K] of one inverter's switches; 0: as of the winding */
-        .switch_heat_capacity_mJ_K        = 0,
-        .switch_thermal_resistance_mK_W   = 0, /* [mK/W] switches to heat sink; 0: insulated */
+        .switch_heat_capacity_mJ_K        = 1000,
+        .switch_thermal_resistance_mK_W   = 1000, /* [mK/W] switches to heat sink; 0: insulated */
         /* [mJ/K] of one inverter's heat sink; 0: none between switches and ambient */
-        .heatsink_heat_capacity_mJ_K      = 0,
-        .heatsink_thermal_resistance_mK_W = 0, /* [mK/W] heat sink to ambient; 0: insulated */
+        .heatsink_heat_capacity_mJ_K      = 15000,
+        .heatsink_thermal_resistance_mK_W = 10000, /* [mK/W] heat sink to ambient; 0: insulated */
     },
     .regen_map = {
         .speed_points          = 7, /* points along speed, from standstill */
@@ -439,5 +439,5 @@ CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
             -69, -93, -74, -137, -157,
         },
     },
-    .crc32 = 0x59FC2AA3,
+    .crc32 = 0xF16C4CE1,
 };

@@ -13,7 +13,7 @@ from typing import Any
 import cantools
 import pytest
 from benchmark import build, elf, interrupt
-from benchmark.chip import TIM1_CR1, TIM1_RCR, TIM1_SR, TIM_DOWN, TIM_UPDATE, Chip
+from benchmark.chip import TIM_CR1, TIM_DOWN, TIM_RCR, TIM_SR, TIM_UPDATE, Chip
 
 LU2013 = build.ROOT / "tools" / "motors" / "lu2013.toml"
 DBC = build.ROOT / "firmware" / "comms" / "hubfoc.dbc"
@@ -73,20 +73,20 @@ def test_the_timer_updates_at_both_ends_until_its_repetition_counter_is_loaded(
 ) -> None:
     """RM0090 section 17.3.3, assumed by the timer start of the firmware."""
     core, _ = chip
-    core.registers[TIM1_CR1] = 1
+    core.registers[Chip.TIM1 + TIM_CR1] = 1
 
     def directions(looks: int) -> list[bool]:
         """Direction of the count at every update within a number of samples."""
         seen = []
         for _ in range(looks):
-            core.registers[TIM1_SR] = 0
+            core.registers[Chip.TIM1 + TIM_SR] = 0
             core._timer_status()
-            if core.registers[TIM1_SR] & TIM_UPDATE:
-                seen.append(bool(core._read[TIM1_CR1]() & TIM_DOWN))
+            if core.registers[Chip.TIM1 + TIM_SR] & TIM_UPDATE:
+                seen.append(bool(core._read[Chip.TIM1 + TIM_CR1]() & TIM_DOWN))
         return seen
 
     assert directions(4) == [True, False, True, False]
-    core.registers[TIM1_RCR] = 1
+    core.registers[Chip.TIM1 + TIM_RCR] = 1
     assert directions(7) == [True, True, True, True]
 
 

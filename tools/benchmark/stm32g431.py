@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The STM32G431 around its flashable image, and its PWM interrupt.
+
+    python -m benchmark.stm32g431 IMAGE
+
+The image boots from its reset vector, calibrates, and takes the ride of benchmark.interrupt with
+the wheel of tools/motors/bench: its own clock tree, converters, FDCAN and timer, as far as the
+firmware waits for them, reads them or acts on them. Exit status 1 if it does not come to drive, or
+if the interrupt takes more instructions than its budget.
+"""
+
+from __future__ import annotations
+
+import struct
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+from benchmark import interrupt
+from benchmark.build import BenchError
+from benchmark.chip import CORE_BYTES, CORE_PERIPHERALS, PERIPHERALS, PERIPHERALS_BYTES, Chip
+
+# RM0440: addresses of the registers that do more than store.
+RCC_CR, RCC_CFGR = 0x40021000, 0x40021008
+ADC1, ADC2 = 0x50000000, 0x50000100
+ADC_ISR, ADC_CR, ADC_JDR = 0x00, 0x08, 0x80
+ADC_READY, ADC_ON, ADC_CALIBRATES = 1 << 0, 1 << 0, 1 << 31
+FDCAN_CCCR, FDCAN_PSR, FDCAN_RXF0S, FDCAN_RXF0A = 0x40006418, 0x40006444, 0x40006490, 0x40006494
+FDCAN_FIFO_0 = 0x4000A400 + 0xB0
+BUS_IDLE = 1 << 3
+USART2_ISR, USART_EMPTY = 0x4000441C, 1 << 7
+GPIOB_IDR = 0x48000410
+MIDDLE_CODE, GROUND_OHM, THERMISTOR_OHM = 2048, 4700, 10000
+"""The board's thermistor is 10 kOhm at the ride's 25 degC, over 4.7 kOhm."""
+
+MEDIAN_AT_MOST, MAX_AT_MOST = 520, 880
+
+
+@dataclass
+class ChipG431(Chip):
+    """One STM32G431 on a B-G431B-ESC1 with an image in its flash."""
+
+    MAPPED: ClassVar[tuple[tuple[int, int], ...]] = (
+        (PERIPHERALS, PERIPHERALS_BYTES),
+        (CORE_PERIPHERALS, CORE_BYTES),
+        (0x48000000, 0x2000),
+        (0x50000000, 0x1000),
+    )
+    TIM1: ClassVar[int] = 0x40012C00
+    INPUTS: ClassVar[dict[str, int]] = {"B": GPIOB_IDR}
+    CLOCK_HZ: ClassVar[float] = 170e6
+
+    def _reads(self) -> dict[int, Callable[[], int]]:
+        return {
+            RCC_CR: lambda: self._ready_bits(RCC_CR, ((16, 17), (24, 25))),
+            RCC_CFGR: lambda: self._ready_bits(RCC_CFGR, ((0, 2), (1, 3))),
+            ADC1 + ADC_CR: self._converter_control(ADC1),
+            ADC2 + ADC_CR: self._converter_control(ADC2),
+            ADC1 + ADC_ISR: self._converter_status(ADC1),
+            ADC2 + ADC_ISR: self._converter_status(ADC2),
+            FDCAN_PSR: lambda: 0 if self.registers.get(FDCAN_CCCR, 1) & 1 else BUS_IDLE,
+            FDCAN_RXF0S: lambda: min(len(self.frames), 3),
+            **{FDCAN_FIFO_0 + 4 * i: self._of_element(i) for i in range(4)},
+            USART2_ISR: lambda: USART_EMPTY,
+        }
+
+    def _writes(self) -> dict[int, Callable[[int], None]]:
+        return {FDCAN_RXF0A: self._acknowledge_frame}
+
+    def _converter_control(self, converter: int) -> Callable[[], int]:
+        """Return the reader of a control register: a calibration ends at once."""
+        return lambda: self.registers.get(converter + ADC_CR, 0) & ~ADC_CALIBRATES
+
+    def _converter_status(self, converter: int) -> Callable[[], int]:
+        """Return the reader of a status register: a converter that is on is ready."""
+        return lambda: ADC_READY if self.registers.get(converter + ADC_CR, 0) & ADC_ON else 0
+
+    def _acknowledge_frame(self, _index: int) -> None:
+        if self.frames:
+            self.frames.popleft()
+
+    def _of_element(self, word: int) -> Callable[[], int]:
+        """Word 0 to 3 of the oldest frame's element."""
+        return lambda: self._element()[word]
+
+    def _element(self) -> tuple[int, ...]:
+        if not self.frames:
+            return 0, 0, 0, 0
+        identifier, data = self.frames[0]
+        return identifier << 18, len(data) << 16, *struct.unpack("<2I", data)
+
+    def sample(
+        self, current_codes: tuple[int, int, int], bus_code: int, temperature_code: int
+    ) -> None:
+        """Results of the two converters; the board measures currents a and b."""
+        if temperature_code != MIDDLE_CODE:
+            raise BenchError("the thermistor of the ride is at 25 degC")
+        self.registers[ADC1 + ADC_JDR] = current_codes[0]
+        self.registers[ADC2 + ADC_JDR] = current_codes[1]
+        self.registers[ADC1 + ADC_JDR + 4] = bus_code
+        self.registers[ADC1 + ADC_JDR + 8] = 4096 * GROUND_OHM // (GROUND_OHM + THERMISTOR_OHM)
+
+    def halls(self, state: int) -> None:
+        """Levels of the three hall inputs, PB6 to PB8."""
+        self.registers[GPIOB_IDR] = 0xFFFF & ~(7 << 6) | state << 6
+
+
+def main(image: str) -> int:
+    """Drive the image and report."""
+    try:
+        measured = interrupt.measure(Path(image), chip_type=ChipG431)
+    except BenchError as error:
+        print(f"stm32g431: {error}", file=sys.stderr)
+        return 1
+    counted = measured["instructions"]
+    taken = measured["cycles"]
+    print(f"stm32g431: {measured['config']}: booted, calibrated, drove and braked")
+    warm = taken["pwm_interrupt"]["most"]["max"]
+    print(
+        f"PWM interrupt: median {counted['median']}, worst {counted['max']} instructions"
+        f" ({measured['worst_state']}); warm at most {warm} cycles,"
+        f" load {taken['load_warm']:.1%} of the core"
+    )
+    met = counted["median"] <= MEDIAN_AT_MOST and counted["max"] <= MAX_AT_MOST
+    if not met:
+        print(f"more than {MEDIAN_AT_MOST} and {MAX_AT_MOST}", file=sys.stderr)
+    return 0 if met else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1]))
