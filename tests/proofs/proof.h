@@ -7,7 +7,8 @@
  *
  * With PROOF_EXPECT_REACHED the only assertion is that the end of the proof is never reached, and
  * the checker must refute it. This detects assumptions that contradict each other, with which every
- * postcondition would hold.
+ * postcondition would hold. One possible input refutes it: PROOF_EXAMPLE narrows the search to
+ * such, in addition to the assumptions, where the checker would search for long.
  */
 #ifndef PROOF_H
 #define PROOF_H
@@ -21,9 +22,11 @@
 #ifdef PROOF_EXPECT_REACHED
 #define PROVE(condition) ((void)(condition))
 #define PROOF_END() assert(0 && "the end of the proof is reached")
+#define PROOF_EXAMPLE(condition) ASSUME(condition)
 #else
 #define PROVE(condition) assert(condition)
 #define PROOF_END() ((void)0)
+#define PROOF_EXAMPLE(condition) ((void)0)
 #endif
 
 int16_t nondet_int16(void);

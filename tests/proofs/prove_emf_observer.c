@@ -88,6 +88,8 @@ void prove_emf_observer_tracking(void)
     axes[observer.theta_q32 >> 24] = any_rotation().v;
     const observer_tuning_t none = {.volt = both(0)};
     const ab16_t zero = {.v = both(0)};
+    PROOF_EXAMPLE(observer.alpha_q30 == 0 && observer.beta_q30 == 0 && observer.theta_q32 == 0 &&
+                  observer.speed_q32 == 0);
     emf_observer_step(&observer, zero, any_current(), &none);
     PROVE(observer.speed_q32 >= -(INT32_C(1) << 30) && observer.speed_q32 < INT32_C(1) << 30);
     PROOF_END();

@@ -120,7 +120,6 @@ def compile_sources(core: Core, sources: list[Path], directory: Path) -> list[st
     flags, for_size = optimisation()
     common = [
         *core.flags,
-        "-g",
         "-std=c11",
         "-ffunction-sections",
         "-fdata-sections",

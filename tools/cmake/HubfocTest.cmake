@@ -51,10 +51,10 @@ function(hubfoc_add_unit_test)
   set_source_files_properties("${runner}" ${mock_sources} PROPERTIES
     COMPILE_OPTIONS "-w;-O0;-g0")
   # Test functions are declared by the generated runner only. What they do is done in the modules'
-  # libraries; their own code takes longer to optimise than to run. The preset with sanitizers
-  # optimises it, for the compiler's warnings.
+  # libraries; their own code takes longer to optimise than to run. For the compiler's warnings it
+  # is optimised once: the firmware's tests for the emulator, all others with sanitizers.
   set(options -Wno-missing-prototypes)
-  if(NOT HUBFOC_SANITIZE)
+  if(NOT HUBFOC_SANITIZE OR CMAKE_CURRENT_SOURCE_DIR MATCHES "/tests/unit/firmware/")
     list(APPEND options -O0)
   endif()
   set_source_files_properties(${T_SOURCES} PROPERTIES COMPILE_OPTIONS "${options}")
