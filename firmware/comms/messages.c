@@ -8,6 +8,8 @@ enum {
     TORQUE_STEP_mNm = 100,
     DEMAND_STEP_mNm = 200,
     CURRENT_STEP_mA = 100,
+    PEAK_STEP_mA = 500,
+    PACK_CURRENT_STEP_mA = 200,
     VOLTAGE_STEP_mV = 100,
     SPEED_STEP_mrad_s = 10,
     TEMPERATURE_STEP_cC = 10,
@@ -22,7 +24,10 @@ enum {
     CURRENT_MAX = 60000,
     BATTERY_CURRENT_MAX = 320000,
     VOLTAGE_MAX = 20000,
+    PEAK_MAX = 4095,
     PACK_VOLTAGE_MAX = 16383,
+    PACK_CURRENT_MAX = 8191,
+    PACK_CURRENT_NOT_GIVEN = -8192,
     TEMPERATURE_MIN = -1000,
     TEMPERATURE_MAX = 3000,
     MODE_MASK = 0x0F,
@@ -152,12 +157,13 @@ bool messages_read_peak(const messages_frame_t *frame, battery_limits_t *limits)
 {
     struct hubfoc_battery_peak_t raw;
     if (frame->length != E2E_FRAME_BYTES ||
-        hubfoc_battery_peak_unpack(&raw, frame->data, frame->length) != 0 ||
-        !hubfoc_battery_peak_charge_peak_current_a_is_in_range(raw.charge_peak_current_a)) {
+        hubfoc_battery_peak_unpack(&raw, frame->data, frame->length) != 0) {
         return false;
     }
     limits->voltage_mV = (int32_t)raw.pack_voltage_v * VOLTAGE_STEP_mV;
-    limits->charge_peak_current_mA = (int32_t)raw.charge_peak_current_a * CURRENT_STEP_mA;
+    limits->charge_peak_current_mA = (int32_t)raw.charge_peak_current_a * PEAK_STEP_mA;
+    limits->current_given = raw.pack_current_a != PACK_CURRENT_NOT_GIVEN;
+    limits->current_mA = limits->current_given ? raw.pack_current_a * PACK_CURRENT_STEP_mA : 0;
     return true;
 }
 
@@ -264,9 +270,13 @@ messages_frame_t messages_peak(const battery_limits_t *limits, uint8_t counter)
 {
     const struct hubfoc_battery_peak_t raw = {
         .charge_peak_current_a =
-            magnitude_steps(limits->charge_peak_current_mA, CURRENT_STEP_mA, BATTERY_CURRENT_MAX),
+            (uint16_t)q_clamp(limits->charge_peak_current_mA / PEAK_STEP_mA, 0, PEAK_MAX),
         .pack_voltage_v =
             (uint16_t)magnitude_steps(limits->voltage_mV, VOLTAGE_STEP_mV, PACK_VOLTAGE_MAX),
+        .pack_current_a =
+            (int16_t)(limits->current_given
+                          ? signed_steps(limits->current_mA, PACK_CURRENT_STEP_mA, PACK_CURRENT_MAX)
+                          : PACK_CURRENT_NOT_GIVEN),
     };
     messages_frame_t frame = new_frame(MESSAGES_BATTERY_PEAK, MESSAGES_FRONT_LEFT);
     (void)hubfoc_battery_peak_pack(frame.data, &raw, sizeof frame.data);

@@ -135,6 +135,8 @@ static monitor_output_t step_monitor(controller_slow_t *slow, const config_t *co
         .bus_voltage_mV = at->bus_voltage_mV,
         .battery_open = in->bms.contactor == CONTACTOR_OPEN,
         .battery_voltage_mV = in->bms.voltage_mV,
+        .battery_current_mA = in->bms.current_given ? in->bms.current_mA : MONITOR_GAIN_NOT_GIVEN,
+        .bus_current_mA = at->bus_current_mA,
         .charge_current_mA =
             q_min(q_max(in->bms.charge_current_mA, 0) / config->battery.driven_wheels,
                   config->battery.max_charge_current_mA),

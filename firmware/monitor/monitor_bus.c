@@ -3,59 +3,22 @@
 
 #include "core/q15.h"
 
-static void begin_window(monitor_bus_state_t *state, int32_t reading_mV)
+static bool contradicts(const monitor_window_t *window, int32_t battery_mV)
 {
-    state->lowest_mV[0] = reading_mV;
-    state->highest_mV[0] = reading_mV;
-    state->steps = 0;
-}
-
-static void add_reading(monitor_bus_state_t *state, int32_t reading_mV)
-{
-    if (state->steps >= MONITOR_BUS_WINDOW_STEPS) {
-        state->lowest_mV[1] = state->lowest_mV[0];
-        state->highest_mV[1] = state->highest_mV[0];
-        state->windows = 1;
-        begin_window(state, reading_mV);
-    }
-    state->lowest_mV[0] = q_min(state->lowest_mV[0], reading_mV);
-    state->highest_mV[0] = q_max(state->highest_mV[0], reading_mV);
-    state->steps++;
-}
-
-static bool contradicts(const monitor_bus_state_t *state, int32_t battery_mV)
-{
-    const int32_t lowest_mV = q_min(state->lowest_mV[0], state->lowest_mV[1]);
-    const int32_t highest_mV = q_max(state->highest_mV[0], state->highest_mV[1]);
     const int32_t tolerance_mV = battery_mV / MONITOR_BUS_TOLERANCE_SHARE;
-    return battery_mV > highest_mV + tolerance_mV || battery_mV < lowest_mV - tolerance_mV;
+    return battery_mV > monitor_window_highest(window) + tolerance_mV ||
+           battery_mV < monitor_window_lowest(window) - tolerance_mV;
 }
 
-bool monitor_bus_step(monitor_bus_state_t *state, int32_t reading_mV, int32_t battery_mV)
+bool monitor_bus_step(monitor_window_t *window, int32_t reading_mV, int32_t battery_mV)
 {
-    const int32_t within_mV = q_clamp(reading_mV, 0, MONITOR_BUS_MOST_mV);
-    if (battery_mV <= 0 || (state->steps == 0 && state->windows == 0)) {
-        const monitor_bus_state_t fresh = {.wrong = false};
-        *state = fresh;
-        begin_window(state, within_mV);
-        state->steps = battery_mV > 0 ? 1 : 0;
+    if (battery_mV <= 0) {
+        monitor_window_restart(window);
         return false;
     }
-    add_reading(state, within_mV);
-    if (state->windows == 0) {
-        return false;
-    }
-    if (contradicts(state, q_min(battery_mV, MONITOR_BUS_MOST_mV))) {
-        state->level = (uint16_t)q_min(state->level + 1, MONITOR_BUS_QUALIFY_STEPS);
-    } else if (state->level > 0) {
-        state->level--;
-    }
-    if (state->level >= MONITOR_BUS_QUALIFY_STEPS) {
-        state->wrong = true;
-    } else if (state->level == 0) {
-        state->wrong = false;
-    }
-    return state->wrong;
+    return monitor_window_add(window, q_clamp(reading_mV, 0, MONITOR_BUS_MOST_mV)) &&
+           monitor_window_judge(window,
+                                contradicts(window, q_min(battery_mV, MONITOR_BUS_MOST_mV)));
 }
 
 bool monitor_bus_swings(monitor_swing_state_t *state, const config_battery_t *battery,

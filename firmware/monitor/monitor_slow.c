@@ -273,6 +273,19 @@ static monitor_current_input_t current_input(const monitor_slow_input_t *in)
     return out;
 }
 
+/* The fast loop continues with two sensors where a single one is wrong. */
+static bool gain_wrong(monitor_slow_state_t *state, const monitor_slow_input_t *in,
+                       const config_t *config)
+{
+    const monitor_gain_input_t gain = {
+        .bus_current_mA = in->bus_current_mA,
+        .battery_current_mA = in->battery_open ? MONITOR_GAIN_NOT_GIVEN : in->battery_current_mA,
+        .bus_voltage_mV = in->bus_voltage_mV,
+        .switching = in->bridge == BRIDGE_PWM,
+    };
+    return monitor_gain_step(&state->gain, config, &gain);
+}
+
 static bool open_phase(monitor_slow_state_t *state, const monitor_slow_input_t *in)
 {
     const monitor_open_input_t open = {
@@ -384,6 +397,7 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
     const bool torque_wrong =
         qualified(&state->torque_steps, switching && torque_unwanted(config, in),
                   config->monitor.torque_fault_time_ms);
+    const bool gain_is_wrong = gain_wrong(state, in, config);
     const bool flow_wrong = flow_broken(state, config, in->fast_step_count);
     const bool phase_open = open_phase(state, in);
     const bool bus_wrong = bus_unexplained(state, config, in);
@@ -448,6 +462,8 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
         out.fault = REASON_ROTOR_IMPLAUSIBLE;
     } else if (torque_wrong) {
         out.fault = REASON_TORQUE_IMPLAUSIBLE;
+    } else if (gain_is_wrong) {
+        out.fault = REASON_CURRENT_GAIN;
     } else if (temperature_wrong) {
         out.fault = temperature;
     }

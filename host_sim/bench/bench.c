@@ -6,7 +6,11 @@
 
 #include "plant/numbers.h"
 
-enum { MILLI = 1000, LOST_S = 1000000 };
+enum {
+    MILLI = 1000,
+    LOST_S = 1000000,
+    BATTERY_STREAM = 1000 /* of random numbers; those of the wheels begin at 0 */
+};
 static const double SLOW_STEP_S = 1.0 / CONTROLLER_SLOW_RATE_HZ;
 static const double ROUNDING =
     1e-6; /* of a slow step: periods and milliseconds are counted, not added up */
@@ -81,7 +85,8 @@ static void begin_accounts(bench_t *bench)
     const motion_t motion = moving(bench);
     motion_roll(&bench->road, &motion);
     abs_unit_begin(&bench->abs_unit, &bench->params, bench->wheel, bench->wheels);
-    const bms_state_t none_sent = {.next_s = 0.0};
+    const bms_state_t none_sent = {
+        .random = random_init((uint64_t)bench->params.run.seed, BATTERY_STREAM)};
     bench->limits = none_sent;
     bench->kinetic_before_j = kinetic_energy_j(bench);
     bench->magnetic_before_j = 0.0;
@@ -233,6 +238,8 @@ static void slow_step(bench_t *bench)
         .discharge_limit_a = limits.discharge_a,
         .peak_charge_a = limits.peak_charge_a,
         .pack_voltage_v = limits.voltage_v,
+        .pack_current_a = limits.current_a,
+        .pack_current_given = limits.current_given,
         .contactor = bench->limits.contactor,
         .demand_age_s = bench->demand_age_s,
         .current_drift_a =

@@ -29,7 +29,7 @@ void vehicle_can_send(vehicle_can_t *can, const slow_input_t *in)
     if (can->now_ms % messages_cycle_ms(MESSAGES_BATTERY_LIMITS) == 0) {
         queue(can, messages_battery(&in->bms, can->battery_counter++));
     }
-    if ((in->bms.charge_peak_current_mA > 0 || in->bms.voltage_mV > 0) &&
+    if ((in->bms.charge_peak_current_mA > 0 || in->bms.voltage_mV > 0 || in->bms.current_given) &&
         can->now_ms % messages_cycle_ms(MESSAGES_BATTERY_PEAK) == 0) {
         queue(can, messages_peak(&in->bms, can->peak_counter++));
     }

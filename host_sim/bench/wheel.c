@@ -200,6 +200,8 @@ void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t 
                 .discharge_current_mA = rounded(order->discharge_limit_a, MILLI),
                 .charge_peak_current_mA = rounded(order->peak_charge_a, MILLI),
                 .voltage_mV = rounded(order->pack_voltage_v, MILLI),
+                .current_mA = rounded(order->pack_current_a, MILLI),
+                .current_given = order->pack_current_given,
                 .contactor = (contactor_t)order->contactor},
         .hydraulic = {.torque_mNm = rounded(brake.torque_nm, MILLI),
                       .age_ms = (uint32_t)brake.age_ms,

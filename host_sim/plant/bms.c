@@ -6,6 +6,7 @@
 #include "plant/numbers.h"
 
 static const double SILENT = 0.5;      /* a switch given as a number */
+static const double STEP_S = 1e-3;     /* of a slow step */
 static const double ROUNDING_S = 1e-9; /* times are added up elsewhere */
 
 static double faded(double left_soc, double fade_soc)
@@ -59,12 +60,24 @@ bms_limits_t bms_limits(const bms_params_t *params, const battery_params_t *pack
     return out;
 }
 
+static double measured_a(const bms_params_t *params, bms_state_t *state)
+{
+    const double noise_a = params->current_noise_a > 0.0
+                               ? params->current_noise_a * random_gaussian(&state->random)
+                               : 0.0;
+    return (1.0 + params->current_error) * state->filtered_a + noise_a;
+}
+
 bms_limits_t bms_step(const bms_params_t *params, bms_state_t *state, const battery_params_t *pack,
                       const battery_state_t *battery, bool contactor_open, double time_s)
 {
+    state->filtered_a +=
+        (battery->current_a - state->filtered_a) / (1.0 + params->current_filter_s / STEP_S);
     if (time_s + ROUNDING_S >= state->next_s) {
         state->sent = bms_limits(params, pack, battery);
         state->sent.voltage_v = params->voltage_silent > SILENT ? 0.0 : battery->terminal_v;
+        state->sent.current_given = params->current_silent <= SILENT;
+        state->sent.current_a = measured_a(params, state);
         state->contactor = params->contactor_silent > SILENT ? BMS_NOT_REPORTED
                            : contactor_open                  ? BMS_OPEN
                                                              : BMS_CLOSED;

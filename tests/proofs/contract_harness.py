@@ -20,7 +20,8 @@ from contracts import FIRMWARE, PROOFS, Contract, Parameter
 GROUPS: dict[str, tuple[str, ...]] = {
     "modes": ("modes/modes",),
     "monitor": ("monitor/monitor", "monitor/monitor_rotor", "monitor/monitor_fast",
-                "monitor/monitor_bus", "monitor/monitor_current", "monitor/monitor_open",
+                "monitor/monitor_bus", "monitor/monitor_gain", "monitor/monitor_window",
+                "monitor/monitor_current", "monitor/monitor_open",
                 "monitor/monitor_stuck", "monitor/monitor_temperature"),
     "recorder": ("monitor/recorder",),
     "controller": ("controller/bridge_choice", "controller/current_expectation",

@@ -421,6 +421,8 @@ int hubfoc_battery_peak_pack(
     const struct hubfoc_battery_peak_t *src_p,
     size_t size)
 {
+    uint16_t pack_current_a;
+
     if (size < 8u) {
         return (-EINVAL);
     }
@@ -430,12 +432,14 @@ int hubfoc_battery_peak_pack(
     dst_p[0] |= pack_left_shift_u16(src_p->crc, 0u, 0xffu);
     dst_p[1] |= pack_right_shift_u16(src_p->crc, 8u, 0xffu);
     dst_p[2] |= pack_left_shift_u8(src_p->counter, 0u, 0xffu);
-    dst_p[3] |= pack_left_shift_u32(src_p->charge_peak_current_a, 0u, 0xffu);
-    dst_p[4] |= pack_right_shift_u32(src_p->charge_peak_current_a, 8u, 0xffu);
-    dst_p[5] |= pack_right_shift_u32(src_p->charge_peak_current_a, 16u, 0x07u);
-    dst_p[5] |= pack_left_shift_u16(src_p->pack_voltage_v, 3u, 0xf8u);
-    dst_p[6] |= pack_right_shift_u16(src_p->pack_voltage_v, 5u, 0xffu);
-    dst_p[7] |= pack_right_shift_u16(src_p->pack_voltage_v, 13u, 0x01u);
+    dst_p[3] |= pack_left_shift_u16(src_p->charge_peak_current_a, 0u, 0xffu);
+    dst_p[4] |= pack_right_shift_u16(src_p->charge_peak_current_a, 8u, 0x0fu);
+    dst_p[4] |= pack_left_shift_u16(src_p->pack_voltage_v, 4u, 0xf0u);
+    dst_p[5] |= pack_right_shift_u16(src_p->pack_voltage_v, 4u, 0xffu);
+    dst_p[6] |= pack_right_shift_u16(src_p->pack_voltage_v, 12u, 0x03u);
+    pack_current_a = (uint16_t)src_p->pack_current_a;
+    dst_p[6] |= pack_left_shift_u16(pack_current_a, 2u, 0xfcu);
+    dst_p[7] |= pack_right_shift_u16(pack_current_a, 6u, 0xffu);
 
     return (8);
 }
@@ -445,6 +449,8 @@ int hubfoc_battery_peak_unpack(
     const uint8_t *src_p,
     size_t size)
 {
+    uint16_t pack_current_a;
+
     if (size < 8u) {
         return (-EINVAL);
     }
@@ -452,12 +458,19 @@ int hubfoc_battery_peak_unpack(
     dst_p->crc = unpack_right_shift_u16(src_p[0], 0u, 0xffu);
     dst_p->crc |= unpack_left_shift_u16(src_p[1], 8u, 0xffu);
     dst_p->counter = unpack_right_shift_u8(src_p[2], 0u, 0xffu);
-    dst_p->charge_peak_current_a = unpack_right_shift_u32(src_p[3], 0u, 0xffu);
-    dst_p->charge_peak_current_a |= unpack_left_shift_u32(src_p[4], 8u, 0xffu);
-    dst_p->charge_peak_current_a |= unpack_left_shift_u32(src_p[5], 16u, 0x07u);
-    dst_p->pack_voltage_v = unpack_right_shift_u16(src_p[5], 3u, 0xf8u);
-    dst_p->pack_voltage_v |= unpack_left_shift_u16(src_p[6], 5u, 0xffu);
-    dst_p->pack_voltage_v |= unpack_left_shift_u16(src_p[7], 13u, 0x01u);
+    dst_p->charge_peak_current_a = unpack_right_shift_u16(src_p[3], 0u, 0xffu);
+    dst_p->charge_peak_current_a |= unpack_left_shift_u16(src_p[4], 8u, 0x0fu);
+    dst_p->pack_voltage_v = unpack_right_shift_u16(src_p[4], 4u, 0xf0u);
+    dst_p->pack_voltage_v |= unpack_left_shift_u16(src_p[5], 4u, 0xffu);
+    dst_p->pack_voltage_v |= unpack_left_shift_u16(src_p[6], 12u, 0x03u);
+    pack_current_a = unpack_right_shift_u16(src_p[6], 2u, 0xfcu);
+    pack_current_a |= unpack_left_shift_u16(src_p[7], 6u, 0xffu);
+
+    if ((pack_current_a & (1u << 13)) != 0u) {
+        pack_current_a |= 0xc000u;
+    }
+
+    dst_p->pack_current_a = (int16_t)pack_current_a;
 
     return (0);
 }
@@ -485,14 +498,19 @@ bool hubfoc_battery_peak_counter_is_in_range(uint8_t value)
     return (true);
 }
 
-bool hubfoc_battery_peak_charge_peak_current_a_is_in_range(uint32_t value)
+bool hubfoc_battery_peak_charge_peak_current_a_is_in_range(uint16_t value)
 {
-    return (value <= 320000u);
+    return (value <= 4095u);
 }
 
 bool hubfoc_battery_peak_pack_voltage_v_is_in_range(uint16_t value)
 {
     return (value <= 16383u);
+}
+
+bool hubfoc_battery_peak_pack_current_a_is_in_range(int16_t value)
+{
+    return ((value >= -8192) && (value <= 8191));
 }
 
 int hubfoc_wheel_state_pack(

@@ -179,6 +179,7 @@ extern "C" {
 #define HUBFOC_WHEEL_STATE_FAULT_REASON_HYDRAULIC_STUCK_CHOICE (101u)
 #define HUBFOC_WHEEL_STATE_FAULT_REASON_HYDRAULIC_LATE_CHOICE (102u)
 #define HUBFOC_WHEEL_STATE_FAULT_REASON_PHASE_OPEN_CHOICE (103u)
+#define HUBFOC_WHEEL_STATE_FAULT_REASON_CURRENT_GAIN_CHOICE (104u)
 
 #define HUBFOC_WHEEL_DRIVE_DIRECTION_FORWARD_CHOICE (0u)
 #define HUBFOC_WHEEL_DRIVE_DIRECTION_REVERSE_CHOICE (1u)
@@ -249,6 +250,7 @@ extern "C" {
 #define HUBFOC_WHEEL_DRIVE_TORQUE_REASON_HYDRAULIC_STUCK_CHOICE (101u)
 #define HUBFOC_WHEEL_DRIVE_TORQUE_REASON_HYDRAULIC_LATE_CHOICE (102u)
 #define HUBFOC_WHEEL_DRIVE_TORQUE_REASON_PHASE_OPEN_CHOICE (103u)
+#define HUBFOC_WHEEL_DRIVE_TORQUE_REASON_CURRENT_GAIN_CHOICE (104u)
 
 #define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_NONE_CHOICE (0u)
 #define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_LOSS_OPTIMUM_CHOICE (1u)
@@ -315,6 +317,7 @@ extern "C" {
 #define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_HYDRAULIC_STUCK_CHOICE (101u)
 #define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_HYDRAULIC_LATE_CHOICE (102u)
 #define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_PHASE_OPEN_CHOICE (103u)
+#define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_CURRENT_GAIN_CHOICE (104u)
 
 #define HUBFOC_WHEEL_POWER_WARNING_REASON_NONE_CHOICE (0u)
 #define HUBFOC_WHEEL_POWER_WARNING_REASON_LOSS_OPTIMUM_CHOICE (1u)
@@ -381,6 +384,7 @@ extern "C" {
 #define HUBFOC_WHEEL_POWER_WARNING_REASON_HYDRAULIC_STUCK_CHOICE (101u)
 #define HUBFOC_WHEEL_POWER_WARNING_REASON_HYDRAULIC_LATE_CHOICE (102u)
 #define HUBFOC_WHEEL_POWER_WARNING_REASON_PHASE_OPEN_CHOICE (103u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_CURRENT_GAIN_CHOICE (104u)
 
 #define HUBFOC_WHEEL_HEALTH_DEMAND_LINK_NO_DATA_CHOICE (0u)
 #define HUBFOC_WHEEL_HEALTH_DEMAND_LINK_QUALIFYING_CHOICE (1u)
@@ -467,6 +471,7 @@ extern "C" {
 #define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_HYDRAULIC_STUCK_CHOICE (101u)
 #define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_HYDRAULIC_LATE_CHOICE (102u)
 #define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_PHASE_OPEN_CHOICE (103u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_CURRENT_GAIN_CHOICE (104u)
 
 #define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_NONE_CHOICE (0u)
 #define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_LOSS_OPTIMUM_CHOICE (1u)
@@ -533,6 +538,7 @@ extern "C" {
 #define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_HYDRAULIC_STUCK_CHOICE (101u)
 #define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_HYDRAULIC_LATE_CHOICE (102u)
 #define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_PHASE_OPEN_CHOICE (103u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_CURRENT_GAIN_CHOICE (104u)
 
 #define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_NONE_CHOICE (0u)
 #define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_LOSS_OPTIMUM_CHOICE (1u)
@@ -599,6 +605,7 @@ extern "C" {
 #define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_HYDRAULIC_STUCK_CHOICE (101u)
 #define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_HYDRAULIC_LATE_CHOICE (102u)
 #define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_PHASE_OPEN_CHOICE (103u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_CURRENT_GAIN_CHOICE (104u)
 
 #define HUBFOC_WHEEL_AVAILABLE_WAITS_FOR_NONE_CHOICE (0u)
 #define HUBFOC_WHEEL_AVAILABLE_WAITS_FOR_CONFIGURATION_CHOICE (1u)
@@ -681,6 +688,7 @@ extern "C" {
 #define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_HYDRAULIC_STUCK_CHOICE (101u)
 #define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_HYDRAULIC_LATE_CHOICE (102u)
 #define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_PHASE_OPEN_CHOICE (103u)
+#define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_CURRENT_GAIN_CHOICE (104u)
 
 /* Frame Names. */
 #define HUBFOC_DEMAND_NAME "Demand"
@@ -718,6 +726,7 @@ extern "C" {
 #define HUBFOC_BATTERY_PEAK_COUNTER_NAME "counter"
 #define HUBFOC_BATTERY_PEAK_CHARGE_PEAK_CURRENT_A_NAME "charge_peak_current_a"
 #define HUBFOC_BATTERY_PEAK_PACK_VOLTAGE_V_NAME "pack_voltage_v"
+#define HUBFOC_BATTERY_PEAK_PACK_CURRENT_A_NAME "pack_current_a"
 #define HUBFOC_WHEEL_STATE_CRC_NAME "crc"
 #define HUBFOC_WHEEL_STATE_COUNTER_NAME "counter"
 #define HUBFOC_WHEEL_STATE_MODE_NAME "mode"
@@ -958,7 +967,7 @@ struct hubfoc_battery_limits_t {
 /**
  * Signals in message BatteryPeak.
  *
- * Charge current that the pack takes for a short time, brake.bridging_time, and its voltage; optional. Without it, and after a timeout, the charge limit of BatteryLimits applies at once, and the bus sensor is not compared.
+ * Charge current that the pack takes for a short time, brake.bridging_time, its voltage and its current; optional. Without it, and after a timeout, the charge limit of BatteryLimits applies at once, and the sensors of bus voltage and motor current are not compared.
  *
  * All signal values are as on the CAN bus.
  */
@@ -982,13 +991,13 @@ struct hubfoc_battery_peak_t {
     uint8_t counter;
 
     /**
-     * Largest current into the whole pack for a short time; a magnitude. 0: not given.
+     * Largest current into the whole pack for a short time; a magnitude, rounded down. 0: not given.
      *
-     * Range: 0..320000 (0..32000 A)
-     * Scale: 0.1
+     * Range: 0..4095 (0..2047.5 A)
+     * Scale: 0.5
      * Offset: 0
      */
-    uint32_t charge_peak_current_a;
+    uint16_t charge_peak_current_a;
 
     /**
      * Voltage at the terminals of the pack, at most one cycle old. 0: not given. The controller compares its own sensor with it.
@@ -998,6 +1007,15 @@ struct hubfoc_battery_peak_t {
      * Offset: 0
      */
     uint16_t pack_voltage_v;
+
+    /**
+     * Measured current of the whole pack, positive out of it, at most one cycle old. -1638.4: not given. With one driven wheel the controller compares its own current sensors with it: not to be given where other loads take more than 1/64 of motor.rated_torque times motor.max_speed.
+     *
+     * Range: -8192..8191 (-1638.4..1638.2 A)
+     * Scale: 0.2
+     * Offset: 0
+     */
+    int16_t pack_current_a;
 };
 
 /**
@@ -1821,7 +1839,7 @@ bool hubfoc_battery_peak_counter_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool hubfoc_battery_peak_charge_peak_current_a_is_in_range(uint32_t value);
+bool hubfoc_battery_peak_charge_peak_current_a_is_in_range(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1831,6 +1849,15 @@ bool hubfoc_battery_peak_charge_peak_current_a_is_in_range(uint32_t value);
  * @return true if in range, false otherwise.
  */
 bool hubfoc_battery_peak_pack_voltage_v_is_in_range(uint16_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_battery_peak_pack_current_a_is_in_range(int16_t value);
 
 /**
  * Pack message WheelState.

@@ -97,8 +97,9 @@ MESSAGES: Final[Mapping[str, Message]] = {
         {
             "crc": Signal(0, 16, False, 1.0, 0.0, 65535.0),
             "counter": Signal(16, 8, False, 1.0, 0.0, 255.0),
-            "charge_peak_current_a": Signal(24, 19, False, 0.1, 0.0, 32000.0),
-            "pack_voltage_v": Signal(43, 14, False, 0.1, 0.0, 1638.3),
+            "charge_peak_current_a": Signal(24, 12, False, 0.5, 0.0, 2047.5),
+            "pack_voltage_v": Signal(36, 14, False, 0.1, 0.0, 1638.3),
+            "pack_current_a": Signal(50, 14, True, 0.2, -1638.4, 1638.2),
         },
     ),
     "WheelState": Message(

@@ -10,6 +10,10 @@ STANDARD_AIR_KG_PER_M3 = 1.204  # dry, 20 degC, 1013 hPa
 STANDARD_GRAVITY_M_PER_S2 = 9.80665
 FULL_SOC = 1.0
 SWITCH_REFERENCE_C = 25.0
+# The pack's current sensor: gain error, noise as a share of the largest current, time constant.
+BATTERY_CURRENT_ERROR = 0.02
+BATTERY_CURRENT_NOISE = 0.002
+BATTERY_CURRENT_FILTER_S = 0.02
 PEDAL_CHANNELS = ("accelerator_a", "accelerator_b", "brake_a", "brake_b")
 # What can happen to a vehicle under way, by how the names begin.
 EVENTS = (
@@ -174,6 +178,10 @@ def _bms(drive: Drive) -> dict[str, float]:
         "bms.current_step_a": bms.current_step_a,
         "bms.contactor_silent": 0.0,
         "bms.voltage_silent": 0.0,
+        "bms.current_silent": 0.0,
+        "bms.current_error": BATTERY_CURRENT_ERROR,
+        "bms.current_noise_a": BATTERY_CURRENT_NOISE * battery.max_discharge_current_a,
+        "bms.current_filter_s": BATTERY_CURRENT_FILTER_S,
     }
 
 

@@ -130,7 +130,9 @@
     X(102, HYDRAULIC_LATE, "hydraulic brake comes later than configured",                          \
       "brake.hydraulic_watch_speed_mrad_s", "at once", NONE, HEALS, SERVICE)                       \
     X(103, PHASE_OPEN, "phase wire or switch open: no current where one is wanted",                \
-      "3 ms", "never", FREEWHEEL, ACKNOWLEDGED, SERVICE)
+      "3 ms", "never", FREEWHEEL, ACKNOWLEDGED, SERVICE)                                           \
+    X(104, CURRENT_GAIN, "gain of all current sensors wrong, by the battery current",              \
+      "200 ms", "never", RAMP, ACKNOWLEDGED, SERVICE)
 /* clang-format on */
 
 #define REASON_LIMIT_ENUM(number, identifier, text) REASON_##identifier = (number),

@@ -51,7 +51,9 @@ typedef struct {
      * message BatteryPeak. */
     int32_t charge_peak_current_mA;
     int32_t voltage_mV; /* at its terminals, >= 0; 0: not given. The CAN message BatteryPeak. */
+    int32_t current_mA; /* measured, of the whole pack, positive out of it; BatteryPeak as well */
     contactor_t contactor;
+    bool current_given; /* false: current_mA is not looked at */
 } battery_limits_t;
 
 /* The measured torque of this wheel's hydraulic brake: the CAN message HydraulicFeedback. */

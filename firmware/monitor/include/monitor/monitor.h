@@ -23,6 +23,7 @@
 #include "monitor/monitor_bus.h"
 #include "monitor/monitor_current.h"
 #include "monitor/monitor_emf.h"
+#include "monitor/monitor_gain.h"
 #include "monitor/monitor_open.h"
 #include "monitor/monitor_speed.h"
 #include "monitor/monitor_stuck.h"
@@ -124,7 +125,8 @@ typedef struct {
     monitor_speed_state_t speed;
     monitor_stuck_state_t stuck;
     monitor_open_state_t open;
-    monitor_bus_state_t bus;
+    monitor_window_t bus;
+    monitor_window_t gain;
     bool bus_was_low;      /* of the latest bus beyond a trip */
     bool bus_sensor_wrong; /* its reading went where no bus goes */
     bool started;
@@ -145,6 +147,8 @@ typedef struct {
     int32_t bus_voltage_mV;
     bool battery_open;          /* reported: the contactor is open */
     int32_t battery_voltage_mV; /* reported; 0: not given */
+    int32_t battery_current_mA; /* reported, of all wheels; MONITOR_GAIN_NOT_GIVEN */
+    int32_t bus_current_mA;     /* of this wheel by the current loop */
     int32_t charge_current_mA;  /* that the battery takes from this wheel */
     int32_t speed_mrad_s;
     int32_t winding_temperature_cC;

@@ -3,11 +3,8 @@
  * monitor_bus.h: the bus voltage against what a battery does. Slow loop, 1 kHz. First the sensor
  * against the voltage of the battery's message.
  *
- * A message is as old as its cycle, so it is compared with all that the sensor has shown since
- * then: the sensor is wrong if the message lies beyond the lowest or the highest reading of the
- * last MONITOR_BUS_WINDOW_STEPS to twice as many milliseconds by more than
- * 1/MONITOR_BUS_TOLERANCE_SHARE of the voltage, for MONITOR_BUS_QUALIFY_STEPS. README, Flux and bus
- * voltage.
+ * The sensor is wrong if the message lies beyond all of the window's readings (monitor_window.h) by
+ * more than 1/MONITOR_BUS_TOLERANCE_SHARE of the voltage. README, Flux and bus voltage.
  */
 #ifndef MONITOR_MONITOR_BUS_H
 #define MONITOR_MONITOR_BUS_H
@@ -16,10 +13,9 @@
 #include <stdint.h>
 
 #include "config/config.h"
+#include "monitor/monitor_window.h"
 
 enum {
-    MONITOR_BUS_WINDOW_STEPS = 128,   /* more than the message's cycle */
-    MONITOR_BUS_QUALIFY_STEPS = 200,  /* qualify and heal time: two messages */
     MONITOR_BUS_TOLERANCE_SHARE = 20, /* both sensors, and the cable between them */
     MONITOR_BUS_MOST_mV = 2000000,    /* larger readings count as this */
     MONITOR_BUS_SWING_LOG2 = 3,       /* time constant of the movement: 8 ms */
@@ -28,36 +24,28 @@ enum {
                                          lost */
 };
 
-typedef struct {
-    int32_t lowest_mV[2], highest_mV[2]; /* of the window that runs and of the one before */
-    uint16_t steps;                      /* of the window that runs */
-    uint16_t windows;                    /* complete ones, up to 1 */
-    uint16_t level;                      /* contradicting less agreeing steps */
-    bool wrong;
-} monitor_bus_state_t;
-
 /* True while the sensor is wrong (qualified). reading_mV: mean of this millisecond. battery_mV: of
  * the latest message; 0: none, or the contactor is not known to be closed.
  *
- * @pre every(i, 2, is_within(state->lowest_mV[i], 0, MONITOR_BUS_MOST_mV) &&
- * is_within(state->highest_mV[i], 0, MONITOR_BUS_MOST_mV))
+ * @pre every(i, 2, is_within(window->lowest[i], -MONITOR_WINDOW_MOST, MONITOR_WINDOW_MOST) &&
+ * is_within(window->highest[i], -MONITOR_WINDOW_MOST, MONITOR_WINDOW_MOST))
  *
- * @pre state->steps <= MONITOR_BUS_WINDOW_STEPS && state->level <= MONITOR_BUS_QUALIFY_STEPS
+ * @pre window->steps <= MONITOR_WINDOW_STEPS && window->level <= MONITOR_WINDOW_QUALIFY_STEPS
  *
- * @post every(i, 2, is_within(state->lowest_mV[i], 0, MONITOR_BUS_MOST_mV) &&
- * is_within(state->highest_mV[i], 0, MONITOR_BUS_MOST_mV))
+ * @post every(i, 2, is_within(window->lowest[i], -MONITOR_WINDOW_MOST, MONITOR_WINDOW_MOST) &&
+ * is_within(window->highest[i], -MONITOR_WINDOW_MOST, MONITOR_WINDOW_MOST))
  *
- * @post state->steps <= MONITOR_BUS_WINDOW_STEPS && state->level <= MONITOR_BUS_QUALIFY_STEPS
+ * @post window->steps <= MONITOR_WINDOW_STEPS && window->level <= MONITOR_WINDOW_QUALIFY_STEPS
  *
  * @post battery_mV > 0 || !result
  *
- * @post !result || state->wrong
+ * @post !result || window->wrong
  *
- * @post !result || old(state->wrong) || state->level == MONITOR_BUS_QUALIFY_STEPS
+ * @post !result || old(window->wrong) || window->level == MONITOR_WINDOW_QUALIFY_STEPS
  *
- * @post state->level <= old(state->level) + 1
+ * @post window->level <= old(window->level) + 1
  */
-bool monitor_bus_step(monitor_bus_state_t *state, int32_t reading_mV, int32_t battery_mV);
+bool monitor_bus_step(monitor_window_t *window, int32_t reading_mV, int32_t battery_mV);
 
 /* How far the bus has moved up and down, forgotten with a time constant of 8 ms. */
 typedef struct {

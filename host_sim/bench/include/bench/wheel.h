@@ -141,7 +141,9 @@ void wheel_refresh(wheel_t *wheel, const wheel_world_t *world);
 /* What the millisecond brings to every wheel alike. */
 typedef struct {
     double drive_nm, brake_nm;
-    double charge_limit_a, discharge_limit_a, peak_charge_a, pack_voltage_v;
+    double charge_limit_a, discharge_limit_a, peak_charge_a;
+    double pack_voltage_v, pack_current_a;
+    bool pack_current_given;
     bms_contactor_t contactor;
     double demand_age_s;
     double current_drift_a; /* what the current sensors' offset has grown by */

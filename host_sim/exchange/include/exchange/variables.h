@@ -112,7 +112,11 @@
     X(demand_reason, demand_reason, demand.reason, CODE, PLAIN, 0, 255, 0, "", \
       "why a torque is not what the pedal says; 0: it is") \
     X(bms_voltage_v, bms_voltage_mV, bms.voltage_mV, REAL, MILLI, 0, INT32_MAX, 0, "V", \
-      "voltage at the terminals of the pack; 0: not given")
+      "voltage at the terminals of the pack; 0: not given") \
+    X(bms_current_a, bms_current_mA, bms.current_mA, REAL, MILLI, INT32_MIN, INT32_MAX, 0, "A", \
+      "measured current of the pack, positive out of it") \
+    X(bms_current_given, bms_current_given, bms.current_given, FLAG, PLAIN, 0, 1, 0, "", \
+      "the battery's message gives its current")
 
 #define EXCHANGE_SLOW_OUTPUTS(X) \
     X(motor_torque_command_nm, motor_torque_command_mNm, motor_torque_command_mNm, \

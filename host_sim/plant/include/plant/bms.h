@@ -17,6 +17,7 @@
 
 #include "plant/battery.h"
 #include "plant/parameter.h"
+#include "plant/random.h"
 
 /* clang-format off */
 #define BMS_PARAMETERS(X) \
@@ -36,7 +37,12 @@
     X(contactor_silent,  0.0,   1.0,   "", \
       "1: the message does not say whether the contactor is open") \
     X(voltage_silent,    0.0,   1.0,   "", \
-      "1: the message does not give the pack's voltage")
+      "1: the message does not give the pack's voltage") \
+    X(current_silent,    0.0,   1.0,   "", \
+      "1: the message does not give the pack's current") \
+    X(current_error,    -1.0,   10.0,  "1", "gain error of the pack's current sensor") \
+    X(current_noise_a,   0.0,   1e4,   "A", "its standard deviation") \
+    X(current_filter_s,  0.0,   10.0,  "s", "its time constant; 0: none")
 /* clang-format on */
 
 typedef struct {
@@ -48,6 +54,8 @@ typedef struct {
     double charge_a, discharge_a;
     double peak_charge_a; /* 0: not given */
     double voltage_v;     /* at the terminals when it was sent; 0: not given */
+    double current_a;     /* measured when it was sent, positive out of the pack */
+    bool current_given;
 } bms_limits_t;
 
 typedef enum { BMS_NOT_REPORTED = 0, BMS_CLOSED = 1, BMS_OPEN = 2 } bms_contactor_t;
@@ -56,6 +64,8 @@ typedef struct {
     bms_limits_t sent;
     bms_contactor_t contactor; /* as sent */
     double next_s;             /* time of the next message */
+    double filtered_a;         /* of the pack's current sensor */
+    random_t random;           /* its noise; drawn from only where there is some */
 } bms_state_t;
 
 bms_limits_t bms_limits(const bms_params_t *params, const battery_params_t *pack,

@@ -275,26 +275,58 @@ void test_hydraulic_feedback_and_battery_peak_unpack_to_the_packed_values(void)
         TEST_ASSERT_EQUAL_INT(meant.valid, read.valid);
         TEST_ASSERT_EQUAL_UINT32(5, read.age_ms);
 
-        const battery_limits_t limits = {.charge_peak_current_mA = steps_mNm[k]};
+        const int32_t peaks_mA[] = {0, 500, 34500, 2047500};
+        const int32_t currents_mA[] = {-1638200, -200, 0, 1638200};
+        const battery_limits_t limits = {.charge_peak_current_mA = peaks_mA[k],
+                                         .voltage_mV = 100 + 546 * 100 * k,
+                                         .current_mA = currents_mA[k],
+                                         .current_given = true};
         const messages_frame_t peak = messages_peak(&limits, 3);
         battery_limits_t got = {.charge_current_mA = 11, .discharge_current_mA = 12};
         TEST_ASSERT_EQUAL_HEX16(0x144, peak.identifier);
         TEST_ASSERT_TRUE(messages_read_peak(&peak, &got));
-        TEST_ASSERT_EQUAL_INT32(steps_mNm[k], got.charge_peak_current_mA);
+        TEST_ASSERT_EQUAL_INT32(peaks_mA[k], got.charge_peak_current_mA);
+        TEST_ASSERT_EQUAL_INT32(limits.voltage_mV, got.voltage_mV);
+        TEST_ASSERT_EQUAL_INT32(currents_mA[k], got.current_mA);
+        TEST_ASSERT_TRUE(got.current_given);
         TEST_ASSERT_EQUAL_INT32(11, got.charge_current_mA);
     }
 }
 
-void test_hydraulic_feedback_and_battery_peak_beyond_the_range_are_refused(void)
+/* A limit is never overstated; what is not given is no current of the lowest value. */
+void test_battery_peak_rounds_its_limit_down_and_keeps_ends(void)
+{
+    const battery_limits_t high = {
+        .charge_peak_current_mA = 900, .current_mA = INT32_MAX, .current_given = true};
+    const battery_limits_t low = {
+        .charge_peak_current_mA = INT32_MAX, .current_mA = INT32_MIN, .current_given = true};
+    const battery_limits_t none = {.charge_peak_current_mA = -1, .current_mA = 5000};
+    battery_limits_t got = {.current_given = false};
+    messages_frame_t frame = messages_peak(&high, 0);
+    TEST_ASSERT_TRUE(messages_read_peak(&frame, &got));
+    TEST_ASSERT_EQUAL_INT32(500, got.charge_peak_current_mA);
+    TEST_ASSERT_EQUAL_INT32(1638200, got.current_mA);
+    frame = messages_peak(&low, 0);
+    TEST_ASSERT_TRUE(messages_read_peak(&frame, &got));
+    TEST_ASSERT_EQUAL_INT32(2047500, got.charge_peak_current_mA);
+    TEST_ASSERT_EQUAL_INT32(-1638200, got.current_mA);
+    TEST_ASSERT_TRUE(got.current_given);
+    frame = messages_peak(&none, 0);
+    TEST_ASSERT_TRUE(messages_read_peak(&frame, &got));
+    TEST_ASSERT_EQUAL_INT32(0, got.charge_peak_current_mA);
+    TEST_ASSERT_EQUAL_INT32(0, got.current_mA);
+    TEST_ASSERT_FALSE(got.current_given);
+}
+
+void test_hydraulic_feedback_beyond_the_range_and_a_short_battery_peak_are_refused(void)
 {
     const struct hubfoc_hydraulic_feedback_t torque = {.measured_torque_nm = 200001};
-    const struct hubfoc_battery_peak_t current = {.charge_peak_current_a = 320001};
     messages_frame_t frame = {.length = E2E_FRAME_BYTES};
     (void)hubfoc_hydraulic_feedback_pack(frame.data, &torque, sizeof frame.data);
     hydraulic_feedback_t feedback = {.torque_mNm = 7};
     TEST_ASSERT_FALSE(messages_read_hydraulic(&frame, &feedback));
     TEST_ASSERT_EQUAL_INT32(7, feedback.torque_mNm);
-    (void)hubfoc_battery_peak_pack(frame.data, &current, sizeof frame.data);
+    frame.length = E2E_FRAME_BYTES - 1;
     battery_limits_t limits = {.charge_peak_current_mA = 7};
     TEST_ASSERT_FALSE(messages_read_peak(&frame, &limits));
     TEST_ASSERT_EQUAL_INT32(7, limits.charge_peak_current_mA);

@@ -401,7 +401,8 @@ void test_wheel_brake_echoes_the_counter_of_the_newest_demand_in_use(void)
 
 void test_a_short_time_limit_is_kept_beside_the_lasting_one_and_ends_with_its_messages(void)
 {
-    const battery_limits_t limits = {.charge_peak_current_mA = 120000};
+    const battery_limits_t limits = {
+        .charge_peak_current_mA = 120000, .current_mA = -3000, .current_given = true};
     for (uint32_t k = 0; k < 3; k++) {
         const messages_frame_t frame = messages_peak(&limits, (uint8_t)k);
         (void)node_receive(&node, &frame, k * BATTERY_CYCLE_ms);
@@ -412,8 +413,24 @@ void test_a_short_time_limit_is_kept_beside_the_lasting_one_and_ends_with_its_me
     (void)receive_battery(3, 0, 3 * BATTERY_CYCLE_ms);
     TEST_ASSERT_EQUAL_INT32(120000, node.command.bms.charge_peak_current_mA);
     TEST_ASSERT_EQUAL_INT32(0, node.command.bms.charge_current_mA);
+    TEST_ASSERT_EQUAL_INT32(-3000, node.command.bms.current_mA);
+    TEST_ASSERT_TRUE(node.command.bms.current_given);
     TEST_ASSERT_TRUE(node_tick(&node, (2 + NODE_TIMEOUT_CYCLES) * BATTERY_CYCLE_ms));
     TEST_ASSERT_EQUAL_INT32(0, node.command.bms.charge_peak_current_mA);
+    TEST_ASSERT_FALSE(node.command.bms.current_given);
+}
+
+/* Counters 0 1 2 0 1 2 ... : the first of a round is out of order, the second qualifies again. */
+void test_recorded_battery_current_is_given_for_one_frame_of_a_round_at_most(void)
+{
+    const battery_limits_t limits = {
+        .charge_peak_current_mA = 120000, .current_mA = -3000, .current_given = true};
+    for (uint32_t k = 0; k < 12; k++) {
+        const messages_frame_t frame = messages_peak(&limits, (uint8_t)(k % 3));
+        (void)node_receive(&node, &frame, k * BATTERY_CYCLE_ms);
+        TEST_ASSERT_EQUAL_INT(k % 3 == 2, node.command.bms.current_given);
+    }
+    TEST_ASSERT_EQUAL_INT32(120000, node.command.bms.charge_peak_current_mA);
 }
 
 void test_hydraulic_feedback_has_an_age_and_becomes_invalid_with_its_messages(void)

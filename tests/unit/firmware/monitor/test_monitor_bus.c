@@ -16,12 +16,11 @@ static monitor_swing_state_t swing;
 
 typedef int32_t (*voltage_t)(int ms);
 
-static monitor_bus_state_t state;
+static monitor_window_t state;
 
 void setUp(void)
 {
-    const monitor_bus_state_t fresh = {.wrong = false};
-    state = fresh;
+    monitor_window_restart(&state);
     const monitor_swing_state_t none = {.watching = false};
     swing = none;
 }
@@ -82,7 +81,7 @@ void test_wrong_gain_is_named_within_460_ms(void)
     for (int k = 0; k < 4; k++) {
         for (int begin_ms = 1000; begin_ms < 1128; begin_ms += 9) {
             const int at_ms = named_at(steady, steady, begin_ms, shares[k]);
-            TEST_ASSERT_GREATER_OR_EQUAL_INT(begin_ms + MONITOR_BUS_QUALIFY_STEPS, at_ms);
+            TEST_ASSERT_GREATER_OR_EQUAL_INT(begin_ms + MONITOR_WINDOW_QUALIFY_STEPS, at_ms);
             TEST_ASSERT_LESS_OR_EQUAL_INT(begin_ms + 460, at_ms);
         }
     }
@@ -92,8 +91,8 @@ void test_wrong_gain_is_named_within_460_ms(void)
 void test_frozen_sensor_is_named_once_the_voltage_has_moved(void)
 {
     const int at_ms = named_at(ramp, frozen, 0, 1000);
-    TEST_ASSERT_GREATER_OR_EQUAL_INT(1250 + MONITOR_BUS_QUALIFY_STEPS, at_ms);
-    TEST_ASSERT_LESS_OR_EQUAL_INT(1300 + CYCLE_ms + MONITOR_BUS_QUALIFY_STEPS, at_ms);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(1250 + MONITOR_WINDOW_QUALIFY_STEPS, at_ms);
+    TEST_ASSERT_LESS_OR_EQUAL_INT(1300 + CYCLE_ms + MONITOR_WINDOW_QUALIFY_STEPS, at_ms);
 }
 
 void test_sensor_that_agrees_again_heals_after_the_same_time(void)
@@ -106,8 +105,8 @@ void test_sensor_that_agrees_again_heals_after_the_same_time(void)
     while (monitor_bus_step(&state, 53000, 53000)) {
         heals_ms++;
     }
-    TEST_ASSERT_GREATER_OR_EQUAL_INT(MONITOR_BUS_QUALIFY_STEPS - 2, heals_ms);
-    TEST_ASSERT_LESS_OR_EQUAL_INT(MONITOR_BUS_QUALIFY_STEPS + 2, heals_ms);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(MONITOR_WINDOW_QUALIFY_STEPS - 2, heals_ms);
+    TEST_ASSERT_LESS_OR_EQUAL_INT(MONITOR_WINDOW_QUALIFY_STEPS + 2, heals_ms);
 }
 
 void test_the_bus_sensor_is_not_judged_without_a_message(void)
@@ -115,7 +114,7 @@ void test_the_bus_sensor_is_not_judged_without_a_message(void)
     for (int ms = 0; ms < 2000; ms++) {
         TEST_ASSERT_FALSE(monitor_bus_step(&state, ms % 2 == 0 ? INT32_MAX : INT32_MIN, 0));
     }
-    for (int ms = 0; ms < MONITOR_BUS_WINDOW_STEPS; ms++) {
+    for (int ms = 0; ms < MONITOR_WINDOW_STEPS; ms++) {
         TEST_ASSERT_FALSE(monitor_bus_step(&state, INT32_MIN, INT32_MAX));
     }
 }

@@ -11,7 +11,7 @@
 #include "unity.h"
 #include "vehicle_fixture.h"
 
-enum { FAST_INPUTS = 10, FAST_OUTPUTS = 4, SLOW_INPUTS = 21 };
+enum { FAST_INPUTS = 10, FAST_OUTPUTS = 4, SLOW_INPUTS = 23 };
 static hubsim_controller_t *controller;
 static config_t config;
 

@@ -1,0 +1,180 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The bus current of the loop beside that of a battery whose message comes every 100 ms. */
+#include "monitor/monitor_gain.h"
+
+#include "unity.h"
+
+/* 30 N m at 70 rad/s: 2100 W. 40 A make that at 52.5 V. */
+enum { CYCLE_ms = 100, BUS_mV = 52500, RATED_mA = 40000, LEAST_mA = RATED_mA / 8 };
+
+typedef int32_t (*current_t)(int ms);
+
+static monitor_window_t state;
+static config_t config;
+static int32_t sign, level_mA, losses_mA, battery_permille;
+
+void setUp(void)
+{
+    const config_t fresh = {.motor = {.rated_torque_mNm = 30000, .max_speed_mrad_s = 70000},
+                            .battery = {.driven_wheels = 1}};
+    config = fresh;
+    sign = 1;
+    level_mA = RATED_mA / 2;
+    losses_mA = 0;
+    battery_permille = 1000;
+    monitor_window_restart(&state);
+}
+
+void tearDown(void) {}
+
+static int32_t steady(int ms)
+{
+    (void)ms;
+    return sign * level_mA;
+}
+
+/* To zero in 1.2 s, again and again. */
+static int32_t stops(int ms)
+{
+    return sign * (level_mA - level_mA * (ms % 1200) / 1200);
+}
+
+static int32_t pulses(int ms)
+{
+    return ms / 150 % 2 == 0 ? sign * level_mA : -sign * level_mA;
+}
+
+/* The first millisecond in which the gain is named; -1: none in 6 s. */
+static int named_at(current_t truth, int begin_ms, int32_t gain_permille)
+{
+    monitor_window_restart(&state);
+    for (int ms = 0; ms < 6000; ms++) {
+        const int32_t gain = ms < begin_ms ? 1000 : gain_permille;
+        const monitor_gain_input_t in = {
+            .bus_current_mA = truth(ms) * gain / 1000,
+            .battery_current_mA =
+                (truth(ms / CYCLE_ms * CYCLE_ms) + losses_mA) * battery_permille / 1000,
+            .bus_voltage_mV = BUS_mV,
+            .switching = true,
+        };
+        if (monitor_gain_step(&state, &config, &in)) {
+            return ms;
+        }
+    }
+    return -1;
+}
+
+void test_healthy_sensors_are_never_named_whatever_the_current_does(void)
+{
+    for (sign = -1; sign <= 1; sign += 2) {
+        for (int32_t gain = 960; gain <= 1040; gain += 20) { /* of all current sensors */
+            for (battery_permille = 970; battery_permille <= 1030; battery_permille += 30) {
+                for (losses_mA = 0; losses_mA <= RATED_mA / 64; losses_mA += RATED_mA / 64) {
+                    TEST_ASSERT_EQUAL_INT(-1, named_at(steady, 0, gain));
+                    TEST_ASSERT_EQUAL_INT(-1, named_at(stops, 0, gain));
+                    TEST_ASSERT_EQUAL_INT(-1, named_at(pulses, 0, gain));
+                }
+            }
+        }
+    }
+}
+
+/* What was shown before is forgotten after one to two windows; then come 200 ms. */
+void test_gain_wrong_by_30_percent_is_named_within_460_ms(void)
+{
+    const int32_t gains[] = {500, 700, 1300, 2000};
+    for (sign = -1; sign <= 1; sign += 2) {
+        for (int k = 0; k < 4; k++) {
+            for (int begin_ms = 1000; begin_ms < 1128; begin_ms += 9) {
+                const int at_ms = named_at(steady, begin_ms, gains[k]);
+                TEST_ASSERT_GREATER_OR_EQUAL_INT(begin_ms + MONITOR_WINDOW_QUALIFY_STEPS, at_ms);
+                TEST_ASSERT_LESS_OR_EQUAL_INT(begin_ms + 460, at_ms);
+            }
+        }
+    }
+}
+
+/* Two thirds of rated torque at half speed are a third of the power. The bridge's losses of 5 % of
+ * it only help while braking and hide a part while driving. */
+void test_gain_is_named_from_a_third_of_the_power_on_with_losses(void)
+{
+    level_mA = RATED_mA / 3;
+    losses_mA = level_mA / 20;
+    for (sign = -1; sign <= 1; sign += 2) {
+        TEST_ASSERT_GREATER_THAN_INT(0, named_at(steady, 0, 700));
+        TEST_ASSERT_GREATER_THAN_INT(0, named_at(steady, 0, 1300));
+    }
+}
+
+void test_small_powers_are_not_judged(void)
+{
+    for (sign = -1; sign <= 1; sign += 2) {
+        level_mA = LEAST_mA - 100; /* as shown: three times what flows */
+        battery_permille = 300;
+        TEST_ASSERT_EQUAL_INT(-1, named_at(steady, 0, 1000));
+        level_mA = LEAST_mA + 100;
+        TEST_ASSERT_GREATER_THAN_INT(0, named_at(steady, 0, 1000));
+    }
+}
+
+void test_another_load_of_a_64th_of_the_power_is_tolerated(void)
+{
+    level_mA = LEAST_mA + 100;
+    for (sign = -1; sign <= 1; sign += 2) {
+        losses_mA = RATED_mA / 64 + level_mA / 8 - 100;
+        TEST_ASSERT_EQUAL_INT(-1, named_at(steady, 0, 1000));
+        losses_mA = RATED_mA / 64 + level_mA / 8 + 100;
+        TEST_ASSERT_GREATER_THAN_INT(0, named_at(steady, 0, 1000));
+        losses_mA = 0;
+    }
+}
+
+void test_what_is_compared_needs_one_wheel_a_message_and_a_bridge_that_switches(void)
+{
+    monitor_gain_input_t in = {.bus_current_mA = 40000,
+                               .battery_current_mA = 0,
+                               .bus_voltage_mV = BUS_mV,
+                               .switching = true};
+    for (int part = 0; part < 4; part++) {
+        setUp();
+        config.battery.driven_wheels = part == 1 ? 4 : 1;
+        in.battery_current_mA = part == 2 ? MONITOR_GAIN_NOT_GIVEN : 0;
+        in.switching = part != 3;
+        bool named = false;
+        for (int ms = 0; ms < 1000; ms++) {
+            named = monitor_gain_step(&state, &config, &in);
+        }
+        TEST_ASSERT_EQUAL_INT(part == 0, named);
+    }
+}
+
+void test_name_goes_after_the_qualify_time_without_a_contradiction(void)
+{
+    monitor_gain_input_t in = {.bus_current_mA = 40000,
+                               .battery_current_mA = 0,
+                               .bus_voltage_mV = BUS_mV,
+                               .switching = true};
+    for (int ms = 0; ms < 1000; ms++) {
+        (void)monitor_gain_step(&state, &config, &in);
+    }
+    TEST_ASSERT_TRUE(state.wrong);
+    in.battery_current_mA = 40000;
+    int heals_ms = 0;
+    while (monitor_gain_step(&state, &config, &in)) {
+        heals_ms++;
+    }
+    TEST_ASSERT_INT_WITHIN(2, MONITOR_WINDOW_QUALIFY_STEPS, heals_ms);
+}
+
+void test_any_reading_is_no_overflow(void)
+{
+    for (int ms = 0; ms < 3000; ms++) {
+        const monitor_gain_input_t in = {
+            .bus_current_mA = ms % 2 == 0 ? INT32_MAX : INT32_MIN,
+            .battery_current_mA = ms % 3 == 0 ? INT32_MAX : INT32_MIN + 1,
+            .bus_voltage_mV = ms % 5 == 0 ? INT32_MIN : INT32_MAX,
+            .switching = true,
+        };
+        TEST_ASSERT_FALSE(monitor_gain_step(&state, &config, &in));
+    }
+}
