@@ -8,6 +8,7 @@
 static void add(const config_t *config, const config_field_t *field, text_t *line)
 {
     const int32_t *value = config_field_values(config, field);
+    text_add(line, config_field_section(field));
     text_add(line, field->name);
     for (uint32_t i = 0; i < field->count; i++) {
         text_add(line, " ");
@@ -15,12 +16,23 @@ static void add(const config_t *config, const config_field_t *field, text_t *lin
     }
 }
 
+/* Whether section and name in one begin with a prefix. */
+static bool begins_with(const config_field_t *field, const char *prefix)
+{
+    const char *section = config_field_section(field);
+    while (*section != '\0' && *section == *prefix) {
+        section++;
+        prefix++;
+    }
+    return *prefix == '\0' || (*section == '\0' && text_begins_with(field->name, prefix));
+}
+
 bool config_lines_get(const config_t *config, const char *prefix, uint32_t number, text_t *line)
 {
     uint32_t left = number;
     const config_field_t *field = config_field(0);
     for (uint32_t i = 0; field != NULL; field = config_field(++i)) {
-        if (field->count > CONFIG_FIELD_VALUES_MAX || !text_begins_with(field->name, prefix)) {
+        if (field->count > CONFIG_FIELD_VALUES_MAX || !begins_with(field, prefix)) {
             continue;
         }
         if (left == 0) {

@@ -39,6 +39,7 @@ void report_banner(const boot_report_t *boot, text_t *line)
 void report_refusal(const config_result_t *result, text_t *line)
 {
     text_add(line, "configuration refused: ");
+    text_add(line, config_result_section(result));
     text_add(line, result->field);
     switch (result->code) {
     case CONFIG_RESULT_RANGE:

@@ -7,9 +7,9 @@
 #include "config/bases.h"
 
 #define SCALAR(section, name, lowest, highest)                                                     \
-    {#section "." #name, (uint16_t)offsetof(config_t, section.name), 1, (lowest), (highest)},
+    {#name, (uint16_t)offsetof(config_t, section.name), 1, (lowest), (highest)},
 #define ARRAY(section, name, count, lowest, highest)                                               \
-    {#section "." #name, (uint16_t)offsetof(config_t, section.name), (count), (lowest), (highest)},
+    {#name, (uint16_t)offsetof(config_t, section.name), (count), (lowest), (highest)},
 
 #define MOTOR(name, lowest, highest, unit, text) SCALAR(motor, name, lowest, highest)
 #define DRIVE(name, lowest, highest, unit, text) SCALAR(drive, name, lowest, highest)
@@ -43,6 +43,23 @@ static const config_field_t FIELDS[] = {
                             CONFIG_REGEN_MAP_ARRAY(REGEN_ARRAY)
                                 CONFIG_CURRENT_MAP_FIELDS(CURRENT_MAP)
                                     CONFIG_CURRENT_MAP_ARRAY(CURRENT_MAP_POINTS)};
+
+#define SECTION(name)                                                                              \
+    {                                                                                              \
+        (uint16_t) offsetof(config_t, name), #name "."                                             \
+    }
+
+typedef struct {
+    uint16_t begin_bytes; /* in config_t */
+    char name[14];
+} section_t;
+
+/* In the order of config_t; a test compares it with the sections of the fields' names. */
+static const section_t SECTIONS[] = {SECTION(motor),     SECTION(drive),      SECTION(current_loop),
+                                     SECTION(rotor),     SECTION(battery),    SECTION(brake),
+                                     SECTION(vehicle),   SECTION(driver),     SECTION(pedals),
+                                     SECTION(modes),     SECTION(monitor),    SECTION(thermal),
+                                     SECTION(regen_map), SECTION(current_map)};
 
 _Static_assert(sizeof(config_t) % sizeof(int32_t) == 0, "no padding at the end");
 _Static_assert(offsetof(config_t, crc32) == sizeof(config_t) - sizeof(uint32_t),
@@ -78,6 +95,15 @@ const config_field_t *config_field(uint32_t index)
     return index < sizeof FIELDS / sizeof FIELDS[0] ? &FIELDS[index] : NULL;
 }
 
+const char *config_field_section(const config_field_t *field)
+{
+    const section_t *section = &SECTIONS[sizeof SECTIONS / sizeof SECTIONS[0] - 1U];
+    while (section->begin_bytes > field->offset_bytes) {
+        section--; /* the first one begins at or before every field */
+    }
+    return section->name;
+}
+
 /* Every field is an int32_t at a multiple of four bytes, so the image may be read as an array of
  * words. */
 const int32_t *config_field_values(const config_t *config, const config_field_t *field)
@@ -93,6 +119,7 @@ static config_result_t check_ranges(const config_t *config)
         for (uint16_t i = 0; i < field->count; i++) {
             if (value[i] < field->lowest || value[i] > field->highest) {
                 config_result_t out = result(CONFIG_RESULT_RANGE, field->name);
+                out.section = config_field_section(field);
                 out.value = value[i];
                 out.lowest = field->lowest;
                 out.highest = field->highest;

@@ -167,8 +167,9 @@ static int refused(hubsim_t *sim, const config_result_t *result)
 {
     if (result->code == CONFIG_RESULT_RANGE) {
         return handle_fail(sim, HUBSIM_BAD_CONFIG,
-                           "configuration refused: %s: %ld, accepted: %ld to %ld", result->field,
-                           (long)result->value, (long)result->lowest, (long)result->highest);
+                           "configuration refused: %s%s: %ld, accepted: %ld to %ld",
+                           config_result_section(result), result->field, (long)result->value,
+                           (long)result->lowest, (long)result->highest);
     }
     return handle_fail(sim, HUBSIM_BAD_CONFIG, "configuration refused: %s", result->field);
 }

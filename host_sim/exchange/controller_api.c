@@ -108,8 +108,9 @@ int hubsim_controller_load_config(hubsim_controller_t *controller, const void *i
     memcpy(&config, image, size_bytes < sizeof(config) ? size_bytes : sizeof(config));
     const config_result_t result = config_validate(&config, size_bytes);
     if (result.code == CONFIG_RESULT_RANGE) {
-        return refuse(controller, "configuration refused: %s: %ld, accepted: %ld to %ld",
-                      result.field, (long)result.value, (long)result.lowest, (long)result.highest);
+        return refuse(controller, "configuration refused: %s%s: %ld, accepted: %ld to %ld",
+                      config_result_section(&result), result.field, (long)result.value,
+                      (long)result.lowest, (long)result.highest);
     }
     if (result.code != CONFIG_RESULT_OK) {
         return refuse(controller, "configuration refused: %s", result.field);

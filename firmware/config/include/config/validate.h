@@ -10,6 +10,8 @@
 #ifndef CONFIG_VALIDATE_H
 #define CONFIG_VALIDATE_H
 
+#include <stddef.h>
+
 #include "config/config.h"
 
 typedef enum {
@@ -26,15 +28,22 @@ typedef enum {
 /* The first failed check. */
 typedef struct {
     config_result_code_t code;
-    const char *field; /* "motor.pole_pairs", or the broken relation; never NULL */
-    int32_t value;     /* RANGE: the value found; otherwise 0 */
-    int32_t lowest;    /* RANGE: smallest accepted value */
-    int32_t highest;   /* RANGE: largest accepted value */
+    const char *field;   /* behind the section: "pole_pairs", or the broken relation; never NULL */
+    int32_t value;       /* RANGE: the value found; otherwise 0 */
+    int32_t lowest;      /* RANGE: smallest accepted value */
+    int32_t highest;     /* RANGE: largest accepted value */
+    const char *section; /* "motor."; NULL where the field has none */
 } config_result_t;
+
+/* "motor.", or "" without a section: what to print in front of the field. */
+static inline const char *config_result_section(const config_result_t *result)
+{
+    return result->section != NULL ? result->section : "";
+}
 
 /* A field of config_t: one value or several, each an int32_t. */
 typedef struct {
-    const char *name;      /* "motor.pole_pairs" */
+    const char *name;      /* "pole_pairs" */
     uint16_t offset_bytes; /* in config_t */
     uint16_t count;        /* values; more than CONFIG_FIELD_VALUES_MAX in a map */
     int32_t lowest;        /* accepted values */
@@ -45,6 +54,9 @@ enum { CONFIG_FIELD_VALUES_MAX = 8 };
 
 /* The field with this index, in the order of config_t; NULL beyond the last one. */
 const config_field_t *config_field(uint32_t index);
+
+/* The section of a field, with its dot: "motor.". The flash holds each once. */
+const char *config_field_section(const config_field_t *field);
 
 /* The field's values in a configuration. */
 const int32_t *config_field_values(const config_t *config, const config_field_t *field);

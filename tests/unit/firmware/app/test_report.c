@@ -107,10 +107,11 @@ void test_successful_boot_prints_three_lines(void)
 void test_refused_field_is_printed_with_its_value_and_range(void)
 {
     const config_result_t result = {.code = CONFIG_RESULT_RANGE,
-                                    .field = "motor.pole_pairs",
+                                    .field = "pole_pairs",
                                     .value = 0,
                                     .lowest = 1,
-                                    .highest = 60};
+                                    .highest = 60,
+                                    .section = "motor."};
     boot.config_result = result;
     read_boot();
     assert_on_page("configuration refused: motor.pole_pairs is 0, accepted 1 .. 60\n");

@@ -106,7 +106,9 @@ static void assert_range(const char *field, int32_t *value, int32_t lowest, int3
         *value = beyond[i];
         const config_result_t result = sealed_result();
         TEST_ASSERT_EQUAL_INT_MESSAGE(CONFIG_RESULT_RANGE, result.code, field);
-        TEST_ASSERT_EQUAL_STRING(field, result.field);
+        const char *const section = config_result_section(&result);
+        TEST_ASSERT_EQUAL_STRING_LEN(section, field, strlen(section));
+        TEST_ASSERT_EQUAL_STRING(field + strlen(section), result.field);
         TEST_ASSERT_EQUAL_INT32(beyond[i], result.value);
         TEST_ASSERT_EQUAL_INT32(lowest, result.lowest);
         TEST_ASSERT_EQUAL_INT32(highest, result.highest);

@@ -379,7 +379,9 @@ def test_the_firmwares_validator_accepts_every_shipped_image(tmp_path: Path) -> 
     )
     ffi = cffi.FFI()
     ffi.cdef("""
-        typedef struct { int code; const char *field; int32_t value, lowest, highest; } outcome_t;
+        typedef struct {
+            int code; const char *field; int32_t value, lowest, highest; const char *section;
+        } outcome_t;
         outcome_t config_validate(const void *config, uint32_t size_bytes);
     """)
     firmware: Any = ffi.dlopen(str(library))
