@@ -7,3 +7,5 @@ python -m hubsim.fmu table --kind controller|vehicle --config DRIVE.toml -o tabl
 python -m hubsim.fmu pack --kind ... --config ... --fmi 2|3 --binary LIBRARY --sources LIST --table
 table.c -o UNIT.fmu
 """
+
+KINDS = ("controller", "vehicle")

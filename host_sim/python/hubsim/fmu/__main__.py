@@ -5,11 +5,8 @@ import argparse
 import sys
 from pathlib import Path
 
-from hubsim import files
-from hubsim.engine import ROOT
 from hubsim.errors import HubsimError
-from hubsim.fmu import pack
-from hubsim.fmu.description import KINDS, describe
+from hubsim.fmu import KINDS
 
 
 def main() -> int:
@@ -36,6 +33,12 @@ def main() -> int:
             )
             command.add_argument("--table", type=Path, required=True)
     options = parser.parse_args()
+    # What a help text does not need.
+    from hubsim import files  # noqa: PLC0415
+    from hubsim.engine import ROOT  # noqa: PLC0415
+    from hubsim.fmu import pack  # noqa: PLC0415
+    from hubsim.fmu.description import describe  # noqa: PLC0415
+
     try:
         unit = describe(options.kind, options.config)
         if options.command == "table":

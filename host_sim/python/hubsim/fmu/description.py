@@ -20,9 +20,9 @@ from hubsim.configuration import Configuration
 from hubsim.controller import Controller
 from hubsim.engine import parameters
 from hubsim.errors import HubsimError
+from hubsim.fmu import KINDS
 from hubsim.scenario import Scenario
 
-KINDS = ("controller", "vehicle")
 REAL, FLAG, CODE = "REAL", "FLAG", "CODE"
 FIXED, TUNABLE, INPUT, OUTPUT = "FIXED", "TUNABLE", "INPUT", "OUTPUT"
 

@@ -347,6 +347,21 @@ def test_help_and_usage_errors_import_only_the_standard_library(call: tuple[str,
     assert loaded.partition("own:")[2].split() == own
 
 
+def test_help_of_the_units_imports_no_slow_library() -> None:
+    code = (
+        "import runpy, sys\nsys.argv = ['hubsim.fmu', '--help']\n"
+        "try:\n    runpy.run_module('hubsim.fmu', run_name='__main__')\n"
+        "except SystemExit:\n    print('modules:', *sys.modules)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True
+    )
+    text, _, loaded = done.stdout.partition("modules:")
+    assert "pack" in text
+    assert "hubsim.fmu" in loaded.split()
+    assert {name.partition(".")[0] for name in loaded.split()} & HEAVY == set()
+
+
 def test_names_in_the_help_equal_those_of_the_modules() -> None:
     assert cli.STRATEGIES == run.STRATEGIES
     assert set(cli.RECORDINGS) == set(recordings.WRITERS)
