@@ -32,8 +32,9 @@ set(other "${CMAKE_CURRENT_BINARY_DIR}/stm32g431")
 add_test(NAME stm32g431_image_fits
   COMMAND "${CMAKE_CTEST_COMMAND}" --build-and-test "${PROJECT_SOURCE_DIR}" "${other}"
     --build-generator Ninja --build-target hubfoc_stm32g431 --build-options
-    -DHUBFOC_PORT=stm32g431 -DHUBFOC_TESTS=OFF "-DCMAKE_TOOLCHAIN_FILE=${CMAKE_TOOLCHAIN_FILE}"
-    -DCMAKE_BUILD_TYPE=Release --test-command "${CMAKE_COMMAND}" "-DNM=${CMAKE_NM}"
+    -DHUBFOC_PORT=stm32g431 -DHUBFOC_CONFIG=wheel24v -DHUBFOC_TESTS=OFF
+    "-DCMAKE_TOOLCHAIN_FILE=${CMAKE_TOOLCHAIN_FILE}" -DCMAKE_BUILD_TYPE=Release
+    --test-command "${CMAKE_COMMAND}" "-DNM=${CMAKE_NM}"
     "-DELF=${other}/hubfoc_stm32g431.elf" -DCONFIG=CONFIG_WHEEL24V -DCHIP=stm32g431
     -P "${CMAKE_CURRENT_LIST_DIR}/check_layout.cmake")
 set_tests_properties(stm32g431_image_fits PROPERTIES LABELS "target;full" TIMEOUT 600
