@@ -16,15 +16,9 @@ KNOWN_ABOVE = {("lu2013", "BUS_VOLTAGE_HIGH"): 0.035}
 # Hall sensors, whose edges are seen up to a PWM period late, with a large negative i_d: above the
 # EMF limit, and in loss braking.
 KNOWN_RIPPLE = {
-    ("lu2013", "MAX_POWER"): 0.075,
-    ("lu2013", "MAX_TORQUE"): 0.05,
-    ("lu2013", "LOSS_OPTIMUM"): 0.065,
-    ("lu2013", "WINDING_TEMPERATURE"): 0.065,
-    ("lu2013", "PHASE_CURRENT"): 0.055,
+    ("lu2013", "MAX_POWER"): 0.02,
+    ("lu2013", "PHASE_CURRENT"): 0.015,
     ("lu2013", "BUS_VOLTAGE_HIGH"): 0.015,
-    ("ebike36v", "BUS_VOLTAGE_HIGH"): 0.03,
-    ("ebike36v", "LOSS_OPTIMUM"): 0.016,
-    ("scooter48v", "CHARGE_CURRENT"): 0.02,
 }
 
 
