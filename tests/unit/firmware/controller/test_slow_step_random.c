@@ -357,16 +357,16 @@ static int64_t settling_ms(void)
 }
 
 /* What is over before the hydraulic brake can follow counts as a step of the demand: a fast passage
- * through the blend-out, and the bridge's way into its safe state or out of it. */
+ * through the blend-out from the hand-over ahead of it on, and the bridge's change of its state. */
 static void count_fast_hand_over(void)
 {
     const config_brake_t *brake = &rig.config.brake;
     const int64_t answer_ms =
         brake->hydraulic_dead_time_ms + brake->hydraulic_time_constant_ms * 5 / 2 + 50;
-    const int32_t width_mrad_s = brake->blend_out_start_mrad_s - brake->blend_out_end_mrad_s;
-    const bool within = q_abs(rig.out.speed_mrad_s) <= brake->blend_out_start_mrad_s;
-    const double passed_ms = width_mrad_s / fmax(fabs(phase.acceleration_rad_s2), 1e-9);
-    const bool fast = within && passed_ms < 2.0 * (double)answer_ms;
+    const double slows = fmax(fabs(phase.acceleration_rad_s2), 1e-9); /* mrad/s in a ms */
+    const double ahead_ms = (q_abs(rig.out.speed_mrad_s) - brake->blend_out_start_mrad_s) / slows;
+    const double passed_ms = (brake->blend_out_start_mrad_s - brake->blend_out_end_mrad_s) / slows;
+    const bool fast = ahead_ms <= (double)answer_ms && passed_ms < 2.0 * (double)answer_ms;
     const bool left = rig.report.bridge != reference.bridge; /* beyond the EMF limit it may */
     reference.bridge = rig.report.bridge;
     if ((fast || left) && reference.quiet_ms > 0) {
