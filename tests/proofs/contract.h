@@ -23,6 +23,13 @@
 /* lowest <= x <= highest */
 #define is_within(x, lowest, highest) ((x) >= (lowest) && (x) <= (highest))
 
+/* In a run that looks for contradicting preconditions: must be refuted. */
+#ifdef CONTRACT_ENDS
+#define CONTRACT_END(text) __CPROVER_assert(0, text)
+#else
+#define CONTRACT_END(text) ((void)0)
+#endif
+
 extern config_t proof_config;
 
 #define CONTRACT_FIELD(name, lowest, highest, unit, text)                                          \

@@ -45,8 +45,9 @@ def test_every_public_function_has_a_contract_or_is_listed() -> None:
 
 
 def test_every_contract_is_proved_once_or_tested() -> None:
-    assert registered("groups") == list(contract_harness.GROUPS)
-    assert registered("heavy") == list(contract_harness.HEAVY)
+    full = contract_harness.FULL
+    assert registered("groups") == [name for name in contract_harness.GROUPS if name not in full]
+    assert registered("heavy") == [*full, *contract_harness.HEAVY]
     grouped = [name for group in contract_harness.GROUPS
                for name in contract_harness.functions_of(group)]  # fmt: skip
     everywhere = [*grouped, *contract_harness.HEAVY, *contract_harness.TESTED]
@@ -91,7 +92,7 @@ def test_a_contract_is_read_from_the_comment_before_its_function(tmp_path: Path)
         "const __typeof__(speed + 1) old_1 = speed + 1;",
         "const int32_t result = faster(thing, speed);",
         "PROVE(result >= old_1 && result < 9);",
-        '__CPROVER_assert(0, "the end of faster is reached");',
+        'CONTRACT_END("the end of faster is reached");',
     ]
     lines = [line.strip() for line in contract_harness.harness(one).splitlines()]
     assert [line for line in lines if line in order] == order
@@ -148,7 +149,7 @@ def test_contracts_of_core_hold_for_random_and_extreme_inputs(tmp_path: Path) ->
     assert run.returncode == 0, run.stdout
     counts = dict(line.split() for line in run.stdout.splitlines())
     assert set(counts) == set(contract_harness.TESTED)
-    assert all(int(count) > 100_000 for count in counts.values()), counts
+    assert all(int(count) > 30_000 for count in counts.values()), counts
 
 
 def program_that_tests(names: tuple[str, ...]) -> str:

@@ -22,7 +22,15 @@ typedef struct {
     bool winding_broken, switch_broken;
 } temperatures_t;
 
-/* Divides; once at start. */
+/* Divides; once at start.
+ *
+ * @post !state->winding_broken && !state->switch_broken && !state->model.started
+ *
+ * @post state->used.winding_cC == config->motor.reference_temperature_cC && state->used.switch_cC
+ * == config->motor.reference_temperature_cC
+ *
+ * @post !state->winding_sensor.started && !state->switch_sensor.started
+ */
 void temperatures_init(temperatures_t *state, const config_t *config);
 
 /* Sets state->used and what is broken. at: of this millisecond, for the losses. */

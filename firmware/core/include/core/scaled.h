@@ -27,6 +27,10 @@ enum { SCALED_ONE = 1 << 24 };
  *
  * @post q_abs(a) > SCALED_ONE || is_within(result, -q_abs(b), q_abs(b))
  *
+ * @post q_abs(b) > 4 * SCALED_ONE || q_abs(a) > 1 << 28 || q_abs(result) <= 4 * q_abs(a)
+ *
+ * @post q_abs(a) > 4 * SCALED_ONE || q_abs(b) > 1 << 28 || q_abs(result) <= 4 * q_abs(b)
+ *
  * @post b != SCALED_ONE || result == a
  */
 static inline int32_t scaled_multiply(int32_t a, int32_t b)
@@ -85,7 +89,14 @@ int32_t scaled_ratio(int32_t n, int32_t d);
 int32_t scaled_root(int64_t x);
 
 /* value 2^shift / divisor, 0 <= value, 0 < divisor < 2^62; saturated at 2^30. Takes a
- * 64-bit division: for start-up. */
+ * 64-bit division: for start-up.
+ *
+ * @pre value >= 0 && is_within(divisor, 1, (INT64_C(1) << 62) - 1)
+ *
+ * @pre is_within(shift, -96, 96)
+ *
+ * @post is_within(result, 0, 1 << 30) && (value > 0 || result == 0)
+ */
 int32_t scaled_constant(int64_t value, int64_t divisor, int32_t shift);
 
 #endif

@@ -62,6 +62,16 @@ typedef struct {
     available_t now, ahead;
 } available_ahead_state_t;
 
+/* @post state->now.driving.torque_mNm == 0 && state->now.braking.torque_mNm == 0 &&
+ * state->ahead.driving.torque_mNm == 0 && state->ahead.braking.torque_mNm == 0
+ *
+ * @post every(i, TORQUE_LINE_COUNT, state->driving_lines[i].torque_mNm == FEASIBLE_UNBOUNDED &&
+ * state->braking_lines[i].torque_mNm == FEASIBLE_UNBOUNDED)
+ *
+ * @post every(i, AVAILABLE_SLOPED_LINES, !state->driving[i].known && !state->braking[i].known)
+ *
+ * @post state->step == 0 && !state->speed.known && !state->voltage.known
+ */
 void available_ahead_init(available_ahead_state_t *state);
 
 /* limits: the table of this step. */

@@ -89,9 +89,23 @@ typedef struct {
     int32_t road_mNm;          /* with which the road brakes, magnitude; 0: not known */
 } brake_blending_out_t;
 
+/* @post state->hydraulic.next == 0 && state->hydraulic.torque_q6_mNm == 0 && !state->feedback.seen
+ * && state->feedback.gain_q15 == 32768
+ *
+ * @post state->watch.reason == REASON_NONE && state->added_mNm == 0 && state->taken_mNm == 0 &&
+ * state->bridged_q6_mNm == 0 && state->bridging_ms == 0
+ */
 void brake_blending_init(brake_blending_state_t *state, const config_t *config);
 
-/* The hydraulic command that is sent in place of the split's, larger by hill hold and lift-off. */
+/* The hydraulic command that is sent in place of the split's, larger by hill hold and lift-off.
+ *
+ * @pre split->hydraulic_mNm >= 0 && hydraulic_mNm >= 0
+ *
+ * @post is_within(state->added_mNm, 0, hydraulic_mNm)
+ *
+ * @post hydraulic_mNm <= split->hydraulic_mNm || state->added_mNm == hydraulic_mNm -
+ * split->hydraulic_mNm
+ */
 void brake_blending_sent(brake_blending_state_t *state, const brake_blending_out_t *split,
                          int32_t hydraulic_mNm);
 

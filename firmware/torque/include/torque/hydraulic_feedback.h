@@ -49,8 +49,15 @@ typedef struct {
     int32_t torque_mNm; /* hydraulic torque now, magnitude: measured, without feedback modelled */
 } hydraulic_feedback_out_t;
 
+/* @post state->gain_q15 == 32768 && is_within(state->least_q15, 16384, 32768) &&
+ * is_within(state->most_q15, 32768, 49152)
+ *
+ * @post !state->seen && !state->confirmed && state->heal_ms == 0 && state->between_ms == 1
+ */
 void hydraulic_feedback_init(hydraulic_feedback_state_t *state, const config_t *config);
 
+/* @post !result || (state->seen && state->heal_ms == 0)
+ */
 static inline bool hydraulic_feedback_used(const hydraulic_feedback_state_t *state)
 {
     return state->seen && state->heal_ms == 0;

@@ -81,6 +81,11 @@ typedef struct {
     bool confirms_report; /* the deceleration agrees with reports that contradict the commands */
 } hydraulic_watch_t;
 
+/* @post watch->reason == REASON_NONE && watch->gain_q15 == 32768 && watch->weight_q15 == 32768 &&
+ * watch->extra_mNm == 0
+ *
+ * @post !watch->rolls && !watch->confirms_report && !watch->by_report && watch->acquired_ms == 0
+ */
 void hydraulic_watch_init(hydraulic_watch_t *watch);
 
 /* After hydraulic_model_step() of the same millisecond. Without brake.hydraulic_watch_inertia there
@@ -88,10 +93,21 @@ void hydraulic_watch_init(hydraulic_watch_t *watch);
 void hydraulic_watch_step(hydraulic_watch_t *watch, const config_t *config,
                           const hydraulic_watch_input_t *in);
 
-/* Torque of the hydraulic brake by the model, corrected by the finding; magnitude. */
+/* Torque of the hydraulic brake by the model, corrected by the finding; magnitude.
+ *
+ * @pre modelled_mNm >= 0 && is_within(watch->gain_q15, 0, 65536)
+ *
+ * @post result >= 0 && result >= watch->extra_mNm
+ */
 int32_t hydraulic_watch_corrected_mNm(const hydraulic_watch_t *watch, int32_t modelled_mNm);
 
-/* True if the motor is to brake beyond what the strategy leaves it. */
+/* True if the motor is to brake beyond what the strategy leaves it.
+ *
+ * @post !result || watch->reason == REASON_HYDRAULIC_WEAK || watch->reason ==
+ * REASON_HYDRAULIC_DEAD
+ *
+ * @post watch->reason != REASON_NONE || !result
+ */
 static inline bool hydraulic_watch_is_short(const hydraulic_watch_t *watch)
 {
     return watch->reason == REASON_HYDRAULIC_WEAK || watch->reason == REASON_HYDRAULIC_DEAD;

@@ -97,19 +97,38 @@ int32_t motor_model_bus_current_mA(const motor_model_t *model, motor_point_t at,
 
 /* ---- in binary scales ---- */
 
-/* Clamped to a limit of at least four times the phase current limit. current_shift > 0. */
+/* Clamped to a limit of at least four times the phase current limit. current_shift > 0.
+ *
+ * @pre is_within(constants->current_shift, 1, 16)
+ *
+ * @post is_within(result, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b)
+ *
+ * @post (current_mA < 0 || result >= 0) && (current_mA > 0 || result <= 0)
+ *
+ * @post q_abs(current_mA) > MOTOR_MODEL_MOST_CURRENT_b >> 16 || q_abs(result) >= 2 *
+ * q_abs(current_mA)
+ */
 static inline int32_t motor_model_current_b(const motor_constants_t *constants, int32_t current_mA)
 {
     const int32_t shift = constants->current_shift;
     return q_limit(current_mA, MOTOR_MODEL_MOST_CURRENT_b >> shift) * (int32_t)(1U << shift);
 }
 
+/* @pre is_within(constants->current_shift, 1, 16)
+ *
+ * @post current_b >= 0 ? is_within(result, 0, current_b / 2) : is_within(result, current_b, -1)
+ */
 static inline int32_t motor_model_current_mA(const motor_constants_t *constants, int32_t current_b)
 {
     return current_b >> constants->current_shift;
 }
 
-/* Magnitude of a current, within 3 %. */
+/* Magnitude of a current, within 3 %.
+ *
+ * @pre is_within(i_d_b, -(1 << 29), 1 << 29) && is_within(i_q_b, -(1 << 29), 1 << 29)
+ *
+ * @post result >= q_max(q_abs(i_d_b), q_abs(i_q_b)) && result <= q_abs(i_d_b) + q_abs(i_q_b)
+ */
 static inline int32_t motor_model_magnitude_b(int32_t i_d_b, int32_t i_q_b)
 {
     const int32_t large_b = q_max(q_abs(i_d_b), q_abs(i_q_b));
@@ -117,7 +136,15 @@ static inline int32_t motor_model_magnitude_b(int32_t i_d_b, int32_t i_q_b)
     return q_max(large_b, large_b - (large_b >> 3) + (small_b >> 1));
 }
 
-/* Two thirds of the bridge's loss at a current >= 0, in the scale of u_d i_d + u_q i_q. */
+/* Two thirds of the bridge's loss at a current >= 0, in the scale of u_d i_d + u_q i_q.
+ *
+ * @pre is_within(constants->loss_b, 0, 1 << 26) && is_within(constants->loss_resistance_b, 0, 1 <<
+ * 26)
+ *
+ * @pre is_within(current_b, 0, 1 << 26)
+ *
+ * @post result >= 0
+ */
 static inline int32_t motor_model_bridge_loss_b(const motor_constants_t *constants,
                                                 int32_t current_b)
 {
@@ -138,7 +165,16 @@ int32_t motor_model_airgap_per_d(const motor_model_t *model, motor_point_t at);
 /* Derivative of i_qt with respect to i_d at constant torque; zero without saliency. */
 int32_t motor_model_x_per_d(const motor_model_t *model, motor_point_t at);
 
-/* Terminal i_q of a point, and i_qt of terminal currents. */
+/* Terminal i_q of a point, and i_qt of terminal currents.
+ *
+ * @pre is_within(model->one_plus_a2, SCALED_ONE, 1 << 26) && is_within(model->cross_d, 0, 1 << 26)
+ * && is_within(model->iron_current_b, 0, MOTOR_MODEL_MOST_CURRENT_b)
+ *
+ * @pre is_within(at.d_b, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b) &&
+ * is_within(at.x_b, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b)
+ *
+ * @post is_within(result, -(1 << 28), (1 << 28) + MOTOR_MODEL_MOST_CURRENT_b)
+ */
 static inline int32_t motor_model_i_q_b(const motor_model_t *model, motor_point_t at)
 {
     return scaled_multiply(model->one_plus_a2, at.x_b) + model->iron_current_b +
@@ -151,21 +187,55 @@ static inline int32_t motor_model_x_of_i_q_b(const motor_model_t *model, int32_t
                            i_q_b - model->iron_current_b - scaled_multiply(model->cross_d, d_b));
 }
 
-/* Terminal voltages. */
+/* Terminal voltages.
+ *
+ * @pre is_within(model->resistance_b, 0, 1 << 26) && is_within(model->reactance_q_b, 0, 1 << 26)
+ *
+ * @pre is_within(at.d_b, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b) &&
+ * is_within(at.x_b, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b)
+ *
+ * @post is_within(result, -(1 << 28), 1 << 28)
+ */
 static inline int32_t motor_model_u_d_b(const motor_model_t *model, motor_point_t at)
 {
     return scaled_multiply(model->resistance_b, at.d_b) -
            scaled_multiply(model->reactance_q_b, at.x_b);
 }
 
+/* @pre is_within(model->voltage_q_b, 0, 1 << 26) && is_within(model->voltage_q_per_x, 0, 1 << 26)
+ * && is_within(model->voltage_q_per_d, 0, 1 << 26)
+ *
+ * @pre is_within(at.d_b, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b) &&
+ * is_within(at.x_b, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b)
+ *
+ * @post is_within(result, -(1 << 28), (1 << 28) + (1 << 26))
+ */
 static inline int32_t motor_model_u_q_b(const motor_model_t *model, motor_point_t at)
 {
     return model->voltage_q_b + scaled_multiply(model->voltage_q_per_x, at.x_b) +
            scaled_multiply(model->voltage_q_per_d, at.d_b);
 }
 
-/* Shaft torque, signed, of an airgap torque along the rotation; and back. */
+/* Shaft torque, signed, of an airgap torque along the rotation; and back.
+ *
+ * @pre is_within(airgap_b, -(1 << 30), 1 << 30) && is_within(model->friction_b, 0, 1 << 26)
+ *
+ * @pre is_within(model->constants->torque_shift, -30, 62)
+ *
+ * @post airgap_b > model->friction_b || (model->speed_mrad_s >= 0 ? result <= 0 : result >= 0)
+ *
+ * @post airgap_b < model->friction_b || (model->speed_mrad_s >= 0 ? result >= 0 : result <= 0)
+ */
 int32_t motor_model_shaft_mNm(const motor_model_t *model, int32_t airgap_b);
+
+/* @pre is_within(model->friction_b, 0, 1 << 26) && is_within(model->constants->torque_shift, -62,
+ * 30)
+ *
+ * @post is_within(result, model->friction_b - (1 << 29), model->friction_b + (1 << 29))
+ *
+ * @post shaft_mNm == 0 || (shaft_mNm > 0) == (model->speed_mrad_s >= 0) ? result >=
+ * model->friction_b : result <= model->friction_b
+ */
 int32_t motor_model_airgap_of_shaft_b(const motor_model_t *model, int32_t shaft_mNm);
 
 #endif

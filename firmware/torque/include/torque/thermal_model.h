@@ -37,11 +37,34 @@ typedef struct {
     bool started;
 } thermal_model_state_t;
 
-/* Divides; once at start. */
+/* Divides; once at start.
+ *
+ * @post !state->started && state->steps == 0 && state->square_sum == 0 && state->length_sum == 0
+ *
+ * @post state->winding.known == (config->thermal.winding_heat_capacity_mJ_K > 0)
+ *
+ * @post is_within(state->winding.inner_share_q30, 0, 1 << 30) &&
+ * is_within(state->winding.ambient_share_q30, 0, 1 << 30) &&
+ * is_within(state->switches.inner_share_q30, 0, 1 << 30)
+ */
 void thermal_model_init(thermal_model_state_t *state, const config_t *config);
 
 /* First step: the temperatures that the sensors show, and where one is broken the other's; the
- * colder is the ambient, at most monitor.warmest_ambient. */
+ * colder is the ambient, at most monitor.warmest_ambient.
+ *
+ * @post state->started
+ *
+ * @post is_within(state->winding.inner_q16, -32700 * 65536, 32700 * 65536) &&
+ * is_within(state->winding.outer_q16, -32700 * 65536, 32700 * 65536)
+ *
+ * @post is_within(state->switches.inner_q16, -32700 * 65536, 32700 * 65536) &&
+ * is_within(state->switches.outer_q16, -32700 * 65536, 32700 * 65536)
+ *
+ * @post is_within(state->winding.ambient_q16, -32700 * 65536, config->monitor.warmest_ambient_cC *
+ * 65536)
+ *
+ * @post state->switches.ambient_q16 == state->winding.ambient_q16
+ */
 void thermal_model_start(thermal_model_state_t *state, const config_t *config, int32_t winding_cC,
                          bool winding_broken, int32_t switch_cC, bool switch_broken);
 
@@ -49,12 +72,21 @@ void thermal_model_start(thermal_model_state_t *state, const config_t *config, i
 void thermal_model_step(thermal_model_state_t *state, const config_t *config, int32_t i_d_mA,
                         int32_t i_q_mA, int32_t speed_mrad_s);
 
-/* The estimate of a row's inner and outer lump, -327 to 327 degC. */
+/* The estimate of a row's inner and outer lump, -327 to 327 degC.
+ *
+ * @pre is_within(row->inner_q16, -32700 * 65536, 32700 * 65536)
+ *
+ * @post is_within(result, -32700, 32700)
+ */
 static inline int32_t thermal_model_inner_cC(const thermal_lumps_t *row)
 {
     return row->inner_q16 >> 16;
 }
 
+/* @pre is_within(row->outer_q16, -32700 * 65536, 32700 * 65536)
+ *
+ * @post is_within(result, -32700, 32700)
+ */
 static inline int32_t thermal_model_outer_cC(const thermal_lumps_t *row)
 {
     return row->outer_q16 >> 16;

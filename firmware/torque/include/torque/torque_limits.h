@@ -184,7 +184,15 @@ limit_t torque_limits_max_speed(const config_t *config, int32_t speed_mrad_s);
 limit_t torque_limits_anti_lock(torque_limits_state_t *state, const config_t *config,
                                 const torque_limits_input_t *in);
 
-/* The tightest of the lines from `begin` to the one before `end`; on a tie the first. */
+/* The tightest of the lines from `begin` to the one before `end`; on a tie the first.
+ *
+ * @pre begin == 0 && (end == TORQUE_LINE_LOSS_OPTIMUM || end == TORQUE_LINE_COUNT)
+ *
+ * @post every(i, TORQUE_LINE_COUNT, i >= (int)end || result.torque_mNm <= lines[i].torque_mNm)
+ *
+ * @post some(i, TORQUE_LINE_COUNT, i < (int)end && result.torque_mNm == lines[i].torque_mNm &&
+ * result.reason == lines[i].reason)
+ */
 limit_t torque_limits_tightest(const limit_t *lines, torque_line_t begin, torque_line_t end);
 
 /* The first line with a bound of at most torque_mNm, which one of them must have. */
