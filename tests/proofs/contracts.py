@@ -3,7 +3,6 @@
 
 python contracts.py list
 python contracts.py without > without_contract.txt
-python contracts.py prove CBMC GROUP|FUNCTION
 """
 
 import re
