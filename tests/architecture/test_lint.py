@@ -55,7 +55,7 @@ def test_the_pure_modules_have_no_known_defects(tmp_path: Path) -> None:
     build = Path(os.environ["HUBFOC_BUILD_DIR"])
     sources = [str(path) for module in PURE for path in sources_of(module)]
     commands = json.loads((build / "compile_commands.json").read_text(encoding="utf-8"))
-    wanted = different([entry for entry in commands if entry["file"] in sources])
+    wanted = different([portable(entry) for entry in commands if entry["file"] in sources])
     assert {entry["file"] for entry in wanted} == set(sources)
     (tmp_path / "compile_commands.json").write_text(json.dumps(wanted), encoding="utf-8")
     jobs = [
@@ -69,6 +69,21 @@ def test_the_pure_modules_have_no_known_defects(tmp_path: Path) -> None:
     ]
     outputs = [job.communicate()[0] for job in jobs]
     assert not any(job.returncode for job in jobs), "\n".join(outputs)
+
+
+def portable(entry: dict[str, str]) -> dict[str, str]:
+    """Return a command without the engine's header of its own and without optimisation.
+
+    The header gives the engine other bodies of a few functions of core, tested as equal; how gcc
+    optimises it is unknown to clang and changes no analysis.
+    """
+    words = shlex.split(entry["command"])
+    if "native.h" in words:
+        at = words.index("native.h")
+        assert words[at - 1] == "-include"
+        del words[at - 1 : at + 1]
+    words = [word for word in words if not word.startswith(("-fno-", "--param"))]
+    return {**entry, "command": shlex.join(words)}
 
 
 def different(commands: list[dict[str, str]]) -> list[dict[str, str]]:

@@ -111,13 +111,6 @@ def expected() -> dict[str, tuple[str, ...]]:
     }
 
 
-@cache
-def planned() -> frozenset[str]:
-    """Return the names of reasons that the firmware does not have yet."""
-    data = tomllib.loads(EXPECTED.read_text(encoding="utf-8"))
-    return frozenset(data["planned"])
-
-
 def lines() -> list[str]:
     """Return the list of all faults, for people: name, meaning, how much."""
     out: list[str] = []

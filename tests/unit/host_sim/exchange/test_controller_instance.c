@@ -53,6 +53,9 @@ static slow_input_t slow_input(uint32_t n)
         .bms.charge_current_mA = 200000,
         .bms.discharge_current_mA = 150000,
         .bms.charge_peak_current_mA = 250000,
+        .bms.voltage_mV = n > 6000 ? 45000 : 0,
+        .bms.current_mA = (int32_t)(scrambled(n + 9) % 60000) - 30000,
+        .bms.current_given = n % 1300 > 200,
         .hydraulic = {.torque_mNm = 12000, .age_ms = n % 10, .valid = true},
         .bms.contactor = n > 4000 ? CONTACTOR_CLOSED : CONTACTOR_NOT_REPORTED,
         .temperature.winding_cC = 4000,
@@ -77,6 +80,7 @@ static void fast_array(const fast_input_t *in, int32_t *out)
         in->bus_voltage_code,      in->rotor_angle_turn,      in->encoder.count,
         in->encoder.index_count,   in->encoder.index,         in->hall_state,
         in->power_stage_fault};
+    _Static_assert(sizeof(values) / sizeof(values[0]) == EXCHANGE_FAST_INPUT_COUNT, "all of them");
     memcpy(out, values, sizeof(values));
 }
 
@@ -101,7 +105,11 @@ static void slow_array(const slow_input_t *in, int32_t *out)
                               in->demand.fault_reset,
                               in->selftest_passed,
                               in->config_accepted,
-                              (int32_t)in->demand.reason};
+                              (int32_t)in->demand.reason,
+                              in->bms.voltage_mV,
+                              in->bms.current_mA,
+                              in->bms.current_given};
+    _Static_assert(sizeof(values) / sizeof(values[0]) == EXCHANGE_SLOW_INPUT_COUNT, "all of them");
     memcpy(out, values, sizeof(values));
 }
 

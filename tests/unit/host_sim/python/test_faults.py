@@ -29,13 +29,12 @@ def test_every_parameter_of_a_fault_is_used_by_one() -> None:
     assert own - used <= {"fault.wheels"}
 
 
-def test_every_fault_of_the_sweep_has_at_most_two_reasons_that_exist_or_are_planned() -> None:
+def test_every_fault_of_the_sweep_has_at_most_two_reasons_that_exist() -> None:
     expected = faults.expected()
     assert set(expected) == {fault.name for fault in faults.named(())}
     assert all(len(right) <= 2 for right in expected.values())
     named = {name for right in expected.values() for name in right}
-    assert named <= set(reasons.codes()) | faults.planned()
-    assert not faults.planned() & set(reasons.codes())
+    assert named <= set(reasons.codes())
 
 
 def test_faults_are_chosen_by_name_and_by_group_and_an_unknown_name_is_one_line() -> None:
