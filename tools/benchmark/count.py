@@ -37,19 +37,28 @@ def summary(values: list[int]) -> Count:
     return Count(len(ordered), ordered[0], median, ordered[needed - 1], ordered[-1])
 
 
+def _ends(name: str, functions: dict[str, Function], seen: frozenset[str]) -> set[int]:
+    """Addresses at which a function's calls come back.
+
+    A function that another one leaves to by a jump returns to where that one was called.
+    """
+    ends: set[int] = set()
+    for function in functions.values():
+        ends |= set(function.return_sites.get(name, []))
+        if name in function.jumps and function.name not in seen:
+            ends |= _ends(function.name, functions, seen | {function.name})
+    return ends
+
+
 def _window(name: str, functions: dict[str, Function]) -> str:
     """Describe a function to the plugin: where it starts and where its calls come back to."""
     if name not in functions:
         raise build.BenchError(
             f"{name}: not a function of its own in the program; was it renamed or inlined?"
         )
-    ends = [site for function in functions.values() for site in function.return_sites.get(name, [])]
-    jumps = [function.name for function in functions.values() if name in function.jumps]
-    if jumps or not ends:
-        raise build.BenchError(
-            f"{name}: left by a jump from {', '.join(jumps) or 'nowhere'}, so its end cannot be"
-            " seen"
-        )
+    ends = sorted(_ends(name, functions, frozenset({name})))
+    if not ends:
+        raise build.BenchError(f"{name}: nothing calls it, so its end cannot be seen")
     return ":".join([name, hex(functions[name].address), *map(hex, ends)])
 
 
@@ -100,6 +109,40 @@ def loadable_plugin(directory: Path) -> Path:
     )
 
 
+@dataclass(frozen=True)
+class Call:
+    """One call of a function: instructions, and those outside other named functions called."""
+
+    name: str
+    instructions: int
+    own: int
+
+
+def trace(
+    core: build.Core,
+    elf: Path,
+    plugin: Path,
+    functions: dict[str, Function],
+    names: list[str],
+    begin: str,
+    arguments: Sequence[str] = (),
+) -> tuple[list[Call], str]:
+    """Return every call of the functions after ``begin`` was called, in the order of their ends.
+
+    And what the program printed.
+    """
+    result = elf.with_suffix(".counts")
+    options = [str(plugin), f"out={result}", f"from={functions[begin].address:#x}"]
+    options += [f"fn={_window(name, functions)}" for name in names]
+    text = build.run(
+        [*emulator_command(core, elf, arguments), "-plugin", ",".join(options)],
+        f"{elf.stem} on {core.name}",
+        timeout_s=SECONDS_AT_MOST,
+    )
+    lines = [line.split() for line in result.read_text().splitlines()]
+    return [Call(name, int(whole), int(own)) for name, whole, own in lines], text
+
+
 def calls(
     core: build.Core,
     elf: Path,
@@ -113,18 +156,10 @@ def calls(
 
     And what the program printed.
     """
-    result = elf.with_suffix(".counts")
-    options = [str(plugin), f"out={result}", f"from={functions[begin].address:#x}"]
-    options += [f"fn={_window(name, functions)}" for name in names]
-    text = build.run(
-        [*emulator_command(core, elf, arguments), "-plugin", ",".join(options)],
-        f"{elf.stem} on {core.name}",
-        timeout_s=SECONDS_AT_MOST,
-    )
+    traced, text = trace(core, elf, plugin, functions, names, begin, arguments)
     found: dict[str, list[int]] = {name: [] for name in names}
-    for line in result.read_text().splitlines():
-        name, value = line.split()
-        found[name].append(int(value))
+    for call in traced:
+        found[call.name].append(call.instructions)
     for name, values in found.items():
         if len(values) < CALLS_AT_LEAST:
             raise build.BenchError(

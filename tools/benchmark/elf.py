@@ -15,6 +15,7 @@ import subprocess
 from dataclasses import dataclass, field
 from pathlib import Path
 
+RAM_BEGINS = 0x20000000
 _SYMBOL = re.compile(r"^\s*\d+: ([0-9a-f]+)\s+(\d+|0x[0-9a-f]+) (FUNC|OBJECT)\s.*\s(\S+)$")
 _HEAD = re.compile(r"^([0-9a-f]+) <(\S+)>:$")
 _LINE = re.compile(r"^\s*([0-9a-f]+):\t(\S+)\s*(.*)$")
@@ -149,3 +150,17 @@ def reachable(start: str, all_functions: dict[str, Function]) -> set[str]:
             seen.add(name)
             ahead += all_functions[name].calls
     return seen
+
+
+def size_of(
+    start: str, functions: dict[str, Function], symbols: dict[str, Symbol]
+) -> dict[str, int]:
+    """Return bytes of all code that a call of ``start`` can reach, and of the tables it uses."""
+    names = reachable(start, functions)
+    words = {word for name in names for word in functions[name].words}
+    constants = [s for s in symbols.values() if not s.is_code and s.address < RAM_BEGINS]
+    tables = [s for s in constants if any(s.address <= word < s.address + s.size for word in words)]
+    return {
+        "code": sum(symbols[n].size for n in names if n in symbols),
+        "tables": sum(s.size for s in tables),
+    }

@@ -25,7 +25,17 @@ if __package__ in (None, ""):
 from rich.console import Console
 from rich.table import Table
 
-from benchmark import build, count, cycles, elf, interrupt, memory, readme, stack_report
+from benchmark import (
+    build,
+    count,
+    cycles,
+    elf,
+    interrupt,
+    memory,
+    readme,
+    slow_profile,
+    stack_report,
+)
 
 CURRENT_LOOP = "foc_current_step"
 FAST_STEP = "controller_fast_step"
@@ -36,7 +46,6 @@ FUNCTIONS = {CURRENT_LOOP: "current loop", FAST_STEP: "whole fast step", SLOW_ST
 RIDE_FUNCTIONS = [CURRENT_LOOP, FAST_STEP]
 """Counted in a closed loop; the slow step, in states from the whole envelope."""
 BEGIN = "begin_measuring"
-RAM_BEGINS = 0x20000000
 
 
 @dataclass(frozen=True)
@@ -72,20 +81,6 @@ STATES = 100000
 FEW_STATES = 4000
 
 
-def size_of(
-    start: str, functions: dict[str, elf.Function], symbols: dict[str, elf.Symbol]
-) -> dict[str, int]:
-    """Return bytes of all code that a call of ``start`` can reach, and of the tables it uses."""
-    names = elf.reachable(start, functions)
-    words = {word for name in names for word in functions[name].words}
-    constants = [s for s in symbols.values() if not s.is_code and s.address < RAM_BEGINS]
-    tables = [s for s in constants if any(s.address <= word < s.address + s.size for word in words)]
-    return {
-        "code": sum(symbols[n].size for n in names if n in symbols),
-        "tables": sum(s.size for s in tables),
-    }
-
-
 def measure_ride(
     core: build.Core, config: str, directory: Path, shared: list[str], plugin: Path | None
 ) -> tuple[dict[str, Any], Path]:
@@ -103,7 +98,7 @@ def measure_ride(
         "flags": " ".join([*core.flags, core.optimise]),
         "machine": core.machine,
         "instructions": {name: asdict(value) for name, value in counts.items()},
-        "size_bytes": {name: size_of(name, functions, symbols) for name in FUNCTIONS},
+        "size_bytes": {name: elf.size_of(name, functions, symbols) for name in FUNCTIONS},
         "stack_bytes": {
             name: stack_report.worst_path(name, functions, frames).bytes for name in FUNCTIONS
         },
@@ -379,6 +374,7 @@ def bench(options: argparse.Namespace) -> int:
     plugin: Path | None = None
     console = Console(stderr=False, width=None if sys.stdout.isatty() else 132)
     envelope: dict[str, Any] = {}
+    profile: dict[str, Any] = {}
     for core in build.CORES:
         console.print(f"{core.name} ...", style="dim")
         shared = build.compile_sources(
@@ -392,10 +388,10 @@ def bench(options: argparse.Namespace) -> int:
         if core is build.CORES[0]:
             count.describe_worst(core, directory / f"{core.name}-envelope", each)
             envelope = each
+            profile = slow_profile.measure(core, directory / f"{core.name}-envelope", plugin)
         cores[core.name] = result
-    images = {
-        port: build.ROOT / "build" / port / f"hubfoc_{port}.elf" for port in ("stm32f405", "qemu")
-    }
+    builds = build.ROOT / "build"
+    images = {port: builds / port / f"hubfoc_{port}.elf" for port in ("stm32f405", "qemu")}
     compiler = first_line([build.PREFIX + "gcc", "--version"])
     report: dict[str, Any] = {
         "config": options.config,
@@ -403,6 +399,7 @@ def bench(options: argparse.Namespace) -> int:
         "emulator": first_line(["qemu-system-arm", "--version"]),
         "cores": cores,
         "envelope": envelope,
+        "slow_profile": profile,
         "budgets": judge(options.config, cores, envelope, compiler),
         "firmware_bytes": {port: memory.firmware(image) for port, image in images.items()},
         "simulation": {} if options.no_simulation else simulation_speed(options.config),
@@ -419,7 +416,10 @@ def bench(options: argparse.Namespace) -> int:
     show_budgets(console, report["budgets"])
     show_sizes(console, report)
     missed = [v for v in report["budgets"] if not v["met"]]
-    return max(readme.status(report, options.update_readme), 1 if missed else 0)
+    tables = [
+        module(report, options.update_readme) for module in (readme.status, slow_profile.status)
+    ]
+    return max(*tables, 1 if missed else 0)
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -455,7 +455,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument(
         "--update-readme",
         action="store_true",
-        help="write the counts into the table of firmware/foc/README.md",
+        help="write the tables of firmware/foc/README.md and tools/benchmark/README.md",
     )
     parser.add_argument(
         "--states",

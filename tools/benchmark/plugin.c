@@ -8,7 +8,8 @@
  * START is a function's first instruction, the ENDs are the instructions behind every call of it. A
  * call's count is what is executed from START up to, and without, the END reached first: the whole
  * function, its return included, the call itself not. Counting begins when FROM is executed. FILE
- * gets one line a call: name and count.
+ * gets one line a call, when it ends: name, count, and its own part of the count, without the
+ * calls of other named functions in it.
  *
  * The packages of QEMU carry no header for plugins; the few declarations below are the documented
  * interface. Its version (QEMU_PLUGIN_API) must be one that the emulator accepts; the in-line
@@ -80,7 +81,7 @@ static uint64_t counted(void)
 }
 #endif
 
-enum { FUNCTIONS_MAX = 16, ENDS_MAX = 16 };
+enum { FUNCTIONS_MAX = 256, ENDS_MAX = 256, DEPTH_MAX = 64 };
 
 typedef struct {
     char name[64];
@@ -88,6 +89,7 @@ typedef struct {
     uint64_t end[ENDS_MAX];
     int ends;
     uint64_t at_start;
+    uint64_t nested; /* of the calls of other named functions in this one */
     int open;
 } function_t;
 
@@ -96,6 +98,8 @@ static int function_count;
 static uint64_t from_address;
 static int recording;
 static FILE *out;
+static function_t *calls[DEPTH_MAX]; /* the present ones, the outermost first */
+static int depth;
 
 static void on_from(unsigned cpu, void *user)
 {
@@ -108,17 +112,37 @@ static void on_start(unsigned cpu, void *user)
 {
     function_t *f = user;
     (void)cpu;
+    if (!recording || f->open) { /* no function of the firmware calls itself */
+        return;
+    }
+    if (depth == DEPTH_MAX) {
+        fprintf(stderr, "count plugin: calls nested deeper than %d\n", DEPTH_MAX);
+        abort();
+    }
     f->at_start = counted();
-    f->open = recording;
+    f->nested = 0;
+    f->open = 1;
+    calls[depth++] = f;
 }
 
+static void end_innermost(void)
+{
+    function_t *f = calls[--depth];
+    const uint64_t count = counted() - f->at_start;
+    fprintf(out, "%s %" PRIu64 " %" PRIu64 "\n", f->name, count, count - f->nested);
+    f->open = 0;
+    if (depth > 0) {
+        calls[depth - 1]->nested += count;
+    }
+}
+
+/* A function that was left by a jump into another one ends with it. */
 static void on_end(unsigned cpu, void *user)
 {
     function_t *f = user;
     (void)cpu;
-    if (f->open) {
-        fprintf(out, "%s %" PRIu64 "\n", f->name, counted() - f->at_start);
-        f->open = 0;
+    while (f->open) {
+        end_innermost();
     }
 }
 
@@ -173,7 +197,10 @@ static int add_function(char *text)
         return -1;
     }
     f->start = strtoull(part, NULL, 0);
-    while ((part = strtok(NULL, ":")) != NULL && f->ends < ENDS_MAX) {
+    while ((part = strtok(NULL, ":")) != NULL) {
+        if (f->ends == ENDS_MAX) {
+            return -1;
+        }
         f->end[f->ends++] = strtoull(part, NULL, 0);
     }
     return f->ends > 0 ? 0 : -1;

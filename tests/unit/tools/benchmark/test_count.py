@@ -65,18 +65,52 @@ def test_a_missing_function_is_an_error_that_names_it(
         )
 
 
-def test_a_function_that_returns_by_a_jump_is_refused(
+# around: push, 2, two calls, pop; its call of by_jump goes on in straight.
+NESTED = """
+#define NAKED __attribute__((naked, noinline))
+NAKED void straight(void) { __asm volatile(".rept 10\\n nop\\n .endr\\n bx lr"); }
+NAKED void by_jump(void) { __asm volatile("nop\\n nop\\n b straight"); }
+NAKED void around(void) {
+    __asm volatile("push {r4, lr}\\n nop\\n bl straight\\n bl by_jump\\n pop {r4, pc}");
+}
+__attribute__((noinline)) void begin(void) { __asm volatile(""); }
+int main(void) {
+    begin();
+    for (int i = 0; i < 3; i++) { around(); }
+    return 0;
+}
+"""
+
+
+def test_a_call_counts_what_is_its_own_without_the_named_functions_it_calls(
     program: Callable[..., Path], tmp_path: Path
 ) -> None:
-    tail = '__attribute__((noinline)) int inner(int x) { __asm volatile(""); return x + 1; }\n'
-    tail += (
-        "__attribute__((noinline)) int outer(int x) { return inner(2 * x); }\nvoid begin(void) {}\n"
-    )
-    image = program(
-        tail + "int main(void) { volatile int x = 3; return outer(x) != 7; }",
-        "-foptimize-sibling-calls",
-    )
-    with pytest.raises(build.BenchError, match="inner: left by a jump from outer"):
-        count.count(
-            build.CORES[0], image, tmp_path / "none.so", elf.functions(image), ["inner"], "begin"
-        )
+    """Also where a function is left by a jump into another: both end where the first returns."""
+    image = program(NESTED)
+    functions = elf.functions(image)
+    plugin = count.loadable_plugin(tmp_path)
+
+    def traced(*names: str) -> list[tuple[str, int, int]]:
+        found, _ = count.trace(build.CORES[0], image, plugin, functions, list(names), "begin")
+        return [(call.name, call.instructions, call.own) for call in found]
+
+    assert traced("around", "by_jump", "straight") == 3 * [
+        ("straight", 11, 11),
+        ("straight", 11, 11),
+        ("by_jump", 3 + 11, 3),
+        ("around", 5 + 11 + 14, 5),
+    ]
+    assert traced("straight", "around") == 3 * [
+        ("straight", 11, 11),
+        ("straight", 11, 11),
+        ("around", 30, 5 + 3),
+    ]
+
+
+def test_a_function_without_a_caller_is_an_error_that_names_it(
+    program: Callable[..., Path], tmp_path: Path
+) -> None:
+    image = program(PROGRAM)
+    with pytest.raises(build.BenchError, match="alone: nothing calls it"):
+        functions = elf.functions(image) | {"alone": elf.Function("alone", 0)}
+        count.count(build.CORES[0], image, tmp_path / "none.so", functions, ["alone"], "begin")

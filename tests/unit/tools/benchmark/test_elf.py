@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from benchmark import elf
-from benchmark.measure import size_of
+from benchmark.elf import size_of
 
 TABLES = """
 #include <stdint.h>
