@@ -84,10 +84,11 @@ static bool flow_broken(monitor_slow_state_t *state, const config_t *config,
         state->started = true;
         return false;
     }
-    const bool wrong = q_abs(counted - expected) > expected / FLOW_TOLERANCE_SHARE;
-    state->flow_level =
-        (uint16_t)q_clamp(state->flow_level + (wrong ? MONITOR_FLOW_WRONG : MONITOR_FLOW_RIGHT), 0,
-                          MONITOR_FLOW_FAULT);
+    const int32_t tolerance = expected / FLOW_TOLERANCE_SHARE;
+    const int32_t weight = counted - expected > expected - tolerance ? MONITOR_FLOW_TWICE
+                           : q_abs(counted - expected) > tolerance   ? MONITOR_FLOW_WRONG
+                                                                     : MONITOR_FLOW_RIGHT;
+    state->flow_level = (uint16_t)q_clamp(state->flow_level + weight, 0, MONITOR_FLOW_FAULT);
     return state->flow_level >= MONITOR_FLOW_FAULT;
 }
 
@@ -137,6 +138,8 @@ static bool bus_unexplained(monitor_slow_state_t *state, const config_t *config,
     } else if (back && state->return_steps > 0) {
         state->return_steps--;
     }
+    state->open_steps =
+        (uint16_t)(in->battery_open ? MONITOR_BUS_RETURN_STEPS : q_max(state->open_steps - 1, 0));
     watch_bus_sensor(state, config, in);
     state->release_trip =
         (back && fast_trip_of_bus(in)) || (in->battery_open && overcurrent_of_bus(state, in));
@@ -173,7 +176,7 @@ static reason_t sensor_warning(const monitor_slow_input_t *in)
 }
 
 /* A skipped sector is a warning for a while: one may be dirt, a dead sensor makes one every
- * electrical turn. */
+ * electrical turn. So is a sensor that stops faster than a tyre can stop the vehicle. */
 static bool rotor_warning(monitor_slow_state_t *state, const config_t *config,
                           uint16_t rotor_faults)
 {
@@ -401,7 +404,7 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
     const bool flow_wrong = flow_broken(state, config, in->fast_step_count);
     const bool phase_open = open_phase(state, in);
     const bool bus_wrong = bus_unexplained(state, config, in);
-    const bool battery_lost = in->battery_open || state->return_steps > 0;
+    const bool battery_lost = state->open_steps > 0 || state->return_steps > 0;
     const reason_t temperature = temperature_fault(config, in);
     const bool temperature_wrong =
         qualified(&state->temperature_steps, temperature != REASON_NONE, sensor_time_ms);
@@ -416,7 +419,8 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
                                   ? without_surge(state, config, &letting_go, in->bridge,
                                                   safe_state_step(config, &letting_go))
                                   : safe_state_shorted(config, &letting_go, stuck.side);
-    const bool rotor_warns = rotor_warning(state, config, in->rotor_faults);
+    const bool rotor_warns =
+        rotor_warning(state, config, (uint16_t)(in->rotor_faults + state->speed.sudden_stops));
 
     monitor_output_t out = {
         .fault = REASON_NONE,

@@ -161,6 +161,9 @@ static void watch_sensor(monitor_speed_state_t *state, const config_t *config,
     if (sensor_urad_s >= state->rest_urad_s || state->moving_steps >= MONITOR_SPEED_MOVING_STEPS) {
         state->stopped = false;
     } else if (in->rotor_valid && sensor_urad_s < state->rest_urad_s - grip_urad_s - low_urad_s) {
+        const bool sudden =
+            !state->stopped && state->rest_urad_s > MONITOR_SPEED_SUDDEN * low_urad_s;
+        state->sudden_stops = (uint16_t)(state->sudden_stops + (sudden ? 1 : 0));
         state->stopped = true;
     }
 }

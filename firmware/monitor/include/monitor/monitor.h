@@ -32,11 +32,14 @@
 enum {
     /* Milliseconds without a slow step after which the fast loop trips. */
     MONITOR_STALE_STEPS = 4,
-    /* Milliseconds without torque after a bus has come back from above its trip. */
+    /* Milliseconds without torque after a bus has come back from beyond a trip, or its contactor
+     * has closed: one that bounces does not take the hydraulic torque back with every contact. */
     MONITOR_BUS_RETURN_STEPS = 100,
     /* Weights of a slow step with a wrong number of fast steps and of one with the right number,
-     * and their sum that is a fault: three wrong ones in a row, or five of nine. */
+     * and their sum that is a fault: three wrong ones in a row, or five of nine; two in a row with
+     * twice the number, before halls contradict an angle that runs ahead. */
     MONITOR_FLOW_WRONG = 2,
+    MONITOR_FLOW_TWICE = 3,
     MONITOR_FLOW_RIGHT = -1,
     MONITOR_FLOW_FAULT = 6,
     /* Milliseconds that an open bridge waits for PWM before a short circuit that surges. */
@@ -118,6 +121,7 @@ typedef struct {
     uint16_t steps;         /* step count, wrapping: the watchdog is fed only while it advances */
     bool release_trip;      /* the bus is back from above its trip */
     uint16_t return_steps;  /* left until torque returns after that */
+    uint16_t open_steps;    /* likewise, after a contactor reported open */
     uint16_t short_steps;   /* for which a short circuit would have surged */
     bridge_mode_t safe_bridge;
     monitor_emf_state_t emf;

@@ -29,6 +29,7 @@ typedef struct {
     int64_t rest_urad_s; /* the bound that a stopped sensor does not lower: rest, below */
     bool stopped;        /* the sensor's speed has fallen faster than a tyre can slow the wheel */
     uint16_t moving_steps;
+    uint16_t sudden_stops;    /* from above MONITOR_SPEED_SUDDEN hand-over speeds, wrapping */
     int32_t window_mrad_s[2]; /* speeds of the latest two windows of this short circuit;
                                  MONITOR_SPEED_UNKNOWN for an invalid one */
     int64_t peak_square_mA2;  /* of the current in this window */
@@ -43,7 +44,10 @@ typedef struct {
 enum {
     MONITOR_SPEED_UNKNOWN = -1,
     /* A stopped sensor counts again after it has shown movement for so many steps in a row. */
-    MONITOR_SPEED_MOVING_STEPS = 100
+    MONITOR_SPEED_MOVING_STEPS = 100,
+    /* Hand-over speeds from which a stop is sudden: halls show their last edges' speed until a
+     * braked wheel stands. Of the method, not of a vehicle. */
+    MONITOR_SPEED_SUDDEN = 4
 };
 
 typedef struct {

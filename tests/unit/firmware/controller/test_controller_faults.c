@@ -288,12 +288,12 @@ void test_undetermined_sum_of_currents_ends_with_the_acknowledgement(void)
 void test_torque_without_a_command_leads_to_fault(void)
 {
     rig_start_running(&rig); /* at rest */
-    rig.angle_turn = 0.25;
+    rig.angle_turn = 0.25;   /* a jump, for which the sensor is uncertain */
     rig_run(&rig, 300);
-    TEST_ASSERT_EQUAL_INT(MODE_RUN, rig.out.mode);
+    TEST_ASSERT_EQUAL_INT(MODE_LIMP, rig.out.mode);
     put_codes(2048 - 248, 2048 + 124, 2048 + 124); /* 20 A of i_q: 14 Nm without a command */
     rig_run(&rig, 45);
-    TEST_ASSERT_EQUAL_INT(MODE_RUN, rig.out.mode);
+    TEST_ASSERT_EQUAL_INT(MODE_LIMP, rig.out.mode);
     rig_run(&rig, 20);
     TEST_ASSERT_EQUAL_INT(MODE_FAULT, rig.out.mode);
     TEST_ASSERT_EQUAL_INT(REASON_TORQUE_IMPLAUSIBLE, rig.out.fault_reason);

@@ -42,12 +42,16 @@ void test_sensor_at_its_rail_is_named_without_pwm(void)
 
 /* ---- program flow ---- */
 
-void test_stopped_fast_loop_is_a_fault_in_the_third_step(void)
+void test_stopped_or_doubled_fast_loop_is_a_fault_in_the_third_step(void)
 {
     step();
     fast_steps_per_slow = 0;
     TEST_ASSERT_EQUAL_INT(REASON_NONE, run(2).fault);
     TEST_ASSERT_EQUAL_INT(REASON_PROGRAM_FLOW, step().fault);
+    setUp();
+    fast_steps_per_slow = 2 * FAST_PER_SLOW;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(2).fault);
+    TEST_ASSERT_EQUAL_INT(REASON_PROGRAM_FLOW, step().fault); /* the second one checked */
     fast_steps_per_slow = FAST_PER_SLOW;
 }
 
@@ -97,6 +101,24 @@ void test_first_step_does_not_check_the_fast_loop_s_count(void)
     TEST_ASSERT_EQUAL_INT(REASON_NONE, run(3).fault); /* the first step is not checked */
     TEST_ASSERT_EQUAL_INT(REASON_PROGRAM_FLOW, step().fault);
     fast_steps_per_slow = FAST_PER_SLOW;
+}
+
+/* A locked wheel, or a sensor that has stopped. From 3.3 rad/s halls may fall to zero at once. */
+void test_a_sensor_that_stops_faster_than_a_tyre_is_uncertain_for_its_warning_time(void)
+{
+    const int32_t time_ms = config.monitor.rotor_warning_time_ms;
+    const int32_t slow_mrad_s = 4 * config.brake.blend_out_end_mrad_s;
+    in.speed_mrad_s = slow_mrad_s;
+    (void)run(10);
+    in.speed_mrad_s = 0;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(time_ms).warning);
+    setUp();
+    in.speed_mrad_s = slow_mrad_s + 100;
+    (void)run(10);
+    in.speed_mrad_s = 0;
+    TEST_ASSERT_EQUAL_INT(REASON_ROTOR_UNCERTAIN, step().warning);
+    TEST_ASSERT_EQUAL_INT(REASON_ROTOR_UNCERTAIN, run(time_ms - 1).warning);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, step().warning);
 }
 
 /* 61.8 V at the end of the range. The fast monitor has seen the reading jump; or it shows less than

@@ -219,7 +219,17 @@ void test_an_open_contactor_alone_takes_the_torque_and_is_a_warning(void)
     TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1000).fault);
     in.battery_open = false;
     in.bus_voltage_mV = 53000;
+    TEST_ASSERT_TRUE(run(MONITOR_BUS_RETURN_STEPS - 1).battery_lost);
     TEST_ASSERT_FALSE(step().battery_lost);
+}
+
+void test_no_torque_between_the_contacts_of_a_contactor_that_bounces(void)
+{
+    in.battery_open = true;
+    for (int n = 0; n < 1000; n++) {
+        TEST_ASSERT_TRUE(step().battery_lost);
+        in.battery_open = n / 20 % 2 == 0; /* 20 ms each */
+    }
 }
 
 /* An opening contactor while the motors drive: the bus falls at once, and whatever current flows
