@@ -180,6 +180,7 @@ static modes_output_t decide_mode(controller_slow_t *slow, const config_t *confi
                                   const monitor_output_t *watch, bool rotor_valid)
 {
     const wheel_demand_t *demand = &in->demand;
+    const bool drives = drive_demanded(demand);
     const reason_t demand_warning =
         (int)demand->reason >= REASON_FIRST_FAULT ? demand->reason : REASON_NONE;
     reason_t warning = watch->warning;
@@ -210,9 +211,9 @@ static modes_output_t decide_mode(controller_slow_t *slow, const config_t *confi
         .enable = demand->enable,
         .demand_lost = demand_is_lost(config, in->demand_age_ms),
         .lost_reason = demand_warning == REASON_NONE ? REASON_DEMAND_TIMEOUT : demand_warning,
-        .drive_demanded = drive_demanded(demand),
+        .drive_demanded = drives,
         .neutral = slow->torque.demand.engaged == DRIVE_DIRECTION_NEUTRAL,
-        .torque_demanded = drive_demanded(demand) || demand->brake_torque_mNm > 0,
+        .torque_demanded = drives || demand->brake_torque_mNm > 0,
         .fault_reset = demand->fault_reset,
         .warning = warning != REASON_NONE,
         .warning_reason = warning,

@@ -54,18 +54,24 @@ static void average(operating_point_state_t *state, const fast_report_t *report)
     }
 }
 
+/* Part of a quantity, |share_q15| <= 32 768, rounded down. */
+static inline int32_t part_of(int32_t whole, int32_t share_q15)
+{
+    return (int32_t)(((int64_t)whole * share_q15) >> 15);
+}
+
 /* P = 3/2 u i with u = m limit v_dc/sqrt 3: i_dc = sqrt(3)/2 limit I_base (m i). */
 static int32_t bus_current_mA(const operating_point_state_t *state, const config_t *config)
 {
     const int32_t in_circle_mA =
-        q15_product(bases_current_mA(config, state->power_pu), state->modulation_limit_q15);
-    return q15_product(in_circle_mA, SQRT3_HALF_Q15);
+        part_of(bases_current_mA(config, state->power_pu), state->modulation_limit_q15);
+    return part_of(in_circle_mA, SQRT3_HALF_Q15);
 }
 
 /* Radius of the voltage circle: limit v_dc/sqrt 3. */
 static int32_t circle_mV(const operating_point_state_t *state, int32_t bus_mV)
 {
-    return q15_product(q15_product(state->modulation_limit_q15, bus_mV), INVERSE_SQRT3_Q15);
+    return part_of(part_of(bus_mV, state->modulation_limit_q15), INVERSE_SQRT3_Q15);
 }
 
 /* With a reserve below the index at which the fast loop begins to weaken the field (README,
@@ -75,7 +81,7 @@ static int32_t phase_voltage_mV(const operating_point_state_t *state, const conf
 {
     const int32_t index_q15 = config->current_loop.modulation_target_pu_q15 -
                               config->current_loop.modulation_reserve_pu_q15;
-    return sampling_correction_mean_voltage(&state->sampling, q15_product(index_q15, radius_mV));
+    return sampling_correction_mean_voltage(&state->sampling, part_of(radius_mV, index_q15));
 }
 
 observer_view_t operating_point_observer(operating_point_state_t *state, const config_t *config,
@@ -125,8 +131,8 @@ operating_point_t operating_point_of(operating_point_state_t *state, const confi
         .phase_voltage_mV = phase_voltage_mV(state, config, radius_mV),
         .latest_i_d_mA = bases_current_mA(config, latest_i.d),
         .latest_i_q_mA = bases_current_mA(config, latest_i.q),
-        .latest_u_d_mV = q15_product(latest_u.d, radius_mV),
-        .latest_u_q_mV = q15_product(latest_u.q, radius_mV),
+        .latest_u_d_mV = part_of(radius_mV, latest_u.d),
+        .latest_u_q_mV = part_of(radius_mV, latest_u.q),
     };
     return out;
 }

@@ -53,6 +53,14 @@ static pi_gains_t axis_gains(int32_t proportional_q16, int32_t integral_q24, int
     return gains;
 }
 
+/* Without saliency one axis has the gains of the other. */
+static bool axes_differ(const config_current_loop_t *loop)
+{
+    return loop->inductance_q_pu_q16 != loop->inductance_d_pu_q16 ||
+           loop->proportional_q_pu_q16 != loop->proportional_d_pu_q16 ||
+           loop->integral_q_pu_q24 != loop->integral_d_pu_q24;
+}
+
 current_tuning_t current_tuning(const config_t *config, int32_t modulation_limit_q15,
                                 int32_t v_dc_pu, int32_t speed_q32, int32_t winding_temperature_cC)
 {
@@ -63,22 +71,26 @@ current_tuning_t current_tuning(const config_t *config, int32_t modulation_limit
     const config_current_loop_t *loop = &config->current_loop;
     const int32_t winding_q24 = bases_share_at_q24(
         config, config->motor.resistance_coefficient_ppm_K, winding_temperature_cC);
-    const int32_t integral_d_q24 = share_of(winding_q24, loop->integral_d_pu_q24);
-    const int32_t integral_q_q24 = share_of(winding_q24, loop->integral_q_pu_q24);
     /* Speed in units of its base, 1/16 turn per period = 2^28 in Q32; kept to 24 fraction bits. */
     const int32_t speed_q24 = speed_q32 >> 4;
     const int64_t l_d_q16 = scaled(loop->inductance_d_pu_q16, 16, factor_q22, 16);
-    const int64_t l_q_q16 = scaled(loop->inductance_q_pu_q16, 16, factor_q22, 16);
     const int64_t psi_q16 = scaled(loop->flux_pu_q16, 16, factor_q22, 16);
     const uint16_t advance_turn = (uint16_t)(((int64_t)speed_q32 * ADVANCE_HALF_PERIODS) >> 17);
-    const current_tuning_t tuning = {
-        .d = axis_gains(loop->proportional_d_pu_q16, integral_d_q24, factor_q22),
-        .q = axis_gains(loop->proportional_q_pu_q16, integral_q_q24, factor_q22),
+    current_tuning_t tuning = {
+        .d = axis_gains(loop->proportional_d_pu_q16, share_of(winding_q24, loop->integral_d_pu_q24),
+                        factor_q22),
         .w_l_d_q10 = coupling_q10(l_d_q16 * speed_q24),
-        .w_l_q_q10 = coupling_q10(l_q_q16 * speed_q24),
         .forward_q_q25 = q_clamp(q_saturate64((psi_q16 * speed_q24) >> 15), -(1 << 28), 1 << 28),
         .advance = angle_rotation(advance_turn),
     };
+    tuning.q = tuning.d;
+    tuning.w_l_q_q10 = tuning.w_l_d_q10;
+    if (axes_differ(loop)) {
+        const int64_t l_q_q16 = scaled(loop->inductance_q_pu_q16, 16, factor_q22, 16);
+        tuning.q = axis_gains(loop->proportional_q_pu_q16,
+                              share_of(winding_q24, loop->integral_q_pu_q24), factor_q22);
+        tuning.w_l_q_q10 = coupling_q10(l_q_q16 * speed_q24);
+    }
     return tuning;
 }
 

@@ -19,13 +19,13 @@ int32_t scaled_ratio(int32_t n, int32_t d)
     const uint32_t by = (uint32_t)d << d_zeros;
     const uint32_t rough = (UINT32_MAX / (by >> 16)) << 14; /* 2^62 / by (1 + e) */
     const uint32_t less = 0U - 2U * upper(rough, by);       /* 2^31 (1 - e) */
-    const uint32_t inverse = upper(rough, less) << 2;       /* 2^63 / by */
+    const uint32_t inverse = upper(rough, less) << 1;       /* 2^62 / by */
     const uint32_t product = upper(magnitude << n_zeros, inverse);
     const uint32_t shift = n_zeros - d_zeros + 5U; /* wraps below zero */
     if (shift >= 31U) {
         return shift >> 31 == 0 ? 0 : (int32_t)(((UINT32_C(1) << 30) ^ sign) - sign);
     }
-    return (int32_t)(((((product >> 1 >> shift) + 1U) >> 1) ^ sign) - sign);
+    return (int32_t)(((((product >> shift) + 1U) >> 1) ^ sign) - sign);
 }
 
 /* n in [2^30, 2^32): the chord of the root is at most 6 % below it; two steps of Newton leave the

@@ -37,7 +37,9 @@ static view_t view_of(const config_t *config, const monitor_emf_input_t *in)
     const int64_t w_mrad_s = bases_electrical_mrad_s(config, in->speed_mrad_s);
     const int64_t emf_nV = divide_by_thousand(w_mrad_s * motor->flux_linkage_nWb);
     const int64_t x_d_uOhm = reactance_uOhm(w_mrad_s, motor->d_inductance_nH);
-    const int64_t x_q_uOhm = reactance_uOhm(w_mrad_s, motor->q_inductance_nH);
+    const int64_t x_q_uOhm = motor->q_inductance_nH == motor->d_inductance_nH
+                                 ? x_d_uOhm
+                                 : reactance_uOhm(w_mrad_s, motor->q_inductance_nH);
     const int64_t i_d_mA = q_clamp(in->i_d_mA, -MOST_CURRENT_mA, MOST_CURRENT_mA);
     const int64_t i_q_mA = q_clamp(in->i_q_mA, -MOST_CURRENT_mA, MOST_CURRENT_mA);
 

@@ -55,14 +55,16 @@ static bool torque_unwanted(const config_t *config, const monitor_slow_input_t *
 {
     const int64_t tolerance_mNm =
         config->monitor.torque_tolerance_mNm; /* 64 bits: no input is trusted */
-    const int64_t forced_mNm =
-        monitor_forced_torque_mNm(config, in->speed_mrad_s, in->bus_voltage_mV);
-    const bool forwards = in->speed_mrad_s >= 0;
-    const int64_t high_mNm =
-        q_max(in->torque_command_mNm, 0) + tolerance_mNm + (forwards ? 0 : forced_mNm);
-    const int64_t low_mNm =
-        q_min(in->torque_command_mNm, 0) - tolerance_mNm - (forwards ? forced_mNm : 0);
-    return in->torque_estimate_mNm > high_mNm || in->torque_estimate_mNm < low_mNm;
+    const int64_t above_mNm =
+        in->torque_estimate_mNm - (q_max(in->torque_command_mNm, 0) + tolerance_mNm);
+    const int64_t below_mNm =
+        q_min(in->torque_command_mNm, 0) - tolerance_mNm - in->torque_estimate_mNm;
+    if (above_mNm <= 0 && below_mNm <= 0) {
+        return false;
+    }
+    const int64_t braking_mNm = in->speed_mrad_s >= 0 ? below_mNm : above_mNm;
+    return braking_mNm <= 0 ||
+           braking_mNm > monitor_forced_torque_mNm(config, in->speed_mrad_s, in->bus_voltage_mV);
 }
 
 /* Without a valid angle the torque leaves in its ramp; torque must not be disabled in the middle of
@@ -265,15 +267,16 @@ static monitor_emf_input_t emf_input(const monitor_slow_input_t *in)
     return out;
 }
 
-static monitor_current_input_t current_input(const monitor_slow_input_t *in)
+static bool no_current(monitor_slow_state_t *state, const monitor_slow_input_t *in,
+                       const config_t *config)
 {
-    const monitor_current_input_t out = {
+    const monitor_current_input_t current = {
         .sampled_pu = in->sampled_pu,
         .reference_pu = in->reference_pu,
         .switching = in->bridge == BRIDGE_PWM,
         .voltage_limited = in->voltage_limited,
     };
-    return out;
+    return monitor_current_step(&state->current, config, &current);
 }
 
 /* The fast loop continues with two sensors where a single one is wrong. */
@@ -395,8 +398,7 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
                                        rotor_missing ? rotor_qualify_steps(config) : 1);
     const monitor_emf_input_t emf = emf_input(in);
     const bool angle_wrong = monitor_emf_step(&state->emf, config, &emf);
-    const monitor_current_input_t current = current_input(in);
-    const bool no_current = monitor_current_step(&state->current, config, &current);
+    const bool current_missing = no_current(state, in, config);
     const bool torque_wrong =
         qualified(&state->torque_steps, switching && torque_unwanted(config, in),
                   config->monitor.torque_fault_time_ms);
@@ -454,7 +456,7 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
         out.fault = REASON_PROGRAM_FLOW;
     } else if (phase_open) {
         out.fault = REASON_PHASE_OPEN;
-    } else if (sensor_wrong || no_current) {
+    } else if (sensor_wrong || current_missing) {
         out.fault = REASON_CURRENT_SENSOR;
     } else if (sum_wrong) {
         out.fault = REASON_CURRENT_SUM;

@@ -133,12 +133,13 @@ static bool battery_may_hold(const config_t *config, int32_t bus_mV)
     return bus_is_known(config, bus_mV) && bus_mV >= config->battery.undervoltage_trip_mV;
 }
 
-static letting_go_t freewheel_at(machine_t *m, const config_t *config, const safe_state_input_t *in)
+static letting_go_t freewheel_at(machine_t *m, const config_t *config, const safe_state_input_t *in,
+                                 int32_t bus_voltage_mV)
 {
     const int32_t drops_mV = 2 * config->drive.diode_drop_mV;
-    const bool fixed_bus = !in->battery_open && battery_may_hold(config, in->bus_voltage_mV);
-    letting_go_t out = {.bus_mV = in->bus_voltage_mV};
-    if ((int64_t)m->line_mV <= (int64_t)q_max(in->bus_voltage_mV, 0) + drops_mV) {
+    const bool fixed_bus = !in->battery_open && battery_may_hold(config, bus_voltage_mV);
+    letting_go_t out = {.bus_mV = bus_voltage_mV};
+    if ((int64_t)m->line_mV <= (int64_t)q_max(bus_voltage_mV, 0) + drops_mV) {
         return out;
     }
     if (!fixed_bus) { /* nothing takes a current: the capacitors settle at the EMF */
@@ -146,7 +147,7 @@ static letting_go_t freewheel_at(machine_t *m, const config_t *config, const saf
         return out;
     }
     make_ratios(m, config, in);
-    const int32_t u_mV = q_scale(in->bus_voltage_mV + drops_mV, INVERSE_SQRT3_Q16, 65536);
+    const int32_t u_mV = q_scale(bus_voltage_mV + drops_mV, INVERSE_SQRT3_Q16, 65536);
     const int32_t u_q24 = q_clamp(scaled_ratio(u_mV, q_max(m->emf_mV, 1)), 0, SCALED_ONE);
     const int32_t y_q24 = rectified_q24(m, u_q24);
     const int32_t ry_u = q_saturate64((int64_t)share_of(m->rho_q24, y_q24) + u_q24);
@@ -159,7 +160,7 @@ static letting_go_t freewheel_at(machine_t *m, const config_t *config, const saf
 letting_go_t safe_state_freewheel(const config_t *config, const safe_state_input_t *in)
 {
     machine_t m = machine_at(config, in->speed_mrad_s);
-    return freewheel_at(&m, config, in);
+    return freewheel_at(&m, config, in, in->bus_voltage_mV);
 }
 
 /* The current's 3/4 L i^2, and half as much from the EMF while it falls, raise C v^2/2: the bus
@@ -233,15 +234,11 @@ safe_state_t safe_state_step(const config_t *config, const safe_state_input_t *i
 {
     const bool was_short = bridge_is_short(in->bridge);
     machine_t m = machine_at(config, in->speed_mrad_s);
-    safe_state_t out = {
-        .bridge = BRIDGE_OFF, .emf_mV = m.emf_mV, .freewheel = freewheel_at(&m, config, in)};
-    letting_go_t off = out.freewheel;
-    if (was_short) {
-        safe_state_input_t lower = *in;
-        lower.bus_voltage_mV =
-            q_scale(in->bus_voltage_mV, config->monitor.short_release_permille, 1000);
-        off = freewheel_at(&m, config, &lower);
-    }
+    const int32_t bus_mV =
+        was_short ? q_scale(in->bus_voltage_mV, config->monitor.short_release_permille, 1000)
+                  : in->bus_voltage_mV;
+    const letting_go_t off = freewheel_at(&m, config, in, bus_mV);
+    safe_state_t out = {.bridge = BRIDGE_OFF, .emf_mV = m.emf_mV, .freewheel = off};
     const bool quiet = off.current_mA == 0 && off.bus_mV < config->drive.device_voltage_mV;
     if (quiet && !was_short) {
         return out;
@@ -251,8 +248,11 @@ safe_state_t safe_state_step(const config_t *config, const safe_state_input_t *i
     if (better || (was_short && !energy_fits(config, in))) {
         out.bridge = BRIDGE_SHORT;
         out.torque_mNm = shorted.torque_mNm;
-    } else {
-        out.torque_mNm = out.freewheel.torque_mNm;
+        return out;
     }
+    if (was_short) {
+        out.freewheel = freewheel_at(&m, config, in, in->bus_voltage_mV);
+    }
+    out.torque_mNm = out.freewheel.torque_mNm;
     return out;
 }

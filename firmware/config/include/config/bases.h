@@ -21,9 +21,11 @@
 #include "core/q15.h"
 #include "core/scaled.h"
 
+/* Within 4 times the base. */
 static inline int32_t bases_current_mA(const config_t *config, int32_t current_pu_q15)
 {
-    return q15_product(current_pu_q15, config->drive.current_full_scale_mA);
+    const int64_t current_pu = q_saturate18(current_pu_q15);
+    return (int32_t)((current_pu * config->drive.current_full_scale_mA) >> 15);
 }
 
 static inline int16_t bases_current_pu_q15(const config_t *config, int32_t current_mA)
@@ -34,7 +36,8 @@ static inline int16_t bases_current_pu_q15(const config_t *config, int32_t curre
 
 static inline int32_t bases_bus_voltage_mV(const config_t *config, int32_t voltage_pu_q15)
 {
-    return q15_product(voltage_pu_q15, config->drive.voltage_full_scale_mV);
+    const int64_t voltage_pu = q_saturate18(voltage_pu_q15);
+    return (int32_t)((voltage_pu * config->drive.voltage_full_scale_mV) >> 15);
 }
 
 /* Electrical speed as the fast loop keeps it, turns per PWM period in Q32, to mechanical mrad/s.

@@ -37,7 +37,7 @@ typedef struct {
 typedef struct {
     bridge_mode_t bridge;   /* BRIDGE_OFF or a short circuit */
     int32_t emf_mV;         /* w psi, peak phase */
-    letting_go_t freewheel; /* zero below the EMF limit */
+    letting_go_t freewheel; /* zero below the EMF limit; only with BRIDGE_OFF */
     int32_t torque_mNm;     /* braking, of the state chosen */
 } safe_state_t;
 
