@@ -196,3 +196,86 @@ void test_movement_counts_only_while_the_bus_is_watched(void)
     TEST_ASSERT_FALSE(monitor_bus_swings(&swing, &BATTERY, INT32_MAX, true));
     TEST_ASSERT_TRUE(monitor_bus_swings(&swing, &BATTERY, INT32_MIN, true));
 }
+
+/* Named, with a reading and a message that last for ever. */
+static bool named(int32_t reading_mV, int32_t battery_mV)
+{
+    setUp();
+    bool wrong = false;
+    for (int ms = 0; ms < MONITOR_WINDOW_STEPS + MONITOR_WINDOW_QUALIFY_STEPS; ms++) {
+        wrong = monitor_bus_step(&state, reading_mV, battery_mV);
+    }
+    return wrong;
+}
+
+void test_tolerance_of_a_twentieth_is_exact(void)
+{
+    TEST_ASSERT_FALSE(named(19000, 20000));
+    TEST_ASSERT_TRUE(named(18999, 20000));
+    TEST_ASSERT_FALSE(named(21000, 20000));
+    TEST_ASSERT_TRUE(named(21001, 20000));
+}
+
+/* 0: none, or the contactor is not known to be closed. */
+void test_the_smallest_message_counts_and_zero_is_none(void)
+{
+    TEST_ASSERT_FALSE(named(53000, 0));
+    TEST_ASSERT_FALSE(named(53000, -1));
+    TEST_ASSERT_TRUE(named(53000, 1));
+    TEST_ASSERT_TRUE(named(0, 1));
+    TEST_ASSERT_FALSE(named(1, 1));
+}
+
+void test_larger_voltages_count_as_the_largest(void)
+{
+    TEST_ASSERT_FALSE(named(INT32_MAX, INT32_MAX));
+    TEST_ASSERT_FALSE(named(MONITOR_BUS_MOST_mV, INT32_MAX));
+}
+
+void test_one_step_without_a_message_forgets_what_was_seen(void)
+{
+    TEST_ASSERT_TRUE(named(60000, 53000));
+    TEST_ASSERT_FALSE(monitor_bus_step(&state, 60000, 0));
+    for (int ms = 1; ms < MONITOR_WINDOW_STEPS + MONITOR_WINDOW_QUALIFY_STEPS; ms++) {
+        TEST_ASSERT_FALSE(monitor_bus_step(&state, 60000, 53000));
+    }
+    TEST_ASSERT_TRUE(monitor_bus_step(&state, 60000, 53000));
+}
+
+/* An eighth of it is forgotten each step, and 7/128 of 58.4 V, 3193 mV, are the most of a step. */
+void test_movement_of_the_bus_is_the_sum_of_its_steps(void)
+{
+    const int32_t shown_mV[] = {-7, 100, 300, 4000, 3000};
+    const int32_t swing_mV[] = {0, 100, 88 + 200, 252 + 3193, 3015 + 1000};
+    for (int k = 0; k < 5; k++) {
+        (void)monitor_bus_swings(&swing, &BATTERY, shown_mV[k], true);
+        TEST_ASSERT_EQUAL_INT32(swing_mV[k], swing.swing_mV);
+    }
+    (void)monitor_bus_swings(&swing, &BATTERY, 0, false);
+    TEST_ASSERT_EQUAL_INT32(0, swing.swing_mV);
+}
+
+/* 700 mV at most a step: 700, 1313, then 1149 and what the third one adds. */
+static bool gone_with_a_third_step(const config_battery_t *battery, int32_t third_mV)
+{
+    const monitor_swing_state_t none = {.watching = false};
+    swing = none;
+    (void)monitor_bus_swings(&swing, battery, 0, true);
+    TEST_ASSERT_FALSE(monitor_bus_swings(&swing, battery, 5000, true));
+    TEST_ASSERT_FALSE(monitor_bus_swings(&swing, battery, 0, true));
+    return monitor_bus_swings(&swing, battery, third_mV, true);
+}
+
+/* 9/8 of a resistance times a current are 1400 mV, or a thousandth of a millivolt more. */
+void test_thresholds_of_the_movement_are_exact(void)
+{
+    config_battery_t battery = {.max_charge_current_mA = 1, .max_voltage_mV = 12800};
+    battery.resistance_uOhm = 1;
+    TEST_ASSERT_TRUE(gone_with_a_third_step(&battery, 251));
+    TEST_ASSERT_FALSE(gone_with_a_third_step(&battery, 250));
+    battery.max_discharge_current_mA = 1399;
+    battery.resistance_uOhm = 888888;
+    TEST_ASSERT_TRUE(gone_with_a_third_step(&battery, 251));
+    battery.resistance_uOhm = 888889;
+    TEST_ASSERT_FALSE(gone_with_a_third_step(&battery, 251));
+}

@@ -2,6 +2,8 @@
 /* A reference without any current. */
 #include "monitor/monitor_current.h"
 
+#include <math.h>
+
 #include "paper_vehicle.h"
 #include "unity.h"
 
@@ -79,5 +81,43 @@ void test_no_current_is_missing_without_pwm_and_at_the_voltage_limit_none_is_cou
     in.switching = false;
     for (int n = 0; n < 1000; n++) {
         TEST_ASSERT_FALSE(monitor_current_step(&state, &config, &in));
+    }
+}
+
+/* README, All current sensors: a length from 3 % less to 7 % more than it is. */
+void test_length_is_within_its_bounds_in_every_direction(void)
+{
+    config.monitor.current_missing_pu_q15 = 90000; /* a third is more than any reference */
+    for (int degrees = 0; degrees < 360; degrees++) {
+        const double angle = degrees * acos(-1.0) / 180.0;
+        monitor_current_input_t in = demanded;
+        in.reference_pu.d = (int32_t)lround(20000.0 * cos(angle));
+        in.reference_pu.q = (int32_t)lround(20000.0 * sin(angle));
+        state.missing_pu = 0;
+        (void)monitor_current_step(&state, &config, &in);
+        TEST_ASSERT_TRUE(state.missing_pu >= 19400 && state.missing_pu <= 21400);
+    }
+}
+
+/* A code and a half are 24, and at least twice as much is to be demanded. */
+void test_thresholds_of_current_and_reference_are_exact(void)
+{
+    TEST_ASSERT_EQUAL_INT(3, time_to_missing(0, 2000, 24));
+    TEST_ASSERT_EQUAL_INT(-1, time_to_missing(0, 2000, 25));
+    TEST_ASSERT_EQUAL_INT32(0, state.missing_pu);
+    TEST_ASSERT_EQUAL_INT(-1, time_to_missing(0, 48, 0));
+    TEST_ASSERT_EQUAL_INT(30, time_to_missing(0, 49, 0)); /* 29.4 steps of 49 */
+}
+
+/* Not before three steps, also where the sum is no multiple of three, and never more than it. */
+void test_three_steps_at_least_are_needed_and_the_sum_is_limited(void)
+{
+    static const int32_t MOST[] = {3, 5, 1440, 1441, 1442};
+    for (int k = 0; k < 5; k++) {
+        config.monitor.current_missing_pu_q15 = MOST[k];
+        TEST_ASSERT_EQUAL_INT(MOST[k] == 3 ? 2 : 3, time_to_missing(0, 10000, 0));
+        monitor_current_input_t in = demanded;
+        TEST_ASSERT_TRUE(monitor_current_step(&state, &config, &in));
+        TEST_ASSERT_EQUAL_INT32(MOST[k], state.missing_pu);
     }
 }

@@ -388,3 +388,84 @@ void test_the_flux_is_expected_at_the_winding_temperature(void)
     }
     TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_STRONG, state.flux);
 }
+
+/* Named strong after 200 ms and healed after 200 ms, as weak is. */
+void test_strong_flux_has_the_same_times(void)
+{
+    config.monitor.flux_tolerance_permille = 150;
+    monitor_emf_input_t strong = measured(500.0, 0.0, 0.0, 0.0, &AS_CONFIGURED);
+    strong.winding_temperature_cC = config.motor.reference_temperature_cC;
+    const monitor_emf_input_t right = strong;
+    strong.u_q_mV += strong.u_q_mV / 4;
+    const monitor_emf_state_t fresh = {.level = 0};
+    state = fresh;
+    for (int n = 1; n <= MONITOR_EMF_FLUX_STEPS; n++) {
+        TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_PLAUSIBLE, state.flux);
+        monitor_emf_step(&state, &config, &strong);
+    }
+    TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_STRONG, state.flux);
+    monitor_emf_step(&state, &config, &strong); /* no more than that */
+    for (int n = 1; n <= MONITOR_EMF_FLUX_STEPS; n++) {
+        TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_STRONG, state.flux);
+        monitor_emf_step(&state, &config, &right);
+    }
+    TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_PLAUSIBLE, state.flux);
+    monitor_emf_step(&state, &config, &right);
+    TEST_ASSERT_EQUAL_INT16(0, state.flux_level);
+}
+
+/* Without PWM, with an invalid angle, below the least EMF, and with an angle that is wrong itself.
+ */
+void test_flux_is_not_judged_where_the_angle_is_not(void)
+{
+    config.monitor.flux_tolerance_permille = 150;
+    plant_t weak = AS_CONFIGURED;
+    weak.flux = 0.05;
+    for (int k = 0; k < 5; k++) {
+        const monitor_emf_state_t fresh = {.level = 0};
+        state = fresh;
+        monitor_emf_input_t in =
+            measured(k == 3 ? 50.0 : 500.0, 0.0, 0.0, k == 4 ? 90.0 : 0.0, &weak);
+        in.winding_temperature_cC = config.motor.reference_temperature_cC;
+        in.switching = k != 1;
+        in.rotor_valid = k != 2;
+        for (int n = 0; n < 10; n++) {
+            monitor_emf_step(&state, &config, &in);
+        }
+        TEST_ASSERT_EQUAL_INT16(k == 0 ? -10 : 0, state.flux_level);
+    }
+}
+
+/* 1.5 us at 20 kHz are 3 %, two thirds of that of 50 V are U = 1 V: judged from 4 V on, which are
+ * 4 mWb at 1000 rad/s. There the tolerance is 15 % of 4 V and U, 1.6 V. */
+void test_thresholds_of_emf_and_flux_are_exact(void)
+{
+    config.drive.dead_time_ns = 1500;
+    config.drive.pwm_frequency_Hz = 20000;
+    config.motor.pole_pairs = 1;
+    config.motor.flux_linkage_nWb = 4000000;
+    config.motor.flux_coefficient_ppm_K = 0;
+    config.monitor.flux_tolerance_permille = 150;
+    const monitor_emf_state_t fresh = {.level = 0};
+    monitor_emf_input_t in = {.u_d_mV = 4000,
+                              .bus_voltage_mV = 50000,
+                              .speed_mrad_s = 1000000,
+                              .switching = true,
+                              .rotor_valid = true};
+    for (int32_t less = 0; less < 2; less++) {
+        state = fresh;
+        in.speed_mrad_s = 1000000 - less;
+        monitor_emf_step(&state, &config, &in);
+        TEST_ASSERT_EQUAL_UINT16(1 - less, state.level);
+    }
+    in.speed_mrad_s = 1000000;
+    in.u_d_mV = 0;
+    for (int32_t apart_mV = 1599; apart_mV <= 1601; apart_mV++) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            state = fresh;
+            in.u_q_mV = 4000 + sign * apart_mV;
+            monitor_emf_step(&state, &config, &in);
+            TEST_ASSERT_EQUAL_INT16(apart_mV > 1600 ? sign : 0, state.flux_level);
+        }
+    }
+}

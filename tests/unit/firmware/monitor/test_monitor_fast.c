@@ -363,3 +363,74 @@ void test_a_flipped_bit_of_trip_or_limits_is_found_and_counters_are_not_watched(
     step();
     TEST_ASSERT_TRUE(monitor_fast_intact(&state, &config));
 }
+
+/* Whole periods in a millisecond, at a frequency that is no multiple of 1 kHz. */
+void test_limits_are_those_of_the_configuration(void)
+{
+    TEST_ASSERT_EQUAL_INT32(32112, state.overvoltage_pu); /* 0.98 of 32768 is 32112.6 */
+    config.drive.pwm_frequency_Hz = 19980;
+    monitor_fast_init(&state, &config);
+    TEST_ASSERT_EQUAL_INT32(MONITOR_STALE_STEPS * 19, state.stale_limit_periods);
+    config.monitor.overcurrent_pu_q15 = INT16_MAX;
+    monitor_fast_init(&state, &config);
+    set_current(INT16_MAX - 1, 0);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(10));
+}
+
+/* Twice the range is the largest reading there can be. */
+void test_first_reading_is_no_jump(void)
+{
+    in.v_dc_pu = 65536;
+    TEST_ASSERT_EQUAL_INT(REASON_BUS_OVERVOLTAGE, step());
+    setUp();
+    in.v_dc_pu = ABOVE_TRIP_V - MONITOR_BUS_JUMP_PU - 1;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, step());
+    in.v_dc_pu = ABOVE_TRIP_V;
+    TEST_ASSERT_EQUAL_INT(REASON_BUS_SENSOR, step());
+}
+
+/* 96 of Q15, and one more across. The count stays within its contract (monitor_fast.h). */
+void test_largest_current_that_counts_as_none_is_exact(void)
+{
+    for (int across = 0; across <= 1; across++) {
+        setUp();
+        expect_current();
+        step();
+        set_current(96, across);
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, step());
+        TEST_ASSERT_EQUAL_INT(across == 0 ? REASON_CURRENT_SENSOR : REASON_NONE, step());
+        set_current(0, 0);
+        step();
+        TEST_ASSERT_EQUAL_INT32(across == 0 ? -2 : INT16_MIN, state.current_periods);
+    }
+}
+
+void test_missing_current_after_a_single_sample_above_the_limit_needs_two_periods(void)
+{
+    expect_current();
+    set_current(0, LIMIT + 10);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, step());
+    set_current(0, 0);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, step());
+    TEST_ASSERT_EQUAL_INT(REASON_CURRENT_SENSOR, step());
+    in.clear_trip = true; /* in a period without current, the first of two again */
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, step());
+    in.clear_trip = false;
+    TEST_ASSERT_EQUAL_INT(REASON_CURRENT_SENSOR, step());
+}
+
+/* The qualify time of one condition does not hide another one. */
+void test_bus_and_slow_steps_are_watched_while_a_current_is_qualified(void)
+{
+    set_current(0, LIMIT + 10);
+    in.v_dc_pu = 32113;
+    TEST_ASSERT_EQUAL_INT(REASON_BUS_OVERVOLTAGE, step());
+    setUp();
+    expect_current();
+    for (int n = 0; n <= MONITOR_STALE_STEPS * PERIODS_PER_SLOW; n++) {
+        set_current(n % 2 == 0 ? 5000 : 0, 0);
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, step());
+    }
+    set_current(0, 0);
+    TEST_ASSERT_EQUAL_INT(REASON_PROGRAM_FLOW, step());
+}

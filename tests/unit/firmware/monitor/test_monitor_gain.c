@@ -178,3 +178,68 @@ void test_any_reading_is_no_overflow(void)
         TEST_ASSERT_FALSE(monitor_gain_step(&state, &config, &in));
     }
 }
+
+/* Named, with a current of the loop and one of the battery that last for ever. */
+static bool named(int32_t loop_mA, int32_t battery_mA)
+{
+    const monitor_gain_input_t in = {.bus_current_mA = loop_mA,
+                                     .battery_current_mA = battery_mA,
+                                     .bus_voltage_mV = BUS_mV,
+                                     .switching = true};
+    monitor_window_restart(&state);
+    bool wrong = false;
+    for (int ms = 0; ms < MONITOR_WINDOW_STEPS + MONITOR_WINDOW_QUALIFY_STEPS; ms++) {
+        wrong = monitor_gain_step(&state, &config, &in);
+    }
+    return wrong;
+}
+
+/* 2100 W: an eighth is 5 A, a 64th 625 mA. */
+void test_thresholds_of_power_tolerance_and_other_loads_are_exact(void)
+{
+    TEST_ASSERT_TRUE(named(LEAST_mA, 0));
+    TEST_ASSERT_FALSE(named(LEAST_mA - 1, 0));
+    TEST_ASSERT_TRUE(named(-LEAST_mA, 0));
+    TEST_ASSERT_FALSE(named(-LEAST_mA + 1, 0));
+    TEST_ASSERT_FALSE(named(RATED_mA, RATED_mA - RATED_mA / 8));
+    TEST_ASSERT_TRUE(named(RATED_mA, RATED_mA - RATED_mA / 8 - 1));
+    TEST_ASSERT_FALSE(named(RATED_mA, RATED_mA + RATED_mA / 8 + 625));
+    TEST_ASSERT_TRUE(named(RATED_mA, RATED_mA + RATED_mA / 8 + 626));
+    TEST_ASSERT_FALSE(named(-RATED_mA, -RATED_mA + RATED_mA / 8 + 625));
+    TEST_ASSERT_TRUE(named(-RATED_mA, -RATED_mA + RATED_mA / 8 + 626));
+    TEST_ASSERT_FALSE(named(-RATED_mA, -RATED_mA - RATED_mA / 8));
+    TEST_ASSERT_TRUE(named(-RATED_mA, -RATED_mA - RATED_mA / 8 - 1));
+}
+
+/* 10 000 A: 8888.334 A and an eighth are 625 mA less. */
+void test_larger_currents_count_as_the_largest(void)
+{
+    TEST_ASSERT_FALSE(named(8888334, MONITOR_WINDOW_MOST + 1));
+    TEST_ASSERT_TRUE(named(8888333, MONITOR_WINDOW_MOST));
+    (void)named(INT32_MAX, 0);
+    TEST_ASSERT_EQUAL_INT32(MONITOR_WINDOW_MOST, monitor_window_lowest(&state));
+    (void)named(INT32_MIN, 0);
+    TEST_ASSERT_EQUAL_INT32(-MONITOR_WINDOW_MOST, monitor_window_highest(&state));
+}
+
+/* A motor far below the validated range: 1 mA makes an eighth of its power. */
+void test_smallest_current_drives(void)
+{
+    config.motor.rated_torque_mNm = 1;
+    config.motor.max_speed_mrad_s = 8 * BUS_mV;
+    TEST_ASSERT_TRUE(named(1, 0));
+    TEST_ASSERT_FALSE(named(0, 0));
+    TEST_ASSERT_TRUE(named(-1, 0));
+}
+
+void test_one_step_without_pwm_forgets_what_was_seen(void)
+{
+    monitor_gain_input_t in = {.bus_current_mA = RATED_mA, .bus_voltage_mV = BUS_mV};
+    TEST_ASSERT_TRUE(named(RATED_mA, 0));
+    TEST_ASSERT_FALSE(monitor_gain_step(&state, &config, &in));
+    in.switching = true;
+    for (int ms = 1; ms < MONITOR_WINDOW_STEPS + MONITOR_WINDOW_QUALIFY_STEPS; ms++) {
+        TEST_ASSERT_FALSE(monitor_gain_step(&state, &config, &in));
+    }
+    TEST_ASSERT_TRUE(monitor_gain_step(&state, &config, &in));
+}

@@ -13,15 +13,25 @@ void setUp(void)
 
 void tearDown(void) {}
 
+/* Of a value that rises for ever, and of one that falls. */
 void test_extremes_are_those_of_one_to_two_windows(void)
 {
     for (int32_t ms = 0; ms < 1000; ms++) {
         const bool complete = monitor_window_add(&window, ms - 500);
         const int32_t begin_ms = (ms / MONITOR_WINDOW_STEPS - 1) * MONITOR_WINDOW_STEPS;
         TEST_ASSERT_EQUAL_INT(ms >= MONITOR_WINDOW_STEPS, complete);
+        TEST_ASSERT_EQUAL_INT(complete ? 1 : 0, window.windows);
         if (complete) {
             TEST_ASSERT_EQUAL_INT32(begin_ms - 500, monitor_window_lowest(&window));
             TEST_ASSERT_EQUAL_INT32(ms - 500, monitor_window_highest(&window));
+        }
+    }
+    setUp();
+    for (int32_t ms = 0; ms < 1000; ms++) {
+        const int32_t begin_ms = (ms / MONITOR_WINDOW_STEPS - 1) * MONITOR_WINDOW_STEPS;
+        if (monitor_window_add(&window, 500 - ms)) {
+            TEST_ASSERT_EQUAL_INT32(500 - ms, monitor_window_lowest(&window));
+            TEST_ASSERT_EQUAL_INT32(500 - begin_ms, monitor_window_highest(&window));
         }
     }
 }

@@ -11,7 +11,11 @@
 
 #include "hal/flash.h"
 
-enum { FAKE_WORDS = 1360, FAKE_BYTES = 4 * FAKE_WORDS };
+/* Of a sector; whoever stores whole configurations defines more. */
+#ifndef FLASH_FAKE_WORDS
+#define FLASH_FAKE_WORDS 1360
+#endif
+enum { FAKE_WORDS = FLASH_FAKE_WORDS, FAKE_BYTES = 4 * FAKE_WORDS };
 
 typedef struct {
     uint32_t word[FLASH_SECTORS][FAKE_WORDS];
