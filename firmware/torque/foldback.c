@@ -1,11 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "torque/foldback.h"
 
+#include <stdbool.h>
+
 #include "core/q15.h"
 #include "core/scaled.h"
 
 /* Gain of the loop, and the offset that lets the limit rise from zero (README, Fold-back). */
-enum { STEPS_LOG2 = 3, LITTLE_q24 = SCALED_ONE / 64, FLOWING_MOST = 8 };
+enum {
+    STEPS_LOG2 = 3,
+    LITTLE_q24 = SCALED_ONE / 64,
+    FLOWING_MOST = 8,
+    UNUSED_SHARE = 4, /* a current below a quarter of the limit leaves it unused */
+    UNUSED_FACTOR = 8 /* times 2^STEPS_LOG2 steps: 64 ms */
+};
 
 int32_t foldback_step(foldback_state_t *state, const foldback_t *foldback, int32_t inside_mV,
                       int32_t flowing_mA)
@@ -17,12 +25,20 @@ int32_t foldback_step(foldback_state_t *state, const foldback_t *foldback, int32
      */
     const int32_t unused_mV = scaled_multiply(foldback->rise_mV, state->allowed_q24 - flowing_q24);
     const int32_t line_mV = scaled_multiply(foldback->width_mV, state->allowed_q24);
-    const int32_t error_q24 = scaled_ratio(within_mV - unused_mV - line_mV, foldback->span_mV);
+    const int32_t error_mV = within_mV - unused_mV - line_mV;
     int32_t from_q24 = state->allowed_q24;
-    if (error_q24 < 0 && inside_mV < 0) {
+    if (error_mV < 0 && inside_mV < 0) {
         from_q24 = q_min(from_q24, q_max(flowing_q24, 0) + LITTLE_q24);
     }
-    const int32_t change_q24 = scaled_multiply(from_q24 + LITTLE_q24, error_q24) >> STEPS_LOG2;
+    /* A limit that no current uses moves no voltage: it falls at a gain that does not fall with it.
+     */
+    const int32_t whole_mV = UNUSED_FACTOR * (foldback->width_mV + foldback->rise_mV);
+    const bool unused = error_mV < 0 && flowing_q24 < state->allowed_q24 / UNUSED_SHARE &&
+                        scaled_multiply(whole_mV, from_q24 + LITTLE_q24) < foldback->span_mV;
+    const int32_t gain_q24 = unused ? SCALED_ONE : from_q24 + LITTLE_q24;
+    const int32_t error_q24 =
+        scaled_ratio(error_mV, unused ? q_max(whole_mV, 1) : foldback->span_mV);
+    const int32_t change_q24 = scaled_multiply(gain_q24, error_q24) >> STEPS_LOG2;
     state->allowed_q24 = q_clamp(from_q24 + change_q24, 0, SCALED_ONE);
     return inside_mV <= -foldback->width_mV
                ? 0

@@ -119,6 +119,20 @@ void test_limit_is_where_the_current_settles_before_any_flows(void)
     }
 }
 
+/* A vehicle that rolls near the end: before the next stop begins the limit is where its current
+ * will settle, however little that is. Half a second is from the whole limit down. */
+void test_limit_that_is_not_in_use_settles_in_half_a_second(void)
+{
+    for (int32_t open_mV = 0; open_mV < 4000; open_mV += 50) {
+        foldback_state_t state = {.allowed_q24 = 1 << 24};
+        int32_t allowed_mA = 0;
+        for (int n = 0; n < 500; n++) {
+            allowed_mA = foldback_step(&state, &LOW, open_mV, 0);
+        }
+        TEST_ASSERT_INT32_WITHIN(100, (int32_t)(62500.0 * open_mV / 4168.0), allowed_mA);
+    }
+}
+
 /* Cold or aged, or warm: the limit is wrong for a moment, and a third of a volt in fifty beyond the
  * line at most; it settles on the same line. */
 void test_a_wrong_resistance_costs_a_moment(void)
