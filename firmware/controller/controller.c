@@ -147,6 +147,7 @@ static monitor_output_t step_monitor(controller_slow_t *slow, const config_t *co
         .switch_sensor_broken = slow->temperatures.switch_broken,
         .i_d_mA = at->latest_i_d_mA,
         .i_q_mA = at->latest_i_q_mA,
+        .frame_known = rotor->valid && !rotor->observer_used,
         .u_d_mV = at->latest_u_d_mV,
         .u_q_mV = at->latest_u_q_mV,
         .voltage_limited = report->voltage_limited,

@@ -358,6 +358,7 @@ static safe_state_input_t safe_state_input(const monitor_slow_state_t *state,
         .charge_current_mA = in->charge_current_mA,
         .i_d_mA = in->i_d_mA,
         .i_q_mA = in->i_q_mA,
+        .turning_mrad_s = in->frame_known ? in->speed_mrad_s : 0,
         .bridge = state->safe_bridge,
     };
     return out;

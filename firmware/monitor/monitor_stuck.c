@@ -81,6 +81,16 @@ static void watch(monitor_stuck_state_t *state, const config_t *config,
     }
 }
 
+/* The direct current with which a short circuit begins decays with 2 L_d L_q/(R (L_d + L_q)), of
+ * which (L_d + L_q)/R is twice or more; nH/uOhm = ms. */
+static bool own_direct_current(const monitor_stuck_state_t *state, const config_t *config)
+{
+    const config_motor_t *motor = &config->motor;
+    return bridge_is_short(state->bridge) && state->same_steps < MONITOR_STUCK_LONGEST_STEPS &&
+           (int64_t)state->same_steps * motor->phase_resistance_uOhm <
+               (int64_t)motor->d_inductance_nH + motor->q_inductance_nH;
+}
+
 monitor_stuck_output_t monitor_stuck_step(monitor_stuck_state_t *state, const config_t *config,
                                           const monitor_stuck_input_t *in)
 {
@@ -91,7 +101,8 @@ monitor_stuck_output_t monitor_stuck_step(monitor_stuck_state_t *state, const co
     /* A window has one bridge mode: a short circuit's current has a mean in freewheel as well. */
     const bool same = in->bridge == state->bridge;
     state->bridge = in->bridge;
-    if (looks && same) {
+    state->same_steps = same ? q_min(state->same_steps + 1, MONITOR_STUCK_LONGEST_STEPS) : 0;
+    if (looks && same && !own_direct_current(state, config)) {
         watch(state, config, in);
     } else {
         forget(state, in);

@@ -5,6 +5,7 @@
 #include "core/divide.h"
 #include "core/q15.h"
 #include "core/scaled.h"
+#include "monitor/short_exit.h"
 
 enum {
     INVERSE_SQRT3_Q16 = 37837, /* 65 536/sqrt(3) */
@@ -163,23 +164,16 @@ letting_go_t safe_state_freewheel(const config_t *config, const safe_state_input
     return freewheel_at(&m, config, in, in->bus_voltage_mV);
 }
 
-/* The current's 3/4 L i^2, and half as much from the EMF while it falls, raise C v^2/2: the bus
- * stays a sixteenth below the devices' rating. nH (mA)^2 / nF = 1e-6 V^2. */
-static bool energy_fits(const config_t *config, const safe_state_input_t *in)
+static bool may_open(const config_t *config, const safe_state_input_t *in)
 {
-    const int64_t rating_mV = config->drive.device_voltage_mV;
-    const int64_t most_mV = rating_mV - rating_mV / 16;
-    const int64_t bus_mV =
-        bus_is_known(config, in->bus_voltage_mV) ? q_max(in->bus_voltage_mV, 0) : most_mV;
-    const int64_t margin_mV2 = most_mV * most_mV - bus_mV * bus_mV;
-    if (margin_mV2 <= 0) {
-        return false;
-    }
-    const int64_t l_nH = q_max(config->motor.d_inductance_nH, config->motor.q_inductance_nH);
-    const int32_t per_nF = q_saturate64(4 * margin_mV2 / (9 * l_nH));
-    const int64_t i_d_mA = q_limit(in->i_d_mA, MOST_mA);
-    const int64_t i_q_mA = q_limit(in->i_q_mA, MOST_mA);
-    return i_d_mA * i_d_mA + i_q_mA * i_q_mA <= (int64_t)per_nF * config->drive.bus_capacitance_nF;
+    const short_exit_input_t at = {
+        .i_d_mA = in->i_d_mA,
+        .i_q_mA = in->i_q_mA,
+        .turning_mrad_s = in->turning_mrad_s,
+        .bus_mV = bus_is_known(config, in->bus_voltage_mV) ? q_max(in->bus_voltage_mV, 0)
+                                                           : config->drive.device_voltage_mV,
+    };
+    return short_exit_fits(config, &at);
 }
 
 static bool freewheel_admissible(const config_t *config, const safe_state_input_t *in,
@@ -245,7 +239,7 @@ safe_state_t safe_state_step(const config_t *config, const safe_state_input_t *i
     }
     const letting_go_t shorted = shorted_at(&m, config, in);
     const bool better = !quiet && prefers_short(config, in, &off, &shorted);
-    if (better || (was_short && !energy_fits(config, in))) {
+    if (better || (was_short && !may_open(config, in))) {
         out.bridge = BRIDGE_SHORT;
         out.torque_mNm = shorted.torque_mNm;
         return out;

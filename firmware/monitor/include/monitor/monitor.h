@@ -159,6 +159,7 @@ typedef struct {
     int32_t switch_temperature_cC;
     bool winding_sensor_broken, switch_sensor_broken; /* the temperature is an estimate */
     int32_t i_d_mA, i_q_mA;      /* of the latest period, peak phase, estimated frame */
+    bool frame_known;            /* that frame is the rotor's: of a sensor that is right */
     int32_t u_d_mV, u_q_mV;      /* likewise, as applied */
     bool voltage_limited;        /* likewise */
     dq_t sampled_pu;             /* mean of the sampled currents over the last millisecond, Q15 */

@@ -26,15 +26,17 @@ enum {
     MONITOR_STUCK_SHARE = 4,   /* half waves have a mean of more than a quarter of the trip current;
                                   a whole number of turns and a bit of a healthy current at its
                                   limit has less: sin(1.43 pi)/(1.43 pi) = 0.22 */
-    MONITOR_STUCK_SHORT_WINDOWS = 3, /* equal windows while a short circuit is commanded, whose
-                                        own direct current decays in the first */
-    MONITOR_STUCK_RELEASE_STEPS = 10 /* in which the hardware's latch may be released */
+    MONITOR_STUCK_SHORT_WINDOWS = 3,    /* equal windows while a short circuit is commanded, whose
+                                           own direct current has decayed */
+    MONITOR_STUCK_LONGEST_STEPS = 1000, /* for which that decay is waited for */
+    MONITOR_STUCK_RELEASE_STEPS = 10    /* in which the hardware's latch may be released */
 };
 
 typedef struct {
     bridge_mode_t side; /* of the stuck switch: BRIDGE_SHORT, BRIDGE_SHORT_HIGH; OFF: not known */
     bridge_mode_t candidate;
     bridge_mode_t bridge;  /* of the step before */
+    int32_t same_steps;    /* for which the bridge has been in that mode */
     int32_t windows;       /* in which it was the candidate */
     int32_t release_steps; /* left */
     int32_t steps;         /* of this window */
@@ -65,6 +67,8 @@ typedef struct {
  * @pre is_within(state->steps, 0, MONITOR_STUCK_STEPS - 1) && is_within(state->good_steps, 0,
  * state->steps)
  *
+ * @pre is_within(state->same_steps, 0, MONITOR_STUCK_LONGEST_STEPS)
+ *
  * @pre state->windows >= 0 && state->windows < INT32_MAX && is_within(state->release_steps, 0,
  * MONITOR_STUCK_RELEASE_STEPS)
  *
@@ -75,6 +79,8 @@ typedef struct {
  *
  * @post is_within(state->release_steps, 0, MONITOR_STUCK_RELEASE_STEPS) && result.side ==
  * state->side
+ *
+ * @post is_within(state->same_steps, 0, MONITOR_STUCK_LONGEST_STEPS)
  *
  * @post in->tripped || (result.side == BRIDGE_OFF && !result.release_break)
  *

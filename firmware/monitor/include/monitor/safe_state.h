@@ -30,7 +30,9 @@ typedef struct {
     int32_t bus_voltage_mV;    /* an end of the sensor's range counts as unknown above */
     bool battery_open;         /* the contactor is open: nothing holds the bus */
     int32_t charge_current_mA; /* admissible, of this wheel */
-    int32_t i_d_mA, i_q_mA;    /* of the latest period, peak phase, in any frame */
+    int32_t i_d_mA, i_q_mA;    /* of the latest period, peak phase */
+    int32_t turning_mrad_s;    /* mechanical, forward positive, by the sensor that gives the angle
+                                  of that current; 0: unknown, the current is in any frame */
     bridge_mode_t bridge;      /* safe state of the step before */
 } safe_state_input_t;
 
@@ -50,7 +52,7 @@ letting_go_t safe_state_short(const config_t *config, const safe_state_input_t *
 /*
  * The choice. An active short circuit ends where freewheel would be chosen at
  * monitor.short_release of the bus voltage as well, and the energy of its current fits into the
- * bus below the over-voltage trip.
+ * bus below the devices' rating (short_exit.h).
  */
 safe_state_t safe_state_step(const config_t *config, const safe_state_input_t *in);
 

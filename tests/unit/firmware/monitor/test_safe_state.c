@@ -325,6 +325,7 @@ void test_any_input_gives_one_of_the_two_states(void)
         in.battery_open = random_chance(&random, 0.2);
         in.i_d_mA = random_wild(&random);
         in.i_q_mA = random_wild(&random);
+        in.turning_mrad_s = random_wild(&random);
         in.bridge = (bridge_mode_t)random_between(&random, 0, 2);
         const safe_state_t out = choose();
         TEST_ASSERT_NOT_EQUAL_INT(BRIDGE_PWM, out.bridge);
@@ -351,6 +352,7 @@ void test_states_of_any_accepted_motor_are_bounded(void)
         in.bus_voltage_mV = random_chance(&random, 0.2) ? 0 : random_between(&random, 1, 450000);
         in.i_d_mA = random_wild(&random);
         in.i_q_mA = random_wild(&random);
+        in.turning_mrad_s = random_wild(&random);
         in.bridge = random_chance(&random, 0.5) ? BRIDGE_SHORT : BRIDGE_OFF;
         const safe_state_t chosen = safe_state_step(&config, &in);
         TEST_ASSERT_TRUE(chosen.bridge == BRIDGE_SHORT || chosen.bridge == BRIDGE_OFF);
