@@ -94,14 +94,16 @@ void controller_fast_report(const controller_fast_t *fast, fast_report_t *report
     controller_fast_report_complete(report);
 }
 
+/* speed: by the sensor; on return by what is used. */
 static monitor_rotor_output_t judge_rotor(controller_slow_t *slow, const config_t *config,
-                                          const fast_report_t *report, bool cleared)
+                                          const fast_report_t *report, bool cleared,
+                                          rotor_speed_t *speed)
 {
     const observer_view_t observer =
         operating_point_observer(&slow->operating_point, config, &report->observer);
     const monitor_rotor_input_t in = {
         .observer_mrad_s = observer.speed_mrad_s,
-        .sensor_mrad_s = bases_speed_mrad_s(config, report->speed_q32),
+        .sensor_mrad_s = speed->wheel_mrad_s,
         .difference_turn = observer.difference_turn,
         .flux_q14 = (int16_t)observer.flux_q14.d,
         .across_q14 = (int16_t)observer.flux_q14.q,
@@ -111,7 +113,12 @@ static monitor_rotor_output_t judge_rotor(controller_slow_t *slow, const config_
         .switching = report->bridge == BRIDGE_PWM,
         .cleared = cleared && report->bridge != BRIDGE_PWM,
     };
-    return monitor_rotor_step(&slow->rotor, config, &in);
+    const monitor_rotor_output_t out = monitor_rotor_step(&slow->rotor, config, &in);
+    if (out.observer_used) {
+        speed->turn_q32 = report->observer.speed_q32;
+        speed->wheel_mrad_s = observer.speed_mrad_s;
+    }
+    return out;
 }
 
 /* The input is built in its place: a copy of it would cost 90 instructions. */
@@ -226,11 +233,11 @@ static modes_output_t decide_mode(controller_slow_t *slow, const config_t *confi
     return modes_step(&slow->modes, config, &modes_in);
 }
 
-static torque_output_t step_torque(controller_slow_t *slow, const config_t *config,
-                                   const fast_report_t *report, const slow_input_t *in,
-                                   const torque_enable_t *torque_enable,
-                                   const operating_point_t *at, const monitor_output_t *watch,
-                                   bool rotor_valid)
+/* The output in its place, which spares its copy. */
+static void step_torque(controller_slow_t *slow, const config_t *config,
+                        const fast_report_t *report, const slow_input_t *in,
+                        const torque_enable_t *torque_enable, const operating_point_t *at,
+                        const monitor_output_t *watch, bool rotor_valid, torque_output_t *out)
 {
     const torque_input_t torque_in = {
         .drive_torque_mNm = in->demand.drive_torque_mNm,
@@ -260,9 +267,8 @@ static torque_output_t step_torque(controller_slow_t *slow, const config_t *conf
         .switch_temperature_cC = slow->temperatures.used.switch_cC,
         .torque_enable = *torque_enable,
     };
-    const torque_output_t out = torque_step(&slow->torque, config, &torque_in);
+    *out = torque_step(&slow->torque, config, &torque_in);
     torque_look_ahead(&slow->torque, config, &torque_in);
-    return out;
 }
 
 const torque_limits_t *controller_limits(const controller_slow_t *slow)
@@ -274,11 +280,11 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
                                    const fast_report_t *report, const slow_input_t *in,
                                    fast_setpoint_t *setpoint)
 {
-    const monitor_rotor_output_t rotor = judge_rotor(slow, config, report, in->demand.fault_reset);
-    operating_point_t at =
-        operating_point_of(&slow->operating_point, config, report,
-                           rotor.observer_used ? report->observer.speed_q32 : report->speed_q32,
-                           slow->temperatures.used.winding_cC);
+    rotor_speed_t speed = operating_point_speed(config, report->speed_q32);
+    const monitor_rotor_output_t rotor =
+        judge_rotor(slow, config, report, in->demand.fault_reset, &speed);
+    operating_point_t at = operating_point_of(&slow->operating_point, config, report, speed,
+                                              slow->temperatures.used.winding_cC);
     temperatures_step(&slow->temperatures, config, &in->temperature, &at);
     const monitor_output_t watch = step_monitor(slow, config, report, in, &at, &rotor);
     const modes_output_t modes = decide_mode(slow, config, report, in, &watch, rotor.valid);
@@ -287,8 +293,8 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
         at.phase_voltage_mV = bridge_choice_phase_mV(config, at.phase_voltage_mV, at.bus_voltage_mV,
                                                      watch.charging_mA);
     }
-    const torque_output_t torque =
-        step_torque(slow, config, report, in, &modes.torque_enable, &at, &watch, rotor.valid);
+    torque_output_t torque;
+    step_torque(slow, config, report, in, &modes.torque_enable, &at, &watch, rotor.valid, &torque);
 
     const bridge_choice_input_t wanted = {
         .torque_enabled = torque_enable_any(modes.torque_enable),

@@ -104,15 +104,22 @@ observer_view_t operating_point_observer(operating_point_state_t *state, const c
     return out;
 }
 
+rotor_speed_t operating_point_speed(const config_t *config, int32_t turn_q32)
+{
+    const rotor_speed_t out = {.turn_q32 = turn_q32,
+                               .wheel_mrad_s = bases_speed_mrad_s(config, turn_q32)};
+    return out;
+}
+
 operating_point_t operating_point_of(operating_point_state_t *state, const config_t *config,
-                                     const fast_report_t *report, int32_t speed_q32,
+                                     const fast_report_t *report, rotor_speed_t speed,
                                      int32_t winding_temperature_cC)
 {
     average(state, report);
-    state->speed_q32 = speed_q32;
+    state->speed_q32 = speed.turn_q32;
     state->winding_temperature_cC = winding_temperature_cC;
     state->sampling =
-        sampling_correction_at(config, state->magnets_pu, speed_q32, winding_temperature_cC);
+        sampling_correction_at(config, state->magnets_pu, speed.turn_q32, winding_temperature_cC);
     const sampling_correction_t *sampling = &state->sampling;
     const dq_t i_pu = sampling_correction_to_mean(sampling, state->i_pu);
     const int32_t bus_mV = bases_bus_voltage_mV(config, state->v_dc_pu);
@@ -120,7 +127,7 @@ operating_point_t operating_point_of(operating_point_state_t *state, const confi
     const dq_t latest_i = dq_of(report->i_pu);
     const dq_t latest_u = dq_of(report->u_pu);
     const operating_point_t out = {
-        .speed_mrad_s = bases_speed_mrad_s(config, speed_q32),
+        .speed_mrad_s = speed.wheel_mrad_s,
         .i_d_mA = bases_current_mA(config, i_pu.d),
         .i_q_mA = bases_current_mA(config, i_pu.q),
         .sampled_pu = state->i_pu,

@@ -17,8 +17,7 @@ enum {
 /* One speed and temperature: EMF, and the ratios that the equations are written in, made by the
  * first of short circuit and conducting diodes. */
 typedef struct {
-    int32_t emf_mV;  /* w psi, peak phase */
-    int32_t line_mV; /* sqrt(3) w psi */
+    int32_t emf_mV; /* w psi, peak phase */
     bool has_ratios;
     int32_t infinite_mA; /* psi / L_d: the short circuit's current at high speed */
     int32_t stall_mNm;   /* 3/2 p psi^2 / L_d: twice the largest torque of the short circuit */
@@ -29,10 +28,8 @@ typedef struct {
 static machine_t machine_at(const config_t *config, int32_t speed_mrad_s)
 {
     const int64_t w_mrad_s = bases_electrical_mrad_s(config, q_abs(speed_mrad_s));
-    const int32_t emf_mV =
-        q_saturate64(divide_by_billion(w_mrad_s * config->motor.flux_linkage_nWb));
-    const machine_t out = {.emf_mV = emf_mV,
-                           .line_mV = q_saturate64(divide_by_thousand((int64_t)emf_mV * 1732))};
+    const machine_t out = {
+        .emf_mV = q_saturate64(divide_by_billion(w_mrad_s * config->motor.flux_linkage_nWb))};
     return out;
 }
 
@@ -60,7 +57,9 @@ static void make_ratios(machine_t *m, const config_t *config, const safe_state_i
     const int64_t flux_uA_Wb = divide_by_million((int64_t)motor->flux_linkage_nWb * m->infinite_mA);
     m->stall_mNm = q_saturate64(divide_by_thousand(flux_uA_Wb * 3 / 2 * motor->pole_pairs));
     m->rho_q24 = scaled_ratio(r_uOhm, q_max(x_uOhm, 1));
-    m->sigma_q24 = scaled_ratio(motor->q_inductance_nH, motor->d_inductance_nH);
+    m->sigma_q24 = motor->q_inductance_nH == motor->d_inductance_nH
+                       ? SCALED_ONE
+                       : scaled_ratio(motor->q_inductance_nH, motor->d_inductance_nH);
     m->has_ratios = true;
 }
 
@@ -140,11 +139,14 @@ static letting_go_t freewheel_at(machine_t *m, const config_t *config, const saf
     const int32_t drops_mV = 2 * config->drive.diode_drop_mV;
     const bool fixed_bus = !in->battery_open && battery_may_hold(config, bus_voltage_mV);
     letting_go_t out = {.bus_mV = bus_voltage_mV};
-    if ((int64_t)m->line_mV <= (int64_t)q_max(bus_voltage_mV, 0) + drops_mV) {
+    /* Line to line, sqrt(3) w psi. */
+    const int64_t line_uV = (int64_t)m->emf_mV * 1732;
+    const int64_t reached_mV = (int64_t)q_max(bus_voltage_mV, 0) + drops_mV;
+    if (line_uV < (reached_mV + 1) * 1000) {
         return out;
     }
     if (!fixed_bus) { /* nothing takes a current: the capacitors settle at the EMF */
-        out.bus_mV = m->line_mV - drops_mV;
+        out.bus_mV = q_saturate64(divide_by_thousand(line_uV)) - drops_mV;
         return out;
     }
     make_ratios(m, config, in);

@@ -70,7 +70,8 @@ loop_output_t loop_step(loop_t *loop, const loop_input_t *in, bool run)
         loop->periods_to_slow_step = loop->config.drive.pwm_frequency_Hz / 1000;
         fast_report_t report;
         foc_report(&loop->foc, &report);
-        (void)operating_point_of(&loop->operating_point, &loop->config, &report, report.speed_q32,
+        (void)operating_point_of(&loop->operating_point, &loop->config, &report,
+                                 operating_point_speed(&loop->config, report.speed_q32),
                                  loop->winding_temperature_cC);
         const dq_t reference_pu = loop->setpoint.i_reference_pu;
         operating_point_setpoint(&loop->operating_point, &loop->config, 0, 0, &loop->setpoint);

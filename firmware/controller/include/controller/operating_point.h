@@ -94,11 +94,19 @@ typedef struct {
 observer_view_t operating_point_observer(operating_point_state_t *state, const config_t *config,
                                          const observer_report_t *observer);
 
-/* speed_q32: of the rotor angle in use, turns per period. report: at most 40 000 periods after the
+/* Speed of the rotor angle in use, in the terms of both loops. */
+typedef struct {
+    int32_t turn_q32;     /* electrical turns per period */
+    int32_t wheel_mrad_s; /* mechanical */
+} rotor_speed_t;
+
+rotor_speed_t operating_point_speed(const config_t *config, int32_t turn_q32);
+
+/* report: at most 40 000 periods after the
  * previous one; the same one again leaves the means unchanged. winding_temperature_cC: any.
  * Divides. */
 operating_point_t operating_point_of(operating_point_state_t *state, const config_t *config,
-                                     const fast_report_t *report, int32_t speed_q32,
+                                     const fast_report_t *report, rotor_speed_t speed,
                                      int32_t winding_temperature_cC);
 
 /* Writes reference, sampling correction, tuning and dead-time slope for the operating point of the

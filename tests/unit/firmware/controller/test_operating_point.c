@@ -31,7 +31,8 @@ void tearDown(void) {}
 
 static operating_point_t step(void)
 {
-    return operating_point_of(&state, &config, &report, report.speed_q32, TEMPERATURE_cC);
+    return operating_point_of(&state, &config, &report,
+                              operating_point_speed(&config, report.speed_q32), TEMPERATURE_cC);
 }
 
 /* One PWM period with these values. */
