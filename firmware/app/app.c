@@ -108,9 +108,10 @@ static void start_control(const config_t *config)
     app.memory_good = true;
     app.config_good = true;
     app.damaged_passes = 0;
-    controller_init(&app.controller, config);
+    const int32_t timer_Hz = (int32_t)inverter_timer_Hz();
+    controller_init(&app.controller, config, timer_Hz);
     for (int i = 0; i < 2; i++) {
-        app.fast_setpoint[i] = controller_initial_setpoint(config);
+        app.fast_setpoint[i] = controller_initial_setpoint(config, timer_Hz);
         controller_fast_report(&app.controller.fast, &app.fast_report[i]);
     }
     report_timer_init(&app.report_timer, (uint32_t)config->drive.pwm_frequency_Hz,

@@ -3,6 +3,7 @@
 
 #include "app/config_store.h"
 #include "app/selftest.h"
+#include "config/bases.h"
 #include "hal/analog.h"
 #include "hal/flash.h"
 #include "hal/memory.h"
@@ -35,7 +36,8 @@ static inverter_status_t start_inverter(const config_t *config)
 {
     const inverter_settings_t settings = {
         .pwm_frequency_Hz = (uint32_t)config->drive.pwm_frequency_Hz,
-        .pwm_period_counts = (uint32_t)config->drive.pwm_period_counts,
+        .pwm_period_counts =
+            (uint32_t)bases_pwm_period_counts(config, (int32_t)inverter_timer_Hz()),
         .dead_time_ns = (uint32_t)config->drive.dead_time_ns,
     };
     return inverter_init(&settings);
@@ -59,21 +61,19 @@ static bool scale_fits(const char *field, int32_t value, int32_t of_board, confi
     return false;
 }
 
-/* drive.min_pulse_counts is half of the shortest low pulse, in whose middle the currents are
- * sampled; with current into the board it is shorter by half the dead time on either side. */
+/* drive.min_pulse_ns is half of the shortest low pulse, in whose middle the currents are sampled;
+ * with current into the board it is shorter by half the dead time on either side. */
 static bool window_fits(const config_drive_t *drive, int32_t least_ns, config_result_t *result)
 {
-    const int64_t clock_Hz = 2 * (int64_t)drive->pwm_period_counts * drive->pwm_frequency_Hz;
-    const int64_t half_ns = least_ns + drive->dead_time_ns / 2;
-    const int32_t least_counts = (int32_t)((half_ns * clock_Hz + 999999999) / 1000000000);
-    if (least_ns == 0 || drive->min_pulse_counts >= least_counts) {
+    const int32_t half_ns = least_ns + drive->dead_time_ns / 2;
+    if (least_ns == 0 || drive->min_pulse_ns >= half_ns) {
         return true;
     }
     const config_result_t refused = {.code = CONFIG_RESULT_RANGE,
-                                     .field = "drive.min_pulse_counts on this board",
-                                     .value = drive->min_pulse_counts,
-                                     .lowest = least_counts,
-                                     .highest = drive->pwm_period_counts / 5};
+                                     .field = "drive.min_pulse_ns on this board",
+                                     .value = drive->min_pulse_ns,
+                                     .lowest = half_ns,
+                                     .highest = 100000000 / drive->pwm_frequency_Hz};
     *result = refused;
     return false;
 }

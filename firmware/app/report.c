@@ -68,8 +68,7 @@ static const char *inverter_text(inverter_status_t status)
 {
     switch (status) {
     case INVERTER_FREQUENCY_UNSUPPORTED:
-        return "configuration refused: drive.pwm_period_counts do not make drive.pwm_frequency_Hz "
-               "on this board";
+        return "configuration refused: this board's timer does not make drive.pwm_frequency_Hz";
     case INVERTER_DEAD_TIME_UNSUPPORTED:
         return "configuration refused: drive.dead_time_ns is too long for this board's timer or "
                "too short for its "

@@ -306,8 +306,8 @@ static const char *broken_in_drive(const config_t *c)
             "motor.d_inductance_nH = motor.q_inductance_nH for surface magnets");
     REQUIRE(c->drive.derate_switch_temperature_cC <= c->drive.max_switch_temperature_cC,
             "drive.derate_switch_temperature_cC <= drive.max_switch_temperature_cC");
-    REQUIRE(c->drive.min_pulse_counts * 5 <= c->drive.pwm_period_counts,
-            "drive.min_pulse_counts <= drive.pwm_period_counts / 5");
+    REQUIRE((int64_t)c->drive.min_pulse_ns * c->drive.pwm_frequency_Hz <= 100000000,
+            "drive.min_pulse_ns within a tenth of the PWM period");
     REQUIRE(bases_dead_time_share_1e9(c) <= 125000000,
             "drive.dead_time_ns, with drive.diode_drop_mV, within an eighth of the PWM period");
     REQUIRE(max_current_pu_q15 <= c->current_loop.max_current_pu_q15 + 1,

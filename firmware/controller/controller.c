@@ -19,12 +19,12 @@ static void update_output(controller_fast_t *fast, bridge_mode_t bridge)
     fast->output.bridge = bridge;
 }
 
-void controller_init(controller_t *controller, const config_t *config)
+void controller_init(controller_t *controller, const config_t *config, int32_t timer_Hz)
 {
-    foc_init(&controller->fast.foc, config);
+    foc_init(&controller->fast.foc, config, timer_Hz);
     monitor_fast_init(&controller->fast.monitor, config);
     update_output(&controller->fast, BRIDGE_OFF);
-    operating_point_init(&controller->slow.operating_point, config);
+    operating_point_init(&controller->slow.operating_point, config, timer_Hz);
     torque_init(&controller->slow.torque, config);
     monitor_slow_init(&controller->slow.monitor);
     modes_init(&controller->slow.modes);
@@ -38,10 +38,10 @@ void controller_init(controller_t *controller, const config_t *config)
     controller->slow.step_count = 0;
 }
 
-fast_setpoint_t controller_initial_setpoint(const config_t *config)
+fast_setpoint_t controller_initial_setpoint(const config_t *config, int32_t timer_Hz)
 {
     fast_setpoint_t out = {.torque_enabled = false, .safe_bridge = BRIDGE_OFF};
-    operating_point_initial_setpoint(config, &out);
+    operating_point_initial_setpoint(config, timer_Hz, &out);
     return out;
 }
 

@@ -14,12 +14,12 @@ static int32_t cotangent_q24(int32_t leak_q24)
     return scaled_ratio(leak_q24 / 2, SCALED_ONE - leak_q24 / 2);
 }
 
-observer_constants_t observer_constants(const config_t *config)
+observer_constants_t observer_constants(const config_t *config, int32_t timer_Hz)
 {
     const int32_t leak_q24 = foc_observer_leak_q24(config);
     const observer_constants_t out = {
         .resistance_q15 = foc_observer_resistance_q15(config),
-        .volt_q15 = foc_observer_volt_q15(config),
+        .volt_q15 = foc_observer_volt_q15(config, timer_Hz),
         .flux_q14 = foc_observer_flux_q14(config),
         .start = {.leak_q24 = leak_q24, .cotangent_q24 = cotangent_q24(leak_q24)},
         .follows_speed = config->motor.q_inductance_nH > config->motor.d_inductance_nH / 8 * 9,

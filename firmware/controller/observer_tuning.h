@@ -14,7 +14,7 @@
 #include "foc/exchange.h"
 
 /* Divides. */
-observer_constants_t observer_constants(const config_t *config);
+observer_constants_t observer_constants(const config_t *config, int32_t timer_Hz);
 
 /* By how much the observer's flux leads the rotor, with the sign of the speed: atan(c cot(w T/2)),
  * to 0.2 degrees. A quarter turn at standstill. Divides. */

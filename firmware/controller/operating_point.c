@@ -19,13 +19,13 @@ static int32_t per_unit_of_mV(const config_t *config, int32_t voltage_mV)
     return q_scale(voltage_mV, 32768, config->drive.voltage_full_scale_mV);
 }
 
-void operating_point_init(operating_point_state_t *state, const config_t *config)
+void operating_point_init(operating_point_state_t *state, const config_t *config, int32_t timer_Hz)
 {
     const int32_t middle_mV = (config->battery.min_voltage_mV + config->battery.max_voltage_mV) / 2;
     const operating_point_state_t fresh = {
-        .modulation_limit_q15 = foc_modulation_limit_q15(config),
+        .modulation_limit_q15 = foc_modulation_limit_q15(config, timer_Hz),
         .magnets_pu = sampling_correction_magnets_pu(config),
-        .observer = observer_constants(config),
+        .observer = observer_constants(config, timer_Hz),
         .v_dc_pu = per_unit_of_mV(config, middle_mV),
     };
     *state = fresh;
@@ -161,10 +161,11 @@ void operating_point_setpoint(const operating_point_state_t *state, const config
                         state->observer_lead_turn, state->winding_temperature_cC);
 }
 
-void operating_point_initial_setpoint(const config_t *config, fast_setpoint_t *setpoint)
+void operating_point_initial_setpoint(const config_t *config, int32_t timer_Hz,
+                                      fast_setpoint_t *setpoint)
 {
     operating_point_state_t at_rest;
-    operating_point_init(&at_rest, config);
+    operating_point_init(&at_rest, config, timer_Hz);
     at_rest.v_dc_pu = per_unit_of_mV(config, config->battery.max_voltage_mV);
     at_rest.winding_temperature_cC = config->motor.reference_temperature_cC;
     operating_point_setpoint(&at_rest, config, 0, 0, setpoint);

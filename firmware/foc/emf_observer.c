@@ -54,11 +54,11 @@ int32_t foc_observer_resistance_q15(const config_t *config)
     return share_q15(config, drop_nV / config->drive.pwm_frequency_Hz, MOST_STEP_Q15 / 2);
 }
 
-int32_t foc_observer_volt_q15(const config_t *config)
+int32_t foc_observer_volt_q15(const config_t *config, int32_t timer_Hz)
 {
     const int64_t period_nWb =
         (int64_t)config->drive.voltage_full_scale_mV * 1000000 / config->drive.pwm_frequency_Hz;
-    const int64_t circle_nWb = period_nWb * foc_modulation_limit_q15(config) / 32768;
+    const int64_t circle_nWb = period_nWb * foc_modulation_limit_q15(config, timer_Hz) / 32768;
     const int64_t phase_nWb = circle_nWb * INVERSE_SQRT3_Q15 / 32768;
     return share_q15(config, phase_nWb, MOST_STEP_Q15);
 }

@@ -178,11 +178,11 @@ void foc_report(const foc_state_t *state, fast_report_t *report)
     foc_report_complete(report);
 }
 
-void foc_init(foc_state_t *state, const config_t *config)
+void foc_init(foc_state_t *state, const config_t *config, int32_t timer_Hz)
 {
     const foc_state_t zero = {0};
     *state = zero;
-    state->current.modulation = modulation_init(config);
+    state->current.modulation = modulation_init(config, timer_Hz);
     reference_prefilter_init(&state->prefilter, config);
     current_predictor_init(&state->current.predictor, config);
     field_weakening_init(&state->weakening, config);
@@ -195,7 +195,7 @@ void foc_init(foc_state_t *state, const config_t *config)
     idle_centre_on_times(&state->current);
 }
 
-int32_t foc_modulation_limit_q15(const config_t *config)
+int32_t foc_modulation_limit_q15(const config_t *config, int32_t timer_Hz)
 {
-    return modulation_init(config).limit_q15;
+    return modulation_init(config, timer_Hz).limit_q15;
 }

@@ -29,16 +29,18 @@ modulation_t modulation_of(int32_t period_counts, int32_t min_pulse_counts, int3
     return out;
 }
 
-int32_t modulation_dead_time_counts(const config_t *config)
+int32_t modulation_dead_time_counts(const config_t *config, int32_t timer_Hz)
 {
     /* Lost share of the bus voltage times the counts of the full swing: t_d f (1 + 2 V_f/v_dc). */
     const int64_t share_1e9 = bases_dead_time_share_1e9(config);
-    return q_saturate64((share_1e9 * config->drive.pwm_period_counts + 500000000) / 1000000000);
+    const int32_t period_counts = bases_pwm_period_counts(config, timer_Hz);
+    return q_saturate64((share_1e9 * period_counts + 500000000) / 1000000000);
 }
 
-modulation_t modulation_init(const config_t *config)
+modulation_t modulation_init(const config_t *config, int32_t timer_Hz)
 {
-    return modulation_of(config->drive.pwm_period_counts, config->drive.min_pulse_counts,
-                         modulation_dead_time_counts(config),
+    return modulation_of(bases_pwm_period_counts(config, timer_Hz),
+                         bases_min_pulse_counts(config, timer_Hz),
+                         modulation_dead_time_counts(config, timer_Hz),
                          config->current_loop.modulation_limit_pu_q15);
 }

@@ -22,16 +22,17 @@
 #include "foc/exchange.h"
 #include "foc/state.h"
 
-/* For the configured period, shortest pulse and dead time; the circle of the configuration is
- * reduced if the shortest pulse and the correction need it, never below a quarter. Divides. */
-modulation_t modulation_init(const config_t *config);
+/* For the configured period, shortest pulse and dead time in counts of the port's timer; the circle
+ * of the configuration is reduced if the shortest pulse and the correction need it, never below a
+ * quarter. Divides. */
+modulation_t modulation_init(const config_t *config, int32_t timer_Hz);
 
 /* The same from plain numbers; trim_counts: full dead-time correction, 0 .. 2048. */
 modulation_t modulation_of(int32_t period_counts, int32_t min_pulse_counts, int32_t trim_counts,
                            int32_t limit_q15);
 
 /* Full dead-time correction of the configuration, counts, at the battery's middle voltage. */
-int32_t modulation_dead_time_counts(const config_t *config);
+int32_t modulation_dead_time_counts(const config_t *config, int32_t timer_Hz);
 
 /*
  * Dead-time correction of each phase as a share of the full one, Q15, -1 .. 1. i: predicted

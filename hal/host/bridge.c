@@ -11,7 +11,8 @@
 #include "hal/upcall.h"
 #include "host/port.h"
 
-enum { COUNTS_MAX = 16384, DEAD_TIME_MAX_ns = 6000, MILLISECONDS_PER_SECOND = 1000 };
+/* The compare values are those of the STM32F405. */
+enum { TIMER_Hz = 168000000, DEAD_TIME_MAX_ns = 6000, MILLISECONDS_PER_SECOND = 1000 };
 
 static struct {
     host_plant_t plant;
@@ -92,9 +93,22 @@ void host_step(void)
     }
 }
 
+uint32_t inverter_timer_Hz(void)
+{
+    return TIMER_Hz;
+}
+
+static bool frequency_fits(const inverter_settings_t *settings)
+{
+    const uint32_t frequency_Hz = TIMER_Hz / (2U * settings->pwm_period_counts);
+    const uint32_t tolerance_Hz = settings->pwm_frequency_Hz / 1000U;
+    return frequency_Hz + tolerance_Hz >= settings->pwm_frequency_Hz &&
+           frequency_Hz <= settings->pwm_frequency_Hz + tolerance_Hz;
+}
+
 inverter_status_t inverter_init(const inverter_settings_t *settings)
 {
-    if (settings->pwm_frequency_Hz == 0 || settings->pwm_period_counts > COUNTS_MAX) {
+    if (!frequency_fits(settings)) {
         return INVERTER_FREQUENCY_UNSUPPORTED;
     }
     if (settings->dead_time_ns > DEAD_TIME_MAX_ns) {

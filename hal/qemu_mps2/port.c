@@ -19,7 +19,7 @@ enum {
     BUS_CODE_DEFAULT = 3513, /* 53 V of 61.8 V; bus_code=NUMBER on the command line overrides it */
     HALL_DEFAULT = 5,
     ROOM_TEMPERATURE_cC = 2500,
-    COUNTS_MAX = 16384,
+    TIMER_Hz = 168000000,    /* there is none; compare values are those of the STM32F405 */
     DEAD_TIME_MAX_ns = 6000, /* what the timer of the flashable port can make */
     SYSTICK_RUN = 7
 };
@@ -44,11 +44,22 @@ static void put_motor_at_rest(void)
     MAILBOX->magic = MAILBOX_MAGIC;
 }
 
+uint32_t inverter_timer_Hz(void)
+{
+    return TIMER_Hz;
+}
+
+static bool frequency_fits(const inverter_settings_t *settings)
+{
+    const uint32_t frequency_Hz = TIMER_Hz / (2U * settings->pwm_period_counts);
+    const uint32_t tolerance_Hz = settings->pwm_frequency_Hz / 1000U;
+    return frequency_Hz + tolerance_Hz >= settings->pwm_frequency_Hz &&
+           frequency_Hz <= settings->pwm_frequency_Hz + tolerance_Hz;
+}
+
 inverter_status_t inverter_init(const inverter_settings_t *settings)
 {
-    /* There is no timer whose clock could miss the frequency; what is impossible on every port is
-     * refused here too. */
-    if (settings->pwm_frequency_Hz == 0 || settings->pwm_period_counts > COUNTS_MAX) {
+    if (!frequency_fits(settings)) {
         return INVERTER_FREQUENCY_UNSUPPORTED;
     }
     if (settings->dead_time_ns > DEAD_TIME_MAX_ns) {

@@ -44,6 +44,11 @@ static uint32_t driver_faults_served;
 static uint32_t driver_status;
 static bool driver_good; /* it holds what was written to it */
 
+uint32_t inverter_timer_Hz(void)
+{
+    return CLOCK_TIMER1_Hz;
+}
+
 static bool frequency_fits(const inverter_settings_t *settings)
 {
     const uint32_t frequency_Hz = CLOCK_TIMER1_Hz / (2U * settings->pwm_period_counts);

@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "bench/handle.h"
+#include "config/bases.h"
 #include "plant/numbers.h"
 
 enum { CODES = 4096, MIDDLE = CODES / 2, MILLI = 1000 };
@@ -98,7 +99,8 @@ int hubsim_external_step(hubsim_t *sim, const hubsim_command_t *commands)
     }
     for (int k = 0; k < bench->wheels; k++) {
         external_wheel_t *own = &sim->external.wheel[k];
-        own->given = output_of(&commands[k], bench->config.drive.pwm_period_counts);
+        own->given =
+            output_of(&commands[k], bases_pwm_period_counts(&bench->config, BASES_MODEL_TIMER_Hz));
         own->hydraulic_nm = commands[k].hydraulic_nm;
         if (!sim->external.delayed) {
             bench->wheel[k].active = own->given;

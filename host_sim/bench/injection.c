@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "config/bases.h"
 #include "config/validate.h"
 
 enum { BITS = 8 };
@@ -38,8 +39,8 @@ bool config_watch_step(config_watch_t *watch, const config_t *config)
 
 static void restart(const injection_target_t *target)
 {
-    controller_init(target->controller, target->config);
-    *target->to_fast = controller_initial_setpoint(target->config);
+    controller_init(target->controller, target->config, BASES_MODEL_TIMER_Hz);
+    *target->to_fast = controller_initial_setpoint(target->config, BASES_MODEL_TIMER_Hz);
 }
 
 static void flip(controller_t *controller, uint32_t bit)

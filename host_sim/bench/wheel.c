@@ -5,6 +5,7 @@
 #include <stddef.h>
 
 #include "bench/feed.h"
+#include "config/bases.h"
 #include "plant/numbers.h"
 
 enum { MILLI = 1000, CENTI = 100, PERCENT = 100 };
@@ -19,7 +20,7 @@ wheel_world_t wheel_world(const bench_params_t *params, const config_t *config)
         .sensors = sensors_init(&params->sensors),
         .step_s =
             1.0 / (params->inverter.pwm_frequency_hz * plant_max(floor(params->run.pieces), 1.0)),
-        .duty_per_count = 1.0 / config->drive.pwm_period_counts,
+        .duty_per_count = 1.0 / bases_pwm_period_counts(config, BASES_MODEL_TIMER_Hz),
     };
     return out;
 }
@@ -35,8 +36,8 @@ void wheel_init(wheel_t *wheel, const wheel_world_t *world, int index)
     const bench_params_t *params = world->params;
     const wheel_t empty = {.first_fault = REASON_NONE};
     *wheel = empty;
-    controller_init(&wheel->controller, world->config);
-    wheel->to_fast = controller_initial_setpoint(world->config);
+    controller_init(&wheel->controller, world->config, BASES_MODEL_TIMER_Hz);
+    wheel->to_fast = controller_initial_setpoint(world->config, BASES_MODEL_TIMER_Hz);
     wheel->active = bridge_off();
     wheel->next = bridge_off();
     wheel->rotor = pmsm_at_rest(params->run.rotor_turn + index * params->run.rotor_spread_turn);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "exchange/controller_instance.h"
+#include "config/bases.h"
 
 #include <string.h>
 
@@ -7,8 +8,8 @@ void controller_instance_init(controller_instance_t *instance, const config_t *c
 {
     memset(instance, 0, sizeof(*instance)); /* padding too: the whole value is read when saved */
     instance->config = *config;
-    controller_init(&instance->controller, &instance->config);
-    instance->to_fast = controller_initial_setpoint(&instance->config);
+    controller_init(&instance->controller, &instance->config, BASES_MODEL_TIMER_Hz);
+    instance->to_fast = controller_initial_setpoint(&instance->config, BASES_MODEL_TIMER_Hz);
 }
 
 void controller_instance_fast_step(controller_instance_t *instance, const int32_t *in, int32_t *out)

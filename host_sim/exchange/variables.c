@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "exchange/variables.h"
+#include "config/bases.h"
 
 #include <math.h>
 #include <string.h>
@@ -125,7 +126,7 @@ variables_affine_t variables_affine(exchange_scale_t scale, const config_t *conf
         out.per_unit = CODES * 1000.0 / config->drive.voltage_full_scale_mV;
         break;
     case EXCHANGE_DUTY:
-        out.per_unit = config->drive.pwm_period_counts;
+        out.per_unit = bases_pwm_period_counts(config, BASES_MODEL_TIMER_Hz);
         break;
     }
     return out;

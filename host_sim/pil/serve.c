@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "bench/injection.h"
+#include "config/bases.h"
 #include "controller/controller.h"
 
 /* One wheel's controller with what lies between its two steps. */
@@ -47,8 +48,8 @@ static void begin(uint32_t count)
     for (uint32_t k = 0; k < count && k < PIL_WHEELS_MAX; k++) {
         wheel_t *wheel = &wheels[k];
         memset(wheel, 0, sizeof *wheel);
-        controller_init(&wheel->controller, config);
-        wheel->to_fast = controller_initial_setpoint(config);
+        controller_init(&wheel->controller, config, BASES_MODEL_TIMER_Hz);
+        wheel->to_fast = controller_initial_setpoint(config, BASES_MODEL_TIMER_Hz);
         wheel->next.bridge = BRIDGE_OFF;
     }
 }

@@ -44,12 +44,11 @@ void prove_dead_time_counts(void)
 {
     config_t config;
     config.drive.pwm_frequency_Hz = any_within(4000, 100000);
-    config.drive.pwm_period_counts = any_within(256, 16384);
     config.drive.dead_time_ns = any_within(0, 10000);
     config.drive.diode_drop_mV = any_within(0, 5000);
     config.battery.min_voltage_mV = any_within(1000, 2000000);
     config.battery.max_voltage_mV = any_within(1000, 2000000);
-    const int32_t counts = modulation_dead_time_counts(&config);
+    const int32_t counts = modulation_dead_time_counts(&config, any_within(1000000, 2000000000));
     PROVE(counts >=
           0); /* and an eighth of the longest period at most, 2048: the validator's relation */
     PROOF_END();

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "bench.hpp"
+#include "kernels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -201,7 +202,7 @@ loop_output_t Bench::step(Mode mode)
     mode_ = next_mode_;
     for (int x = 0; x < 3; x++) {
         next_duty_[x] =
-            static_cast<double>(out.compare_counts[x]) / config_.drive.pwm_period_counts;
+            static_cast<double>(out.compare_counts[x]) / kernel_pwm_period_counts(&config_);
     }
     next_mode_ = mode;
     integrate();

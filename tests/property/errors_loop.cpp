@@ -114,8 +114,7 @@ config_t papers_vehicle()
     config.drive.current_full_scale_mA = 165000;
     config.drive.voltage_full_scale_mV = 61800;
     config.drive.pwm_frequency_Hz = 20000;
-    config.drive.pwm_period_counts = 4200;
-    config.drive.min_pulse_counts = 252;
+    config.drive.min_pulse_ns = 1500;
     config.drive.dead_time_ns = 1000;
     config.drive.diode_drop_mV = 0;
     config.current_loop.proportional_d_pu_q16 = 51313;
@@ -184,7 +183,7 @@ Measured whole_loop(int64_t count)
     kernel_loop_t loop{};
     loop.dead_time = kernel_dead_time_init(&config);
     loop.svpwm =
-        kernel_svpwm_init(config.drive.pwm_period_counts, config.drive.min_pulse_counts,
+        kernel_svpwm_init(kernel_pwm_period_counts(&config), kernel_min_pulse_counts(&config),
                           loop.dead_time.full_counts, config.current_loop.modulation_limit_pu_q15);
     for (int64_t n = 0; n < count; n++) {
         const int32_t v_dc = random.even(23860, 30754); // 45 to 58 V
@@ -199,7 +198,7 @@ Measured whole_loop(int64_t count)
             loop.offset_q4[x] = random.even(2000 * 16, 2100 * 16);
             codes[x] = static_cast<uint16_t>(
                 std::clamp(std::lround((i[x] + loop.offset_q4[x]) / 16.0), 1L, 4094L));
-            loop.on_q16[x] = random.even(0, config.drive.pwm_period_counts) * 65536;
+            loop.on_q16[x] = random.even(0, kernel_pwm_period_counts(&config)) * 65536;
         }
         loop.integrator_q30 = {random.even(-(1 << 28), 1 << 28), random.even(-(1 << 28), 1 << 28)};
         kernel_loop_t after = loop;

@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "config/bases.h"
 #include "controller/controller.h"
 #include "tuning.h"
 /* The source, because of what it keeps to itself: FIELDS and check_relations(). */
@@ -232,8 +233,10 @@ static void check_fast(const config_t *config, const fast_setpoint_t *command,
     promise(report->bridge == out->bridge, "what the bridge does is reported");
     for (int x = 0; x < 3; x++) {
         const int32_t on = out->compare_counts[x];
-        promise(on >= config->drive.min_pulse_counts, "the low side keeps its shortest pulse");
-        promise(on <= config->drive.pwm_period_counts - config->drive.min_pulse_counts,
+        promise(on >= bases_min_pulse_counts(config, BASES_MODEL_TIMER_Hz),
+                "the low side keeps its shortest pulse");
+        promise(on <= bases_pwm_period_counts(config, BASES_MODEL_TIMER_Hz) -
+                          bases_min_pulse_counts(config, BASES_MODEL_TIMER_Hz),
                 "so does the high side");
     }
     promise(report->i_d_weakening_pu <= 0, "field weakening only takes flux away");
@@ -264,8 +267,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     }
 
     controller_t controller;
-    controller_init(&controller, &config);
-    fast_setpoint_t command = controller_initial_setpoint(&config);
+    controller_init(&controller, &config, BASES_MODEL_TIMER_Hz);
+    fast_setpoint_t command = controller_initial_setpoint(&config, BASES_MODEL_TIMER_Hz);
     const bool with_slow_loop = (take8(&bytes) & 1U) != 0;
     int steps = 0;
     while (bytes.left > 0 && steps < MOST_STEPS) {
@@ -281,7 +284,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
                 check_slow(&config, &out);
             }
         } else if (what < 64) {
-            take_command(&command, &config, foc_modulation_limit_q15(&config), &bytes);
+            take_command(&command, &config, foc_modulation_limit_q15(&config, BASES_MODEL_TIMER_Hz),
+                         &bytes);
         }
         const fast_input_t in = take_fast_input(&bytes);
         for (int repeat = take_repeats(what, &bytes); repeat >= 0; repeat--) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "kernels.h"
 
+#include "config/bases.h"
 #include "core/angle.h"
 #include "core/circle.h"
 #include "core/reciprocal.h"
@@ -266,13 +267,23 @@ triple_t kernel_svpwm(const kernel_svpwm_t *svpwm, pair_t u, triple_t trim_q15)
     return out;
 }
 
+int32_t kernel_pwm_period_counts(const config_t *config)
+{
+    return bases_pwm_period_counts(config, BASES_MODEL_TIMER_Hz);
+}
+
+int32_t kernel_min_pulse_counts(const config_t *config)
+{
+    return bases_min_pulse_counts(config, BASES_MODEL_TIMER_Hz);
+}
+
 kernel_dead_time_t kernel_dead_time_init(const config_t *config)
 {
     const int32_t middle_mV = (config->battery.min_voltage_mV + config->battery.max_voltage_mV) / 2;
     const dead_time_slope_t slope =
         dead_time_slope_at(config, q_scale(middle_mV, 32768, config->drive.voltage_full_scale_mV));
-    const kernel_dead_time_t out = {modulation_dead_time_counts(config), slope.alpha_q8,
-                                    slope.beta_q8};
+    const kernel_dead_time_t out = {modulation_dead_time_counts(config, BASES_MODEL_TIMER_Hz),
+                                    slope.alpha_q8, slope.beta_q8};
     return out;
 }
 

@@ -80,6 +80,10 @@ typedef struct {
 } kernel_dead_time_t;
 
 kernel_dead_time_t kernel_dead_time_init(const config_t *config);
+
+/* Of the model's timer (config/bases.h). */
+int32_t kernel_pwm_period_counts(const config_t *config);
+int32_t kernel_min_pulse_counts(const config_t *config);
 triple_t kernel_dead_time(kernel_dead_time_t dead_time, pair_t i);
 
 int32_t kernel_field_weakening(int32_t current_q28, pair_t wanted, int32_t gain_q15,

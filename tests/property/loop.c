@@ -3,6 +3,7 @@
 
 #include <stdlib.h>
 
+#include "config/bases.h"
 #include "controller/operating_point.h"
 #include "current_controller.h"
 #include "field_weakening.h"
@@ -24,9 +25,9 @@ loop_t *loop_new(const config_t *config)
         abort();
     }
     loop->config = *config;
-    foc_init(&loop->foc, &loop->config);
-    operating_point_init(&loop->operating_point, &loop->config);
-    operating_point_initial_setpoint(&loop->config, &loop->setpoint);
+    foc_init(&loop->foc, &loop->config, BASES_MODEL_TIMER_Hz);
+    operating_point_init(&loop->operating_point, &loop->config, BASES_MODEL_TIMER_Hz);
+    operating_point_initial_setpoint(&loop->config, BASES_MODEL_TIMER_Hz, &loop->setpoint);
     loop->winding_temperature_cC = config->motor.reference_temperature_cC;
     return loop;
 }
@@ -95,7 +96,7 @@ loop_output_t loop_step(loop_t *loop, const loop_input_t *in, bool run)
         .u_q_pu = u.q,
         .weakening_pu = field_weakening_current_pu(&loop->foc.weakening),
         .power_pu = loop->operating_point.power_pu,
-        .modulation_limit_q15 = foc_modulation_limit_q15(&loop->config),
+        .modulation_limit_q15 = foc_modulation_limit_q15(&loop->config, BASES_MODEL_TIMER_Hz),
         .speed_q32 = period->rotor.speed_q32,
         .theta_turn = period->rotor.theta_turn,
         .limited = unsaturated.d != u.d || unsaturated.q != u.q,

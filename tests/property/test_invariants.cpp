@@ -49,8 +49,8 @@ Situation random_situation(Random &random)
 {
     Situation s;
     s.loop.dead_time = kernel_dead_time_init(&config);
-    s.loop.svpwm = kernel_svpwm_init(config.drive.pwm_period_counts, config.drive.min_pulse_counts,
-                                     s.loop.dead_time.full_counts,
+    s.loop.svpwm = kernel_svpwm_init(kernel_pwm_period_counts(&config),
+                                     kernel_min_pulse_counts(&config), s.loop.dead_time.full_counts,
                                      config.current_loop.modulation_limit_pu_q15);
     s.tuning = kernel_tuning(&config, s.loop.svpwm.modulation_limit_q15, random.even(23860, 30754),
                              random.even(-52700000, 52700000));
@@ -62,7 +62,7 @@ Situation random_situation(Random &random)
     for (int x = 0; x < 3; x++) {
         s.loop.offset_q4[x] = 2048 * 16;
         s.codes[x] = static_cast<uint16_t>(std::lround(2048.0 + i[x] / 16.0));
-        s.loop.on_q16[x] = random.even(0, config.drive.pwm_period_counts) * 65536;
+        s.loop.on_q16[x] = random.even(0, kernel_pwm_period_counts(&config)) * 65536;
     }
     return s;
 }
@@ -208,7 +208,7 @@ static void test_voltage_reported_to_the_regulators_is_what_the_compare_values_a
     // Unless a pulse is clamped, and none is: the line voltages less the trim are the realised
     // vector at the advanced angle.
     Random random(104);
-    const double period = config.drive.pwm_period_counts;
+    const double period = kernel_pwm_period_counts(&config);
     for (int draw = 0; draw < COUNT; draw++) {
         SHOW(draw);
         const Situation s = random_situation(random);

@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "config/bases.h"
 #include "cycle.h"
 #include "digest.h"
 #include "print.h"
@@ -103,8 +104,8 @@ static void test_the_cycle_is_simulated_and_recorded(void)
     const driver_trace_t trace = read_cycle(cycle_path);
     TEST_ASSERT_GREATER_THAN_INT(20, trace.points);
     recorded.config = &config;
-    controller_init(&recorded.controller, &config);
-    recorded.setpoint = controller_initial_setpoint(&config);
+    controller_init(&recorded.controller, &config, BASES_MODEL_TIMER_Hz);
+    recorded.setpoint = controller_initial_setpoint(&config, BASES_MODEL_TIMER_Hz);
     recorded.next.bridge = BRIDGE_OFF;
     digest_begin(&recorded.digest);
     recorded.file = fopen(CYCLE_FILE, "wb");

@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "config/bases.h"
 #include "cycle.h"
 #include "digest.h"
 #include "print.h"
@@ -71,8 +72,8 @@ int main(void)
         print("no " CYCLE_FILE " here\n");
         return 1;
     }
-    controller_init(&controller, &CONFIG_LU2013);
-    fast_setpoint_t setpoint = controller_initial_setpoint(&CONFIG_LU2013);
+    controller_init(&controller, &CONFIG_LU2013, BASES_MODEL_TIMER_Hz);
+    fast_setpoint_t setpoint = controller_initial_setpoint(&CONFIG_LU2013, BASES_MODEL_TIMER_Hz);
     digest_begin(&digest);
     for (const void *unit = source_next(&source); unit != NULL; unit = source_next(&source)) {
         cycle_fast_t fast;

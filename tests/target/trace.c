@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "config/bases.h"
 #include "config_image.h"
 #include "digest.h"
 #include "print.h"
@@ -212,8 +213,8 @@ static uint32_t run(const sequence_t *sequence, uint32_t mode_steps[PRINT_MODES]
     static controller_t controller;
     config = CONFIG_IMAGE;
     sequence->configure(&config);
-    controller_init(&controller, &config);
-    fast_setpoint_t fast_setpoint = controller_initial_setpoint(&config);
+    controller_init(&controller, &config, BASES_MODEL_TIMER_Hz);
+    fast_setpoint_t fast_setpoint = controller_initial_setpoint(&config, BASES_MODEL_TIMER_Hz);
     wheel_t wheel = {.random = 2013, .bus_code = 3500, .noise_codes = 6};
     slow_input_t slow_in = {.config_accepted = true, .selftest_passed = true};
     digest_t digest;

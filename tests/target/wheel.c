@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "wheel.h"
 
+#include "config/bases.h"
 #include "core/angle.h"
 
 enum { DECAY_LOG2 = 6, GAIN_LOG2 = 3, CODE_MID = 2048, CODE_MAX = 4095 };
@@ -55,8 +56,8 @@ fast_input_t wheel_sample(wheel_t *wheel)
 static int32_t emf_counts(const wheel_t *wheel, const config_t *config, uint16_t phase_turn)
 {
     const uint16_t theta = (uint16_t)((wheel->angle_q32 >> 16) - phase_turn);
-    const int32_t peak =
-        q_clamp(wheel->speed_q32 / (1 << 15), -2000, 2000) * config->drive.pwm_period_counts / 4096;
+    const int32_t peak = q_clamp(wheel->speed_q32 / (1 << 15), -2000, 2000) *
+                         bases_pwm_period_counts(config, BASES_MODEL_TIMER_Hz) / 4096;
     return -(int32_t)angle_sincos(theta).sin * peak / 32768;
 }
 

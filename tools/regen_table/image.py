@@ -176,10 +176,9 @@ def _drive(drive: Drive) -> dict[str, Any]:
         "current_full_scale_mA": nearest(inverter.current_full_scale_a * 1e3),
         "voltage_full_scale_mV": nearest(inverter.voltage_full_scale_v * 1e3),
         "pwm_frequency_Hz": nearest(inverter.pwm_frequency_hz),
-        "pwm_period_counts": loops.pwm_period_counts(drive),
         "dead_time_ns": nearest(inverter.dead_time_s * 1e9),
         "diode_drop_mV": nearest(inverter.diode_forward_voltage_v * 1e3),
-        "min_pulse_counts": loops.min_pulse_counts(drive),
+        "min_pulse_ns": math.ceil(loops.min_pulse_s(drive) * 1e9 - 1e-3),
         "derate_switch_temperature_cC": (
             SWITCH_TEMPERATURE_OFF_CC if start is None else nearest(start * 1e2)
         ),

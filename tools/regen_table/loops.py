@@ -19,6 +19,7 @@ from regen_table.schema import Drive
 MODULATION_MAX = 0.98
 FIELD_WEAKENING_BANDWIDTH_HZ = 30.0
 ROUNDING_COUNTS = 2  # as in foc/modulation.c
+PERIOD_COUNTS = 256, 16384  # as in config/bases.h
 SETTLING_S = 0.5e-6  # of a shunt amplifier after its low side begins to conduct
 DEAD_TIME_ZONE_MIN = 128.0 / 32768.0  # as in config.h
 # Of the current demanded while the dead time holds it at zero: a cold winding, longer dead time.
@@ -56,12 +57,18 @@ def undervoltage_trip_v(drive: Drive) -> float:
 
 
 def pwm_period_counts(drive: Drive) -> int:
-    """Timer counts of half a PWM period."""
-    return nearest(drive.inverter.pwm_timer_clock_hz / (2.0 * drive.inverter.pwm_frequency_hz))
+    """Timer counts of half a PWM period: bases_pwm_period_counts()."""
+    counts = nearest(drive.inverter.pwm_timer_clock_hz / (2.0 * drive.inverter.pwm_frequency_hz))
+    if not PERIOD_COUNTS[0] <= counts <= PERIOD_COUNTS[1]:
+        raise ConfigurationError(
+            f"inverter.pwm_timer_clock_hz: {counts} counts in half a PWM period, accepted:"
+            f" {PERIOD_COUNTS[0]} to {PERIOD_COUNTS[1]}"
+        )
+    return counts
 
 
-def min_pulse_counts(drive: Drive) -> int:
-    """Return the timer counts for which every low side conducts at least.
+def min_pulse_s(drive: Drive) -> float:
+    """Return the seconds for which every low side conducts at least.
 
     Before and after the top of the count.
 
@@ -69,12 +76,16 @@ def min_pulse_counts(drive: Drive) -> int:
     the dead time, and at least a microsecond.
     """
     inverter = drive.inverter
-    seconds = (
+    return (
         inverter.min_pulse_s
         if inverter.min_pulse_s is not None
         else max(1e-6, 2.0 * inverter.dead_time_s)
     )
-    return math.ceil(seconds * inverter.pwm_timer_clock_hz - 1e-9)
+
+
+def min_pulse_counts(drive: Drive) -> int:
+    """Return the same in timer counts: bases_min_pulse_counts()."""
+    return math.ceil(min_pulse_s(drive) * drive.inverter.pwm_timer_clock_hz - 1e-9)
 
 
 def dead_time_counts(drive: Drive) -> int:

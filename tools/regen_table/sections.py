@@ -126,7 +126,7 @@ class Inverter(Section):
         float, number(5.0, 2000.0, "V", "what the converter's whole range stands for")
     ]
     pwm_timer_clock_hz: Annotated[
-        int, number(1_000_000, 1_000_000_000, "Hz", "counts of the PWM timer")
+        int, number(1_000_000, 1_000_000_000, "Hz", "to its counts the voltage limit is rounded")
     ] = 168_000_000
     min_pulse_s: Annotated[
         float | None,

@@ -16,7 +16,7 @@ extern const config_t CONFIG_IPM400V;
 
 CONFIG_SECTION const config_t CONFIG_IPM400V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 13,
+    .format_version = 14,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "ipm400v",
@@ -65,14 +65,12 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         .voltage_full_scale_mV        = 500000,
         /* [Hz] rate of the fast loop; base of speed is a sixteenth of it */
         .pwm_frequency_Hz             = 10000,
-        /* timer counts from 0 to the top of the centre-aligned count */
-        .pwm_period_counts            = 8400,
         .dead_time_ns                 = 500, /* [ns] between the two switches of a leg */
         /* [mV] forward voltage of the freewheeling diodes, opposes the current during the
          * dead time */
         .diode_drop_mV                = 1200,
-        /* shortest low-side pulse: sampling window of the shunts */
-        .min_pulse_counts             = 168,
+        /* [ns] half of the shortest low-side pulse: sampling window of the shunts */
+        .min_pulse_ns                 = 1000,
         .derate_switch_temperature_cC = 13000, /* [cC] start of the derating */
         .max_switch_temperature_cC    = 15000, /* [cC] end of the derating: torque limit zero */
         /* [mV] rating of the bridge's devices and capacitors, which the bus must never reach;
@@ -674,5 +672,5 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
             -224967, -234291, -243312,
         },
     },
-    .crc32 = 0x8649B7D8,
+    .crc32 = 0x7763B5F2,
 };

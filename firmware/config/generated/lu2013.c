@@ -16,7 +16,7 @@ extern const config_t CONFIG_LU2013;
 
 CONFIG_SECTION const config_t CONFIG_LU2013 = {
     .magic = CONFIG_MAGIC,
-    .format_version = 13,
+    .format_version = 14,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "lu2013",
@@ -65,14 +65,12 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
         .voltage_full_scale_mV        = 61800,
         /* [Hz] rate of the fast loop; base of speed is a sixteenth of it */
         .pwm_frequency_Hz             = 20000,
-        /* timer counts from 0 to the top of the centre-aligned count */
-        .pwm_period_counts            = 4200,
         .dead_time_ns                 = 1000, /* [ns] between the two switches of a leg */
         /* [mV] forward voltage of the freewheeling diodes, opposes the current during the
          * dead time */
         .diode_drop_mV                = 800,
-        /* shortest low-side pulse: sampling window of the shunts */
-        .min_pulse_counts             = 84,
+        /* [ns] half of the shortest low-side pulse: sampling window of the shunts */
+        .min_pulse_ns                 = 500,
         .derate_switch_temperature_cC = 13000, /* [cC] start of the derating */
         .max_switch_temperature_cC    = 15000, /* [cC] end of the derating: torque limit zero */
         /* [mV] rating of the bridge's devices and capacitors, which the bus must never reach;
@@ -442,5 +440,5 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
             -7364, -7790, -7021, -8871, -9455,
         },
     },
-    .crc32 = 0xC203286A,
+    .crc32 = 0xEA20CFC8,
 };

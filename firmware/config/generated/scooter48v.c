@@ -16,7 +16,7 @@ extern const config_t CONFIG_SCOOTER48V;
 
 CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 13,
+    .format_version = 14,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "scooter48v",
@@ -65,14 +65,12 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
         .voltage_full_scale_mV        = 72000,
         /* [Hz] rate of the fast loop; base of speed is a sixteenth of it */
         .pwm_frequency_Hz             = 24000,
-        /* timer counts from 0 to the top of the centre-aligned count */
-        .pwm_period_counts            = 3500,
         .dead_time_ns                 = 500, /* [ns] between the two switches of a leg */
         /* [mV] forward voltage of the freewheeling diodes, opposes the current during the
          * dead time */
         .diode_drop_mV                = 800,
-        /* shortest low-side pulse: sampling window of the shunts */
-        .min_pulse_counts             = 168,
+        /* [ns] half of the shortest low-side pulse: sampling window of the shunts */
+        .min_pulse_ns                 = 1000,
         .derate_switch_temperature_cC = 13000, /* [cC] start of the derating */
         .max_switch_temperature_cC    = 15000, /* [cC] end of the derating: torque limit zero */
         /* [mV] rating of the bridge's devices and capacitors, which the bus must never reach;
@@ -434,5 +432,5 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
             -5218, -5966, -6796, -7744, -8823, -10033, -11370, -12827, -14396,
         },
     },
-    .crc32 = 0x69CF9071,
+    .crc32 = 0x4EB92137,
 };

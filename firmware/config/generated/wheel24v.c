@@ -16,7 +16,7 @@ extern const config_t CONFIG_WHEEL24V;
 
 CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 13,
+    .format_version = 14,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "wheel24v",
@@ -65,14 +65,12 @@ CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
         .voltage_full_scale_mV        = 34280,
         /* [Hz] rate of the fast loop; base of speed is a sixteenth of it */
         .pwm_frequency_Hz             = 20000,
-        /* timer counts from 0 to the top of the centre-aligned count */
-        .pwm_period_counts            = 4250,
         .dead_time_ns                 = 500, /* [ns] between the two switches of a leg */
         /* [mV] forward voltage of the freewheeling diodes, opposes the current during the
          * dead time */
         .diode_drop_mV                = 800,
-        /* shortest low-side pulse: sampling window of the shunts */
-        .min_pulse_counts             = 315,
+        /* [ns] half of the shortest low-side pulse: sampling window of the shunts */
+        .min_pulse_ns                 = 1850,
         .derate_switch_temperature_cC = 8000, /* [cC] start of the derating */
         .max_switch_temperature_cC    = 10000, /* [cC] end of the derating: torque limit zero */
         /* [mV] rating of the bridge's devices and capacitors, which the bus must never reach;
@@ -439,5 +437,5 @@ CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
             -69, -93, -74, -137, -157,
         },
     },
-    .crc32 = 0xF16C4CE1,
+    .crc32 = 0xDC40AF80,
 };

@@ -27,8 +27,8 @@ typedef enum {
 } inverter_mode_t;
 
 typedef struct {
-    uint32_t pwm_frequency_Hz;  /* rate of the period; the port checks that its timer clock makes it
-                                   from the counts */
+    uint32_t pwm_frequency_Hz;  /* rate of the period; the port checks that its timer makes it from
+                                   the counts */
     uint32_t pwm_period_counts; /* counts from 0 to the top, 256 .. 16384 */
     uint32_t dead_time_ns;      /* rounded up to what the timer can make, never down */
 } inverter_settings_t;
@@ -60,6 +60,10 @@ enum {
     INVERTER_DRIVER_LOST = 1 << 11, /* it does not hold what was written to it */
     INVERTER_DRIVER_BITS = 12
 };
+
+/* Clock of the timer whose counts are meant here: they are inverter_timer_Hz() times seconds. Any
+ * context, also before inverter_init(). */
+uint32_t inverter_timer_Hz(void);
 
 /* Pins, timer, converters and their trigger; the bridge is off and there are no up-calls yet.
  * Background context, once. On anything but INVERTER_OK inverter_start() must not be called. */

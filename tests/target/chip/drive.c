@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "drive.h"
+#include "config/bases.h"
 
 #include <math.h>
 #include <string.h>
@@ -58,7 +59,7 @@ static void set_pins(drive_t *drive, const fast_input_t *sensed)
 void drive_begin(drive_t *drive, chip_t *chip, const config_t *config)
 {
     const drive_t fresh = {.chip = chip,
-                           .period_counts = config->drive.pwm_period_counts,
+                           .period_counts = bases_pwm_period_counts(config, BASES_MODEL_TIMER_Hz),
                            .period =
                                CHIP_TICKS_PER_SECOND / (uint32_t)config->drive.pwm_frequency_Hz,
                            .dead_time_ns = (uint32_t)config->drive.dead_time_ns};

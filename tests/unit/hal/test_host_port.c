@@ -57,8 +57,10 @@ void app_millisecond_isr(void)
 
 static inverter_status_t start(uint32_t frequency_Hz)
 {
-    const inverter_settings_t settings = {
-        .pwm_frequency_Hz = frequency_Hz, .pwm_period_counts = 4200, .dead_time_ns = 500};
+    const inverter_settings_t settings = {.pwm_frequency_Hz = frequency_Hz,
+                                          .pwm_period_counts =
+                                              inverter_timer_Hz() / (2U * frequency_Hz),
+                                          .dead_time_ns = 500};
     const inverter_status_t status = inverter_init(&settings);
     inverter_start();
     time_start_tick();
@@ -168,7 +170,7 @@ void test_settings_outside_the_range_of_every_port_are_refused(void)
         .pwm_frequency_Hz = 20000, .pwm_period_counts = 4200, .dead_time_ns = 6001};
     TEST_ASSERT_EQUAL_INT(INVERTER_DEAD_TIME_UNSUPPORTED, inverter_init(&settings));
     settings.dead_time_ns = 1000;
-    settings.pwm_period_counts = 16385;
+    settings.pwm_period_counts = 4205; /* 0.12 % */
     TEST_ASSERT_EQUAL_INT(INVERTER_FREQUENCY_UNSUPPORTED, inverter_init(&settings));
 }
 

@@ -13,6 +13,7 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "config/bases.h"
 #include "config_image.h"
 #include "controller/controller.h"
 #include "semihost.h"
@@ -193,9 +194,9 @@ static operating_mode_t start_with(start_t *start, int32_t sensor)
     start->config = CONFIG_IMAGE;
     config_t *config = &start->config;
     config->rotor.sensor = sensor;
-    controller_init(&whole, config);
+    controller_init(&whole, config, BASES_MODEL_TIMER_Hz);
     start->slow = whole.slow;
-    start->to_fast = controller_initial_setpoint(config);
+    start->to_fast = controller_initial_setpoint(config, BASES_MODEL_TIMER_Hz);
     controller_fast_report(&whole.fast, &start->to_slow);
     start->to_slow.offsets_done = true;
     start->to_slow.rotor_valid = true;

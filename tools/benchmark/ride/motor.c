@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "motor.h"
+#include "config/bases.h"
 
 #include <math.h>
 
@@ -75,7 +76,7 @@ void motor_step(motor_t *motor, const config_t *config, const fast_output_t *out
                 double w_rad_s)
 {
     const double dt = 1.0 / config->drive.pwm_frequency_Hz / SUBSTEPS;
-    const double volts_per_count = bus_V / config->drive.pwm_period_counts;
+    const double volts_per_count = bus_V / bases_pwm_period_counts(config, BASES_MODEL_TIMER_Hz);
     double volt[3];
     for (int x = 0; x < 3; x++) {
         volt[x] = 2.0 / 3.0 * volts_per_count * out->compare_counts[x];

@@ -7,6 +7,7 @@
  */
 #include <stddef.h>
 
+#include "config/bases.h"
 #include "config_image.h"
 #include "motor.h"
 #include "semihost.h"
@@ -63,8 +64,8 @@ int main(void)
 {
     const config_t *config = &CONFIG_IMAGE;
     static controller_t controller;
-    controller_init(&controller, config);
-    fast_setpoint_t fast_setpoint = controller_initial_setpoint(config);
+    controller_init(&controller, config, BASES_MODEL_TIMER_Hz);
+    fast_setpoint_t fast_setpoint = controller_initial_setpoint(config, BASES_MODEL_TIMER_Hz);
     motor_t motor = {.random = 1};
     fast_output_t active = {.bridge = BRIDGE_OFF};
     uint32_t random = 7;

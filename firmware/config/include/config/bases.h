@@ -9,6 +9,8 @@
  *     speed     1.0 pu = 1/16 electrical turn per PWM period  (1250 Hz electrical at 20 kHz)
  *     angle     65 536 = one electrical turn
  *
+ *     PWM       counts of the port's timer, whose clock the port states
+ *
  * Q15 stands for 32 768 = 1.0. All functions divide or multiply in 64 bits: for the slow loop
  * only. They saturate.
  */
@@ -20,6 +22,26 @@
 #include "config/config.h"
 #include "core/q15.h"
 #include "core/scaled.h"
+
+/* Timer clock where there is no timer (simulator, tests, ports without one). The STM32F405's, so
+ * that their compare values and its are the same. */
+enum { BASES_MODEL_TIMER_Hz = 168000000 };
+
+/* Counts from 0 to the top of the centre-aligned count, to the nearest, 256 .. 16384. A port whose
+ * timer misses the frequency by more than 0.1 % with them refuses it (hal/inverter.h). timer_Hz: at
+ * most 2e9. */
+static inline int32_t bases_pwm_period_counts(const config_t *config, int32_t timer_Hz)
+{
+    const int32_t frequency_Hz = config->drive.pwm_frequency_Hz;
+    return q_clamp((timer_Hz + frequency_Hz) / (2 * frequency_Hz), 256, 16384);
+}
+
+/* Half of the shortest low-side pulse, never shorter than drive.min_pulse_ns. */
+static inline int32_t bases_min_pulse_counts(const config_t *config, int32_t timer_Hz)
+{
+    const int64_t counts_1e9 = (int64_t)config->drive.min_pulse_ns * timer_Hz;
+    return (int32_t)((counts_1e9 + 999999999) / 1000000000);
+}
 
 /* Within 4 times the base. */
 static inline int32_t bases_current_mA(const config_t *config, int32_t current_pu_q15)

@@ -26,7 +26,7 @@
 #include "config/pedals_fields.h"
 
 #define CONFIG_MAGIC 0x434F4648 /* "HFOC" in memory, little endian */
-#define CONFIG_FORMAT_VERSION 13
+#define CONFIG_FORMAT_VERSION 14
 #define CONFIG_NAME_LENGTH 32
 #define CONFIG_REGEN_POINTS_MAX 833 /* such as 49 speeds at 17 temperatures, or 65 at 12 */
 /* such as 33 torques and 19 speeds at 2 temperatures */
@@ -96,13 +96,11 @@
       "base of voltage: the whole range of the converter") \
     X(pwm_frequency_Hz,                      4000,      100000,     "Hz", \
       "rate of the fast loop; base of speed is a sixteenth of it") \
-    X(pwm_period_counts,                     256,       16384,      "1", \
-      "timer counts from 0 to the top of the centre-aligned count") \
     X(dead_time_ns, 0, 10000, "ns", "between the two switches of a leg") \
     X(diode_drop_mV,                         0,         5000,       "mV", \
       "forward voltage of the freewheeling diodes, opposes the current during the dead time") \
-    X(min_pulse_counts,                      0,         4096,       "1", \
-      "shortest low-side pulse: sampling window of the shunts") \
+    X(min_pulse_ns,                          0,         25000,      "ns", \
+      "half of the shortest low-side pulse: sampling window of the shunts") \
     X(derate_switch_temperature_cC,          0,         30000,      "cC", "start of the derating") \
     X(max_switch_temperature_cC,             1000,      30000,      "cC", \
       "end of the derating: torque limit zero") \

@@ -53,7 +53,7 @@ typedef foc_input_t fast_input_t;
 /* What the port must do with the bridge from the next update on. */
 typedef struct {
     uint16_t compare_counts[3]; /* high-side on-time of each leg, 0 ..
-                                   config.drive.pwm_period_counts (= always on) */
+                                   bases_pwm_period_counts() (= always on) */
     bridge_mode_t bridge;
 } fast_output_t;
 
@@ -82,10 +82,11 @@ typedef struct {
     controller_slow_t slow;
 } controller_t;
 
-void controller_init(controller_t *controller, const config_t *config);
+/* timer_Hz: clock of the timer whose counts the compare values are (config/bases.h). */
+void controller_init(controller_t *controller, const config_t *config, int32_t timer_Hz);
 
 /* For use before the first slow step: no torque, bridge off. */
-fast_setpoint_t controller_initial_setpoint(const config_t *config);
+fast_setpoint_t controller_initial_setpoint(const config_t *config, int32_t timer_Hz);
 
 /* Once per PWM period. Returns the output; the next step overwrites it. */
 const fast_output_t *controller_fast_step(controller_fast_t *fast, const config_t *config,

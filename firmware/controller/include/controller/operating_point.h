@@ -79,8 +79,8 @@ typedef struct {
 } operating_point_t;
 
 /* Until the first report the bus voltage is the middle of the battery's range, the currents are
- * zero. Divides. */
-void operating_point_init(operating_point_state_t *state, const config_t *config);
+ * zero. timer_Hz: as for foc_init(). Divides. */
+void operating_point_init(operating_point_state_t *state, const config_t *config, int32_t timer_Hz);
 
 /* What the EMF observer shows, in the terms of the slow loop; its lead at its present speed is kept
  * for the next setpoint. Before operating_point_of(). Divides. */
@@ -117,6 +117,7 @@ void operating_point_setpoint(const operating_point_state_t *state, const config
 
 /* The same for zero current and speed at the highest bus voltage, where the gains are smallest:
  * before the first report. */
-void operating_point_initial_setpoint(const config_t *config, fast_setpoint_t *setpoint);
+void operating_point_initial_setpoint(const config_t *config, int32_t timer_Hz,
+                                      fast_setpoint_t *setpoint);
 
 #endif

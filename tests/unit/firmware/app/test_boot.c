@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "app/boot.h"
+#include "config/bases.h"
 #include "config_image.h"
 #include "mock_analog.h"
 #include "mock_flash.h"
@@ -52,7 +53,8 @@ static void expect_ports(inverter_status_t status)
 {
     static inverter_settings_t settings;
     settings.pwm_frequency_Hz = (uint32_t)sector.config.drive.pwm_frequency_Hz;
-    settings.pwm_period_counts = (uint32_t)sector.config.drive.pwm_period_counts;
+    settings.pwm_period_counts =
+        (uint32_t)bases_pwm_period_counts(&sector.config, BASES_MODEL_TIMER_Hz);
     settings.dead_time_ns = (uint32_t)sector.config.drive.dead_time_ns;
     static const rotor_sensor_kind_t KINDS[] = {
         [CONFIG_ROTOR_ANGLE] = ROTOR_SENSOR_ANGLE,
@@ -60,6 +62,7 @@ static void expect_ports(inverter_status_t status)
         [CONFIG_ROTOR_ENCODER] = ROTOR_SENSOR_ENCODER,
     };
     rotor_sensor_init_ExpectAndReturn(KINDS[sector.config.rotor.sensor], rotor_sensor_there);
+    inverter_timer_Hz_ExpectAndReturn(BASES_MODEL_TIMER_Hz);
     inverter_init_ExpectAndReturn(&settings, status);
 }
 
@@ -176,28 +179,27 @@ void test_a_configuration_for_other_shunts_or_dividers_is_refused_with_both_numb
                              report.config_result.field);
 }
 
-/* Amplifiers of low-side shunts: 1014 ns to settle and sample, and half of 1000 ns of dead time,
- * are 254.4 counts of 168 MHz on either side of the pulse's middle. */
+/* Amplifiers of low-side shunts: 1014 ns to settle and sample, and half of 1000 ns of dead time, on
+ * either side of the pulse's middle. */
 void test_a_configuration_whose_low_pulses_are_too_short_for_the_shunts_is_refused(void)
 {
     sector.config.drive.pwm_frequency_Hz = 20000;
-    sector.config.drive.pwm_period_counts = 4200;
     sector.config.drive.dead_time_ns = 1000;
     scale.low_side_least_ns = 1014;
-    for (int32_t counts = 254; counts <= 255; counts++) {
-        sector.config.drive.min_pulse_counts = counts;
+    for (int32_t half_ns = 1513; half_ns <= 1514; half_ns++) {
+        sector.config.drive.min_pulse_ns = half_ns;
         sector.config.crc32 = config_crc32(&sector.config, (uint32_t)offsetof(config_t, crc32));
         expect_board(true, &sector.config, sizeof sector.config, (uint32_t)GOOD_CRC32);
-        if (counts == 255) {
+        if (half_ns == 1514) {
             expect_ports(INVERTER_OK);
         }
         const boot_report_t report = boot_run();
-        TEST_ASSERT_EQUAL(counts == 255, boot_may_control(&report));
-        if (counts == 254) {
-            TEST_ASSERT_EQUAL_STRING("drive.min_pulse_counts on this board",
+        TEST_ASSERT_EQUAL(half_ns == 1514, boot_may_control(&report));
+        if (half_ns == 1513) {
+            TEST_ASSERT_EQUAL_STRING("drive.min_pulse_ns on this board",
                                      report.config_result.field);
-            TEST_ASSERT_EQUAL_INT32(254, report.config_result.value);
-            TEST_ASSERT_EQUAL_INT32(255, report.config_result.lowest);
+            TEST_ASSERT_EQUAL_INT32(1513, report.config_result.value);
+            TEST_ASSERT_EQUAL_INT32(1514, report.config_result.lowest);
         }
     }
 }

@@ -10,6 +10,7 @@
 #include "app/app.h"
 #include "board_rig.h"
 #include "comms/messages.h"
+#include "config/bases.h"
 #include "config/validate.h"
 #include "config_image.h"
 #include "controller/controller.h"
@@ -84,8 +85,8 @@ static void assert_equal_to_direct_steps(void)
 {
     const config_t *config = sensor_alone();
     static controller_t controller;
-    controller_init(&controller, config);
-    fast_setpoint_t fast_setpoint = controller_initial_setpoint(config);
+    controller_init(&controller, config, BASES_MODEL_TIMER_Hz);
+    fast_setpoint_t fast_setpoint = controller_initial_setpoint(config, BASES_MODEL_TIMER_Hz);
     start_sensors();
     (void)next_sample(&sensors); /* the board samples once at start-up */
     fast_output_t out = {.bridge = BRIDGE_OFF};

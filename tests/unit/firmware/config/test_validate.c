@@ -317,8 +317,9 @@ void test_stored_offsets_must_be_as_plausible_as_measured_ones(void)
 
 void test_pulses_and_dead_time_must_fit_into_the_period(void)
 {
-    config.drive.min_pulse_counts = config.drive.pwm_period_counts / 5 + 1;
-    assert_relation("drive.min_pulse_counts");
+    config.drive.pwm_frequency_Hz = 20000;
+    config.drive.min_pulse_ns = 5001; /* half a pulse, of 50 us */
+    assert_relation("drive.min_pulse_ns");
     config.drive.dead_time_ns = 10000; /* 20 % of the period at 20 kHz */
     assert_relation("drive.dead_time_ns");
     /* 12 % at 20 kHz, and twice 0.8 V over 24 V: 12.8 %. */

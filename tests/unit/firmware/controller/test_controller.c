@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "config/bases.h"
 #include "controller_rig.h"
 #include "unity.h"
 
@@ -174,7 +175,7 @@ static void start_running_at(double angle_turn)
 {
     rig_start(&rig);
     rig.config.current_loop.field_weakening_current_pu_q15 = 0;
-    controller_init(&rig.controller, &rig.config);
+    controller_init(&rig.controller, &rig.config, BASES_MODEL_TIMER_Hz);
     rig.slow_in.demand.enable = true;
     rig.angle_turn = angle_turn;
     rig_run(&rig, 300);
@@ -242,9 +243,12 @@ void test_each_phase_gets_its_own_compare_value(void)
         const uint16_t least = counts[phase];
         const uint16_t next = counts[(phase + 1) % 3];
         const uint16_t last = counts[(phase + 2) % 3];
-        TEST_ASSERT_LESS_THAN_INT32(rig.config.drive.pwm_period_counts / 4, least);
-        TEST_ASSERT_INT_WITHIN((uint32_t)rig.config.drive.pwm_period_counts / 50U, next, last);
-        TEST_ASSERT_GREATER_THAN_INT32(rig.config.drive.pwm_period_counts / 2, next);
+        TEST_ASSERT_LESS_THAN_INT32(bases_pwm_period_counts(&rig.config, BASES_MODEL_TIMER_Hz) / 4,
+                                    least);
+        TEST_ASSERT_INT_WITHIN(
+            (uint32_t)bases_pwm_period_counts(&rig.config, BASES_MODEL_TIMER_Hz) / 50U, next, last);
+        TEST_ASSERT_GREATER_THAN_INT32(
+            bases_pwm_period_counts(&rig.config, BASES_MODEL_TIMER_Hz) / 2, next);
     }
 }
 

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "config/bases.h"
 #include "controller_rig.h"
 #include "unity.h"
 
@@ -111,7 +112,8 @@ void test_current_loop_is_idle_after_a_trip_before_the_next_slow_step(void)
     rig_fast(&rig);
     TEST_ASSERT_TRUE(rig.to_fast.torque_enabled);
     for (int x = 0; x < 3; x++) {
-        TEST_ASSERT_EQUAL_UINT16(rig.config.drive.pwm_period_counts / 2, rig.pwm.compare_counts[x]);
+        TEST_ASSERT_EQUAL_UINT16(bases_pwm_period_counts(&rig.config, BASES_MODEL_TIMER_Hz) / 2,
+                                 rig.pwm.compare_counts[x]);
     }
 }
 
@@ -222,7 +224,7 @@ void test_invalid_hall_states_end_torque_in_a_ramp_and_then_run(void)
 {
     rig_start(&rig);
     rig.config.rotor.sensor = CONFIG_ROTOR_HALL;
-    controller_init(&rig.controller, &rig.config);
+    controller_init(&rig.controller, &rig.config, BASES_MODEL_TIMER_Hz);
     rig.fast_in.hall_state = 5;
     rig.slow_in.demand.enable = true;
     rig_run(&rig, 100);

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "config/bases.h"
 #include "controller_rig.h"
 #include "random_values.h"
 #include "unity.h"
@@ -82,8 +83,9 @@ void test_bridge_switches_only_in_run_and_compare_values_stay_in_range(void)
                     TEST_ASSERT_EQUAL_INT(REASON_NONE, rig.to_slow.trip);
                 }
                 for (int x = 0; x < 3; x++) {
-                    TEST_ASSERT_LESS_OR_EQUAL_INT32(rig.config.drive.pwm_period_counts,
-                                                    rig.pwm.compare_counts[x]);
+                    TEST_ASSERT_LESS_OR_EQUAL_INT32(
+                        bases_pwm_period_counts(&rig.config, BASES_MODEL_TIMER_Hz),
+                        rig.pwm.compare_counts[x]);
                 }
             }
             if (before == MODE_FAULT) {
@@ -144,8 +146,8 @@ void test_outputs_depend_only_on_inputs_after_init(void)
         rig.config.rotor.encoder_counts = 4096;
         other.config.rotor.sensor = sensor;
         other.config.rotor.encoder_counts = 4096;
-        controller_init(&rig.controller, &rig.config);
-        controller_init(&other.controller, &other.config);
+        controller_init(&rig.controller, &rig.config, BASES_MODEL_TIMER_Hz);
+        controller_init(&other.controller, &other.config, BASES_MODEL_TIMER_Hz);
         random_t random = random_seeded(2);
         for (int n = 0; n < 5000; n++) {
             for (int k = 0; k < RIG_FAST_PER_SLOW; k++) {

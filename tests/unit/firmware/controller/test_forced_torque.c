@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "config/bases.h"
 #include "controller/controller.h"
 #include "random_values.h"
 #include "reference_motor.h"
@@ -34,7 +35,7 @@ void tearDown(void) {}
 static int32_t phase_mV(const config_t *config, int32_t bus_mV)
 {
     const config_current_loop_t *loop = &config->current_loop;
-    const double share = foc_modulation_limit_q15(config) / 32768.0 *
+    const double share = foc_modulation_limit_q15(config, BASES_MODEL_TIMER_Hz) / 32768.0 *
                          (loop->modulation_target_pu_q15 - loop->modulation_reserve_pu_q15) /
                          32768.0;
     return (int32_t)lround(share * bus_mV / sqrt(3.0));

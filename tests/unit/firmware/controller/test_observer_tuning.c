@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 
+#include "config/bases.h"
 #include "foc/foc.h"
 #include "observer_tuning.h"
 #include "paper_vehicle.h"
@@ -17,7 +18,7 @@ static observer_constants_t constants;
 void setUp(void)
 {
     config = CONFIG_LU2013;
-    constants = observer_constants(&config);
+    constants = observer_constants(&config, BASES_MODEL_TIMER_Hz);
 }
 
 void tearDown(void) {}
@@ -49,7 +50,8 @@ void test_voltage_and_resistance_are_shares_of_the_flux_full_scale(void)
 {
     const double r_ohm =
         1e-6 * (config.motor.phase_resistance_uOhm + config.drive.loss_resistance_uOhm);
-    const double circle_v = 61.8 / sqrt(3.0) * foc_modulation_limit_q15(&config) / 32768.0;
+    const double circle_v =
+        61.8 / sqrt(3.0) * foc_modulation_limit_q15(&config, BASES_MODEL_TIMER_Hz) / 32768.0;
     const int32_t cold_cC = config.motor.reference_temperature_cC;
     for (int k = 1; k <= 4; k++) {
         const observer_tuning_t at =

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The translation between the loops: means in SI upwards, samples per unit downwards. */
+#include "config/bases.h"
 #include "controller/operating_point.h"
 
 #include <math.h>
@@ -24,7 +25,7 @@ void setUp(void)
     config.battery.min_voltage_mV = 10000;
     config.battery.max_voltage_mV = 20000;
     memset(&report, 0, sizeof(report));
-    operating_point_init(&state, &config);
+    operating_point_init(&state, &config, BASES_MODEL_TIMER_Hz);
 }
 
 void tearDown(void) {}
@@ -212,7 +213,7 @@ void test_gains_are_those_of_the_present_bus_voltage(void)
 void test_the_initial_setpoint_is_zero_current_with_the_smallest_gains(void)
 {
     fast_setpoint_t initial;
-    operating_point_initial_setpoint(&config, &initial);
+    operating_point_initial_setpoint(&config, BASES_MODEL_TIMER_Hz, &initial);
     TEST_ASSERT_EQUAL_INT32(0, initial.i_reference_pu.d);
     TEST_ASSERT_EQUAL_INT32(0, initial.i_reference_pu.q);
     fast_setpoint_t setpoint;

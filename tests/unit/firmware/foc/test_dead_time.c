@@ -11,12 +11,13 @@
 
 extern const config_t CONFIG_LU2013;
 static config_t config;
+static int32_t timer_Hz;
 
 void setUp(void)
 {
     config = CONFIG_LU2013;
     config.drive.pwm_frequency_Hz = 20000;
-    config.drive.pwm_period_counts = 4200;
+    timer_Hz = 168000000; /* 4200 counts */
     config.drive.dead_time_ns = 1000;
     config.drive.diode_drop_mV = 0;
     config.current_loop.dead_time_zone_pu_q15 = 655;
@@ -36,21 +37,22 @@ static dead_time_slope_t middle_slope(void)
 static double trim_counts(dead_time_slope_t slope, int32_t current_pu)
 {
     const ab_t i = {.alpha = current_pu, .beta = 0};
-    return modulation_dead_time(slope, i).a / 32768.0 * modulation_dead_time_counts(&config);
+    return modulation_dead_time(slope, i).a / 32768.0 *
+           modulation_dead_time_counts(&config, timer_Hz);
 }
 
 void test_full_correction_is_the_dead_time_as_a_share_of_the_period(void)
 {
     /* 1 us * 20 kHz = 2 % of 4200 counts. */
-    TEST_ASSERT_EQUAL_INT32(84, modulation_dead_time_counts(&config));
+    TEST_ASSERT_EQUAL_INT32(84, modulation_dead_time_counts(&config, timer_Hz));
     config.drive.dead_time_ns = 500;
-    config.drive.pwm_frequency_Hz = 16000;
-    config.drive.pwm_period_counts = 5250;
-    TEST_ASSERT_EQUAL_INT32(42, modulation_dead_time_counts(&config)); /* 0.8 % of 5250 */
+    config.drive.pwm_frequency_Hz = 16000;                                       /* 5250 counts */
+    TEST_ASSERT_EQUAL_INT32(42, modulation_dead_time_counts(&config, timer_Hz)); /* 0.8 % of 5250 */
     config.drive.dead_time_ns = 495;
-    TEST_ASSERT_EQUAL_INT32(42, modulation_dead_time_counts(&config)); /* 41.58, to the nearest */
+    TEST_ASSERT_EQUAL_INT32(
+        42, modulation_dead_time_counts(&config, timer_Hz)); /* 41.58, to the nearest */
     config.drive.dead_time_ns = 493;
-    TEST_ASSERT_EQUAL_INT32(41, modulation_dead_time_counts(&config)); /* 41.41 */
+    TEST_ASSERT_EQUAL_INT32(41, modulation_dead_time_counts(&config, timer_Hz)); /* 41.41 */
 }
 
 void test_diode_drop_is_corrected_as_a_share_of_the_battery_s_middle_voltage(void)
@@ -60,16 +62,17 @@ void test_diode_drop_is_corrected_as_a_share_of_the_battery_s_middle_voltage(voi
     config.battery.min_voltage_mV = 30000;
     config.battery.max_voltage_mV = 50000;
     config.drive.diode_drop_mV = 1000;
-    TEST_ASSERT_EQUAL_INT32(88, modulation_dead_time_counts(&config)); /* 84 * 42/40 = 88.2 */
+    TEST_ASSERT_EQUAL_INT32(88,
+                            modulation_dead_time_counts(&config, timer_Hz)); /* 84 * 42/40 = 88.2 */
     config.drive.diode_drop_mV = 5000;
-    TEST_ASSERT_EQUAL_INT32(105, modulation_dead_time_counts(&config)); /* 84 * 50/40 */
-    config.battery.max_voltage_mV = 90000;                              /* 60 V */
-    TEST_ASSERT_EQUAL_INT32(98, modulation_dead_time_counts(&config));  /* 84 * 70/60 */
+    TEST_ASSERT_EQUAL_INT32(105, modulation_dead_time_counts(&config, timer_Hz)); /* 84 * 50/40 */
+    config.battery.max_voltage_mV = 90000;                                        /* 60 V */
+    TEST_ASSERT_EQUAL_INT32(98, modulation_dead_time_counts(&config, timer_Hz));  /* 84 * 70/60 */
     for (int32_t drop_mV = 0; drop_mV <= 5000; drop_mV += 7) {
         config.drive.diode_drop_mV = drop_mV;
         const double lost_V = 1e-6 * 20000.0 * (60.0 + 2e-3 * drop_mV);
         TEST_ASSERT_DOUBLE_WITHIN(0.5001, lost_V / 60.0 * 4200.0,
-                                  modulation_dead_time_counts(&config));
+                                  modulation_dead_time_counts(&config, timer_Hz));
     }
 }
 
@@ -78,10 +81,10 @@ void test_largest_valid_dead_time_and_drop_give_an_eighth_of_the_longest_period(
     config.battery.min_voltage_mV = 1000;
     config.battery.max_voltage_mV = 3000;
     config.drive.diode_drop_mV = 4000; /* 1 + 2 * 4 V / 2 V = 5 */
-    config.drive.pwm_frequency_Hz = 100000;
-    config.drive.dead_time_ns = 250; /* 2.5 % */
-    config.drive.pwm_period_counts = 16384;
-    TEST_ASSERT_EQUAL_INT32(2048, modulation_dead_time_counts(&config));
+    config.drive.pwm_frequency_Hz = 50000;
+    config.drive.dead_time_ns = 500; /* 2.5 % */
+    timer_Hz = 2 * 16384 * 50000;
+    TEST_ASSERT_EQUAL_INT32(2048, modulation_dead_time_counts(&config, timer_Hz));
 }
 
 void test_positive_current_lengthens_the_high_side_pulse(void)

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "config/bases.h"
 #include "field_weakening.h"
 #include "sense.h"
 
@@ -122,7 +123,7 @@ void test_voltage_angle_is_advanced_by_one_and_a_half_periods(void)
         restart();
         in.rotor_angle_turn = (uint16_t)theta;
         setpoint.tuning = current_tuning(
-            &config, foc_modulation_limit_q15(&config), 3513 * 8,
+            &config, foc_modulation_limit_q15(&config, BASES_MODEL_TIMER_Hz), 3513 * 8,
             (int32_t)lround(speed_turns * 0.5 * 4294967296.0), /* half: inside the circle */
             config.motor.reference_temperature_cC);
         step(true);
@@ -346,7 +347,7 @@ void test_two_instances_in_one_process_are_independent(void)
 {
     foc_state_t alone = foc;
     foc_state_t other;
-    foc_init(&other, &config);
+    foc_init(&other, &config, BASES_MODEL_TIMER_Hz);
     fast_setpoint_t stir = setpoint;
     stir.i_reference_pu.q = -7000;
     setpoint.i_reference_pu.q = 2000;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What the fast loop reports of its latest period. */
+#include "config/bases.h"
 #include "core/angle.h"
 #include "foc/foc.h"
 #include "sense.h"
@@ -15,7 +16,7 @@ static foc_state_t foc;
 
 void setUp(void)
 {
-    foc_init(&foc, &CONFIG_LU2013);
+    foc_init(&foc, &CONFIG_LU2013, BASES_MODEL_TIMER_Hz);
 }
 
 void tearDown(void) {}

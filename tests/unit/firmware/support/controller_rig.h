@@ -12,6 +12,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "config/bases.h"
 #include "controller/controller.h"
 #include "paper_vehicle.h"
 
@@ -48,8 +49,8 @@ static inline void rig_start(rig_t *rig)
     rig->config.modes.coast_delay_ms = 0; /* the bridge switches without demand as well */
     rig->config.monitor.current_missing_pu_q15 = 1000000000; /* no motor, no current */
     rig->config.monitor.current_dead_periods = 40000;
-    controller_init(&rig->controller, &rig->config);
-    rig->to_fast = controller_initial_setpoint(&rig->config);
+    controller_init(&rig->controller, &rig->config, BASES_MODEL_TIMER_Hz);
+    rig->to_fast = controller_initial_setpoint(&rig->config, BASES_MODEL_TIMER_Hz);
     controller_fast_report(&rig->controller.fast, &rig->to_slow);
     rig->slow_in.bms.charge_current_mA = 1000000;
     rig->slow_in.bms.discharge_current_mA = 1000000;

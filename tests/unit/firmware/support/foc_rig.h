@@ -8,6 +8,7 @@
 
 #include <string.h>
 
+#include "config/bases.h"
 #include "controller/operating_point.h"
 #include "foc/foc.h"
 #include "tuning.h"
@@ -27,17 +28,16 @@ static uint16_t *const codes = in.phase_current_code;
 
 static inline void restart(void)
 {
-    foc_init(&foc, &config);
+    foc_init(&foc, &config, BASES_MODEL_TIMER_Hz);
     const fast_setpoint_t at_rest = {.sequence = 0};
     setpoint = at_rest;
-    operating_point_initial_setpoint(&config, &setpoint);
+    operating_point_initial_setpoint(&config, BASES_MODEL_TIMER_Hz, &setpoint);
     foc_report(&foc, &report);
 }
 
 static inline void rig_up(void)
 {
     config = CONFIG_LU2013;
-    config.drive.pwm_period_counts = PERIOD_COUNTS;
     config.drive.pwm_frequency_Hz = 20000;
     config.drive.dead_time_ns = 0;
     config.rotor.sensor = CONFIG_ROTOR_ANGLE;

@@ -47,8 +47,8 @@ static inline void slow_rig_start(slow_rig_t *rig, const config_t *config)
     rig->periods = config->drive.pwm_frequency_Hz / 1000;
     rig->bus_v = 0.5e-3 * (config->battery.min_voltage_mV + config->battery.max_voltage_mV);
     rig->brake.gain = 1.0;
-    controller_init(&rig->controller, &rig->config);
-    rig->setpoint = controller_initial_setpoint(&rig->config);
+    controller_init(&rig->controller, &rig->config, BASES_MODEL_TIMER_Hz);
+    rig->setpoint = controller_initial_setpoint(&rig->config, BASES_MODEL_TIMER_Hz);
     rig->in.bms.charge_current_mA = 1000000;
     rig->in.bms.discharge_current_mA = 1000000;
     rig->in.temperature.winding_cC = 2500;

@@ -5,6 +5,7 @@
  * the drive must agree with the bench.
  */
 #include "bench/board.h"
+#include "config/bases.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -110,8 +111,8 @@ static void start_twin(const config_t *config)
     board_start(&twin.board, config);
     twin.through_board = board_coupling(&twin.board);
     twin.config = config;
-    controller_init(&twin.controller, config);
-    twin.to_fast = controller_initial_setpoint(config);
+    controller_init(&twin.controller, config, BASES_MODEL_TIMER_Hz);
+    twin.to_fast = controller_initial_setpoint(config, BASES_MODEL_TIMER_Hz);
     node_init(&twin.node, (messages_wheel_t)config->vehicle.wheel_position, &limits, 0);
     controller_fast_report(&twin.controller.fast, &twin.report);
     report_timer_init(&twin.report_timer, (uint32_t)config->drive.pwm_frequency_Hz,

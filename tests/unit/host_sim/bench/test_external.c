@@ -2,6 +2,7 @@
 /* The plant alone: with the firmware's outputs as external inputs the vehicle moves
  * bit-identically; invalid inputs are refused with a message. */
 #include "bench/external.h"
+#include "config/bases.h"
 
 #include <math.h>
 #include <string.h>
@@ -66,7 +67,8 @@ static hubsim_command_t switched(const wheel_t *wheel, const config_t *config)
 {
     hubsim_command_t out = {.bridge = (int32_t)wheel->next.bridge};
     for (int i = 0; i < 3; i++) {
-        out.duty[i] = (double)wheel->next.compare_counts[i] / config->drive.pwm_period_counts;
+        out.duty[i] = (double)wheel->next.compare_counts[i] /
+                      bases_pwm_period_counts(config, BASES_MODEL_TIMER_Hz);
     }
     return out;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The interface for other languages: what is refused, in which words, and that a refused call
  * changes nothing. */
+#include "config/bases.h"
 #include "exchange/controller_api.h"
 
 #include <math.h>
@@ -115,7 +116,9 @@ void test_engineering_and_raw_steps_give_the_same_outputs(void)
         TEST_ASSERT_EQUAL_INT(0, hubsim_controller_fast_step_raw(controller, raw, raw_out));
         TEST_ASSERT_EQUAL_INT(0, hubsim_controller_fast_step(other, in, out));
         for (int k = 0; k < FAST_OUTPUTS - 1; k++) {
-            TEST_ASSERT_EQUAL_DOUBLE((double)raw_out[k] / config.drive.pwm_period_counts, out[k]);
+            TEST_ASSERT_EQUAL_DOUBLE((double)raw_out[k] /
+                                         bases_pwm_period_counts(&config, BASES_MODEL_TIMER_Hz),
+                                     out[k]);
         }
     }
     hubsim_controller_delete(other);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Driven by name the controller does what it does driven through its structures, and it can be
  * copied at any moment. */
+#include "config/bases.h"
 #include "exchange/controller_instance.h"
 
 #include <string.h>
@@ -132,8 +133,8 @@ void test_access_by_name_and_by_structure_give_the_same_outputs(void)
     static controller_instance_t instance;
     controller_instance_init(&instance, &config);
     controller_t direct;
-    controller_init(&direct, &config);
-    fast_setpoint_t to_fast = controller_initial_setpoint(&config);
+    controller_init(&direct, &config, BASES_MODEL_TIMER_Hz);
+    fast_setpoint_t to_fast = controller_initial_setpoint(&config, BASES_MODEL_TIMER_Hz);
     slow_output_t slow = {.mode = MODE_BOOT};
     int32_t fast_out[EXCHANGE_FAST_OUTPUT_COUNT];
     int32_t slow_out[EXCHANGE_SLOW_OUTPUT_COUNT];

@@ -82,7 +82,7 @@ def test_the_papers_data_are_converted_to_the_firmwares_units(paper: schema.Driv
     assert packed.battery.max_charge_current_mA == 50000  # a quarter of the pack's 200 A
     assert packed.brake.parallel_electric_share_q15 == 6554  # 1 : 4
     assert packed.brake.blend_out_start_mrad_s == 2618  # 25 r/min
-    assert packed.drive.pwm_period_counts == 4200  # 168 MHz / (2 * 20 kHz)
+    assert packed.drive.min_pulse_ns == 500
 
 
 def test_the_per_unit_gains_equal_the_textbook_formulas(paper: schema.Drive) -> None:
@@ -135,7 +135,7 @@ def test_modulation_limit_includes_the_dead_time_correction(path: Path) -> None:
     )
     assert drops > 0
     assert math.floor(
-        share * (1 + drops) * packed.drive.pwm_period_counts + Fraction(1, 2)
+        share * (1 + drops) * loops.pwm_period_counts(drive) + Fraction(1, 2)
     ) == loops.dead_time_counts(drive)
 
 
@@ -145,7 +145,8 @@ def test_the_modulation_limit_keeps_the_minimum_pulse_and_two_sampled_legs(path:
     # sign in every leg.
     drive = schema.load(path)
     packed = unpack(image.build(drive))
-    period = packed.drive.pwm_period_counts
+    period = drive.inverter.pwm_timer_clock_hz / drive.inverter.pwm_frequency_hz / 2
+    pulse = packed.drive.min_pulse_ns * 1e-9 * drive.inverter.pwm_timer_clock_hz
     modulation = packed.current_loop.modulation_limit_pu_q15 / 32768
     middle_v = (drive.battery.min_voltage_v + drive.battery.max_voltage_v) / 2.0
     lost_v = middle_v + 2.0 * drive.inverter.diode_forward_voltage_v
@@ -156,13 +157,13 @@ def test_the_modulation_limit_keeps_the_minimum_pulse_and_two_sampled_legs(path:
     )  # of v_dc
     centred = phases - (phases.max(axis=0) + phases.min(axis=0)) / 2.0
     compare = np.sort(period * (0.5 + centred) + trim, axis=0)
-    assert compare[2].max() <= period - packed.drive.min_pulse_counts
+    assert compare[2].max() <= period - pulse
     # The leg with the longest high side is calculated from the other two: the second one must
     # permit its sample.
     window = (drive.inverter.dead_time_s + 0.5e-6) * drive.inverter.pwm_timer_clock_hz
     assert compare[1].max() <= period - window
     tight = [
-        compare[2].max() >= period - packed.drive.min_pulse_counts - 4,
+        compare[2].max() >= period - pulse - 4,
         compare[1].max() >= period - window - 4,
         modulation > 0.979,
     ]
@@ -201,7 +202,7 @@ def test_the_modulation_limit_keeps_the_minimum_pulse_and_two_sampled_legs(path:
         ({"control.dead_time_zone_a": 0.1}, "dead_time.zone: "),
         (
             {"inverter.pwm_timer_clock_hz": 1_000_000},
-            "drive.pwm_period_counts: 25 does not fit the controller, accepted: 256 to 16384",
+            "inverter.pwm_timer_clock_hz: 25 counts in half a PWM period, accepted: 256 to 16384",
         ),
         (
             {"vehicle.driven_wheels": 16, "battery.max_discharge_current_a": 1.0},
