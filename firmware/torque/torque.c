@@ -71,12 +71,22 @@ static bool hydraulic_is_seen(const torque_limits_t *table, const torque_input_t
            table->braking[TORQUE_LINE_ABS].torque_mNm == FEASIBLE_UNBOUNDED;
 }
 
+/* Whose lines bound the demand of this step: of a driving demand against the rotation, by a wheel
+ * that rolls back, those of braking. */
+static side_t demanded_side(const demand_t *demand, int32_t speed_mrad_s)
+{
+    const bool brakes = demand->brake_mNm > 0 || demand->lift_off_mNm > 0;
+    return brakes || torque_command_is_against(demand->drive_mNm, speed_mrad_s) ? SIDE_BRAKING
+                                                                                : SIDE_DRIVING;
+}
+
 /* The inputs of each part have a function of their own, so that they share the stack. */
 static void step_limits(torque_state_t *state, const feasible_set_t *set, const torque_input_t *in,
-                        int32_t brake_demand_mNm, motor_point_t flowing)
+                        const demand_t *demand, motor_point_t flowing)
 {
     const torque_limits_input_t limited_by = {
-        .brake_demand_mNm = brake_demand_mNm,
+        .demanded = demanded_side(demand, in->speed_mrad_s),
+        .brake_demand_mNm = demand->brake_mNm,
         .bus_voltage_mV = in->bus_voltage_mV,
         .bus_current_mA = motor_model_bus_current_mA(set->model, flowing, in->bus_voltage_mV),
         .bms_charge_current_mA = in->bms_charge_current_mA,
@@ -121,7 +131,7 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
     const int32_t achieved_mNm = motor_model_torque_mNm(&model, flowing);
     const demand_input_t demanded = demand_input(in);
     const demand_t demand = demand_step(&state->demand, config, &demanded);
-    step_limits(state, &set, in, demand.brake_mNm, flowing);
+    step_limits(state, &set, in, &demand, flowing);
     const brake_blending_out_t split = blend(state, config, in, &demand, achieved_mNm);
     const lift_off_t lift_off =
         lift_off_split(&state->table, demand.lift_off_mNm, split.electric_mNm);

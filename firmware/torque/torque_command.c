@@ -17,7 +17,7 @@ static bool same_sign(int32_t a, int32_t b)
     return (a > 0 && b > 0) || (a < 0 && b < 0);
 }
 
-static bool is_against(int32_t torque_mNm, int32_t speed_mrad_s)
+bool torque_command_is_against(int32_t torque_mNm, int32_t speed_mrad_s)
 {
     return (speed_mrad_s > 0 && torque_mNm < 0) || (speed_mrad_s < 0 && torque_mNm > 0);
 }
@@ -26,7 +26,7 @@ static bool is_against(int32_t torque_mNm, int32_t speed_mrad_s)
 static int32_t remaining_mNm(const torque_command_state_t *state, const torque_limits_t *limits,
                              const torque_command_input_t *in)
 {
-    if (is_against(state->command_mNm, in->speed_mrad_s)) {
+    if (torque_command_is_against(state->command_mNm, in->speed_mrad_s)) {
         const int32_t most_mNm = limits->braking[TORQUE_LINE_ABS].torque_mNm;
         return q_clamp(state->command_mNm, -most_mNm, most_mNm);
     }
@@ -34,7 +34,8 @@ static int32_t remaining_mNm(const torque_command_state_t *state, const torque_l
     /* At zero speed, which may be a stuck hall line, what braked still counts as braking. */
     const bool is_withdrawn = in->drive_withdrawn && !state->braked;
     const bool has_turned_round =
-        state->braked && is_against(-state->command_mNm, in->speed_mrad_s) && !is_wanted;
+        state->braked && torque_command_is_against(-state->command_mNm, in->speed_mrad_s) &&
+        !is_wanted;
     return is_withdrawn || has_turned_round ? 0 : state->command_mNm;
 }
 
@@ -43,7 +44,7 @@ static int32_t remaining_mNm(const torque_command_state_t *state, const torque_l
  * which strategy and anti-lock have none. */
 static limit_t drive_limit(const torque_limits_t *limits, int32_t speed_mrad_s, int32_t drive_mNm)
 {
-    if (!is_against(drive_mNm, speed_mrad_s)) {
+    if (!torque_command_is_against(drive_mNm, speed_mrad_s)) {
         return torque_limits_tightest(limits->driving, 0, TORQUE_LINE_LOSS_OPTIMUM);
     }
     limit_t out = torque_limits_tightest(limits->braking, 0, TORQUE_LINE_LOSS_OPTIMUM);
@@ -85,12 +86,12 @@ torque_command_out_t torque_command_step(torque_command_state_t *state, const co
     const int32_t before_mNm = state->command_mNm;
     state->command_mNm = ramp_step(before_mNm, within_mNm, rate_mNm);
     if (in->arrived_mNm > 0 && in->drive_mNm == 0 &&
-        is_against(state->command_mNm, in->speed_mrad_s)) {
+        torque_command_is_against(state->command_mNm, in->speed_mrad_s)) {
         const int32_t kept_mNm = q_max(q_abs(before_mNm) - in->arrived_mNm, in->beside_mNm);
         state->command_mNm = q_clamp(state->command_mNm, -kept_mNm, kept_mNm);
     }
     state->braked =
-        is_against(state->command_mNm, in->speed_mrad_s) ||
+        torque_command_is_against(state->command_mNm, in->speed_mrad_s) ||
         (state->braked && in->speed_mrad_s == 0 && same_sign(before_mNm, state->command_mNm));
     out.command_mNm = state->command_mNm;
     out.falling =

@@ -11,9 +11,10 @@ void torque_limits_init(torque_limits_state_t *state, torque_limits_t *table)
 {
     const torque_limits_state_t fresh = {.charge = {.allowed_q24 = SCALED_ONE},
                                          .discharge = {.allowed_q24 = SCALED_ONE},
+                                         .turn = {.side = SIDE_BOTH},
                                          .abs_hold_steps = 0};
     *state = fresh;
-    const loss_braking_t no_losses = {.current_b = 0};
+    const loss_braking_t no_losses = {.by_map_mNm = FEASIBLE_UNBOUNDED};
     table->losses = no_losses;
     table->drawn_b = 0;
     for (torque_line_t line = 0; line < TORQUE_LINE_COUNT; line++) {
@@ -237,42 +238,85 @@ static feasible_returned_t returned_at(const motor_model_t *model, int32_t curre
     return out;
 }
 
-static void feasible_lines(torque_limits_t *out, const feasible_set_t *set,
-                           battery_limit_t discharge, battery_limit_t charge, int32_t bus_mV,
-                           int32_t derating_q15)
+static void solve_ends(limit_t *line, feasible_side_t *side, feasible_circle_t *circle)
 {
-    const motor_model_t *model = set->model;
-    const int32_t drawn_b = feasible_power_b(model, discharge.current_mA, bus_mV);
-    const feasible_returned_t returned =
-        returned_at(model, charge.current_mA, charge.margin_mA, bus_mV);
-    out->drawn_b = drawn_b;
+    const feasible_bounds_t ends = feasible_by_voltage_and_current(side, circle);
+    line[TORQUE_LINE_PHASE_CURRENT] = limit_init(ends.current_mNm, REASON_PHASE_CURRENT);
+    line[TORQUE_LINE_VOLTAGE] = limit_init(ends.voltage_mNm, REASON_VOLTAGE);
+}
+
+static void solve_returned(torque_limits_t *out, const feasible_side_t *side,
+                           const battery_limit_t *charge, int32_t bus_mV)
+{
+    limit_t *line = out->braking;
+    const int32_t by_map_mNm = feasible_by_returned_mNm(side, out->losses.returned);
+    line[TORQUE_LINE_RETURNED] =
+        limit_init(loss_braking_torque_mNm(side, &out->losses, by_map_mNm), charge->reason);
+    line[TORQUE_LINE_RETURNED_PEAK] = line[TORQUE_LINE_RETURNED];
+    if (charge->peak_mA != charge->current_mA) {
+        const feasible_returned_t peak =
+            returned_at(side->set->model, charge->peak_mA, charge->peak_margin_mA, bus_mV);
+        const int32_t most_mNm = feasible_by_returned_mNm(side, peak);
+        line[TORQUE_LINE_RETURNED_PEAK] =
+            limit_init(q_max(most_mNm, line[TORQUE_LINE_RETURNED].torque_mNm), charge->peak_reason);
+    }
+}
+
+/* What a step solves of a side. */
+typedef struct {
+    bool ends, battery;
+} solved_t;
+
+/* A side without a demand: circle and ellipse in one step of the turn, the battery in another.
+ * available_ahead works in the even ones. */
+static solved_t solved_of(const torque_limits_turn_t *turn, side_t sign, side_t demanded)
+{
+    const bool whole = demanded == SIDE_BOTH || demanded == sign;
+    const solved_t out = {
+        .ends = whole || turn->step == 1U,
+        .battery = whole || (turn->step == 3U && turn->side == sign),
+    };
+    return out;
+}
+
+static void feasible_lines(torque_limits_state_t *state, torque_limits_t *out,
+                           const feasible_set_t *set, side_t demanded,
+                           const battery_limit_t *discharge, const battery_limit_t *charge,
+                           int32_t bus_mV)
+{
     const int32_t cap_mNm = q_min(out->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm,
                                   out->driving[TORQUE_LINE_MAX_POWER].torque_mNm);
+    torque_limits_turn_t *turn = &state->turn;
     feasible_circle_t circle = {.known = false};
     static const side_t SIDES[2] = {SIDE_DRIVING, SIDE_BRAKING};
     for (int k = 0; k < 2; k++) {
-        limit_t *line = k == 0 ? out->driving : out->braking;
-        feasible_side_t side = feasible_side_at(set, SIDES[k], cap_mNm);
-        const feasible_bounds_t ends = feasible_by_voltage_and_current(&side, &circle);
-        line[TORQUE_LINE_PHASE_CURRENT] = limit_init(ends.current_mNm, REASON_PHASE_CURRENT);
-        line[TORQUE_LINE_VOLTAGE] = limit_init(ends.voltage_mNm, REASON_VOLTAGE);
-        line[TORQUE_LINE_DRAWN] =
-            limit_init(feasible_by_drawn_mNm(&side, drawn_b), discharge.reason);
-        if (SIDES[k] == SIDE_BRAKING) {
-            out->losses = loss_braking_at(set, returned, derating_q15);
-            const int32_t by_map_mNm = feasible_by_returned_mNm(&side, returned);
-            line[TORQUE_LINE_RETURNED] =
-                limit_init(loss_braking_torque_mNm(&side, &out->losses, by_map_mNm), charge.reason);
-            line[TORQUE_LINE_RETURNED_PEAK] = line[TORQUE_LINE_RETURNED];
-            if (charge.peak_mA != charge.current_mA) {
-                const feasible_returned_t peak =
-                    returned_at(model, charge.peak_mA, charge.peak_margin_mA, bus_mV);
-                const int32_t most_mNm = feasible_by_returned_mNm(&side, peak);
-                line[TORQUE_LINE_RETURNED_PEAK] = limit_init(
-                    q_max(most_mNm, line[TORQUE_LINE_RETURNED].torque_mNm), charge.peak_reason);
-            }
+        const side_t sign = SIDES[k];
+        limit_t *line = sign == SIDE_DRIVING ? out->driving : out->braking;
+        const solved_t solved = solved_of(turn, sign, demanded);
+        feasible_side_t side = {.set = set,
+                                .sign = (int32_t)sign,
+                                .cap_mNm = turn->cap_mNm,
+                                .cap = turn->cap,
+                                .cap_has_voltage = turn->cap_has_voltage};
+        if (solved.ends) {
+            side = feasible_side_at(set, sign, cap_mNm);
+            solve_ends(line, &side, &circle);
+        }
+        if (solved.ends && !solved.battery) {
+            turn->side = sign;
+            turn->cap_mNm = side.cap_mNm;
+            turn->cap = side.cap;
+            turn->cap_has_voltage = side.cap_has_voltage;
+        }
+        if (solved.battery) {
+            line[TORQUE_LINE_DRAWN] =
+                limit_init(feasible_by_drawn_mNm(&side, out->drawn_b), discharge->reason);
+        }
+        if (solved.battery && sign == SIDE_BRAKING) {
+            solve_returned(out, &side, charge, bus_mV);
         }
     }
+    turn->step = (turn->step + 1U) % TORQUE_LIMITS_TURN_steps;
 }
 
 /* Zero at and below the end speed, even where the range has no width or ends at standstill. */
@@ -356,7 +400,12 @@ void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
         battery->max_voltage_mV - bus_mV, -drawn_mA, CHARGE);
 
     const int32_t derating_q15 = common_lines(table, config, model, in);
-    feasible_lines(table, set, discharge, charge, bus_mV, derating_q15);
+    table->drawn_b = feasible_power_b(model, discharge.current_mA, bus_mV);
+    const loss_braking_t losses = loss_braking_at(
+        set, returned_at(model, charge.current_mA, charge.margin_mA, bus_mV), derating_q15);
+    table->losses.current_b = losses.current_b;
+    table->losses.returned = losses.returned;
+    feasible_lines(state, table, set, in->demanded, &discharge, &charge, bus_mV);
     table->driving[TORQUE_LINE_MAX_SPEED] = torque_limits_max_speed(config, model->speed_mrad_s);
     table->driving[TORQUE_LINE_ENABLE] =
         share_line(config, in->torque_enable.drive_q15, in->torque_enable.reason);

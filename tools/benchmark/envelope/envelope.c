@@ -274,6 +274,11 @@ static void begin_anew(void)
     const int32_t strategy = (int32_t)(share() * STRATEGIES) % STRATEGIES;
     now = *start;
     now.config.brake.strategy = strategy;
+    /* What takes turns: at any step of its round. */
+    static uint32_t step;
+    now.slow.torque.ahead.step = step % AVAILABLE_AHEAD_ROUND_steps;
+    now.slow.torque.limits.turn.step = step % TORQUE_LIMITS_TURN_steps;
+    step++;
 }
 
 int main(void)

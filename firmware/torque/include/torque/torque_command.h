@@ -47,6 +47,12 @@ typedef struct {
     bool falling;        /* at the torque rate, towards a smaller torque of the same sign */
 } torque_command_out_t;
 
+/* Whether a torque acts against the rotation; none does at standstill.
+ *
+ * @post result == ((speed_mrad_s > 0 && torque_mNm < 0) || (speed_mrad_s < 0 && torque_mNm > 0))
+ */
+bool torque_command_is_against(int32_t torque_mNm, int32_t speed_mrad_s);
+
 /* Permitted change of the torque's magnitude in one slow step; negative: it must fall.
  *
  * @post q_abs(result) <= q_max(config->brake.torque_rate_mNm_s / 1000, 1)

@@ -45,6 +45,7 @@ typedef enum { TORQUE_LINES(TORQUE_LINE_ENUM) TORQUE_LINE_COUNT } torque_line_t;
 #undef TORQUE_LINE_ENUM
 
 typedef struct {
+    side_t demanded;          /* the other side is solved in turns; SIDE_BOTH: both in every step */
     int32_t brake_demand_mNm; /* magnitude; a parallel brake takes a share of it */
     int32_t bus_voltage_mV;
     int32_t bus_current_mA;           /* of this motor, positive out of the battery */
@@ -58,8 +59,20 @@ typedef struct {
     torque_enable_t torque_enable;
 } torque_limits_input_t;
 
+enum { TORQUE_LIMITS_TURN_steps = 8 };
+
+/* The side without a demand between its two steps of a turn. */
+typedef struct {
+    uint32_t step; /* of the turn */
+    side_t side;   /* of the cap; SIDE_BOTH: none */
+    int32_t cap_mNm;
+    motor_point_t cap;
+    bool cap_has_voltage;
+} torque_limits_turn_t;
+
 typedef struct {
     foldback_state_t charge, discharge;
+    torque_limits_turn_t turn;
     int32_t abs_hold_steps; /* remaining slow steps with the bound of the intervention */
     int32_t abs_share_percent;
 } torque_limits_state_t;
@@ -83,7 +96,11 @@ typedef struct {
 void torque_limits_init(torque_limits_state_t *state, torque_limits_t *table);
 
 /* table: from torque_limits_init(); lines that the strategy or the direction does not use stay
- * unbounded. Slow loop, once per step. */
+ * unbounded. Slow loop, once per step.
+ *
+ * All lines of the demanded side are of this step. Of the other one, which bounds no torque, the
+ * solved ones (PHASE_CURRENT, VOLTAGE, DRAWN, RETURNED) come once in a turn, so that they are up to
+ * TORQUE_LIMITS_TURN_steps old; the cap that the latter two begin with, two steps more. */
 void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
                         const torque_limits_input_t *in, torque_limits_t *table);
 

@@ -446,3 +446,27 @@ void test_the_reason_shown_on_a_bound_is_that_of_the_table_s_tightest_line(void)
         TEST_ASSERT_GREATER_THAN_INT(10, on_bound[MET[k]]);
     }
 }
+
+/* The battery takes or gives nothing from the step on in which a demand comes: the bound of its
+ * side is of that step, whichever side was demanded before and in whichever step of its turn. */
+void test_a_new_demand_meets_a_bound_of_the_same_step(void)
+{
+    enum { BRAKE, LIFT_OFF, ROLLING_BACK, DRIVE, DEMANDS };
+    for (int n = 0; n < DEMANDS * TORQUE_LIMITS_TURN_steps; n++) {
+        const int kind = n / TORQUE_LIMITS_TURN_steps;
+        torque_rig_reset();
+        in.drive_torque_mNm = kind == DRIVE ? 0 : 10000;
+        in.brake_torque_mNm = kind == DRIVE ? 10000 : 0;
+        (void)run(100 + n % TORQUE_LIMITS_TURN_steps);
+        in.bms_charge_current_mA = 0;
+        in.bms_discharge_current_mA = 0;
+        in.drive_torque_mNm = kind == LIFT_OFF ? -10000 : kind == BRAKE ? 0 : 10000;
+        in.brake_torque_mNm = kind == BRAKE ? 10000 : 0;
+        in.speed_mrad_s = kind == ROLLING_BACK ? -in.speed_mrad_s : in.speed_mrad_s;
+        (void)step();
+        const torque_limits_t *now = &state.table;
+        const limit_t *line =
+            kind == DRIVE ? &now->driving[TORQUE_LINE_DRAWN] : &now->braking[TORQUE_LINE_RETURNED];
+        TEST_ASSERT_LESS_THAN_INT32(2000, line->torque_mNm); /* its losses */
+    }
+}

@@ -130,3 +130,55 @@ void test_torque_limits_of_a_salient_motor_keep_the_battery_within_its_currents(
     TEST_ASSERT_GREATER_THAN_INT(1000, charging);
     TEST_ASSERT_GREATER_THAN_INT(1000, draining);
 }
+
+/* All lines of a side; `old`: those that are solved apart need only be of an earlier step. */
+static void assert_same_lines(const limit_t *expected, const limit_t *lines, bool old)
+{
+    for (torque_line_t line = 0; line < TORQUE_LINE_COUNT; line++) {
+        const bool solved = line >= TORQUE_LINE_PHASE_CURRENT && line <= TORQUE_LINE_RETURNED_PEAK;
+        if (!(old && solved)) {
+            TEST_ASSERT_EQUAL_INT32(expected[line].torque_mNm, lines[line].torque_mNm);
+            TEST_ASSERT_EQUAL_INT(expected[line].reason, lines[line].reason);
+        }
+    }
+}
+
+/* Two tables under the same random conditions, which stay for two turns: one has both sides of
+ * every step. The demanded side changes at random steps. Of the side without a demand the cap is
+ * solved in one step of a turn, the battery's power two steps later, with what was the cap then. */
+void test_demanded_side_is_of_this_step_and_the_other_of_a_turn_and_two_steps(void)
+{
+    random_t random = random_seeded(31);
+    torque_limits_t both;
+    torque_limits_state_t of_both;
+    torque_limits_init(&of_both, &both);
+    torque_limits_init(&state, &table);
+    enum { LASTING = 2 * TORQUE_LIMITS_TURN_steps, LATEST = TORQUE_LIMITS_TURN_steps + 2 };
+    int32_t since = 0;
+    int differed = 0;
+    for (int n = 0; n < 200 * LASTING; n++) {
+        if (n % LASTING == 0) {
+            random_salient_conditions(&random);
+            phase_mV = random_between(&random, 5000, 30000);
+        }
+        const side_t before = conditions.demanded;
+        conditions.demanded = random_between(&random, 0, 15) == 0 ? SIDE_BRAKING : SIDE_DRIVING;
+        conditions.demanded =
+            n / (100 * LASTING) == 0 ? conditions.demanded : (side_t)-conditions.demanded;
+        since = n % LASTING == 0 || conditions.demanded != before ? 0 : since + 1;
+        const motor_model_t model = model_at(&config, 40000, winding_temperature_cC);
+        const feasible_set_t set = feasible_set_at(&model, phase_mV);
+        torque_limits_step(&state, &set, &conditions, &table);
+        torque_limits_input_t in_full = conditions;
+        in_full.demanded = SIDE_BOTH;
+        torque_limits_step(&of_both, &set, &in_full, &both);
+        const bool drives = conditions.demanded == SIDE_DRIVING;
+        assert_same_lines(both.driving, table.driving, !drives && since < LATEST);
+        assert_same_lines(both.braking, table.braking, drives && since < LATEST);
+        const limit_t *other = drives ? table.braking : table.driving;
+        const limit_t *expected = drives ? both.braking : both.driving;
+        differed += other[TORQUE_LINE_PHASE_CURRENT].torque_mNm !=
+                    expected[TORQUE_LINE_PHASE_CURRENT].torque_mNm;
+    }
+    TEST_ASSERT_GREATER_THAN_INT(100, differed); /* the work is saved */
+}
