@@ -94,6 +94,7 @@ static motor_point_t circle_and_ellipse(const feasible_side_t *side,
     int32_t i_q_b = 0;
     motor_point_t at =
         on_circle(m, side->sign, q_clamp(start_b, circle->lowest_b, circle->best_b), &i_q_b);
+    int32_t before = 0;
     for (int pass = 0; pass < CIRCLE_STEPS; pass++) {
         /* Along the tangent, as long as i_q. */
         const int32_t d_per_t = q_abs(i_q_b);
@@ -115,9 +116,11 @@ static motor_point_t circle_and_ellipse(const feasible_side_t *side,
             break; /* at an end */
         }
         at = on_circle(m, side->sign, to_b, &i_q_b);
-        if (q_abs(t) < SHORT_ANGLE) {
-            break;
+        const bool turned = (t < 0) != (before < 0) && q_abs(t) > q_abs(before) / 2;
+        if (q_abs(t) < SHORT_ANGLE || (before != 0 && turned)) {
+            break; /* near enough; or to and fro, where the two do not meet */
         }
+        before = t;
     }
     return at;
 }
@@ -144,7 +147,8 @@ int32_t feasible_by_current_mNm(feasible_side_t *side, feasible_circle_t *circle
 }
 
 /* Where the voltage suffices on the circle at the lowest i_d, the ellipse meets the circle there or
- * at a higher one: no need to know where the ellipse ends. */
+ * at a higher one: no need to know where the ellipse ends. Where it suffices for no torque, the two
+ * do not meet, and the current bounds nothing. */
 feasible_bounds_t feasible_by_voltage_and_current(feasible_side_t *side, feasible_circle_t *circle)
 {
     const feasible_set_t *set = side->set;
@@ -154,7 +158,8 @@ feasible_bounds_t feasible_by_voltage_and_current(feasible_side_t *side, feasibl
         !voltage_suffices(set, on_circle(set->model, side->sign, set->weakest_d_b, &i_q_b))) {
         out.voltage_mNm = feasible_by_voltage_mNm(side);
     }
-    out.current_mNm = feasible_by_current_mNm(side, circle);
+    out.current_mNm =
+        out.voltage_mNm > 0 ? feasible_by_current_mNm(side, circle) : FEASIBLE_UNBOUNDED;
     return out;
 }
 

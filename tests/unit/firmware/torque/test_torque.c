@@ -407,7 +407,7 @@ void test_the_reason_shown_on_a_bound_is_that_of_the_table_s_tightest_line(void)
     for (int n = 0; n < 20000; n++) {
         if (n % 100 == 0) {
             config.brake.strategy = n / 100 % 3;
-            config.motor.max_phase_current_mA = n / 100 % 2 == 0 ? 20000 : 90000;
+            config.motor.max_phase_current_mA = n / 100 % 2 == 0 ? 8000 : 90000;
             torque_init(&state, &config);
         }
         draw_state(&random);
