@@ -9,6 +9,8 @@
 enum {
     STEP_US = THERMAL_MODEL_STEP_MS * 1000,
     STEP_LOG2 = 6,
+    IRON_STEP = 0, /* of the next 64; the switches come after the winding */
+    WINDING_STEP = 1,
     RISE_PER_WATT = 419430,       /* 64 ms 100/1000 2^16: over the capacity in mJ/K */
     MOST_q16 = 32700 << 16,       /* 327 degC */
     MOST_CURRENT_mA = 4000000,    /* the largest base of current */
@@ -174,6 +176,26 @@ static int32_t length_mA(int32_t i_d_mA, int32_t i_q_mA)
     return q_max(large_mA, large_mA - (large_mA >> 3) + (small_mA >> 1));
 }
 
+/* One part of what the heat of the 64 ms before calls for. */
+static void take_heat(thermal_model_state_t *state, const config_t *config, int32_t d_mA,
+                      int32_t q_mA, int32_t speed_mrad_s)
+{
+    thermal_lumps_t *const winding = &state->winding;
+    if (state->steps == IRON_STEP) {
+        state->iron_mW = winding->known ? iron_mW(config, d_mA, q_mA, speed_mrad_s) : 0;
+    } else if (state->steps == WINDING_STEP) {
+        if (winding->known) {
+            advance(winding, copper_mW(config, state->square, thermal_model_inner_cC(winding)),
+                    state->iron_mW);
+        }
+    } else {
+        if (state->switches.known) {
+            advance(&state->switches, bridge_mW(config, state->square, state->mean_mA), 0);
+        }
+        state->heat_due = false;
+    }
+}
+
 void thermal_model_step(thermal_model_state_t *state, const config_t *config, int32_t i_d_mA,
                         int32_t i_q_mA, int32_t speed_mrad_s)
 {
@@ -181,21 +203,17 @@ void thermal_model_step(thermal_model_state_t *state, const config_t *config, in
     const int32_t q_mA = q_limit(i_q_mA, MOST_CURRENT_mA);
     state->square_sum += (int64_t)d_mA * d_mA + (int64_t)q_mA * q_mA;
     state->length_sum += length_mA(d_mA, q_mA);
+    if (state->heat_due) {
+        take_heat(state, config, d_mA, q_mA, speed_mrad_s);
+    }
     state->steps++;
     if (state->steps < THERMAL_MODEL_STEP_MS) {
         return;
     }
-    const int64_t square = state->square_sum >> (STEP_LOG2 + SQUARE_SHIFT);
-    const int32_t mean_mA = state->length_sum >> STEP_LOG2;
+    state->square = state->square_sum >> (STEP_LOG2 + SQUARE_SHIFT);
+    state->mean_mA = state->length_sum >> STEP_LOG2;
     state->steps = 0;
     state->square_sum = 0;
     state->length_sum = 0;
-    thermal_lumps_t *const winding = &state->winding;
-    if (winding->known) {
-        advance(winding, copper_mW(config, square, thermal_model_inner_cC(winding)),
-                iron_mW(config, d_mA, q_mA, speed_mrad_s));
-    }
-    if (state->switches.known) {
-        advance(&state->switches, bridge_mW(config, square, mean_mA), 0);
-    }
+    state->heat_due = true;
 }

@@ -5,7 +5,8 @@
  * to beyond the trip, demands, currents, voltages, temperatures (broken sensors included), limits
  * of the battery (zero included), anti-lock, switched off, faults; the three strategies and the
  * three rotor sensors. A quarter of the calls begins anew with a controller that has just come to
- * RUN; the others walk on, half of them at an operating point near the one before.
+ * RUN, at one of every fourth of 64 steps, so that what the firmware does in rotation comes as
+ * often as in a ride; the others walk on, half of them at an operating point near the one before.
  *
  * Options on the emulated command line: states=N (100 000), show=I prints the state with index I
  * in plain text and ends, reasons=1 prints the reason shown in every state.
@@ -18,7 +19,7 @@
 #include "controller/controller.h"
 #include "semihost.h"
 
-enum { STATES = 100000, START_STEPS = 600, SENSORS = 3, STRATEGIES = 3 };
+enum { STATES = 100000, START_STEPS = 600, SENSORS = 3, STRATEGIES = 3, PHASES = 16, APART = 4 };
 
 void begin_measuring(void);
 
@@ -28,7 +29,7 @@ __attribute__((noinline, noclone)) void begin_measuring(void)
     __asm volatile("");
 }
 
-/* One rotor sensor: its configuration, and a controller that has just come to RUN with it. */
+/* One rotor sensor: its configuration, and a controller that has come to RUN with it. */
 typedef struct {
     config_t config;
     controller_slow_t slow;
@@ -38,7 +39,7 @@ typedef struct {
     slow_input_t in;
 } start_t;
 
-static start_t starts[SENSORS];
+static start_t starts[SENSORS][PHASES];
 static start_t now;
 
 /* ---- random numbers: xorshift32 (Marsaglia 2003) ---- */
@@ -187,6 +188,16 @@ static slow_output_t step(start_t *at)
     return out;
 }
 
+static operating_mode_t run_calmly(start_t *start, int steps)
+{
+    slow_output_t out = {.mode = MODE_BOOT};
+    for (int ms = 0; ms < steps; ms++) {
+        add_periods(start);
+        out = step(start);
+    }
+    return out.mode;
+}
+
 /* Calm at the battery's middle, switched on: through self-test and calibration into RUN. */
 static operating_mode_t start_with(start_t *start, int32_t sensor)
 {
@@ -213,12 +224,7 @@ static operating_mode_t start_with(start_t *start, int32_t sensor)
         .config_accepted = true,
     };
     start->in = calm;
-    slow_output_t out = {.mode = MODE_BOOT};
-    for (int ms = 0; ms < START_STEPS; ms++) {
-        add_periods(start);
-        out = step(start);
-    }
-    return out.mode;
+    return run_calmly(start, START_STEPS);
 }
 
 /* ---- a state in plain text ---- */
@@ -270,7 +276,8 @@ static void show(const slow_output_t *out)
 
 static void begin_anew(void)
 {
-    const start_t *start = &starts[(int)(share() * SENSORS) % SENSORS];
+    const start_t *start =
+        &starts[(int)(share() * SENSORS) % SENSORS][(int)(share() * PHASES) % PHASES];
     const int32_t strategy = (int32_t)(share() * STRATEGIES) % STRATEGIES;
     now = *start;
     now.config.brake.strategy = strategy;
@@ -284,7 +291,11 @@ static void begin_anew(void)
 int main(void)
 {
     for (int32_t sensor = 0; sensor < SENSORS; sensor++) {
-        const operating_mode_t mode = start_with(&starts[sensor], sensor);
+        operating_mode_t mode = start_with(&starts[sensor][0], sensor);
+        for (int k = 1; k < PHASES; k++) {
+            starts[sensor][k] = starts[sensor][k - 1];
+            mode = run_calmly(&starts[sensor][k], APART);
+        }
         if (mode != MODE_RUN) {
             semihost_print("envelope: start-up ended in ");
             semihost_print(operating_mode_text(mode));

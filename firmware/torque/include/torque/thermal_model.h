@@ -33,7 +33,12 @@ typedef struct {
     thermal_lumps_t winding, switches;
     int64_t square_sum; /* of the current vector's length, mA^2, in this step */
     int32_t length_sum; /* of the length, mA */
-    uint16_t steps;     /* of the present 64 ms */
+    /* Of the 64 ms before, until the rows have taken their heat. */
+    int64_t square; /* mean of the square, 2^12 mA^2 */
+    int32_t mean_mA;
+    int32_t iron_mW;
+    uint16_t steps; /* of the present 64 ms */
+    bool heat_due;
     bool started;
 } thermal_model_state_t;
 
@@ -68,7 +73,9 @@ void thermal_model_init(thermal_model_state_t *state, const config_t *config);
 void thermal_model_start(thermal_model_state_t *state, const config_t *config, int32_t winding_cC,
                          bool winding_broken, int32_t switch_cC, bool switch_broken);
 
-/* i_d_mA, i_q_mA: means of the millisecond, peak phase; speed mechanical, signed. Any values. */
+/* i_d_mA, i_q_mA: means of the millisecond, peak phase; speed mechanical, signed. Any values. What
+ * comes once in 64 steps is spread over the first three of the next ones: iron loss, winding,
+ * switches. */
 void thermal_model_step(thermal_model_state_t *state, const config_t *config, int32_t i_d_mA,
                         int32_t i_q_mA, int32_t speed_mrad_s);
 
