@@ -98,7 +98,10 @@ static inline int32_t map_d_b(const feasible_set_t *set, int32_t airgap_b)
         k, loss_maps_row_d_mA(&set->row, scaled_shift(airgap_b, -k->torque_shift)));
 }
 
-/* The cap's torque with the i_d of the voltage ellipse. */
+/* The cap's torque with the i_d of the voltage ellipse.
+ *
+ * @post side->sign == old(side->sign) && side->cap_mNm == old(side->cap_mNm)
+ */
 void feasible_weaken_cap(feasible_side_t *side);
 
 /* The phase current limit, less a reserve for the fast loop's field weakening. */

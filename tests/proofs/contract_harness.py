@@ -33,11 +33,23 @@ GROUPS: dict[str, tuple[str, ...]] = {
                       "torque/brake_blending", "torque/available_ahead", "torque/thermal_model"),
 }  # fmt: skip
 # With `./tools/dev test --full` only: these groups, and one by one the functions of HEAVY.
-FULL = ("recorder", "torque")
+FULL = ("recorder", "torque", "feasible_torque")
 HEAVY: tuple[str, ...] = (
     "torque_limits_winding", "torque_limits_switch", "torque_limits_max_speed",
     "torque_limits_tightest", "lift_off_split",
 )  # fmt: skip
+# Of these the postconditions are proved with arithmetic that wraps around, not that none overflows:
+# their products and quotients of 64 bits are too hard for the solvers (SOUNDNESS.md, Values only).
+VALUES: dict[str, tuple[str, ...]] = {
+    "torque_steps": ("torque_command_step", "torque_limits_step", "current_setpoint_step"),
+    "feasible_torque": (
+        "motor_model_at", "motor_model_point", "feasible_set_at", "feasible_side_at",
+        "feasible_magnitude_mNm", "feasible_power_b", "feasible_weaken_cap",
+        "feasible_by_voltage_mNm", "feasible_by_voltage_and_current", "feasible_by_drawn_mNm",
+        "feasible_by_returned_mNm", "feasible_forced", "feasible_by_current_mNm",
+        "loss_maps_row_at", "loss_maps_torque_mNm", "loss_braking_at", "loss_braking_torque_mNm",
+    ),
+}  # fmt: skip
 # Of core: not proved but tested with random and extreme inputs (test_contracts.py).
 TESTED: tuple[str, ...] = (
     "q_scale", "q15_share_of", "scaled_multiply", "scaled_constant", "scaled_ratio", "scaled_root",
@@ -69,15 +81,33 @@ CHECKS = (
     "20",
     "--unwinding-assertions",
 )
+OVERFLOW_CHECKS = ("--signed-overflow-check", "--undefined-shift-check")
 CORE_HEADERS = tuple(path.name for path in sorted(FIRMWARE.glob("core/include/core/*.h")))
+
+
+def only_values() -> list[str]:
+    """Return the functions of which only the values are proved."""
+    return [name for group in VALUES.values() for name in group]
+
+
+def _replaceable(values: bool) -> dict[str, Contract]:
+    """Return what is replaced where it is called.
+
+    Pure modules have no globals: without a contract any result, and any content of what the
+    parameters let a function write.
+    """
+    return contracts.known() | (contracts.without_promise() if values else {})
 
 
 def functions_of(chosen: str) -> list[str]:
     """Return the functions of a group, or the one of that name."""
+    if chosen in VALUES:
+        return list(VALUES[chosen])
     if chosen not in GROUPS:
         return [contracts.known()[chosen].name]
+    elsewhere = (*HEAVY, *TESTED, *only_values())
     return [one.name for one in contracts.known().values()
-            if one.part in GROUPS[chosen] and one.name not in (*HEAVY, *TESTED)]  # fmt: skip
+            if one.part in GROUPS[chosen] and one.name not in elsewhere]  # fmt: skip
 
 
 def _include(header: Path) -> str:
@@ -161,11 +191,23 @@ def harness(one: Contract) -> str:
     return "\n".join([*lines, "}", ""])
 
 
-def substitute(one: Contract) -> str:
-    """Return what replaces a function for its callers: any behaviour that the contract allows."""
+def _same_pointers(one: Contract) -> list[str]:
+    """Return assignments of the pointers that a postcondition makes equal to a parameter."""
+    made = [re.fullmatch(r"result\.(\w+) == (\w+)", term.strip())
+            for line in one.post for term in line.split("&&")]  # fmt: skip
+    return [f"    result.{match[1]} = {match[2]};" for match in made
+            if match and match[1] in POINTEES.get(one.result, {})]  # fmt: skip
+
+
+def substitute(one: Contract, values: bool = False) -> str:
+    """Return what replaces a function for its callers: any behaviour that the contract allows.
+
+    values: without the preconditions of functions that are only tested.
+    """
     conditions = _Conditions(one.post)
     lines = [_prototype(one), "{"]
-    lines += [f"    PROVE({line});" for line in one.pre]
+    if not (values and one.name in TESTED):
+        lines += [f"    PROVE({line});" for line in one.pre]
     lines += [f"    PROVE({parameter.name} == &proof_config);"
               for parameter in one.parameters if parameter.type == "config_t"]  # fmt: skip
     lines += conditions.before()
@@ -186,7 +228,7 @@ def substitute(one: Contract) -> str:
                 f"    *{parameter.name} = any_{parameter.name};",
             ]  # fmt: skip
     if one.result != "void":
-        lines.append(f"    {one.result} result;")
+        lines += [f"    {one.result} result;", *_same_pointers(one)]
     lines += [f"    ASSUME({line});" for line in conditions.post]
     if one.result != "void":
         lines.append("    return result;")
@@ -198,26 +240,49 @@ def _core_includes() -> list[str]:
             '#include "contract.h"']  # fmt: skip
 
 
-def _unit(part: str, names: list[str]) -> str:
-    """Return the translation unit of a part: its sources and the proofs of its functions."""
-    known = contracts.known()
+def with_calls_by_contract(source: str, names: Iterable[str]) -> str:
+    """Return a C source in which calls of some functions, not their definitions, are renamed."""
+    calls = re.compile(rf"(?m)^([ \t].*)\b({'|'.join(names)})\(")
+    while calls.search(source):
+        source = calls.sub(r"\1\2_by_contract(", source)
+    return source
+
+
+def _included(folder: Path, path: Path, others: list[Contract]) -> str:
+    if not others:
+        return f'#include "{path}"'
+    copy = folder / f"calls_{path.name}"
+    text = with_calls_by_contract(path.read_text(encoding="utf-8"), [one.name for one in others])
+    copy.write_text(text, encoding="utf-8")
+    return f'#include "{copy}"'
+
+
+def _unit(folder: Path, part: str, names: list[str]) -> str:
+    """Return the translation unit of a part: its sources and the proofs of its functions.
+
+    Where only values are proved, calls of functions of the same sources are replaced as well.
+    """
+    values = names[0] in only_values()
+    known = _replaceable(values)
+    others = [one for one in known.values() if values and one.part == part and not one.inline]
     elsewhere = [one for one in known.values() if one.part != part]
     elsewhere = [one for one in elsewhere if not one.inline or one.part.startswith("core/")]
     lines = _core_includes()
     lines += [f"{_prototype(one)};" for one in elsewhere if one.part.startswith("core/")]
     lines += [f"#define {one.name} {one.name}_by_contract" for one in elsewhere]
     header = next(one.header for one in known.values() if one.part == part)
-    lines += [_include(header), *(f'#include "{path}"' for path in _sources(part))]
+    lines += [_include(header), *(f"{_prototype(one)};" for one in others)]
+    lines += [_included(folder, path, others) for path in _sources(part)]
     lines += [harness(known[name]) for name in names]
     return "\n".join([*lines, ""])
 
 
-def _substitutes(names: Iterable[str]) -> str:
-    known = contracts.known()
+def _substitutes(names: Iterable[str], values: bool) -> str:
+    known = _replaceable(values)
     replaced = [one for one in known.values() if not one.inline or one.part.startswith("core/")]
     headers = {one.header: None for one in replaced}
     lines = [*_core_includes(), "config_t proof_config;", *map(_include, headers)]
-    lines += [substitute(one) for one in replaced]
+    lines += [substitute(one, values) for one in replaced]
     lines += [f"void prove_{name}(void);" for name in names]
     lines += ["void prove_all(void)", "{", "    any_configuration();", "    uint8_t which;"]
     lines.append("    switch (which) {")
@@ -235,11 +300,13 @@ def command(folder: Path, names: list[str], ends: bool) -> list[str]:
     parts: dict[str, list[str]] = {}
     for name in names:
         parts.setdefault(known[name].part, []).append(name)
+    values = names[0] in only_values()
+    checks = [check for check in CHECKS if not values or check not in OVERFLOW_CHECKS]
     files = [folder / "substitutes.c"]
-    files[0].write_text(_substitutes(names), encoding="utf-8")
+    files[0].write_text(_substitutes(names, values), encoding="utf-8")
     for part, own in parts.items():
         files.append(folder / f"{part.replace('/', '_')}.c")
-        files[-1].write_text(_unit(part, own), encoding="utf-8")
+        files[-1].write_text(_unit(folder, part, own), encoding="utf-8")
     includes = [PROOFS, *FIRMWARE.glob("*/include")]
     includes += [path for path in FIRMWARE.iterdir() if path.is_dir()]
     core = [FIRMWARE / "core" / f"{name}.c" for name in CORE_SOURCES]
@@ -250,8 +317,10 @@ def command(folder: Path, names: list[str], ends: bool) -> list[str]:
         *(f"-I{path}" for path in includes),
         *map(str, files),
         *map(str, core),
-        *CHECKS,
+        *checks,
+        *(f"--no{check[1:]}" for check in OVERFLOW_CHECKS if values),
         *(["-DCONTRACT_ENDS"] if ends else []),
+        *(["--slice-formula"] if values else []),
         "--verbosity",
         "4",
     ]

@@ -19,6 +19,8 @@ WITHOUT_HEAD = """\
 # SPDX-License-Identifier: Apache-2.0
 # Public functions of torque, monitor, modes and controller without a contract that is proved.
 """
+# A private header whose functions are in the sources of a public one.
+SAME_SOURCES = {"torque/feasible_ellipse": "torque/feasible_torque"}
 _FUNCTION = re.compile(
     r"(?:/\*(?P<comment>(?:(?!\*/).)*)\*/\s*)?^(?P<result>(?:static inline )?\w+(?: \*| ))"
     r"(?P<name>[a-z]\w+)\((?P<parameters>[^()]*)\)\s*[;{]",
@@ -61,7 +63,8 @@ class Contract:
     def part(self) -> str:
         """The header's module and name, such as torque/limit."""
         parts = self.header.relative_to(FIRMWARE).parts
-        return f"{parts[0]}/{self.header.stem}"
+        own = f"{parts[0]}/{self.header.stem}"
+        return SAME_SOURCES.get(own, own)
 
 
 def _lines(comment: str, tag: str) -> tuple[str, ...]:
@@ -91,8 +94,7 @@ def read(header: Path) -> list[Contract]:
         given = () if parameters == "void" else tuple(parameters.split(", "))
         result = match["result"].replace("static inline ", "").strip()
         pre, post = _lines(comment, "pre"), _lines(comment, "post")
-        # Without a contract nothing is made of the parameters.
-        named = tuple(_parameter(one, ARRAYS) for one in given) if post else ()
+        named = tuple(_parameter(one, ARRAYS) for one in given)
         inline = match["result"].startswith("static")
         out.append(Contract(header, match["name"], result, named, pre, post, inline))
     return out
@@ -104,13 +106,24 @@ def public() -> dict[str, Contract]:
     return {one.name: one for header in sorted(headers) for one in read(header)}
 
 
+def _of_the_modules() -> list[Path]:
+    return [path for module in MODULES
+            for path in (*FIRMWARE.glob(f"{module}/include/*/*.h"), *FIRMWARE.glob(f"{module}/*.h"))
+            ]  # fmt: skip
+
+
 @cache
 def known() -> dict[str, Contract]:
     """Return every function with a contract: public ones, private ones, those of core."""
-    headers = [*FIRMWARE.glob("core/include/core/*.h")]
-    for module in MODULES:
-        headers += [*FIRMWARE.glob(f"{module}/include/*/*.h"), *FIRMWARE.glob(f"{module}/*.h")]
+    headers = [*FIRMWARE.glob("core/include/core/*.h"), *_of_the_modules()]
     return {one.name: one for header in sorted(headers) for one in read(header) if one.post}
+
+
+@cache
+def without_promise() -> dict[str, Contract]:
+    """Return the functions of the modules without a contract: anything may follow their call."""
+    return {one.name: one for header in sorted(_of_the_modules()) for one in read(header)
+            if not one.post and not one.inline and not one.result.endswith("*")}  # fmt: skip
 
 
 def bare() -> list[str]:

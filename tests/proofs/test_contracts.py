@@ -46,10 +46,10 @@ def test_every_public_function_has_a_contract_or_is_listed() -> None:
 
 def test_every_contract_is_proved_once_or_tested() -> None:
     full = contract_harness.FULL
-    assert registered("groups") == [name for name in contract_harness.GROUPS if name not in full]
+    groups = [*contract_harness.GROUPS, *contract_harness.VALUES]
+    assert registered("groups") == [name for name in groups if name not in full]
     assert registered("heavy") == [*full, *contract_harness.HEAVY]
-    grouped = [name for group in contract_harness.GROUPS
-               for name in contract_harness.functions_of(group)]  # fmt: skip
+    grouped = [name for group in groups for name in contract_harness.functions_of(group)]
     everywhere = [*grouped, *contract_harness.HEAVY, *contract_harness.TESTED]
     assert sorted(everywhere) == sorted(contracts.known())
 
@@ -114,6 +114,33 @@ def test_what_a_function_may_write_is_any_content_for_its_callers(tmp_path: Path
     (one,) = contracts.read(file)
     lines = [line.strip() for line in contract_harness.substitute(one).splitlines()]
     assert {"*a = any_a;", "b[at_b] = any;", "ASSUME(*a == 0);"} <= set(lines)
+
+
+def test_without_a_promise_anything_may_follow_a_call(tmp_path: Path) -> None:
+    file = tmp_path / "x.h"
+    file.write_text("/* Nothing is promised. */\nint32_t filled(int32_t *a);\n", encoding="utf-8")
+    (one,) = contracts.read(file)
+    lines = [line.strip() for line in contract_harness.substitute(one).splitlines()]
+    assert {"*a = any_a;", "int32_t result;", "return result;"} <= set(lines)
+    assert not [line for line in lines if line.startswith("ASSUME")]
+
+
+def test_pointers_that_a_result_shares_with_a_parameter_are_assigned(tmp_path: Path) -> None:
+    file = tmp_path / "x.h"
+    declared = "feasible_set_t set(const motor_model_t *model);\n"
+    file.write_text("/* @post result.model == model && true */\n" + declared, encoding="utf-8")
+    (one,) = contracts.read(file)
+    lines = [line.strip() for line in contract_harness.substitute(one).splitlines()]
+    assert lines.index("result.model = model;") < lines.index(
+        "ASSUME(result.model == model && true);"
+    )
+
+
+def test_calls_are_renamed_and_definitions_are_not() -> None:
+    source = "int f(int x)\n{\n    return g(f(x)) + 2 * f(x);\n}\n"
+    renamed = contract_harness.with_calls_by_contract(source, ["f"])
+    assert renamed.count("f_by_contract(") == 2
+    assert renamed.startswith("int f(int x)\n")
 
 
 @pytest.mark.parametrize(

@@ -31,6 +31,17 @@ typedef struct {
  * that the fast loop reports, <= 0 (values above count as 0). i_d with the trim stays above minus
  * current_loop.field_weakening_current, or above i_d itself where that is lower. The circle of
  * motor.max_phase_current limits i_q after i_d: |torque| gets smaller, i_q keeps its sign.
+ *
+ * @pre is_within(set->model->constants->current_shift, 1, 16) &&
+ * is_within(set->model->constants->torque_shift, -30, 30) && is_within(set->model->friction_b, 0, 1
+ * << 26)
+ *
+ * @pre is_within(set->model->constants->weakening_most_b, 0, MOTOR_MODEL_MOST_CURRENT_b)
+ *
+ * @post is_within(result.i_d_mA, -set->model->config->motor.max_phase_current_mA,
+ * set->model->config->motor.max_phase_current_mA)
+ *
+ * @post result.forced_mNm >= 0
  */
 current_setpoint_t current_setpoint_step(const feasible_set_t *set, int32_t torque_mNm,
                                          int32_t i_d_weakening_mA);

@@ -26,12 +26,31 @@ typedef struct {
     int32_t torque_mNm;           /* that returns nothing on the circle; 0: not computed */
 } loss_braking_t;
 
-/* share_q15: derating of winding and switches, 32 767 = none. */
+/* share_q15: derating of winding and switches, 32 767 = none.
+ *
+ * @post set->model->config->brake.loss_braking != 0 || result.current_b == 0
+ *
+ * @post result.by_map_mNm == FEASIBLE_UNBOUNDED && result.torque_mNm == 0 &&
+ * result.returned.power_b == returned.power_b && result.returned.margin_b == returned.margin_b
+ */
 loss_braking_t loss_braking_at(const feasible_set_t *set, feasible_returned_t returned,
                                int32_t share_q15);
 
 /* Largest braking torque, mN m: the one that returns nothing on the current circle, or by_map_mNm,
- * what feasible_by_returned_mNm() gives for the i_d of the map, where that is larger. */
+ * what feasible_by_returned_mNm() gives for the i_d of the map, where that is larger.
+ *
+ * @pre is_within(side->set->model->constants->torque_shift, -30, 30) &&
+ * is_within(side->set->model->constants->current_shift, 1, 16)
+ *
+ * @pre side->sign == 1 || side->sign == -1
+ *
+ * @post result >= by_map_mNm && losses->by_map_mNm == by_map_mNm
+ *
+ * @post result == by_map_mNm || result == losses->torque_mNm
+ *
+ * @post losses->current_b == old(losses->current_b) && losses->returned.power_b ==
+ * old(losses->returned.power_b) && losses->returned.margin_b == old(losses->returned.margin_b)
+ */
 int32_t loss_braking_torque_mNm(const feasible_side_t *side, loss_braking_t *losses,
                                 int32_t by_map_mNm);
 

@@ -16,6 +16,8 @@
  * Optimal regenerative torque map: the braking torque at the airgap that returns the most energy at
  * this wheel speed and winding temperature. Magnitude >= 0, mN m, without any limit. Symmetric in
  * the sign of speed; zero below the speed where regeneration begins.
+ *
+ * @post result >= 0
  */
 int32_t loss_maps_torque_mNm(const config_t *config, int32_t speed_mrad_s,
                              int32_t winding_temperature_cC);
@@ -33,7 +35,13 @@ typedef struct {
     int32_t zero_mNm;                /* from the first point to zero torque */
 } loss_maps_row_t;
 
-/* Position in the map for a speed and a winding temperature. Once per slow step. */
+/* Position in the map for a speed and a winding temperature. Once per slow step.
+ *
+ * @post result.points == config->current_map.torque_points && result.step_log2 ==
+ * config->current_map.torque_step_log2 && result.next_speed == config->current_map.torque_points
+ *
+ * @post config->current_map.temperature_points > 1 || result.hot_mA == result.cold_mA
+ */
 loss_maps_row_t loss_maps_row_at(const config_t *config, int32_t speed_mrad_s,
                                  int32_t winding_temperature_cC);
 

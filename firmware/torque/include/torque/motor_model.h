@@ -74,11 +74,23 @@ typedef struct {
 /* Divides; once at start. */
 void motor_constants_init(motor_constants_t *constants, const config_t *config);
 
-/* config: that of motor_constants_init(). */
+/* config: that of motor_constants_init().
+ *
+ * @post result.constants == constants && result.config == config
+ *
+ * @post result.speed_mrad_s == speed_mrad_s && result.winding_temperature_cC ==
+ * winding_temperature_cC
+ */
 motor_model_t motor_model_at(const motor_constants_t *constants, const config_t *config,
                              int32_t speed_mrad_s, int32_t winding_temperature_cC);
 
-/* The point of terminal currents. */
+/* The point of terminal currents.
+ *
+ * @pre is_within(model->constants->current_shift, 1, 16)
+ *
+ * @post is_within(result.d_b, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b) &&
+ * is_within(result.x_b, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b)
+ */
 motor_point_t motor_model_point(const motor_model_t *model, motor_current_t i);
 
 /* Shaft torque of a point. */

@@ -67,7 +67,36 @@ int32_t torque_command_growth_mNm(const config_t *config, int32_t voltage_use_q1
  */
 void torque_command_init(torque_command_state_t *state);
 
-/* While the bridge does not switch, the command is zero at once, without a ramp. */
+/* While the bridge does not switch, the command is zero at once, without a ramp.
+ *
+ * @pre every(i, TORQUE_LINE_COUNT, limits->driving[i].torque_mNm >= 0 &&
+ * limits->braking[i].torque_mNm >= 0)
+ *
+ * @pre is_within(in->drive_mNm, -100000000, 100000000) && is_within(in->electric_mNm, 0, 200000000)
+ *
+ * @pre is_within(state->command_mNm, -400000000, 400000000)
+ *
+ * @pre in->beside_mNm >= 0 && in->arrived_mNm >= 0
+ *
+ * @post is_within(state->command_mNm, -400000000, 400000000) && result.command_mNm ==
+ * state->command_mNm
+ *
+ * @post torque_enable_any(in->torque_enable) || (result.command_mNm == 0 && !state->braked)
+ *
+ * @post in->drive_mNm != 0 || q_abs(result.command_mNm) <= q_max(q_abs(old(state->command_mNm)),
+ * in->electric_mNm)
+ *
+ * @post in->drive_mNm != 0 || !in->drive_withdrawn || in->speed_mrad_s == 0 || (in->speed_mrad_s >
+ * 0 ? result.command_mNm <= 0 : result.command_mNm >= 0)
+ *
+ * @post !torque_enable_any(in->torque_enable) || !in->bridge_open || q_abs(result.command_mNm) <=
+ * q_max(config->brake.torque_rate_mNm_s / 1000, 1)
+ *
+ * @post result.reason != REASON_NONE || !torque_enable_any(in->torque_enable) || some(i,
+ * TORQUE_LINE_COUNT, limits->driving[i].reason == REASON_NONE || limits->braking[i].reason ==
+ * REASON_NONE) || result.command_mNm == in->drive_mNm + (in->speed_mrad_s >= 0 ? -in->electric_mNm
+ * : in->electric_mNm)
+ */
 torque_command_out_t torque_command_step(torque_command_state_t *state, const config_t *config,
                                          const torque_limits_t *limits,
                                          const torque_command_input_t *in);

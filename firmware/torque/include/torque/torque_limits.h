@@ -100,23 +100,70 @@ void torque_limits_init(torque_limits_state_t *state, torque_limits_t *table);
  *
  * All lines of the demanded side are of this step. Of the other one, which bounds no torque, the
  * solved ones (PHASE_CURRENT, VOLTAGE, DRAWN, RETURNED) come once in a turn, so that they are up to
- * TORQUE_LIMITS_TURN_steps old; the cap that the latter two begin with, two steps more. */
+ * TORQUE_LIMITS_TURN_steps old; the cap that the latter two begin with, two steps more.
+ *
+ * @pre is_within(set->model->config->battery.max_voltage_mV -
+ * set->model->config->battery.min_voltage_mV, 1, 2000000)
+ *
+ * @pre is_within(set->model->config->battery.foldback_voltage_mV,
+ * set->model->config->battery.min_voltage_mV, set->model->config->battery.max_voltage_mV) &&
+ * is_within(set->model->config->battery.discharge_foldback_voltage_mV,
+ * set->model->config->battery.min_voltage_mV, set->model->config->battery.max_voltage_mV)
+ *
+ * @pre is_within(state->abs_share_percent, 0, 100) && state->abs_hold_steps >= 0
+ *
+ * @pre is_within(state->charge.allowed_q24, 0, SCALED_ONE) &&
+ * is_within(state->discharge.allowed_q24, 0, SCALED_ONE)
+ *
+ * @post is_within(state->charge.allowed_q24, 0, SCALED_ONE) &&
+ * is_within(state->discharge.allowed_q24, 0, SCALED_ONE)
+ *
+ * @pre is_within(set->model->constants->torque_shift, -30, 30) &&
+ * is_within(set->model->constants->current_shift, 1, 16)
+ *
+ * @post is_within(state->abs_share_percent, 0, 100) && state->abs_hold_steps >= 0
+ *
+ * @pre every(i, TORQUE_LINE_COUNT, table->driving[i].torque_mNm >= 0 &&
+ * table->braking[i].torque_mNm >= 0)
+ *
+ * @post every(i, TORQUE_LINE_COUNT, table->driving[i].torque_mNm >= 0 &&
+ * table->braking[i].torque_mNm >= 0)
+ *
+ * @post table->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm ==
+ * set->model->config->motor.max_torque_mNm && table->braking[TORQUE_LINE_MAX_TORQUE].torque_mNm ==
+ * set->model->config->motor.max_torque_mNm
+ *
+ * @post in->rotor_valid || (table->driving[TORQUE_LINE_ROTOR].torque_mNm == 0 &&
+ * table->braking[TORQUE_LINE_ROTOR].torque_mNm == 0)
+ *
+ * @post in->torque_enable.drive_q15 > 0 || table->driving[TORQUE_LINE_ENABLE].torque_mNm == 0
+ *
+ * @post in->torque_enable.brake_q15 > 0 || table->braking[TORQUE_LINE_ENABLE].torque_mNm == 0
+ *
+ * @post !in->abs_active || table->braking[TORQUE_LINE_ABS].torque_mNm <=
+ * q_max(in->brake_demand_mNm, 0)
+ *
+ * @post q_abs(set->model->speed_mrad_s) > set->model->config->brake.blend_out_end_mrad_s ||
+ * table->braking[TORQUE_LINE_BLEND_OUT].torque_mNm == 0
+ */
 void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
                         const torque_limits_input_t *in, torque_limits_t *table);
 
 /* The lines of the braking strategy, LOSS_OPTIMUM to ELECTRIC_SHARE. optimum_mNm: shaft torque that
- * returns the most energy now; demand_mNm: of both brakes together; >= 0.
+ * returns the most energy now, below 0 counts as 0; demand_mNm: of both brakes together, >= 0.
  *
- * @pre optimum_mNm >= 0 && demand_mNm >= 0
+ * @pre demand_mNm >= 0 && every(i, TORQUE_LINE_COUNT, line[i].torque_mNm >= 0)
  *
- * @post every(i, TORQUE_LINE_COUNT, i < TORQUE_LINE_LOSS_OPTIMUM || i == TORQUE_LINE_ABS ||
- * line[i].torque_mNm >= 0)
+ * @post every(i, TORQUE_LINE_COUNT, line[i].torque_mNm >= 0)
  *
  * @post line[TORQUE_LINE_ABS].torque_mNm == old(line[TORQUE_LINE_ABS].torque_mNm) &&
  * line[TORQUE_LINE_ENABLE].torque_mNm == old(line[TORQUE_LINE_ENABLE].torque_mNm)
  *
+ * @post line[TORQUE_LINE_MAX_TORQUE].torque_mNm == old(line[TORQUE_LINE_MAX_TORQUE].torque_mNm) &&
+ * line[TORQUE_LINE_ROTOR].torque_mNm == old(line[TORQUE_LINE_ROTOR].torque_mNm)
+ *
  * @post config->brake.strategy == CONFIG_STRATEGY_SERIES_OPTIMAL ?
- * line[TORQUE_LINE_LOSS_OPTIMUM].torque_mNm == optimum_mNm :
+ * line[TORQUE_LINE_LOSS_OPTIMUM].torque_mNm == q_max(optimum_mNm, 0) :
  * line[TORQUE_LINE_LOSS_OPTIMUM].torque_mNm == FEASIBLE_UNBOUNDED
  *
  * @post config->brake.strategy == CONFIG_STRATEGY_PARALLEL_RATIO ?
@@ -188,6 +235,9 @@ limit_t torque_limits_max_speed(const config_t *config, int32_t speed_mrad_s);
  * @pre is_within(state->abs_share_percent, 0, 100) && state->abs_hold_steps >= 0
  *
  * @post is_within(state->abs_share_percent, 0, 100) && state->abs_hold_steps >= 0
+ *
+ * @post state->charge.allowed_q24 == old(state->charge.allowed_q24) &&
+ * state->discharge.allowed_q24 == old(state->discharge.allowed_q24)
  *
  * @post result.torque_mNm >= 0 && result.reason == REASON_ABS
  *
