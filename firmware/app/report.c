@@ -79,6 +79,8 @@ static const char *inverter_text(inverter_status_t status)
         return "self-test failed: the analog converters did not start";
     case INVERTER_DRIVER_UNREADY:
         return "self-test failed: the gate driver does not hold its settings; has it its supply?";
+    case INVERTER_OVERCURRENT_UNREADY:
+        return "self-test failed: the over-current comparators do not answer";
     case INVERTER_OK:
         break;
     }

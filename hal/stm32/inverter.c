@@ -18,6 +18,7 @@
 #include "clock.h"
 #include "dead_time.h"
 #include "gate_driver.h"
+#include "overcurrent.h"
 #define COLD __attribute__((cold)) /* optimised for size */
 #include "registers/iwdg.h"
 #include "registers/rcc.h"
@@ -34,6 +35,8 @@ enum {
     LOCK_LEVEL_1 = 1, /* dead time, break and idle states cannot be changed until the next reset */
     POLLS_PERIOD = 20000 /* 0.6 ms, more than a period of 4 kHz */
 };
+
+#define BREAK_FLAGS (TIM_SR_BIF | OVERCURRENT_FLAG)
 
 static uint16_t top_counts;
 static int32_t trigger_counts; /* from the top to the converters' trigger */
@@ -93,11 +96,12 @@ COLD static void configure_timer(uint32_t dead_time_code)
         (uint32_t)(on_the_way_down ? top_counts - trigger_counts + 1 : top_counts + trigger_counts);
     TIM1->CCER = TIM_CCER_CC1E | TIM_CCER_CC1NE | TIM_CCER_CC2E | TIM_CCER_CC2NE | TIM_CCER_CC3E |
                  TIM_CCER_CC3NE;
+    overcurrent_connect();
     /* Break, where it is wired, active low (BKP = 0) and never released by itself (AOE = 0); OSSI
      * and OSSR keep the pins driven to "off". */
     TIM1->BDTR = (dead_time_code << TIM_BDTR_DTG_Pos) |
-                 (pin_is_wired(BOARD_BREAK) ? TIM_BDTR_BKE : 0U) | TIM_BDTR_OSSI | TIM_BDTR_OSSR |
-                 ((uint32_t)LOCK_LEVEL_1 << TIM_BDTR_LOCK_Pos);
+                 (pin_is_wired(BOARD_BREAK) ? TIM_BDTR_BKE : 0U) | OVERCURRENT_BREAK |
+                 TIM_BDTR_OSSI | TIM_BDTR_OSSR | ((uint32_t)LOCK_LEVEL_1 << TIM_BDTR_LOCK_Pos);
     TIM1->EGR = TIM_EGR_UG; /* loads every preload register */
     TIM1->SR = 0;
     DBGMCU->APB2_FZ |=
@@ -160,9 +164,13 @@ COLD inverter_status_t inverter_init(const inverter_settings_t *settings)
     if (!start_with_update_at_top()) {
         return INVERTER_TIMER_UNREADY;
     }
-    /* While the pins were being connected and pulled up the break input was low. Some periods have
-     * passed since: one that is still low sets it again. */
-    TIM1->SR = ~(uint32_t)TIM_SR_BIF;
+    if (!overcurrent_start()) {
+        return INVERTER_OVERCURRENT_UNREADY;
+    }
+    /* While the pins were being connected and pulled up the break input was low, and the
+     * comparators have been tried. Some periods have passed since: a break that is still there sets
+     * it again. */
+    TIM1->SR = ~BREAK_FLAGS;
     return analog_init() ? INVERTER_OK : INVERTER_CONVERTER_UNREADY;
 }
 
@@ -181,7 +189,7 @@ void inverter_start(void)
 
 static inline bool break_acted(void)
 {
-    return pin_is_wired(BOARD_BREAK) && (TIM1->SR & TIM_SR_BIF) != 0;
+    return (pin_is_wired(BOARD_BREAK) || OVERCURRENT_FLAG != 0U) && (TIM1->SR & BREAK_FLAGS) != 0;
 }
 
 static inline bool fault(void)
@@ -297,7 +305,7 @@ void inverter_clear_fault(void)
         driver_good && faults == driver_faults_served && !gate_driver_pulls_fault();
     const bool break_released = !pin_is_wired(BOARD_BREAK) || gpio_read(BOARD_BREAK);
     if (driver_ready && break_released && !supply_low()) {
-        TIM1->SR = ~(uint32_t)TIM_SR_BIF;
+        TIM1->SR = ~BREAK_FLAGS;
         tripped = false;
         if (faults != driver_faults) { /* one has come since */
             inverter_trip();

@@ -12,9 +12,10 @@ enum { /* 8 MHz / 2 = 4 MHz, x 85 = 340 MHz, / 2 = 170 MHz */
        PLL_N = 85,
        PLL_R_CODE_2 = 0,
        PLL_SOURCE_CRYSTAL = 3,
-       FLASH_WAIT_STATES = 4,  /* RM0440 table 9: 136 < f <= 170 MHz in range 1 with boost */
-       PRESCALER_BY_2 = 8,     /* code of HPRE */
-       SWITCH_PLL = 3,         /* code of SW and SWS */
+       FLASH_WAIT_STATES = 4, /* RM0440 table 9: 136 < f <= 170 MHz in range 1 with boost */
+       PRESCALER_BY_2 = 8,    /* code of HPRE */
+       SWITCH_INTERNAL = 1,   /* code of SW and SWS; 0 is reserved (7.4.3) */
+       SWITCH_PLL = 3,
        POLLS_CRYSTAL = 400000, /* 0.1 s; crystals need 2 .. 20 ms */
        POLLS_PLL = 20000,      /* 6 ms; the data sheet says 40 us */
        POLLS_1_us = 100        /* at 85 MHz, of five cycles each */
@@ -61,7 +62,8 @@ bool clock_start(void)
         return false;
     }
     /* A step of more than 80 MHz takes half the frequency for a microsecond (7.2.7). */
-    RCC->CFGR = (uint32_t)PRESCALER_BY_2 << RCC_CFGR_HPRE_Pos;
+    RCC->CFGR = (uint32_t)PRESCALER_BY_2 << RCC_CFGR_HPRE_Pos | (uint32_t)SWITCH_INTERNAL
+                                                                    << RCC_CFGR_SW_Pos;
     RCC->CFGR |= (uint32_t)SWITCH_PLL << RCC_CFGR_SW_Pos;
     on_crystal =
         wait_for(&RCC->CFGR, RCC_CFGR_SWS, (uint32_t)SWITCH_PLL << RCC_CFGR_SWS_Pos, POLLS_PLL);
@@ -70,7 +72,7 @@ bool clock_start(void)
         RCC->CFGR &= ~(uint32_t)RCC_CFGR_HPRE;
         RCC->CR |= RCC_CR_CSSON; /* a crystal that stops later raises NMI: flash_error.c */
     } else {
-        RCC->CFGR = 0;
+        RCC->CFGR = (uint32_t)SWITCH_INTERNAL << RCC_CFGR_SW_Pos;
     }
     return on_crystal;
 }

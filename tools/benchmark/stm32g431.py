@@ -43,6 +43,10 @@ FDCAN_FIFO_0 = 0x4000A400 + 0xB0
 BUS_IDLE = 1 << 3
 FDCAN_NBTP, USART2_BRR, ADC1_SMPR1, ADC1_JSQR = 0x4000641C, 0x4000440C, 0x50000014, 0x5000004C
 USART2_ISR, USART_EMPTY = 0x4000441C, 1 << 7
+DAC_DHR, DAC_DOR = (0x50001008, 0x50001014), (0x5000102C, 0x50001030)
+COMPARATORS = {0x40010200: DAC_DHR[0], 0x40010204: DAC_DHR[1], 0x4001020C: DAC_DHR[1]}
+"""Their control registers, and the threshold of each."""
+COMPARATOR_HIGH, LEVEL_CODE = 1 << 30, 128
 CRYSTAL_HZ = 8e6
 SAMPLING_CYCLES = (2.5, 6.5, 12.5, 24.5, 47.5, 92.5, 247.5, 640.5)
 LATENCY_CYCLES, CONVERTER_CLOCKS = 2.125, 4
@@ -61,7 +65,7 @@ class ChipG431(Chip):
         (PERIPHERALS, PERIPHERALS_BYTES),
         (CORE_PERIPHERALS, CORE_BYTES),
         (0x48000000, 0x2000),
-        (0x50000000, 0x1000),
+        (0x50000000, 0x2000),
     )
     TIM1: ClassVar[int] = 0x40012C00
     INPUTS: ClassVar[dict[str, int]] = {"B": GPIOB_IDR}
@@ -79,10 +83,22 @@ class ChipG431(Chip):
             FDCAN_RXF0S: lambda: min(len(self.frames), 3),
             **{FDCAN_FIFO_0 + 4 * i: self._of_element(i) for i in range(4)},
             USART2_ISR: lambda: USART_EMPTY,
+            **{each: self._comparator(each) for each in COMPARATORS},
+            **{out: self._of(code) for out, code in zip(DAC_DOR, DAC_DHR, strict=True)},
         }
 
     def _writes(self) -> dict[int, Callable[[int], None]]:
         return {FDCAN_RXF0A: self._acknowledge_frame}
+
+    def _of(self, address: int) -> Callable[[], int]:
+        return lambda: self.registers.get(address, 0)
+
+    def _comparator(self, control: int) -> Callable[[], int]:
+        """Return the reader of a comparator whose input is at the level without current."""
+        return lambda: (
+            self.registers.get(control, 0)
+            | (COMPARATOR_HIGH if self.registers.get(COMPARATORS[control], 0) < LEVEL_CODE else 0)
+        )
 
     def _converter_control(self, converter: int) -> Callable[[], int]:
         """Return the reader of a control register: a calibration ends at once."""

@@ -41,7 +41,8 @@ typedef enum {
                                        switches need */
     INVERTER_TIMER_UNREADY,         /* the timer's update event is missing or at the wrong count */
     INVERTER_CONVERTER_UNREADY,     /* the analog converters did not start */
-    INVERTER_DRIVER_UNREADY         /* the gate driver does not hold what was written to it */
+    INVERTER_DRIVER_UNREADY,        /* the gate driver does not hold what was written to it */
+    INVERTER_OVERCURRENT_UNREADY    /* the over-current comparators do not answer as they must */
 } inverter_status_t;
 
 /* What a gate driver that can tell reported. */

@@ -13,6 +13,7 @@
  *     PA1 PA3, PA2      OPAMP1 inputs, output: ADC1_IN3     current a
  *     PA7 PA5, PA6      OPAMP2 inputs, output: ADC2_IN3     current b
  *     PB0 PB2, PB1      OPAMP3, current c: not used, there are two converters
+ *     PA1, PA7, PB0     COMP1, COMP2, COMP4 as well: over-current of a, b, c
  *     PA0               ADC1_IN1         bus voltage, 169 kOhm and 18 kOhm
  *     PB14              ADC1_IN5         switch temperature: NTC to supply, 4.7 kOhm to ground
  *     PB12              ADC1_IN11        the board's potentiometer: accelerator a
@@ -37,6 +38,14 @@ enum {
     BOARD_AMPLIFIER_GAIN_NUMERATOR = 64,
     BOARD_AMPLIFIER_GAIN_DENOMINATOR = 7,
     BOARD_CURRENT_INVERTED = 1, /* the amplifiers' output falls with current into the motor */
+    /* The network alone, before the amplifiers and the comparators. Its level without current: half
+     * of the reference at the amplifiers' output is 103 mV; without a source, so with a margin. */
+    BOARD_NETWORK_NUMERATOR = 4,
+    BOARD_NETWORK_DENOMINATOR = 7,
+    BOARD_NETWORK_LEVEL_LEAST_mV = 60,
+    BOARD_NETWORK_LEVEL_MOST_mV = 160,
+    /* In a shunt to ground: a quarter above the board's 40 A, within full scale. */
+    BOARD_TRIP_A = 50,
     BOARD_REFERENCE_mV = 3300,
     BOARD_DIVIDER_UPPER_Ohm = 169000,
     BOARD_DIVIDER_LOWER_Ohm = 18000,
@@ -79,6 +88,7 @@ enum {
 #define BOARD_CURRENT_B_IN ((pin_t){GPIOA, 7})
 #define BOARD_CURRENT_B_BIAS ((pin_t){GPIOA, 5})
 #define BOARD_CURRENT_B_OUT ((pin_t){GPIOA, 6})
+#define BOARD_CURRENT_C_IN ((pin_t){GPIOB, 0})
 #define BOARD_BUS_VOLTAGE ((pin_t){GPIOA, 0})
 #define BOARD_SWITCH_TEMPERATURE ((pin_t){GPIOB, 14})
 #define BOARD_ACCELERATOR_A ((pin_t){GPIOB, 12})

@@ -81,6 +81,7 @@ typedef struct {
 #define RCC_AHB2ENR_GPIOCEN (1U << 2)
 #define RCC_AHB2ENR_GPIOFEN (1U << 5)
 #define RCC_AHB2ENR_ADC12EN (1U << 13)
+#define RCC_AHB2ENR_DAC3EN (1U << 18)
 #define RCC_APB1ENR1_TIM4EN (1U << 2)
 #define RCC_APB1ENR1_USART2EN (1U << 17)
 #define RCC_APB1ENR1_FDCANEN (1U << 25)

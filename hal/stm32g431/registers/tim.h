@@ -9,4 +9,22 @@
 #define TIM1 ((tim_registers_t *)0x40012C00U)
 #define TIM4 ((tim_registers_t *)0x40000800U)
 
+/* What the layout that both chips have ends before. */
+typedef struct {
+    uint32_t reserved_00[25];
+    volatile uint32_t AF2;
+} tim_further_registers_t;
+
+#define TIM1_FURTHER ((tim_further_registers_t *)0x40012C00U)
+
+/* The second break input (28.6.20, 28.6.26). */
+#define TIM_SR_B2IF (1U << 8)
+#define TIM_BDTR_BK2F_Pos 20
+#define TIM_BDTR_BK2F (0xFU << 20)
+#define TIM_BDTR_BK2E (1U << 24)
+#define TIM_BDTR_BK2P (1U << 25)
+#define TIM_AF2_BK2CMP1E (1U << 1)
+#define TIM_AF2_BK2CMP2E (1U << 2)
+#define TIM_AF2_BK2CMP4E (1U << 4)
+
 #endif

@@ -87,10 +87,11 @@ CHIPS = (
     ),
     Chip(
         name="stm32g431",
-        peripherals={},
+        peripherals={"TIM1_FURTHER": "TIM1"},
         prefixes={
             "ADC12_COMMON": "ADC12_COMMON",
             "ADC": "ADC1",
+            "DAC": "DAC3",
             "TIM": "TIM1",
             "USART": "USART2",
         },
@@ -99,6 +100,10 @@ CHIPS = (
             ("TIM1", "CCMR2"): ["CCMR2_OUTPUT", "CCMR2_INPUT"],
             ("DBGMCU", "APB1_FZ"): ["APB1L_FZ"],
             ("DBGMCU", "APB1H_FZ"): ["APB1H_FZ"],
+            **{
+                ("DAC3", name): [f"DAC_{name}"]
+                for name in ("CR", "SWTRGR", "DHR12R1", "DHR12R2", "DOR1", "DOR2", "MCR")
+            },
         },
         fields={
             ("DBGMCU", "APB1_FZ", "IWDG_STOP"): "DBG_IWDG_STOP",
@@ -213,6 +218,7 @@ def of_crate() -> Description:
             if not line.startswith("    "):
                 register = words.pop(0)
                 peripherals[name].offsets[register] = int(words.pop(0), 16)
+                del words[:2]  # reset value and access: tests/target/chip
                 peripherals[name].masks[register] = {}
             masks = (field.split(":") for field in words)
             peripherals[name].masks[register].update({f: int(m, 16) for f, m in masks})

@@ -264,9 +264,10 @@ void test_wrong_firmware_crc_fails_the_self_test_and_is_reported(void)
 
 void test_configuration_beyond_the_board_s_timer_is_refused(void)
 {
-    static const inverter_status_t BAD[] = {INVERTER_FREQUENCY_UNSUPPORTED,
-                                            INVERTER_DEAD_TIME_UNSUPPORTED, INVERTER_TIMER_UNREADY,
-                                            INVERTER_CONVERTER_UNREADY, INVERTER_DRIVER_UNREADY};
+    static const inverter_status_t BAD[] = {
+        INVERTER_FREQUENCY_UNSUPPORTED, INVERTER_DEAD_TIME_UNSUPPORTED,
+        INVERTER_TIMER_UNREADY,         INVERTER_CONVERTER_UNREADY,
+        INVERTER_DRIVER_UNREADY,        INVERTER_OVERCURRENT_UNREADY};
     for (size_t i = 0; i < sizeof BAD / sizeof BAD[0]; i++) {
         expect_board(true, &sector.config, sizeof sector.config, (uint32_t)GOOD_CRC32);
         expect_ports(BAD[i]);

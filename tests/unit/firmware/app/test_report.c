@@ -144,11 +144,16 @@ void test_failed_self_tests_and_clock_are_printed(void)
 
 void test_every_refusal_of_a_port_has_its_own_text(void)
 {
-    static const inverter_status_t BAD[] = {INVERTER_FREQUENCY_UNSUPPORTED,
-                                            INVERTER_DEAD_TIME_UNSUPPORTED, INVERTER_TIMER_UNREADY,
-                                            INVERTER_CONVERTER_UNREADY, INVERTER_DRIVER_UNREADY};
-    static const char *const WORDS[] = {"drive.pwm_frequency_Hz", "drive.dead_time_ns", "PWM timer",
-                                        "converters", "gate driver"};
+    static const inverter_status_t BAD[] = {
+        INVERTER_FREQUENCY_UNSUPPORTED, INVERTER_DEAD_TIME_UNSUPPORTED,
+        INVERTER_TIMER_UNREADY,         INVERTER_CONVERTER_UNREADY,
+        INVERTER_DRIVER_UNREADY,        INVERTER_OVERCURRENT_UNREADY};
+    static const char *const WORDS[] = {"drive.pwm_frequency_Hz",
+                                        "drive.dead_time_ns",
+                                        "PWM timer",
+                                        "converters",
+                                        "gate driver",
+                                        "comparators"};
     for (size_t i = 0; i < sizeof BAD / sizeof BAD[0]; i++) {
         boot.inverter = BAD[i];
         turn_page();
