@@ -44,35 +44,7 @@ set_tests_properties(chip_keeps_a_configuration_in_1000_failures_of_the_supply
   PROPERTIES LABELS "target;full" TIMEOUT 3600)
 
 # Errors planted in the driver, of which the model must find each.
-# planted_image(NAME FOLDER FILE OLD NEW): the image with OLD replaced by NEW in one file of the
-# port or of the application.
-function(planted_image name folder file old new)
-  set(port "${PROJECT_SOURCE_DIR}/hal/stm32f405")
-  set(folder "${PROJECT_SOURCE_DIR}/${folder}")
-  file(READ "${folder}/${file}" text)
-  string(FIND "${text}" "${old}" at)
-  if(at EQUAL -1)
-    message(FATAL_ERROR "planted error ${name}: '${old}' is not in ${folder}/${file}")
-  endif()
-  string(REPLACE "${old}" "${new}" text "${text}")
-  set(copy "${CMAKE_CURRENT_BINARY_DIR}/planted/${name}/${file}")
-  file(CONFIGURE OUTPUT "${copy}" CONTENT "${text}" @ONLY)
-  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${folder}/${file}")
-  get_filename_component(stem "${file}" NAME_WE)
-  set(target planted_${name})
-  add_executable(${target} "${copy}"
-    "$<FILTER:$<TARGET_OBJECTS:hubfoc_port_stm32f405>,EXCLUDE,/${stem}[.]c[.]obj$>")
-  set_source_files_properties("${copy}" PROPERTIES GENERATED TRUE)
-  target_include_directories(${target} PRIVATE "${port}" "${PROJECT_SOURCE_DIR}/hal/stm32")
-  target_link_libraries(${target} PRIVATE hubfoc_app_main hubfoc_app hubfoc_hal
-    hubfoc_config_image)
-  target_link_options(${target} PRIVATE -nostartfiles --specs=nano.specs "-T${port}/link.ld"
-    "-L${PROJECT_SOURCE_DIR}/hal/stm32" "-Wl,--defsym=link_stack_size=2560")
-  set_target_properties(${target} PROPERTIES SUFFIX .elf LINK_DEPENDS "${port}/link.ld")
-  add_custom_command(TARGET ${target} POST_BUILD
-    COMMAND "${HUBFOC_PYTHON}" "${PROJECT_SOURCE_DIR}/tests/target/chip/seal.py"
-      "${CMAKE_OBJCOPY}" "$<TARGET_FILE:${target}>" VERBATIM)
-endfunction()
+include("${CMAKE_CURRENT_LIST_DIR}/planted.cmake")
 
 # planted(NAME FILE OLD NEW [LABEL]): found in a stop. Those that only the whole stop finds are
 # labelled full, but for two.
@@ -84,7 +56,7 @@ function(planted name file old new)
   if(NOT EXISTS "${PROJECT_SOURCE_DIR}/${folder}/${file}")
     set(folder hal/stm32f405)
   endif()
-  planted_image(${name} ${folder} ${file} "${old}" "${new}")
+  planted_image(${name} stm32f405 ${folder} ${file} "${old}" "${new}")
   set(target planted_${name})
   if(name STREQUAL "no_error")
     chip_test(chip_finds_no_error stop "$<TARGET_FILE:${target}>")
@@ -131,7 +103,7 @@ function(planted_cut name folder file old new)
   if(NOT HUBFOC_PYTHON)
     return()
   endif()
-  planted_image(${name} ${folder} ${file} "${old}" "${new}")
+  planted_image(${name} stm32f405 ${folder} ${file} "${old}" "${new}")
   add_test(NAME chip_finds_${name}
     COMMAND "${chip_cuts}" "$<TARGET_FILE:planted_${name}>" 32 0 planted)
   set_tests_properties(chip_finds_${name} PROPERTIES LABELS "target;full" TIMEOUT 300)

@@ -37,7 +37,7 @@ add_test(NAME stm32g431_image_fits
     --test-command "${CMAKE_COMMAND}" "-DNM=${CMAKE_NM}"
     "-DELF=${other}/hubfoc_stm32g431.elf" -DCONFIG=CONFIG_WHEEL24V -DCHIP=stm32g431
     -P "${CMAKE_CURRENT_LIST_DIR}/check_layout.cmake")
-set_tests_properties(stm32g431_image_fits PROPERTIES LABELS "target;full" TIMEOUT 600
+set_tests_properties(stm32g431_image_fits PROPERTIES LABELS target TIMEOUT 600
   FIXTURES_SETUP stm32g431_image)
 
 # ---- on the model of the chip ----
@@ -51,6 +51,22 @@ list(GET HUBFOC_BOARDS_stm32f405 0 first_board)
 if(HUBFOC_CONFIG STREQUAL "lu2013" AND HUBFOC_BOARD_HEADER STREQUAL "boards/${first_board}.h")
   include(chip.cmake)
 endif()
+
+# The other STM32's image on the model of its chip.
+include("${CMAKE_CURRENT_LIST_DIR}/chip_g431.cmake")
+chip_g431_tests("${other}/hubfoc_stm32g431.elf")
+set_tests_properties(chip_g431_boots_and_brakes chip_g431_trips_on_over_current
+  chip_g431_answers_faults chip_g431_keeps_a_configuration_when_the_supply_fails
+  chip_g431_keeps_a_configuration_in_1000_failures_of_the_supply
+  PROPERTIES FIXTURES_REQUIRED stm32g431_image)
+# With errors planted in its driver: the tests of its own preset.
+add_test(NAME chip_g431_finds_planted_errors
+  COMMAND "${CMAKE_CTEST_COMMAND}" --build-and-test "${PROJECT_SOURCE_DIR}" "${other}_planted"
+    --build-generator Ninja --build-options
+    -DHUBFOC_PORT=stm32g431 -DHUBFOC_CONFIG=wheel24v
+    "-DCMAKE_TOOLCHAIN_FILE=${CMAKE_TOOLCHAIN_FILE}" -DCMAKE_BUILD_TYPE=Release
+    --test-command "${CMAKE_CTEST_COMMAND}" -LE full -R chip_g431_finds --output-on-failure)
+set_tests_properties(chip_g431_finds_planted_errors PROPERTIES LABELS "target;full" TIMEOUT 1800)
 
 # ---- counted instructions ----
 

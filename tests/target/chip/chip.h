@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * chip.h: an STM32F405 as far as the flashable image uses it, from the reference manual (RM0090)
- * and the vendor's description of its registers, around a core emulated by Unicorn. It knows
- * nothing of the driver in hal/stm32f405.
+ * chip.h: an STM32F405 or an STM32G431 as far as the flashable image uses it, from the reference
+ * manual (RM0090, RM0440) and the vendor's description of its registers, around a core emulated by
+ * Unicorn. It knows nothing of the drivers in hal. Which of the two is in force is decided by the
+ * include path: part.h of stm32f405 or of stm32g431.
  *
- * Time is counted in ticks of 1 / 336 MHz, of which every clock of the chip is a whole number. An
+ * Time is counted in ticks, of which every clock of the chip is a whole number. An
  * instruction takes one cycle of the core. Interrupts are taken at the boundaries of basic blocks,
  * by priority, with the stack frames of the architecture.
  *
@@ -18,10 +19,11 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "part.h"
+
 typedef uint64_t chip_ticks_t;
 
-#define CHIP_TICKS_PER_SECOND 336000000ULL
-#define CHIP_TICKS_PER_US 336ULL
+#define CHIP_TICKS_PER_SECOND (CHIP_TICKS_PER_US * 1000000ULL)
 
 enum {
     CHIP_ANALOG_CHANNELS = 16,
@@ -49,9 +51,10 @@ typedef struct {
 
 /* What is connected to the pins. Analogue inputs by the channel that the converters share. */
 typedef struct {
-    uint16_t analog_code[CHIP_ANALOG_CHANNELS]; /* 0 .. 4095 */
-    uint16_t driven[4];                         /* ports A to D: pins that the board drives */
-    uint16_t level[4];                          /* and how */
+    uint16_t analog_code[CHIP_ANALOG_CHANNELS]; /* 0 .. 4095; STM32G431: bus, switch thermistor */
+    double current_a[3];                        /* STM32G431: of the phases, into the motor */
+    uint16_t driven[6];                         /* ports A to F: pins that the board drives */
+    uint16_t level[6];                          /* and how */
     uint16_t encoder_count;                     /* of the quadrature signals at TIM3 */
     uint16_t encoder_index_count;               /* count at the latest index pulse */
     bool encoder_index;                         /* one has come since the last call */
@@ -68,13 +71,16 @@ typedef struct {
 
 /* Faults of the chip and of its supply. */
 typedef struct {
-    bool crystal_dead;
+    bool crystal_dead;      /* from the start; STM32G431: or from now on */
+    bool pll_does_not_lock; /* STM32G431 */
     bool converter_stuck;   /* injected conversions never end */
     bool timer_stuck;       /* TIM1 has no clock */
     bool can_silent;        /* the bus is held dominant: nothing is received or sent */
     bool gate_driver_fault; /* the driver's supply is low: it pulls its fault line, all gates low */
     bool driver_silent;     /* its SDO is stuck high */
-    uint32_t low_side_a_mV; /* voltage across this switch while it is on */
+    uint32_t low_side_a_mV; /* STM32F405: voltage across this switch while it is on */
+    bool comparators_dead;  /* STM32G431: their outputs stay low */
+    int32_t low_side_a_mA;  /* STM32G431: in its shunt to ground; 0: the phase's */
     bool supply_low;
     bool brown_out_off;       /* option bytes as delivered */
     uint32_t flash_cut_after; /* from 1: the supply fails at this flash operation; 0: never */
@@ -154,6 +160,8 @@ unsigned chip_resets(const chip_t *chip);
 unsigned chip_watchdog_resets(const chip_t *chip);
 /* Erases and writes of the flash since power-on. */
 uint32_t chip_flash_operations(const chip_t *chip);
+/* STM32G431: reads of the flash whose error could not be corrected. */
+unsigned chip_unreadable(const chip_t *chip);
 bool chip_has_power(const chip_t *chip);
 
 /* Notes something forbidden that is seen from outside of the chip. */

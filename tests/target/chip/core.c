@@ -6,9 +6,21 @@
 
 /* ---- registers ---- */
 
+/* Behind the core's own registers. */
+static const uint32_t DBGMCU_BEGIN = 0xE0042000;
+
+static const chip_route_t *route_of(uint32_t address)
+{
+    const chip_route_t *route = CHIP_ROUTES;
+    while (route->begin != 0 && (address ^ route->begin) >= 0x400U) {
+        route++;
+    }
+    return route->begin != 0 ? route : NULL;
+}
+
 static uint32_t peripheral_read(chip_t *chip, uint32_t address)
 {
-    const unsigned known = chip->known[(address - CHIP_PERIPHERAL_BASE) / 4];
+    const unsigned known = chip->known[chip_index(address)];
     if (known == 0) {
         chip_note(chip, "read of 0x%08X, where there is no register", address);
         return 0;
@@ -17,65 +29,13 @@ static uint32_t peripheral_read(chip_t *chip, uint32_t address)
         chip_note(chip, "read of %s without its clock", CHIP_REGISTERS[known - 1].name);
         return 0;
     }
-    switch (address & 0xFFFFFC00U) {
-    case CHIP_RCC_CR:
-    case CHIP_PWR_CR:
-    case CHIP_IWDG_KR:
-        return chip_clocks_read(chip, address);
-    case CHIP_FLASH_ACR:
-        return chip_flash_read(chip, address);
-    case CHIP_TIM1_CR1:
-        return chip_timer1_read(chip, address);
-    case CHIP_ADC1_SR:
-        return chip_adc_read(chip, address);
-    case CHIP_CAN1_MCR:
-        return chip_can_read(chip, address);
-    case CHIP_USART3_SR:
-        return chip_serial_read(chip, address);
-    case CHIP_GPIOA_MODER:
-    case CHIP_GPIOB_MODER:
-    case CHIP_GPIOC_MODER:
-    case CHIP_GPIOD_MODER:
-    case CHIP_TIM3_CR1:
-        return chip_pins_read(chip, address);
-    default:
-        return chip_get(chip, address);
-    }
-}
-
-/* Whether a part has taken the write; if not, it is stored. */
-static bool part_takes(chip_t *chip, uint32_t address, uint32_t value)
-{
-    switch (address & 0xFFFFFC00U) {
-    case CHIP_RCC_CR:
-    case CHIP_PWR_CR:
-    case CHIP_IWDG_KR:
-    case CHIP_EXTI_IMR:
-        return chip_clocks_write(chip, address, value);
-    case CHIP_FLASH_ACR:
-        return chip_flash_register(chip, address, value);
-    case CHIP_TIM1_CR1:
-        return chip_timer1_write(chip, address, value);
-    case CHIP_ADC1_SR:
-        return chip_adc_write(chip, address, value);
-    case CHIP_CAN1_MCR:
-        return chip_can_write(chip, address, value);
-    case CHIP_USART3_SR:
-        return chip_serial_write(chip, address, value);
-    case CHIP_GPIOA_MODER:
-    case CHIP_GPIOB_MODER:
-    case CHIP_GPIOC_MODER:
-    case CHIP_GPIOD_MODER:
-    case CHIP_TIM3_CR1:
-        return chip_pins_write(chip, address, value);
-    default:
-        return false;
-    }
+    const chip_route_t *route = route_of(address);
+    return route != NULL ? route->read(chip, address) : chip_get(chip, address);
 }
 
 static void peripheral_write(chip_t *chip, uint32_t address, uint32_t value)
 {
-    const unsigned known = chip->known[(address - CHIP_PERIPHERAL_BASE) / 4];
+    const unsigned known = chip->known[chip_index(address)];
     if (known == 0) {
         chip_note(chip, "write of 0x%08X, where there is no register", address);
         return;
@@ -90,7 +50,8 @@ static void peripheral_write(chip_t *chip, uint32_t address, uint32_t value)
         return;
     }
     chip->deadline = chip->now; /* the next event may be an earlier one now */
-    if (!part_takes(chip, address, value)) {
+    const chip_route_t *route = route_of(address);
+    if (route == NULL || !route->write(chip, address, value)) {
         *chip_at(chip, address) = value & row->bits;
     }
 }
@@ -98,31 +59,30 @@ static void peripheral_write(chip_t *chip, uint32_t address, uint32_t value)
 static uint64_t on_read(uc_engine *core, uint64_t offset, unsigned size, void *user)
 {
     (void)core;
-    chip_t *chip = user;
+    const chip_window_t *window = user;
     const uint32_t word = (uint32_t)offset & ~3U;
-    const uint32_t value = peripheral_read(chip, CHIP_PERIPHERAL_BASE + word);
+    const uint32_t value = peripheral_read(window->chip, window->begin + word);
     return value >> 8U * (offset & 3U) & (size == 4 ? UINT32_MAX : (1U << 8U * size) - 1U);
 }
 
 static void on_write(uc_engine *core, uint64_t offset, unsigned size, uint64_t value, void *user)
 {
     (void)core;
-    chip_t *chip = user;
+    const chip_window_t *window = user;
     if (size != 4) {
-        chip_note(chip, "write of %u bytes at 0x%08X", size,
-                  CHIP_PERIPHERAL_BASE + (uint32_t)offset);
+        chip_note(window->chip, "write of %u bytes at 0x%08X", size,
+                  window->begin + (uint32_t)offset);
         return;
     }
-    peripheral_write(chip, CHIP_PERIPHERAL_BASE + (uint32_t)offset, (uint32_t)value);
+    peripheral_write(window->chip, window->begin + (uint32_t)offset, (uint32_t)value);
 }
 
 static uint64_t on_core_read(uc_engine *core, uint64_t offset, unsigned size, void *user)
 {
     (void)core;
     const uint32_t address = (uint32_t)CHIP_CORE_BASE + ((uint32_t)offset & ~3U);
-    const uint32_t value = address >= CHIP_DBG_DBGMCU_IDCODE
-                               ? ((chip_t *)user)->core_word[offset / 4]
-                               : chip_core_read(user, address);
+    const uint32_t value = address >= DBGMCU_BEGIN ? ((chip_t *)user)->core_word[offset / 4]
+                                                   : chip_core_read(user, address);
     return value >> 8U * (offset & 3U) & (size == 4 ? UINT32_MAX : (1U << 8U * size) - 1U);
 }
 
@@ -242,7 +202,7 @@ void chip_reset(chip_t *chip, bool by_watchdog)
     chip_adc_reset(chip);
     chip_can_reset(chip);
     chip_serial_reset(chip);
-    chip_driver_reset(chip);
+    chip_part_reset(chip);
     chip->pin_levels = UINT16_MAX;
     load_stack_and_entry(chip);
 }
@@ -256,9 +216,7 @@ static chip_ticks_t next_event(chip_t *chip)
 {
     chip_ticks_t next = chip_nvic_next(chip);
     next = least(next, chip_clocks_next(chip));
-    if (chip->driver.ready > chip->now) {
-        next = least(next, chip->driver.ready);
-    }
+    next = least(next, chip_part_next(chip));
     next = least(next, chip_timer1_next(chip));
     next = least(next, chip_adc_next(chip));
     next = least(next, chip_can_next(chip));
@@ -309,7 +267,7 @@ static void run_until(chip_t *chip, chip_ticks_t end, bool stops_at_sample)
         if (chip->reset_requested) {
             chip_reset(chip, chip->by_watchdog);
         }
-        chip_driver_watch(chip);
+        chip_part_watch(chip);
         chip_pins_watch(chip);
         const unsigned exception = chip_exception_due(chip);
         if (exception != 0) {
@@ -363,7 +321,26 @@ bool chip_in_bootloader(const chip_t *chip)
     (void)uc_reg_read(chip->core, UC_ARM_REG_PC, &at);
     (void)uc_reg_read(chip->core, UC_ARM_REG_SP, &stack);
     return at - CHIP_SYSTEM_BASE < CHIP_SYSTEM_BYTES && stack == SYSTEM_MEMORY[0] &&
-           chip_get(chip, CHIP_SYSCFG_MEMRM) == 1 && chip_get(chip, CHIP_RCC_CFGR) == 0;
+           chip_get(chip, CHIP_REMAP) == 1 &&
+           chip_get(chip, CHIP_RCC_CFGR) == CHIP_RCC_CFGR_AT_RESET;
+}
+
+/* The windows of the peripherals. */
+static bool map_windows(chip_t *chip)
+{
+    static const struct {
+        uint32_t begin, bytes;
+    } WINDOWS[] = {CHIP_WINDOWS};
+    bool good = true;
+    for (unsigned i = 0; i < sizeof WINDOWS / sizeof WINDOWS[0]; i++) {
+        chip_window_t *window = &chip->window[i];
+        window->chip = chip;
+        window->begin = WINDOWS[i].begin;
+        window->bytes = WINDOWS[i].bytes;
+        good = good && uc_mmio_map(chip->core, window->begin, window->bytes, on_read, window,
+                                   on_write, window) == UC_ERR_OK;
+    }
+    return good;
 }
 
 bool chip_core_open(chip_t *chip)
@@ -378,14 +355,12 @@ bool chip_core_open(chip_t *chip)
             UC_ERR_OK &&
         uc_mem_write(chip->core, CHIP_SYSTEM_BASE, SYSTEM_MEMORY, sizeof SYSTEM_MEMORY) ==
             UC_ERR_OK &&
-        uc_mmio_map(chip->core, CHIP_PERIPHERAL_BASE, CHIP_PERIPHERAL_BYTES, on_read, chip,
-                    on_write, chip) == UC_ERR_OK &&
         uc_mmio_map(chip->core, (uint32_t)CHIP_CORE_BASE, CHIP_CORE_BYTES, on_core_read, chip,
                     on_core_write, chip) == UC_ERR_OK &&
         uc_mem_write(chip->core, CHIP_FLASH_BASE, chip->flash_at_power_on, CHIP_FLASH_BYTES) ==
             UC_ERR_OK;
     good =
-        good &&
+        good && map_windows(chip) &&
         uc_hook_add(chip->core, &hook, UC_HOOK_BLOCK, (void *)on_block, chip, 1, 0) == UC_ERR_OK &&
         uc_hook_add(chip->core, &hook, UC_HOOK_INTR, (void *)on_exception, chip, 1, 0) ==
             UC_ERR_OK &&

@@ -179,7 +179,7 @@ int main(int argc, char **argv)
     if (good) {
         boot();
         good = expect(drive_off(&rig.coupling), "comes to RUN");
-        rig.bench.params.driver.drive_demand_nm = 10.0;
+        rig.bench.params.driver.drive_demand_nm = IMAGE_DRIVE_NM;
         good = good && refuses_the_bootloader() && survives_a_bad_pointer() &&
                survives_a_bad_jump() && forgets_with_the_supply() && enters_the_bootloader();
     }

@@ -24,8 +24,8 @@
 #include "bench/bench.h"
 #include "config/validate.h"
 #include "drive.h"
+#include "image.h"
 #include "unity.h"
-#include "vehicle_fixture.h"
 
 enum {
     STEP_us = 500,
@@ -40,16 +40,18 @@ enum {
 
 /* What the supply fails in. */
 typedef enum { ERASE, FIRST_WORD, IMAGE, LAST_WORD, MARK, COMPLEMENT, AFTER, PARTS } part_t;
-static const char *const PART_TEXT[PARTS] = {"erase of the other sector", "first word of the image",
-                                             "a word of the image",       "last word of the image",
-                                             "first word of the mark",    "second word of the mark",
+static const char *const PART_TEXT[PARTS] = {"erase of the other sector", "first cell of the image",
+                                             "a cell of the image",       "last cell of the image",
+                                             "first cell of the mark",    "last cell of the mark",
                                              "after the update"};
 
 typedef enum { OLD, NEW, NONE, NOT_RUN, OUTCOMES } outcome_t;
+enum { UNREADABLE = 16 }; /* added to a copy's exit code */
 
 typedef struct {
     unsigned count[PARTS][OUTCOMES];
     unsigned runs, ran;
+    unsigned unreadable; /* copies that have read a word whose error could not be corrected */
 } table_t;
 
 static chip_t *chip;
@@ -147,7 +149,7 @@ static bool update(void)
 
 static bool comes_to_run(void)
 {
-    bench_params_t params = fixture_quarter_vehicle();
+    bench_params_t params = image_vehicle();
     const driver_trace_t none = {.points = 0};
     static bench_t bench;
     bench_init(&bench, &params, &fixture, &none);
@@ -155,10 +157,10 @@ static bool comes_to_run(void)
     bench.wheel[0].coupling = &coupling;
     bench.speed_prescribed = true;
     bench.vehicle.speed_m_per_s = 0.0;
-    for (int i = 0; i < READY_PERIODS && bench.wheel[0].slow.mode != MODE_RUN; i++) {
+    for (int i = 0; i < READY_PERIODS && bench.wheel[0].slow.mode != IMAGE_MODE; i++) {
         bench_period(&bench);
     }
-    return bench.wheel[0].slow.mode == MODE_RUN;
+    return bench.wheel[0].slow.mode == IMAGE_MODE;
 }
 
 static outcome_t outcome_of(size_t from, const char *old_name, const char *new_name, bool to_run)
@@ -189,40 +191,49 @@ static outcome_t cut(uint32_t operation, uint32_t seed, const char *old_name, co
     return outcome_of(from, old_name, new_name, to_run);
 }
 
+/* Operations of an update: the erases, the cells of the image, those of the mark, which is two
+ * words. */
+enum {
+    CELL_BYTES = 4 * CHIP_CELL_WORDS,
+    ERASES = CHIP_UPDATE_ERASES,
+    CELLS = (sizeof(config_t) + CELL_BYTES - 1) / CELL_BYTES,
+    MARK_CELLS = 2 / CHIP_CELL_WORDS,
+    OPERATIONS = ERASES + CELLS + MARK_CELLS
+};
+
 static part_t part_of(uint32_t operation)
 {
-    const uint32_t words = (uint32_t)sizeof(config_t) / 4U;
-    if (operation == 1) {
+    if (operation <= ERASES) {
         return ERASE;
     }
-    if (operation == 2) {
+    if (operation == ERASES + 1) {
         return FIRST_WORD;
     }
-    if (operation <= words) {
+    if (operation < ERASES + CELLS) {
         return IMAGE;
     }
-    return operation == words + 1U   ? LAST_WORD
-           : operation == words + 2U ? MARK
-           : operation == words + 3U ? COMPLEMENT
-                                     : AFTER;
+    if (operation > OPERATIONS) {
+        return AFTER;
+    }
+    return operation == ERASES + CELLS ? LAST_WORD : operation == OPERATIONS ? COMPLEMENT : MARK;
 }
 
 /* A quarter of the cuts each in the erase and in the mark, the rest over the image. */
 static uint32_t operation_of(unsigned number, unsigned cuts)
 {
-    const uint32_t words = (uint32_t)sizeof(config_t) / 4U;
     switch (number % 8U) {
     case 0:
     case 5:
-        return 1;
+        return 1U + number / 8U % ERASES;
     case 1:
-        return words + 3U;
+        return OPERATIONS;
     case 2:
-        return words + 2U;
+        return ERASES + CELLS + 1U;
     case 4:
-        return number % 16U == 4U ? words + 1U : (number % 32U == 12U ? words + 4U : 2U);
+        return number % 16U == 4U ? (uint32_t)ERASES + CELLS
+                                  : (number % 32U == 12U ? OPERATIONS + 1U : ERASES + 1U);
     default:
-        return 3U + (uint32_t)((uint64_t)(words - 2U) * number / cuts);
+        return ERASES + 2U + (uint32_t)((uint64_t)(CELLS - 2U) * number / cuts);
     }
 }
 
@@ -242,8 +253,9 @@ static void collect(table_t *table, job_t *jobs)
             continue;
         }
         outcome_t seen = NONE;
-        if (WIFEXITED(status) && WEXITSTATUS(status) < OUTCOMES) {
-            seen = (outcome_t)WEXITSTATUS(status);
+        if (WIFEXITED(status) && WEXITSTATUS(status) % UNREADABLE < OUTCOMES) {
+            seen = (outcome_t)(WEXITSTATUS(status) % UNREADABLE);
+            table->unreadable += WEXITSTATUS(status) >= UNREADABLE ? 1U : 0U;
         }
         table->count[part_of(jobs[j].operation)][seen]++;
         table->runs += jobs[j].to_run ? 1U : 0U;
@@ -283,7 +295,7 @@ static pid_t start(unsigned number, const job_t *job, const char *old_name, cons
         (void)printf("cut %u at operation %u:\n%s\n", number, job->operation, chip_text(chip));
         (void)fflush(stdout);
     }
-    _exit((int)seen);
+    _exit((int)seen + (chip_unreadable(chip) > 0 ? UNREADABLE : 0));
 }
 
 static void cut_often(table_t *table, unsigned cuts, unsigned runs, const char *old_name,
@@ -320,12 +332,13 @@ static bool print(const table_t *table)
         printf("| %s | %u | %u | %u | %u | %u |\n", PART_TEXT[part], sum, n[OLD], n[NEW], n[NONE],
                n[NOT_RUN]);
         bad += n[NONE] + n[NOT_RUN];
-        /* What is in force before the mark's second word, and after it. */
+        /* What is in force before the mark's last cell, and after it. */
         bad += part < COMPLEMENT ? n[NEW] : 0U;
         bad += part == AFTER ? n[OLD] : 0U;
         all += sum;
     }
-    printf("%u cuts, %u of %u to RUN, %u wrong\n", all, table->ran, table->runs, bad);
+    printf("%u cuts, %u of %u to RUN, %u wrong; unreadable words met in %u\n", all, table->ran,
+           table->runs, bad, table->unreadable);
     return bad == 0 && all > 0 && table->ran == table->runs;
 }
 
@@ -342,7 +355,11 @@ static bool all_cuts(unsigned cuts, unsigned runs)
         return fails("the update is not accepted");
     }
     cut_often(&table, cuts / 2U, runs / 2U, fixture.name, another.name);
-    if (!update() || !boots_with(another.name)) {
+    const uint32_t before = chip_flash_operations(chip);
+    if (!update() || chip_flash_operations(chip) - before != OPERATIONS) {
+        return fails("an update has another number of erases and writes");
+    }
+    if (!boots_with(another.name)) {
         return fails("the update is not in force after the restart");
     }
     if (!prepare(&third)) {
@@ -377,7 +394,7 @@ int main(int argc, char **argv)
     }
     on_crystal = argc > 4 && strcmp(argv[4], "crystal") == 0;
     const bool planted = argc > 4 && strcmp(argv[4], "planted") == 0;
-    fixture = fixture_config(CONFIG_STRATEGY_SERIES_OPTIMAL);
+    fixture = image_config();
     another = renamed(&fixture, "another");
     third = renamed(&fixture, "third");
     chip = chip_open(argv[1]);

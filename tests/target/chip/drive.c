@@ -5,54 +5,26 @@
 #include <math.h>
 #include <string.h>
 
-enum {
-    CHANNEL_CURRENT_A = 10,
-    CHANNEL_BUS = 13,
-    CHANNEL_WINDING = 14,
-    CHANNEL_SWITCH = 3,
-    CODES = 4096,
-    CODE_MOST = CODES - 1,
-    NO_CURRENT_CODE = 2048,
-    HALL_PINS = 7 << 6,
-    HOLD_TICKS = 34, /* 100 ns */
-    BOOT_ms = 120
-};
+#include "wiring.h"
 
-static void set_pin(drive_t *drive, int port, unsigned pins, unsigned level)
-{
-    chip_inputs_t *in = chip_inputs(drive->chip);
-    in->driven[port] = (uint16_t)(in->driven[port] | pins);
-    in->level[port] = (uint16_t)((in->level[port] & ~pins) | (level & pins));
-}
-
-/* 10 kOhm at 25 degC, B = 3380 K, in a divider with 10 kOhm. */
-static uint16_t thermistor_code(int32_t temperature_cC, bool to_ground)
-{
-    const double kelvin = temperature_cC / 100.0 + 273.15;
-    const double ratio = exp(3380.0 * (1.0 / kelvin - 1.0 / 298.15));
-    const double share = to_ground ? ratio / (ratio + 1.0) : 1.0 / (ratio + 1.0);
-    return (uint16_t)lround(fmin(CODES * share, CODE_MOST));
-}
-
-static void set_temperatures(drive_t *drive, int32_t winding_cC, int32_t switch_cC)
-{
-    chip_inputs_t *in = chip_inputs(drive->chip);
-    in->analog_code[CHANNEL_WINDING] = thermistor_code(winding_cC, true);
-    in->analog_code[CHANNEL_SWITCH] = thermistor_code(switch_cC, false);
-}
+enum { NO_CURRENT_CODE = 2048, BOOT_ms = 120 };
+static const int64_t HOLD_TICKS = CHIP_TICKS_PER_US / 20;
 
 static void set_pins(drive_t *drive, const fast_input_t *sensed)
 {
     chip_inputs_t *in = chip_inputs(drive->chip);
-    for (int x = 0; x < 3; x++) {
-        in->analog_code[CHANNEL_CURRENT_A + x] =
-            (uint16_t)(CODE_MOST - sensed->phase_current_code[x]);
+    uint16_t code[3];
+    for (unsigned x = 0; x < 3; x++) {
+        /* A low-side shunt carries the current of its leg only while the low side is on. */
+        code[x] = chip_low_side_may_conduct(drive->chip, x) ? sensed->phase_current_code[x]
+                                                            : (uint16_t)NO_CURRENT_CODE;
     }
-    in->analog_code[CHANNEL_BUS] = sensed->bus_voltage_code;
+    wiring_currents(in, code);
+    wiring_bus_voltage(in, sensed->bus_voltage_code);
+    wiring_halls(in, sensed->hall_state);
     in->encoder_count = sensed->encoder.count;
     in->encoder_index_count = sensed->encoder.index_count;
     in->encoder_index = sensed->encoder.index;
-    set_pin(drive, 2, HALL_PINS, (unsigned)sensed->hall_state << 6);
     chip_faults(drive->chip)->gate_driver_fault = sensed->power_stage_fault || drive->driver_fails;
 }
 
@@ -68,7 +40,7 @@ void drive_begin(drive_t *drive, chip_t *chip, const config_t *config)
     const fast_input_t at_rest = {
         .phase_current_code = {NO_CURRENT_CODE, NO_CURRENT_CODE, NO_CURRENT_CODE}, .hall_state = 5};
     set_pins(drive, &at_rest);
-    set_temperatures(drive, 2500, 2500);
+    wiring_temperatures(chip_inputs(chip), 2500, 2500);
     chip_run(chip, (chip_ticks_t)BOOT_ms * 1000U * CHIP_TICKS_PER_US);
 }
 
@@ -84,7 +56,7 @@ static fast_output_t bridge_of(drive_t *drive)
         drive->reported = true;
         chip_violate(drive->chip, "dead time shorter than configured");
     }
-    /* In the middle of the low pulses, to a tenth of a microsecond. */
+    /* In the middle of the low pulses, to 50 ns. */
     const int64_t late = chip_hold_from_top_ticks(drive->chip) - (int64_t)gates.dead_time_ticks / 2;
     if ((late < -HOLD_TICKS || late > HOLD_TICKS) && !drive->reported) {
         drive->reported = true;
@@ -101,24 +73,12 @@ static fast_output_t bridge_of(drive_t *drive)
     return out;
 }
 
-/* A low-side shunt carries the current of its leg only while the low side is on. */
-static void lose_currents_of_open_low_sides(drive_t *drive)
-{
-    for (unsigned x = 0; x < 3; x++) {
-        if (!chip_low_side_may_conduct(drive->chip, x)) {
-            chip_inputs(drive->chip)->analog_code[CHANNEL_CURRENT_A + x] =
-                CODE_MOST - NO_CURRENT_CODE;
-        }
-    }
-}
-
 static fast_output_t period(void *context, const fast_input_t *in)
 {
     drive_t *drive = context;
     /* A quarter more than a period: triggers come once in each. */
     const bool sampled = chip_run_to_sample(drive->chip, drive->period + drive->period / 4U);
     set_pins(drive, in);
-    lose_currents_of_open_low_sides(drive);
     if (sampled) {
         chip_sample(drive->chip);
         drive->periods_without_sample = 0;
@@ -131,7 +91,8 @@ static fast_output_t period(void *context, const fast_input_t *in)
 static slow_output_t millisecond(void *context, const slow_input_t *in)
 {
     drive_t *drive = context;
-    set_temperatures(drive, in->temperature.winding_cC, in->temperature.switch_cC);
+    wiring_temperatures(chip_inputs(drive->chip), in->temperature.winding_cC,
+                        in->temperature.switch_cC);
     drive->vehicle.queued_count = 0;
     if (drive->exchange != NULL) {
         drive->exchange(drive, in);

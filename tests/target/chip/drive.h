@@ -4,9 +4,7 @@
  * currents, voltages, temperatures and rotor at the pins, the six gates at the plant's bridge, the
  * vehicle's messages on the CAN bus.
  *
- * Wiring (VESC 6 MK3, hal/stm32f405/boards): shunt amplifiers a, b, c at channels
- * 10, 11, 12, falling with current into the motor; bus voltage at 13; switch thermistor at 3, from
- * the supply; winding thermistor at 14, to ground; halls at PC6 to PC8.
+ * How the board wires them: wiring.c of the chip.
  *
  * The bench's period ends with the update at the top of the count. What the program changes in
  * between that acts at once on a board (outputs on and off) reaches the plant at the next top.

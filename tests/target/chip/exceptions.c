@@ -24,7 +24,7 @@ enum {
     AT_HFSR = (int)0xE000ED2C,
     AT_BFAR = (int)0xE000ED38,
     AT_CPUID = (int)0xE000ED00,
-    INTERRUPTS = 82,
+    INTERRUPTS = CHIP_INTERRUPTS,
     LOWEST_PRIORITY = 256
 };
 static const uint32_t CPUID_CORTEX_M4 = 0x410FC241;
@@ -37,10 +37,8 @@ static const uint32_t CFSR_IBUSERR = 1U << 8, CFSR_PRECISERR = 1U << 9, CFSR_BFA
 static const uint32_t IT_BITS = 0x0600FC00;
 
 /* The exceptions that can come, for a short look. */
-static const uint8_t SOURCES[] = {
-    EXCEPTION_NMI,         EXCEPTION_HARD_FAULT,   EXCEPTION_BUS_FAULT, EXCEPTION_PENDSV,
-    EXCEPTION_SYSTICK,     INTERRUPT_PVD,          INTERRUPT_ADC,       INTERRUPT_USART3,
-    INTERRUPT_PINS_5_TO_9, INTERRUPT_PINS_10_TO_15};
+static const uint8_t SOURCES[] = {EXCEPTION_NMI,    EXCEPTION_HARD_FAULT, EXCEPTION_BUS_FAULT,
+                                  EXCEPTION_PENDSV, EXCEPTION_SYSTICK,    CHIP_INTERRUPT_SOURCES};
 enum { SOURCE_COUNT = sizeof SOURCES };
 
 static uint32_t *word(chip_t *chip, int address)
@@ -84,28 +82,6 @@ void chip_nvic_reset(chip_t *chip)
     }
 }
 
-/* A line that is high pends its interrupt again unless its handler runs. */
-static void look_at_lines(chip_t *chip)
-{
-    const bool converted = (chip_get(chip, CHIP_ADC1_SR) & CHIP_ADC1_SR_JEOC) != 0 &&
-                           (chip_get(chip, CHIP_ADC1_CR1) & CHIP_ADC1_CR1_JEOCIE) != 0;
-    const uint32_t serial = chip_get(chip, CHIP_USART3_SR);
-    const uint32_t wanted = chip_get(chip, CHIP_USART3_CR1);
-    const bool line = ((serial & (CHIP_USART3_SR_RXNE | CHIP_USART3_SR_ORE)) != 0 &&
-                       (wanted & CHIP_USART3_CR1_RXNEIE) != 0) ||
-                      ((serial & CHIP_USART3_SR_TXE) != 0 && (wanted & CHIP_USART3_CR1_TXEIE) != 0);
-    const bool supply =
-        (chip_get(chip, CHIP_EXTI_PR) & chip_get(chip, CHIP_EXTI_IMR) & CHIP_EXTI_PR_PR16) != 0;
-    const uint32_t pins = chip_get(chip, CHIP_EXTI_PR) & chip_get(chip, CHIP_EXTI_IMR);
-    chip->nvic.pending[INTERRUPT_PINS_5_TO_9] |=
-        (pins & 0x03E0U) != 0 && !chip->nvic.active[INTERRUPT_PINS_5_TO_9];
-    chip->nvic.pending[INTERRUPT_PINS_10_TO_15] |=
-        (pins & 0xFC00U) != 0 && !chip->nvic.active[INTERRUPT_PINS_10_TO_15];
-    chip->nvic.pending[INTERRUPT_ADC] |= converted && !chip->nvic.active[INTERRUPT_ADC];
-    chip->nvic.pending[INTERRUPT_USART3] |= line && !chip->nvic.active[INTERRUPT_USART3];
-    chip->nvic.pending[INTERRUPT_PVD] |= supply && !chip->nvic.active[INTERRUPT_PVD];
-}
-
 bool chip_exception_waits(const chip_t *chip)
 {
     for (unsigned i = 0; i < SOURCE_COUNT; i++) {
@@ -118,7 +94,7 @@ bool chip_exception_waits(const chip_t *chip)
 
 unsigned chip_exception_due(chip_t *chip)
 {
-    look_at_lines(chip);
+    chip_part_lines(chip);
     unsigned due = 0;
     int before = priority_now(chip);
     for (unsigned i = 0; i < SOURCE_COUNT; i++) {

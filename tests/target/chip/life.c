@@ -91,8 +91,7 @@ chip_t *chip_open(const char *elf_path)
     }
     for (unsigned i = 0; i < CHIP_REGISTER_COUNT; i++) {
         if (CHIP_REGISTERS[i].address < (uint32_t)CHIP_CORE_BASE) {
-            chip->known[(CHIP_REGISTERS[i].address - CHIP_PERIPHERAL_BASE) / 4] =
-                (uint16_t)(i + 1U);
+            chip->known[chip_index(CHIP_REGISTERS[i].address)] = (uint16_t)(i + 1U);
         }
     }
     chip->random = 1;
@@ -196,6 +195,11 @@ uint32_t chip_flash_operations(const chip_t *chip)
     return chip->flash.operations;
 }
 
+unsigned chip_unreadable(const chip_t *chip)
+{
+    return chip->flash.unreadable;
+}
+
 bool chip_has_power(const chip_t *chip)
 {
     return chip->has_power;
@@ -214,4 +218,21 @@ unsigned chip_violations(const chip_t *chip)
 const char *chip_violation_text(const chip_t *chip, unsigned number)
 {
     return number < chip->violations && number < CHIP_VIOLATIONS ? chip->violation[number] : NULL;
+}
+
+const char *chip_text(const chip_t *chip)
+{
+    return chip->serial.text;
+}
+
+void chip_type(chip_t *chip, const char *text)
+{
+    chip_serial_t *serial = &chip->serial;
+    for (; *text != '\0' && serial->typed_count < sizeof serial->typed; text++) {
+        serial->typed[(serial->typed_first + serial->typed_count) % sizeof serial->typed] = *text;
+        serial->typed_count++;
+    }
+    if (serial->next_byte == CHIP_NEVER && serial->typed_count > 0) {
+        serial->next_byte = chip->now + CHIP_TICKS_PER_US;
+    }
 }

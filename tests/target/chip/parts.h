@@ -7,32 +7,24 @@
 #include <unicorn/unicorn.h>
 
 #include "chip.h"
-#include "registers.h"
 
 enum {
-    CHIP_PERIPHERAL_BASE = 0x40000000,
-    CHIP_PERIPHERAL_BYTES = 0x80000,
+    CHIP_WINDOWS_MOST = 3,
+    CHIP_WORDS = 0x84000 / 4, /* of all windows */
     CHIP_CORE_BASE = (int)0xE0000000,
     CHIP_CORE_BYTES = 0x100000,
     CHIP_FLASH_BASE = 0x08000000,
-    CHIP_FLASH_BYTES = 1 << 20,
     CHIP_SYSTEM_BASE = 0x1FFF0000,
     CHIP_SYSTEM_BYTES = 32 << 10,
     CHIP_RAM_BASE = 0x20000000,
-    CHIP_RAM_BYTES = 128 << 10,
-    CHIP_EXCEPTIONS = 16 + 82,
+    CHIP_EXCEPTIONS = 16 + CHIP_INTERRUPTS,
     CHIP_NESTING = 16,
     CHIP_FLASH_FIXES = 8,
     EXCEPTION_NMI = 2,
     EXCEPTION_HARD_FAULT = 3,
     EXCEPTION_BUS_FAULT = 5,
     EXCEPTION_PENDSV = 14,
-    EXCEPTION_SYSTICK = 15,
-    INTERRUPT_PVD = 16 + 1,
-    INTERRUPT_ADC = 16 + 18,
-    INTERRUPT_PINS_5_TO_9 = 16 + 23,
-    INTERRUPT_USART3 = 16 + 39,
-    INTERRUPT_PINS_10_TO_15 = 16 + 40
+    EXCEPTION_SYSTICK = 15
 };
 #define CHIP_NEVER UINT64_MAX
 
@@ -49,6 +41,7 @@ typedef struct {
     chip_ticks_t injected_end, regular_end[2];
     bool is_triggered; /* chip_sample() is due */
     int64_t trigger_from_top, hold_from_top;
+    chip_ticks_t regulated[2], calibrated[2], ready[2]; /* STM32G431 */
 } chip_converters_t;
 
 typedef struct {
@@ -57,6 +50,8 @@ typedef struct {
     unsigned first, count; /* of to_chip */
     chip_frame_t fifo[3];
     unsigned fifo_count;
+    unsigned fifo_get, put; /* STM32G431: elements of the message memory */
+    bool fifo_lost;
     unsigned order[3], order_count; /* mailboxes in the order of their requests */
     chip_ticks_t sent;              /* the end of the frame on the bus */
     bool is_sending;
@@ -71,6 +66,8 @@ typedef struct {
     chip_ticks_t shifted; /* the shift register is empty again */
     bool holds;           /* a byte waits behind it */
     uint8_t next;
+    uint8_t in[8], out[8]; /* STM32G431: FIFO */
+    unsigned in_count, out_count;
     char typed[256];
     unsigned typed_first, typed_count;
     chip_ticks_t next_byte;
@@ -92,6 +89,12 @@ typedef struct {
     uint32_t operations;
     unsigned fixes; /* stores that are not yet what the flash makes of them */
     uint32_t fix_address[CHIP_FLASH_FIXES], fix_value[CHIP_FLASH_FIXES];
+    /* STM32G431: a double word in work; those whose code is wrong. */
+    uint32_t first_address, first_word, before[2];
+    uint8_t broken[CHIP_FLASH_BYTES / 8];
+    bool watches_reads;
+    uc_hook read_hook;
+    unsigned unreadable;
 } chip_flash_t;
 
 typedef struct {
@@ -104,10 +107,17 @@ typedef struct {
     uc_context *context[CHIP_NESTING];
 } chip_nvic_t;
 
+/* Addresses at which peripherals answer. */
+typedef struct {
+    chip_t *chip;
+    uint32_t begin, bytes;
+} chip_window_t;
+
 struct chip {
     uc_engine *core;
-    uint32_t word[CHIP_PERIPHERAL_BYTES / 4];
-    uint16_t known[CHIP_PERIPHERAL_BYTES / 4]; /* index in CHIP_REGISTERS + 1 */
+    chip_window_t window[CHIP_WINDOWS_MOST];
+    uint32_t word[CHIP_WORDS];
+    uint16_t known[CHIP_WORDS]; /* index in CHIP_REGISTERS + 1 */
     uint32_t core_word[CHIP_CORE_BYTES / 4];
     uint8_t flash_at_power_on[CHIP_FLASH_BYTES];
     uint8_t instructions[CHIP_FLASH_BYTES / 2]; /* of the block that begins there */
@@ -119,7 +129,9 @@ struct chip {
     unsigned resets, watchdog_resets;
     chip_ticks_t crystal_ready, pll_ready;
     chip_ticks_t watchdog_end;
-    uint16_t pin_levels; /* of the lines of EXTI, when last looked at */
+    chip_ticks_t stepped;     /* STM32G431: the core's clock has changed */
+    chip_ticks_t break_since; /* STM32G431: TIM1's second break input is active */
+    uint16_t pin_levels;      /* of the lines of EXTI, when last looked at */
     uint32_t random;
 
     chip_inputs_t in;
@@ -141,15 +153,29 @@ struct chip {
     char violation[CHIP_VIOLATIONS][CHIP_VIOLATION_BYTES];
 };
 
+/* The place of a register's word: the windows at 0x40000000, 0x48000000 and 0x50000000 in one row.
+ */
+static inline uint32_t chip_index(uint32_t address)
+{
+    switch (address >> 24) {
+    case 0x48:
+        return (0x80000U + (address & 0x1FFFU)) / 4U;
+    case 0x50:
+        return (0x82000U + (address & 0x1FFFU)) / 4U;
+    default:
+        return (address & 0x7FFFFU) / 4U;
+    }
+}
+
 /* The register at this address. */
 static inline uint32_t *chip_at(chip_t *chip, uint32_t address)
 {
-    return &chip->word[(address - CHIP_PERIPHERAL_BASE) / 4];
+    return &chip->word[chip_index(address)];
 }
 
 static inline uint32_t chip_get(const chip_t *chip, uint32_t address)
 {
-    return chip->word[(address - CHIP_PERIPHERAL_BASE) / 4];
+    return chip->word[chip_index(address)];
 }
 
 static inline uint32_t chip_field(const chip_t *chip, uint32_t address, uint32_t mask)
@@ -180,7 +206,33 @@ void chip_exception_return(chip_t *chip);
 chip_ticks_t chip_nvic_next(chip_t *chip);
 void chip_nvic_events(chip_t *chip);
 
-/* clocks.c: RCC, PWR, the watchdog, wait states. */
+/* part.c of the chip: what it consists of. */
+typedef struct {
+    uint32_t begin; /* of 1 KiB of registers */
+    uint32_t (*read)(chip_t *chip, uint32_t address);
+    bool (*write)(chip_t *chip, uint32_t address, uint32_t value); /* false: is to be stored */
+} chip_route_t;
+extern const chip_route_t CHIP_ROUTES[]; /* ends with begin 0 */
+void chip_part_reset(chip_t *chip);
+void chip_part_watch(chip_t *chip);
+chip_ticks_t chip_part_next(chip_t *chip);
+/* The lines of the interrupts, by chip_line(). */
+void chip_part_lines(chip_t *chip);
+/* Flags of TIM1_SR whose break input is active now. */
+uint32_t chip_part_break(chip_t *chip);
+void chip_part_pins_written(chip_t *chip);
+/* Whether the board drives this pin, and how. */
+bool chip_part_level(const chip_t *chip, char port, unsigned pin, bool *level);
+typedef enum { CHIP_DRIVERS_FOLLOW, CHIP_DRIVERS_OFF, CHIP_DRIVERS_HOLD_A_LEG } chip_drivers_t;
+chip_drivers_t chip_part_drivers(const chip_t *chip);
+
+/* A line that is high pends its interrupt again unless its handler runs. */
+static inline void chip_line(chip_t *chip, unsigned exception, bool high)
+{
+    chip->nvic.pending[exception] |= high && !chip->nvic.active[exception];
+}
+
+/* clocks.c: RCC, PWR, wait states. */
 void chip_clocks_reset(chip_t *chip);
 bool chip_clocks_write(chip_t *chip, uint32_t address, uint32_t value);
 uint32_t chip_clocks_read(chip_t *chip, uint32_t address);
@@ -194,7 +246,33 @@ void chip_flash_reset(chip_t *chip);
 bool chip_flash_register(chip_t *chip, uint32_t address, uint32_t value);
 uint32_t chip_flash_read(chip_t *chip, uint32_t address);
 void chip_flash_program(chip_t *chip, uint32_t address, uint32_t size, uint32_t value);
+
+/* cells.c: what erasing and programming have alike. */
+uint32_t chip_cells_word(chip_t *chip, uint32_t address);
+void chip_cells_set(chip_t *chip, uint32_t address, uint32_t value);
+/* Counts an operation. True if the supply fails in it. */
+bool chip_cells_cut(chip_t *chip);
+/* Notes an operation while the gates switch. */
+void chip_cells_check_stall(chip_t *chip, const char *what);
+/* How much of a change is done when the supply fails, the same for all words of an operation. */
+uint32_t chip_cells_style(chip_t *chip);
+uint32_t chip_cells_partly(chip_t *chip, uint32_t style, uint32_t changes);
+/* After the store in hand the word is this. */
+void chip_cells_fix(chip_t *chip, uint32_t address, uint32_t value);
 void chip_flash_settle(chip_t *chip);
+
+/* watchdog.c: the independent one, on its own oscillator. */
+bool chip_watchdog_write(chip_t *chip, uint32_t address, uint32_t value);
+void chip_watchdog_events(chip_t *chip);
+
+/* can_bus.c: the bus beyond the controller, 500 kbit/s. */
+#define CHIP_CAN_BIT_TICKS (2U * (uint32_t)CHIP_TICKS_PER_US)
+chip_ticks_t chip_can_frame_ticks(const chip_frame_t *frame);
+/* When the oldest frame for the chip has been on the bus; CHIP_NEVER: there is none. */
+chip_ticks_t chip_can_arrival(const chip_t *chip);
+/* Takes it from the bus. */
+chip_frame_t chip_can_arrived(chip_t *chip);
+void chip_can_sent(chip_t *chip, const chip_frame_t *frame);
 
 /* driver.c: the gate driver. */
 void chip_driver_reset(chip_t *chip);
@@ -212,6 +290,14 @@ bool chip_pins_write(chip_t *chip, uint32_t address, uint32_t value);
 bool chip_pin_is_analog(const chip_t *chip, char port, unsigned pin);
 bool chip_pin_function(const chip_t *chip, char port, unsigned pin, unsigned function);
 bool chip_pin_level(chip_t *chip, char port, unsigned pin);
+typedef struct {
+    char port;
+    uint8_t pin, function;
+} chip_pin_t;
+static inline bool chip_pin_selects(const chip_t *chip, chip_pin_t pin)
+{
+    return chip_pin_function(chip, pin.port, pin.pin, pin.function);
+}
 
 /* timer1.c */
 void chip_timer1_reset(chip_t *chip);

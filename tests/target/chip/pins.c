@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* GPIO ports A to D (RM0090 section 8), the encoder's timer TIM3 (18.3.12), and the edges at pins
- * that EXTI listens to (12.2.4). */
+/* GPIO ports (RM0090 section 8, RM0440 section 9), the encoder's timer (18.3.12, 29.4.22), and the
+ * edges at pins that EXTI listens to (12.2.4, 16.4). */
 #include "parts.h"
 
 enum { MODE_OUTPUT = 1, MODE_ALTERNATE = 2, MODE_ANALOG = 3, PULL_UP = 1 };
-enum { DRIVER_DATA = 3, DRIVER_FAULT = 7, ENCODER_BOTH_EDGES = 3 };
-static const uint32_t MODER[4] = {CHIP_GPIOA_MODER, CHIP_GPIOB_MODER, CHIP_GPIOC_MODER,
-                                  CHIP_GPIOD_MODER};
+enum { ENCODER_BOTH_EDGES = 3 };
+static const uint32_t MODER[6] = {CHIP_PORT_MODERS};
 
 static uint32_t of(char port, uint32_t address_in_a)
 {
@@ -38,11 +37,9 @@ bool chip_pin_is_output(const chip_t *chip, char port, unsigned pin)
 bool chip_pin_level(chip_t *chip, char port, unsigned pin)
 {
     const unsigned bit = 1U << pin;
-    if (port == 'B' && pin == DRIVER_FAULT && chip_driver_pulls_fault(chip)) {
-        return false;
-    }
-    if (port == 'B' && pin == DRIVER_DATA && !chip_pin_is_output(chip, port, pin)) {
-        return chip_driver_data(chip);
+    bool driven;
+    if (chip_part_level(chip, port, pin, &driven)) {
+        return driven;
     }
     if (mode(chip, port, pin) == MODE_OUTPUT) {
         return (chip_get(chip, of(port, CHIP_GPIOA_ODR)) & bit) != 0;
@@ -66,28 +63,29 @@ static uint32_t read_port(chip_t *chip, char port)
 /* Both inputs of the encoder on their pins, counted at both edges. */
 static bool encoder_counts(const chip_t *chip)
 {
-    return (chip_get(chip, CHIP_TIM3_CR1) & CHIP_TIM3_CR1_CEN) != 0 &&
-           chip_field(chip, CHIP_TIM3_SMCR, CHIP_TIM3_SMCR_SMS) == ENCODER_BOTH_EDGES &&
-           chip_pin_function(chip, 'C', 6, 2) && chip_pin_function(chip, 'C', 7, 2);
+    static const chip_pin_t PINS[2] = {CHIP_ENCODER_PINS};
+    return (chip_get(chip, CHIP_ENCODER_CR1) & CHIP_ENCODER_CR1_CEN) != 0 &&
+           chip_field(chip, CHIP_ENCODER_SMCR, CHIP_ENCODER_SMCR_SMS) == ENCODER_BOTH_EDGES &&
+           chip_pin_selects(chip, PINS[0]) && chip_pin_selects(chip, PINS[1]);
 }
 
-static uint32_t read_timer3(chip_t *chip, uint32_t address)
+static uint32_t read_encoder(chip_t *chip, uint32_t address)
 {
     if (!encoder_counts(chip)) {
         return chip_get(chip, address);
     }
     switch (address) {
-    case CHIP_TIM3_SR:
+    case CHIP_ENCODER_SR:
         if (chip->in.encoder_index) {
             chip->in.encoder_index = false;
-            *chip_at(chip, address) |= CHIP_TIM3_SR_CC3IF;
-            *chip_at(chip, CHIP_TIM3_CCR3) = chip->in.encoder_index_count;
+            *chip_at(chip, address) |= CHIP_ENCODER_SR_CC3IF;
+            *chip_at(chip, CHIP_ENCODER_CCR3) = chip->in.encoder_index_count;
         }
         return chip_get(chip, address);
-    case CHIP_TIM3_CCR3:
-        *chip_at(chip, CHIP_TIM3_SR) &= ~CHIP_TIM3_SR_CC3IF;
+    case CHIP_ENCODER_CCR3:
+        *chip_at(chip, CHIP_ENCODER_SR) &= ~CHIP_ENCODER_SR_CC3IF;
         return chip_get(chip, address);
-    case CHIP_TIM3_CNT:
+    case CHIP_ENCODER_CNT:
         return chip->in.encoder_count;
     default:
         return chip_get(chip, address);
@@ -96,30 +94,37 @@ static uint32_t read_timer3(chip_t *chip, uint32_t address)
 
 uint32_t chip_pins_read(chip_t *chip, uint32_t address)
 {
-    for (char port = 'A'; port <= 'D'; port++) {
+    for (char port = 'A'; port <= 'F'; port++) {
+        if (MODER[port - 'A'] == 0) {
+            continue;
+        }
         if (address == of(port, CHIP_GPIOA_IDR)) {
             return read_port(chip, port);
         }
     }
-    return address < CHIP_GPIOA_MODER ? read_timer3(chip, address) : chip_get(chip, address);
+    return (address ^ CHIP_ENCODER_CR1) < 0x400U ? read_encoder(chip, address)
+                                                 : chip_get(chip, address);
 }
 
 bool chip_pins_write(chip_t *chip, uint32_t address, uint32_t value)
 {
-    for (char port = 'A'; port <= 'D'; port++) {
+    for (char port = 'A'; port <= 'F'; port++) {
+        if (MODER[port - 'A'] == 0) {
+            continue;
+        }
         if (address == of(port, CHIP_GPIOA_BSRR)) {
             uint32_t *output = chip_at(chip, of(port, CHIP_GPIOA_ODR));
             *output = (*output & ~(value >> 16)) | (value & 0xFFFFU);
-            chip_driver_pins(chip);
+            chip_part_pins_written(chip);
             return true;
         }
         if (address == of(port, CHIP_GPIOA_MODER)) {
             *chip_at(chip, address) = value;
-            chip_driver_pins(chip);
+            chip_part_pins_written(chip);
             return true;
         }
     }
-    if (address == CHIP_TIM3_SR) {
+    if (address == CHIP_ENCODER_SR) {
         *chip_at(chip, address) &= value;
         return true;
     }
@@ -135,18 +140,18 @@ static char port_of_line(const chip_t *chip, unsigned line)
 
 void chip_pins_watch(chip_t *chip)
 {
-    const uint32_t listening = chip_get(chip, CHIP_EXTI_IMR) & 0xFFFFU;
+    const uint32_t listening = chip_get(chip, CHIP_LINES_MASK) & 0xFFFFU;
     for (unsigned line = 0; listening >> line != 0; line++) {
         const uint32_t bit = 1U << line;
         const char port = port_of_line(chip, line);
-        if ((listening & bit) == 0 || port > 'D') {
+        if ((listening & bit) == 0 || port > 'F' || MODER[port - 'A'] == 0) {
             continue;
         }
         const bool high = chip_pin_level(chip, port, line);
         const bool was = (chip->pin_levels & bit) != 0;
-        const uint32_t edges = chip_get(chip, high ? CHIP_EXTI_RTSR : CHIP_EXTI_FTSR);
+        const uint32_t edges = chip_get(chip, high ? CHIP_LINES_RISING : CHIP_LINES_FALLING);
         if (high != was && (edges & bit) != 0) {
-            *chip_at(chip, CHIP_EXTI_PR) |= bit;
+            *chip_at(chip, CHIP_LINES_PENDING) |= bit;
             chip->needs_attention = true;
         }
         chip->pin_levels = (uint16_t)(high ? chip->pin_levels | bit : chip->pin_levels & ~bit);

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Registers of the STM32F405 as C, from the vendor's description of the chip.
+"""Registers of a chip as C, from the vendor's description of it.
 
-    registers.py SVD_WHEEL OUTPUT_C OUTPUT_H
+    registers.py SVD_WHEEL OUTPUT_C OUTPUT_H           of the STM32F405
+    registers.py stm32g431.txt OUTPUT_C OUTPUT_H       of the STM32G431 (describe_stm32g431.py)
 
 The header has an address for each register, CHIP_<PERIPHERAL>_<REGISTER>, and a mask for each
 field, CHIP_<PERIPHERAL>_<REGISTER>_<FIELD>; the source a table of all registers with reset value,
@@ -21,7 +22,9 @@ PERIPHERALS = (
     *("RCC", "FLASH", "PWR", "EXTI", "SYSCFG", "GPIOA", "GPIOB", "GPIOC", "GPIOD", "TIM1", "TIM3"),
     *("ADC1", "ADC2", "ADC3", "C_ADC", "CAN1", "USART3", "IWDG", "DBG"),
 )
-ACCESS = {"read-write": 3, "read-only": 1, "write-only": 2, None: 3}
+ACCESS = {"read-write": 3, "read-only": 1, "write-only": 2, None: 3, "rw": 3, "r": 1, "w": 2}
+MESSAGE_MEMORY = 0x4000A400, 0x350
+"""Of FDCAN 1 (RM0440 section 46.3.6): no registers, so no description has it."""
 
 
 @dataclass
@@ -51,7 +54,48 @@ def _fields(register: ET.Element) -> dict[str, int]:
     }
 
 
-def registers(description: bytes) -> list[Register]:
+def of_text(lines: list[str]) -> list[Register]:
+    """Return the registers of the STM32G431, and its message memory."""
+    begin, size = MESSAGE_MEMORY
+    found = [
+        Register(f"FDCAN1_RAM_{at // 4:03d}", begin + at, 0, 0xFFFFFFFF, 3, {})
+        for at in range(0, size, 4)
+    ]
+    peripheral, base = "", 0
+    for line in lines[1 : lines.index("INTERRUPTS")]:
+        words = line.split()
+        if not line.startswith(" "):
+            peripheral, base = words[0], int(words[1], 16)
+            continue
+        if not line.startswith("    "):
+            name, offset, reset, access = words[:4]
+            del words[:4]
+            found.append(
+                Register(
+                    f"{peripheral}_{name}",
+                    base + int(offset, 16),
+                    int(reset, 16),
+                    0,
+                    ACCESS[access],
+                    {},
+                )
+            )
+        for word in words:
+            field, mask = word.split(":")
+            found[-1].fields[field] = int(mask, 16)
+            found[-1].bits |= int(mask, 16)
+    return sorted(found, key=lambda each: each.address)
+
+
+def of_wheel(wheel: str) -> list[Register]:
+    """Return the registers of the STM32F405."""
+    with zipfile.ZipFile(wheel) as archive:
+        inner = archive.read("pyocd/debug/svd/svd_data.zip")
+    with zipfile.ZipFile(io.BytesIO(inner)) as archive:
+        return of_svd(archive.read("STM32F41x.svd"))
+
+
+def of_svd(description: bytes) -> list[Register]:
     """Return the registers of PERIPHERALS, in the order of their addresses."""
     root = ET.fromstring(description)
     by_name = {each.findtext("name") or "": each for each in root.iter("peripheral")}
@@ -68,7 +112,7 @@ def registers(description: bytes) -> list[Register]:
                 bits |= mask
             found.append(
                 Register(
-                    f"{name}_{register.findtext('name')}",
+                    f"{name}_{register.findtext('name')}".upper(),
                     base + _number(register, "addressOffset"),
                     _number(register, "resetValue"),
                     bits,
@@ -88,12 +132,12 @@ def _merged(all_registers: list[Register]) -> dict[int, Register]:
     return by_address
 
 
-def main(wheel: str, source: str, header: str) -> None:
+def main(description: str, source: str, header: str) -> None:
     """Write both files."""
-    with zipfile.ZipFile(wheel) as archive:
-        inner = archive.read("pyocd/debug/svd/svd_data.zip")
-    with zipfile.ZipFile(io.BytesIO(inner)) as archive:
-        found = registers(archive.read("STM32F41x.svd"))
+    if description.endswith(".txt"):
+        found = of_text(Path(description).read_text(encoding="utf-8").splitlines())
+    else:
+        found = of_wheel(description)
     lines = ["#ifndef CHIP_REGISTERS_H", "#define CHIP_REGISTERS_H"]
     for each in found:
         lines.append(f"#define CHIP_{each.name} 0x{each.address:08X}U")

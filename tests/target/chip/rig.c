@@ -6,9 +6,8 @@
 #include <string.h>
 
 #include "unity.h"
-#include "vehicle_fixture.h"
 
-static const double SPEED_M_PER_S = RIG_SPEED_M_PER_S;
+static const double SPEED_M_PER_S = IMAGE_SPEED_M_PER_S;
 enum { READY_PERIODS = 8000 };
 
 rig_t rig;
@@ -47,7 +46,7 @@ bool open_rig(const char *elf)
     chip_close(rig.chip);
     memset(&rig, 0, sizeof rig);
     rig.elf = elf;
-    rig.config = fixture_config(CONFIG_STRATEGY_SERIES_OPTIMAL);
+    rig.config = image_config();
     rig.chip = chip_open(elf);
     return rig.chip != NULL;
 }
@@ -60,17 +59,17 @@ void boot(void)
 
 bool drive_off(const wheel_coupling_t *coupling)
 {
-    bench_params_t params = fixture_quarter_vehicle();
+    bench_params_t params = image_vehicle();
     params.run.initial_speed_m_per_s = SPEED_M_PER_S;
     const driver_trace_t none = {.points = 0};
     bench_init(&rig.bench, &params, &rig.config, &none);
     rig.bench.wheel[0].coupling = coupling;
     rig.bench.speed_prescribed = true;
     rig.bench.vehicle.speed_m_per_s = 0.0;
-    for (int i = 0; i < READY_PERIODS && rig.bench.wheel[0].slow.mode != MODE_RUN; i++) {
+    for (int i = 0; i < READY_PERIODS && rig.bench.wheel[0].slow.mode != IMAGE_MODE; i++) {
         bench_period(&rig.bench);
     }
-    return rig.bench.wheel[0].slow.mode == MODE_RUN && bench_start(&rig.bench) == BENCH_READY;
+    return rig.bench.wheel[0].slow.mode == IMAGE_MODE && bench_start(&rig.bench) == BENCH_READY;
 }
 
 void run(double duration_s)

@@ -6,8 +6,8 @@
 
 #include "bench/bench.h"
 #include "drive.h"
+#include "image.h"
 
-#define RIG_SPEED_M_PER_S 2.5
 enum { RIG_PERIODS_A_SECOND = 20000, RIG_WHY_BYTES = 160 };
 
 typedef struct {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* TIM1, centre-aligned, as a source of gate signals and triggers (RM0090 section 17). */
+/* TIM1, centre-aligned, as a source of gate signals and triggers (RM0090 section 17, whose numbers
+ * are below; RM0440 section 28). */
 #include "parts.h"
 
 enum { PWM_1 = 6, PWM_2 = 7, TRGO_UPDATE = 2, TRGO_OC4REF = 7, LEGS = 3 };
@@ -15,13 +16,13 @@ static uint32_t clock_ticks(const chip_t *chip)
 
 static uint32_t compare_mode(const chip_t *chip, int channel)
 {
-    const uint32_t at = channel < 2 ? CHIP_TIM1_CCMR1_Output : CHIP_TIM1_CCMR2_Output;
+    const uint32_t at = channel < 2 ? CHIP_TIM1_CCMR1_OUTPUT : CHIP_TIM1_CCMR2_OUTPUT;
     return chip_get(chip, at) >> ((channel & 1) != 0 ? 12 : 4) & 7U;
 }
 
 static bool is_preloaded(const chip_t *chip, int channel)
 {
-    const uint32_t at = channel < 2 ? CHIP_TIM1_CCMR1_Output : CHIP_TIM1_CCMR2_Output;
+    const uint32_t at = channel < 2 ? CHIP_TIM1_CCMR1_OUTPUT : CHIP_TIM1_CCMR2_OUTPUT;
     return (chip_get(chip, at) >> ((channel & 1) != 0 ? 11 : 3) & 1U) != 0;
 }
 
@@ -98,20 +99,12 @@ static void start(chip_t *chip)
     begin_half(chip, chip->now);
 }
 
-static bool break_input(chip_t *chip)
-{
-    const uint32_t settings = chip_get(chip, CHIP_TIM1_BDTR);
-    if ((settings & CHIP_TIM1_BDTR_BKE) == 0 || !chip_pin_function(chip, 'B', 12, 1)) {
-        return false;
-    }
-    return chip_pin_level(chip, 'B', 12) == ((settings & CHIP_TIM1_BDTR_BKP) != 0);
-}
-
 /* 17.3.12. */
 static void watch_break(chip_t *chip)
 {
-    if (break_input(chip)) {
-        *chip_at(chip, CHIP_TIM1_SR) |= CHIP_TIM1_SR_BIF;
+    const uint32_t flags = chip_part_break(chip);
+    if (flags != 0) {
+        *chip_at(chip, CHIP_TIM1_SR) |= flags;
         *chip_at(chip, CHIP_TIM1_BDTR) &= ~CHIP_TIM1_BDTR_MOE;
     }
 }
@@ -119,8 +112,7 @@ static void watch_break(chip_t *chip)
 /* 17.4.18: what the lock level no longer lets be changed. */
 static uint32_t unlocked(chip_t *chip, uint32_t value)
 {
-    static const uint32_t LOCKED = CHIP_TIM1_BDTR_DTG | CHIP_TIM1_BDTR_BKE | CHIP_TIM1_BDTR_BKP |
-                                   CHIP_TIM1_BDTR_AOE | CHIP_TIM1_BDTR_LOCK;
+    static const uint32_t LOCKED = CHIP_TIMER1_LOCKED;
     const uint32_t before = chip_get(chip, CHIP_TIM1_BDTR);
     if ((before & CHIP_TIM1_BDTR_LOCK) == 0) {
         return value;
@@ -176,6 +168,14 @@ bool chip_timer1_write(chip_t *chip, uint32_t address, uint32_t value)
         *chip_at(chip, address) = unlocked(chip, value);
         watch_break(chip);
         return true;
+#ifdef CHIP_TIM1_AF2
+    case CHIP_TIM1_AF2: /* 28.6.26 */
+        if ((chip_get(chip, CHIP_TIM1_BDTR) & CHIP_TIM1_BDTR_LOCK) != 0) {
+            chip_note(chip, "AF2 written while it is locked");
+            return true;
+        }
+        return false;
+#endif
     case CHIP_TIM1_ARR:
         if ((chip_get(chip, CHIP_TIM1_CR1) & CHIP_TIM1_CR1_ARPE) == 0) {
             chip->timer1.active_top = value & 0xFFFFU;
@@ -255,9 +255,9 @@ static uint32_t active_counts(const chip_t *chip, int leg)
 static bool leg_is_connected(chip_t *chip, unsigned leg)
 {
     const uint32_t enabled = chip_get(chip, CHIP_TIM1_CCER) >> 4U * leg & 0xFU;
-    const bool pins =
-        chip_pin_function(chip, 'A', 8U + leg, 1) && chip_pin_function(chip, 'B', 13U + leg, 1);
-    if (!pins || (enabled & 5U) != 5U) {
+    static const chip_pin_t GATES[LEGS][2] = {CHIP_GATE_PINS};
+    if (!chip_pin_selects(chip, GATES[leg][0]) || !chip_pin_selects(chip, GATES[leg][1]) ||
+        (enabled & 5U) != 5U) {
         chip_note(chip, "leg %u: only some of its gates are driven", leg);
         return false;
     }
@@ -295,10 +295,11 @@ chip_gates_t chip_gates(chip_t *chip)
         }
         return gates;
     }
-    if (!chip_driver_drives(chip)) {
+    const chip_drivers_t drivers = chip_part_drivers(chip);
+    if (drivers == CHIP_DRIVERS_OFF) {
         return gates; /* the gate driver holds all gates low */
     }
-    if (chip->driver.latched != 0) {
+    if (drivers == CHIP_DRIVERS_HOLD_A_LEG) {
         chip_note(chip, "the gate driver holds one leg off and the others switch");
         gates.bridge = CHIP_BRIDGE_FORBIDDEN;
         return gates;

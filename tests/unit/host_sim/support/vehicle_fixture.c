@@ -8,7 +8,8 @@
 #include "plant_values.h"
 #include "unity.h"
 
-extern const config_t CONFIG_LU2013, CONFIG_EBIKE36V, CONFIG_SCOOTER48V, CONFIG_IPM400V;
+extern const config_t CONFIG_LU2013, CONFIG_EBIKE36V, CONFIG_SCOOTER48V, CONFIG_IPM400V,
+    CONFIG_WHEEL24V;
 
 static bench_t bench;
 
@@ -57,7 +58,7 @@ bench_params_t fixture_drive(const char *name)
 config_t fixture_drive_config(const char *name)
 {
     static const config_t *const IMAGES[] = {&CONFIG_LU2013, &CONFIG_EBIKE36V, &CONFIG_SCOOTER48V,
-                                             &CONFIG_IPM400V};
+                                             &CONFIG_IPM400V, &CONFIG_WHEEL24V};
     for (int k = 0; k < (int)(sizeof IMAGES / sizeof IMAGES[0]); k++) {
         if (strcmp(IMAGES[k]->name, name) == 0) {
             return *IMAGES[k];

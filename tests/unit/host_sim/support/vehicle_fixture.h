@@ -10,8 +10,8 @@
 
 #include "bench/bench.h"
 
-/* The vehicle of tools/motors/NAME.toml as fixture_vehicle() has the paper's, and the image made of
- * that file. */
+/* The vehicle of tools/motors/NAME.toml, or of tools/motors/bench, as fixture_vehicle() has the
+ * paper's, and the image made of that file. */
 bench_params_t fixture_drive(const char *name);
 config_t fixture_drive_config(const char *name);
 

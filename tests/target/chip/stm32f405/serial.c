@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* USART3 (RM0090 section 30): eight bits, no parity; a terminal at 115 200 bit/s at the other end.
  */
-#include <string.h>
-
 #include "parts.h"
 
 enum { BITS_OF_A_BYTE = 10, BIT_RATE = 115200, TOLERANCE_PER_MILLE = 20 };
@@ -118,22 +116,5 @@ void chip_serial_events(chip_t *chip)
     }
     if (chip->now >= serial->next_byte) {
         receive(chip);
-    }
-}
-
-const char *chip_text(const chip_t *chip)
-{
-    return chip->serial.text;
-}
-
-void chip_type(chip_t *chip, const char *text)
-{
-    chip_serial_t *serial = &chip->serial;
-    for (; *text != '\0' && serial->typed_count < sizeof serial->typed; text++) {
-        serial->typed[(serial->typed_first + serial->typed_count) % sizeof serial->typed] = *text;
-        serial->typed_count++;
-    }
-    if (serial->next_byte == CHIP_NEVER && serial->typed_count > 0) {
-        serial->next_byte = chip->now + CHIP_TICKS_PER_US;
     }
 }

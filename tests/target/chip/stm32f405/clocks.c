@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Clocks and their enable bits (RM0090 section 7), supply detector (5.2.3), external interrupt 16,
- * independent watchdog (21), wait states of the flash (3.5.1). */
+ * wait states of the flash (3.5.1). */
 #include "parts.h"
 
 enum {
     TICKS_INTERNAL = 21, /* 16 MHz */
     TICKS_AT_168_MHZ = 2,
     TICKS_PLL_INPUT = 336, /* 1 MHz */
-    LSI_TICKS = 10500,     /* 32 kHz */
     CRYSTAL_START_us = 2000,
     PLL_LOCK_us = 200,
     CRYSTAL_HZ = 8000000,
@@ -15,7 +14,6 @@ enum {
     LEAST_VCO_MHZ = 100,
     MHZ_PER_WAIT_STATE = 30 /* table 10, at 2.7 to 3.6 V */
 };
-static const uint32_t KEY_RELOAD = 0xAAAA, KEY_ACCESS = 0x5555, KEY_START = 0xCCCC;
 
 /* Which bit lets a peripheral's registers be used. */
 typedef struct {
@@ -168,17 +166,6 @@ static void write_control(chip_t *chip, uint32_t value)
     }
 }
 
-static void write_watchdog_key(chip_t *chip, uint32_t key)
-{
-    const uint32_t divided = 4U << (chip_get(chip, CHIP_IWDG_PR) & 7U);
-    const bool started = chip->watchdog_end != CHIP_NEVER;
-    if (key == KEY_START || (key == KEY_RELOAD && started)) {
-        chip->watchdog_end =
-            chip->now + (chip_get(chip, CHIP_IWDG_RLR) + 1ULL) * divided * LSI_TICKS;
-    }
-    *chip_at(chip, CHIP_IWDG_KR) = key;
-}
-
 bool chip_clocks_write(chip_t *chip, uint32_t address, uint32_t value)
 {
     switch (address) {
@@ -201,15 +188,9 @@ bool chip_clocks_write(chip_t *chip, uint32_t address, uint32_t value)
         }
         return true;
     case CHIP_IWDG_KR:
-        write_watchdog_key(chip, value);
-        return true;
     case CHIP_IWDG_PR:
     case CHIP_IWDG_RLR:
-        if (chip_get(chip, CHIP_IWDG_KR) != KEY_ACCESS) {
-            chip_note(chip, "watchdog register written without its key");
-        }
-        *chip_at(chip, CHIP_IWDG_KR) = KEY_ACCESS;
-        return false;
+        return chip_watchdog_write(chip, address, value);
     case CHIP_EXTI_PR: /* cleared by writing 1 */
         *chip_at(chip, address) &= ~value;
         return true;
@@ -225,11 +206,7 @@ chip_ticks_t chip_clocks_next(chip_t *chip)
 
 void chip_clocks_events(chip_t *chip)
 {
-    if (chip->now >= chip->watchdog_end) {
-        chip->watchdog_end = CHIP_NEVER;
-        chip->reset_requested = true;
-        chip->by_watchdog = true;
-    }
+    chip_watchdog_events(chip);
     const bool watched = chip_field(chip, CHIP_PWR_CR, CHIP_PWR_CR_PVDE) != 0 &&
                          (chip_get(chip, CHIP_EXTI_RTSR) & CHIP_EXTI_RTSR_TR16) != 0;
     const bool known = (chip_get(chip, CHIP_PWR_CSR) & CHIP_PWR_CSR_PVDO) != 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Erasing and programming (RM0090 section 3.6), and a supply that fails in the middle of either. */
+/* Erasing and programming (RM0090 section 3.6). */
 #include "parts.h"
 
 enum { WORD_us = 16, WORDS_PSIZE = 2, SECTORS = 12, SMALL_SECTOR_BYTES = 16 << 10 };
@@ -32,64 +32,9 @@ static uint32_t sector_begin(uint32_t sector)
     return (sector - 4U) * (128U << 10);
 }
 
-/* True if the supply fails now: the operation is done in part, and the chip is without power. */
-static bool is_cut(chip_t *chip)
-{
-    chip->flash.operations++;
-    if (chip->flash.operations == chip->fault.flash_cut_after) {
-        chip->has_power = false;
-        return true;
-    }
-    return false;
-}
-
-static void set_word(chip_t *chip, uint32_t address, uint32_t value)
-{
-    (void)uc_mem_write(chip->core, address, &value, sizeof value);
-}
-
-static uint32_t word_at(chip_t *chip, uint32_t address)
-{
-    uint32_t value = 0;
-    (void)uc_mem_read(chip->core, address, &value, sizeof value);
-    return value;
-}
-
 static uint32_t erase_ms(uint32_t sector)
 {
     return sector < 4 ? ERASE_16_KIB_ms : (sector == 4 ? ERASE_64_KIB_ms : ERASE_128_KIB_ms);
-}
-
-/* The core cannot read the flash meanwhile (3.6): a bridge that switches repeats its last compare
- * values. */
-static void check_stall(chip_t *chip, const char *what)
-{
-    if (chip_timer1_drives(chip)) {
-        chip_note(chip, "%s of the flash while the gates switch", what);
-    }
-}
-
-/* A change of these bits that the supply ends: none yet, any, a few, all. The manual promises
- * nothing about the bits that change; those of other words or sectors stay. */
-typedef enum { NOT_YET, ANY_BIT, A_FEW, ALL, HALF_OF_THE_WORDS, STYLES } partly_t;
-
-static uint32_t partly(chip_t *chip, partly_t style, uint32_t changes)
-{
-    switch (style) {
-    case NOT_YET:
-        return 0;
-    case ANY_BIT:
-        return changes & chip_random(chip);
-    case A_FEW:
-        return changes & chip_random(chip) & chip_random(chip) & chip_random(chip) &
-               chip_random(chip);
-    case HALF_OF_THE_WORDS:
-        return (chip_random(chip) & 1U) != 0 ? changes : 0;
-    case ALL:
-    case STYLES:
-        break;
-    }
-    return changes;
 }
 
 static void erase(chip_t *chip, uint32_t sector)
@@ -103,12 +48,13 @@ static void erase(chip_t *chip, uint32_t sector)
     }
     const uint32_t begin = CHIP_FLASH_BASE + sector_begin(sector);
     const uint32_t end = CHIP_FLASH_BASE + sector_begin(sector + 1U);
-    check_stall(chip, "erase");
-    const bool cut = is_cut(chip);
-    const partly_t style = cut ? (partly_t)(chip_random(chip) % STYLES) : ALL;
+    chip_cells_check_stall(chip, "erase");
+    const bool cut = chip_cells_cut(chip);
+    const uint32_t style = cut ? chip_cells_style(chip) : 0;
     for (uint32_t at = begin; at < end; at += 4U) {
-        const uint32_t before = word_at(chip, at);
-        set_word(chip, at, before | partly(chip, style, ~before));
+        const uint32_t before = chip_cells_word(chip, at);
+        chip_cells_set(chip, at,
+                       before | (cut ? chip_cells_partly(chip, style, ~before) : ~before));
     }
     chip->flash.busy = chip->now + erase_ms(sector) * 1000ULL * CHIP_TICKS_PER_US;
 }
@@ -171,31 +117,19 @@ void chip_flash_program(chip_t *chip, uint32_t address, uint32_t size, uint32_t 
 {
     const uint32_t control = chip_get(chip, CHIP_FLASH_CR);
     const uint32_t at = address & ~3U;
-    const uint32_t before = word_at(chip, at);
+    const uint32_t before = chip_cells_word(chip, at);
     uint32_t after = before;
     if (is_locked(chip) || (control & CHIP_FLASH_CR_PG) == 0 || size != 4 ||
         chip_field(chip, CHIP_FLASH_CR, CHIP_FLASH_CR_PSIZE) != WORDS_PSIZE) {
         chip_note(chip, "store of %u bytes to the flash at 0x%08X", size, address);
         *chip_at(chip, CHIP_FLASH_SR) |= CHIP_FLASH_SR_PGSERR;
     } else {
-        check_stall(chip, "programming");
+        chip_cells_check_stall(chip, "programming");
         after = before & value; /* bits are only ever cleared */
-        if (is_cut(chip)) {
-            after = before ^ partly(chip, (partly_t)(chip_random(chip) % STYLES), before ^ after);
+        if (chip_cells_cut(chip)) {
+            after = before ^ chip_cells_partly(chip, chip_cells_style(chip), before ^ after);
         }
         chip->flash.busy = chip->now + WORD_us * CHIP_TICKS_PER_US;
     }
-    if (chip->flash.fixes < CHIP_FLASH_FIXES) {
-        chip->flash.fix_address[chip->flash.fixes] = at;
-        chip->flash.fix_value[chip->flash.fixes] = after;
-        chip->flash.fixes++;
-    }
-}
-
-void chip_flash_settle(chip_t *chip)
-{
-    for (unsigned i = 0; i < chip->flash.fixes; i++) {
-        set_word(chip, chip->flash.fix_address[i], chip->flash.fix_value[i]);
-    }
-    chip->flash.fixes = 0;
+    chip_cells_fix(chip, at, after);
 }

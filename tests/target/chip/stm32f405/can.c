@@ -5,23 +5,11 @@
 
 #include "parts.h"
 
-enum {
-    BIT_TICKS = 672, /* 500 kbit/s */
-    OVERHEAD_BITS = 47,
-    JOIN_BITS = 11,
-    MAILBOXES = 3,
-    FIFO_FRAMES = 3,
-    BANKS = 28
-};
+enum { JOIN_BITS = 11, MAILBOXES = 3, FIFO_FRAMES = 3, BANKS = 28 };
 static const uint32_t FULL_TSR = CHIP_CAN1_TSR_TME0 | CHIP_CAN1_TSR_TME1 | CHIP_CAN1_TSR_TME2;
 static const uint32_t EMPTY[MAILBOXES] = {CHIP_CAN1_TSR_TME0, CHIP_CAN1_TSR_TME1,
                                           CHIP_CAN1_TSR_TME2};
 static const uint32_t MAILBOX[MAILBOXES] = {CHIP_CAN1_TI0R, CHIP_CAN1_TI1R, CHIP_CAN1_TI2R};
-
-static chip_ticks_t frame_ticks(const chip_frame_t *frame)
-{
-    return (chip_ticks_t)(OVERHEAD_BITS + 8U * frame->length) * BIT_TICKS;
-}
 
 void chip_can_reset(chip_t *chip)
 {
@@ -38,7 +26,7 @@ static bool timing_is_right(chip_t *chip)
     const uint32_t timing = chip_get(chip, CHIP_CAN1_BTR);
     const uint32_t quanta = 3U + (timing >> 16 & 0xFU) + (timing >> 20 & 7U);
     const uint32_t quantum = ((timing & 0x3FFU) + 1U) * chip_bus_ticks(chip, CHIP_RCC_CFGR_PPRE1);
-    if (quanta * quantum != BIT_TICKS) {
+    if (quanta * quantum != CHIP_CAN_BIT_TICKS) {
         chip_note(chip, "CAN: a bit of %u ns on a bus of 2000", quanta * quantum * 1000U / 336U);
         return false;
     }
@@ -142,7 +130,8 @@ static void write_master_control(chip_t *chip, uint32_t value)
     if ((value & (CHIP_CAN1_MCR_INRQ | CHIP_CAN1_MCR_SLEEP)) != 0) {
         chip->can.joined = CHIP_NEVER;
     } else if ((before & CHIP_CAN1_MCR_INRQ) != 0) {
-        chip->can.joined = timing_is_right(chip) ? chip->now + JOIN_BITS * BIT_TICKS : CHIP_NEVER;
+        chip->can.joined =
+            timing_is_right(chip) ? chip->now + JOIN_BITS * CHIP_CAN_BIT_TICKS : CHIP_NEVER;
     }
 }
 
@@ -217,7 +206,7 @@ static void begin_sending(chip_t *chip)
     const chip_frame_t frame = frame_in(chip, can->order[0]);
     const chip_ticks_t begin = chip->now > can->bus_free ? chip->now : can->bus_free;
     can->is_sending = true;
-    can->sent = begin + frame_ticks(&frame);
+    can->sent = begin + chip_can_frame_ticks(&frame);
     can->bus_free = can->sent;
 }
 
@@ -230,22 +219,13 @@ static void end_sending(chip_t *chip)
     can->order_count--;
     memmove(&can->order[0], &can->order[1], can->order_count * sizeof can->order[0]);
     *chip_at(chip, CHIP_CAN1_TSR) |= EMPTY[mailbox];
-    if (can->out_count < CHIP_FRAMES) {
-        can->from_chip[(can->out_first + can->out_count) % CHIP_FRAMES] = frame;
-        can->out_count++;
-    }
-}
-
-static chip_ticks_t arrival(const chip_t *chip)
-{
-    const chip_can_t *can = &chip->can;
-    return can->count == 0 ? CHIP_NEVER : can->bus_free + frame_ticks(&can->to_chip[can->first]);
+    chip_can_sent(chip, &frame);
 }
 
 chip_ticks_t chip_can_next(chip_t *chip)
 {
     begin_sending(chip);
-    const chip_ticks_t arrives = arrival(chip);
+    const chip_ticks_t arrives = chip_can_arrival(chip);
     const chip_ticks_t sent = chip->can.is_sending ? chip->can.sent : CHIP_NEVER;
     const chip_ticks_t joined =
         chip->can.order_count > 0 && !chip->can.is_sending && chip->can.joined > chip->now
@@ -261,37 +241,10 @@ void chip_can_events(chip_t *chip)
     if (can->is_sending && chip->now >= can->sent) {
         end_sending(chip);
     }
-    while (can->count > 0 && !can->is_sending && chip->now >= arrival(chip)) {
-        can->bus_free = arrival(chip);
+    while (can->count > 0 && !can->is_sending && chip->now >= chip_can_arrival(chip)) {
+        const chip_frame_t frame = chip_can_arrived(chip);
         if (is_on_bus(chip)) {
-            deliver(chip, &can->to_chip[can->first]);
+            deliver(chip, &frame);
         }
-        can->first = (can->first + 1U) % CHIP_FRAMES;
-        can->count--;
     }
-}
-
-void chip_send(chip_t *chip, const chip_frame_t *frame)
-{
-    chip_can_t *can = &chip->can;
-    if (can->count == CHIP_FRAMES) {
-        return;
-    }
-    if (can->count == 0 && can->bus_free < chip->now) {
-        can->bus_free = chip->now;
-    }
-    can->to_chip[(can->first + can->count) % CHIP_FRAMES] = *frame;
-    can->count++;
-}
-
-bool chip_receive(chip_t *chip, chip_frame_t *frame)
-{
-    chip_can_t *can = &chip->can;
-    if (can->out_count == 0) {
-        return false;
-    }
-    *frame = can->from_chip[can->out_first];
-    can->out_first = (can->out_first + 1U) % CHIP_FRAMES;
-    can->out_count--;
-    return true;
 }

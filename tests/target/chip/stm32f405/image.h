@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* image.h: the vehicle of the image on this chip: a quarter of the paper's. */
+#ifndef CHIP_IMAGE_H
+#define CHIP_IMAGE_H
+
+#include "vehicle_fixture.h"
+
+#define IMAGE_SPEED_M_PER_S 2.5
+#define IMAGE_BRAKE_NM 90.0
+#define IMAGE_SMALL_BRAKE_NM 20.0
+#define IMAGE_DRIVE_NM 10.0
+#define IMAGE_SPEED_RAD_S 9.0 /* at that speed, rounded up */
+#define IMAGE_MODE MODE_RUN
+#define IMAGE_REPORTS_BROWN_OUT true
+#define IMAGE_CLOCK_IS_WATCHED false
+#define IMAGE_DRIVES_AFTER_STOP true
+
+static inline bench_params_t image_vehicle(void)
+{
+    return fixture_quarter_vehicle();
+}
+
+static inline config_t image_config(void)
+{
+    return fixture_config(CONFIG_STRATEGY_SERIES_OPTIMAL);
+}
+
+#endif

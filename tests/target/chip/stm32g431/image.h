@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* image.h: the vehicle of the image on this chip: a hub wheel at six cells, whose board has no
+ * input for a winding sensor, so that the controller drives with a warning. */
+#ifndef CHIP_IMAGE_H
+#define CHIP_IMAGE_H
+
+#include "vehicle_fixture.h"
+
+#define IMAGE_SPEED_M_PER_S 1.9
+#define IMAGE_BRAKE_NM 4.0
+#define IMAGE_SMALL_BRAKE_NM 2.0
+#define IMAGE_DRIVE_NM 1.5
+#define IMAGE_SPEED_RAD_S 23.1 /* at that speed, rounded up */
+#define IMAGE_MODE MODE_LIMP
+#define IMAGE_REPORTS_BROWN_OUT false /* its flash can be read down to its own reset */
+#define IMAGE_CLOCK_IS_WATCHED true
+#define IMAGE_DRIVES_AFTER_STOP false /* README, What it does not show */
+
+static inline bench_params_t image_vehicle(void)
+{
+    bench_params_t params = fixture_drive("wheel24v");
+    params.winding_sensor.open = 1.0;
+    return params;
+}
+
+static inline config_t image_config(void)
+{
+    return fixture_drive_config("wheel24v");
+}
+
+#endif

@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* wiring.h: the plant's signals at the pins of the board that the image is for. Codes as in
+ * hal/analog.h. */
+#ifndef CHIP_WIRING_H
+#define CHIP_WIRING_H
+
+#include "chip.h"
+
+void wiring_currents(chip_inputs_t *in, const uint16_t code[3]);
+void wiring_bus_voltage(chip_inputs_t *in, uint16_t code);
+void wiring_halls(chip_inputs_t *in, uint8_t state);
+void wiring_temperatures(chip_inputs_t *in, int32_t winding_cC, int32_t switch_cC);
+
+/* These pins of a port, 0 = A, at these levels. */
+static inline void wiring_pins(chip_inputs_t *in, int port, unsigned pins, unsigned level)
+{
+    in->driven[port] = (uint16_t)(in->driven[port] | pins);
+    in->level[port] = (uint16_t)((in->level[port] & ~pins) | (level & pins));
+}
+
+#endif

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: Apache-2.0
+# The flashable image of the STM32G431 on the model of its chip (chip/README.md). The programs are
+# of the host's build (chip/CMakeLists.txt).
+set(g431_programs "${PROJECT_SOURCE_DIR}/build/host/tests/target/chip")
+
+# chip_g431_test(NAME PROGRAM ELF LABELS ARGUMENT...)
+function(chip_g431_test name program elf labels)
+  add_test(NAME ${name} COMMAND "${g431_programs}/${program}" "${elf}" ${ARGN})
+  set_tests_properties(${name} PROPERTIES LABELS "${labels}" TIMEOUT 600)
+endfunction()
+
+# chip_g431_tests(ELF): boot and a stop are quick; the rest is labelled full.
+function(chip_g431_tests elf)
+  chip_g431_test(chip_g431_boots_and_brakes chip_test_g431 "${elf}" target stop)
+  chip_g431_test(chip_g431_trips_on_over_current chip_trip_g431 "${elf}" "target;full")
+  chip_g431_test(chip_g431_answers_faults chip_test_g431 "${elf}" "target;full" faults)
+  chip_g431_test(chip_g431_keeps_a_configuration_when_the_supply_fails chip_cuts_g431 "${elf}"
+    "target;full" 64 4)
+  chip_g431_test(chip_g431_keeps_a_configuration_in_1000_failures_of_the_supply chip_cuts_g431
+    "${elf}" "target;full" 1000 100)
+  set_tests_properties(chip_g431_keeps_a_configuration_in_1000_failures_of_the_supply
+    PROPERTIES TIMEOUT 3600)
+endfunction()
+
+# planted_g431(NAME FOLDER FILE OLD NEW PROGRAM ARGUMENT...): found by this program.
+function(planted_g431 name folder file old new program)
+  if(NOT HUBFOC_PYTHON)
+    return()
+  endif()
+  planted_image(${name} stm32g431 ${folder} ${file} "${old}" "${new}")
+  chip_g431_test(chip_g431_finds_${name} ${program} "$<TARGET_FILE:planted_${name}>" target ${ARGN})
+endfunction()
+
+# Errors planted in the driver, of which the model must find each.
+function(chip_g431_planted_tests)
+  set(own hal/stm32g431)
+  set(shared hal/stm32)
+  set(stop chip_test_g431 planted)
+  set(trip chip_trip_g431 planted)
+  set(cut chip_cuts_g431 32 0 planted)
+  planted_g431(no_error ${shared} inverter.c "TIM1->PSC = 0;" "TIM1->PSC = 0;" chip_test_g431 stop)
+  planted_g431(a_gate_of_reversed_polarity ${shared} inverter.c "TIM_CCER_CC1NE |"
+    "TIM_CCER_CC1NE | (1U << 3) |" ${stop})
+  planted_g431(a_short_dead_time ${shared} inverter.c "(dead_time_code <<" "(dead_time_code / 4U <<"
+    ${stop})
+  planted_g431(a_trigger_at_the_bottom ${shared} inverter.c ": top_counts + trigger_counts" ": 1"
+    ${stop})
+  planted_g431(a_trigger_at_the_top ${shared} inverter.c "top_counts + trigger_counts"
+    "top_counts - 1" ${stop})
+  planted_g431(gates_of_another_function ${shared} inverter.c "BOARD_AF_GATE_LOW_C, GPIO"
+    "BOARD_AF_GATE_LOW_B, GPIO" ${stop})
+  planted_g431(a_wrong_gain_of_the_amplifiers ${own} analog.c "GAIN_16_BIAS_AT_VINM0 = 11"
+    "GAIN_16_BIAS_AT_VINM0 = 10" ${stop})
+  planted_g431(an_amplifier_without_its_pin ${own} analog.c "gpio_make_analog(out)"
+    "gpio_make_input(out, GPIO_PULL_NONE)" ${stop})
+  planted_g431(a_converter_before_its_regulator ${own} analog.c
+    "(void)wait_for(&adc->CR, 0, 1, POLLS_REGULATOR)" "" ${stop})
+  planted_g431(a_sampling_time_too_short ${own} analog.c "SAMPLE_47_CYCLES = 4"
+    "SAMPLE_47_CYCLES = 3" ${stop})
+  planted_g431(too_few_wait_states ${own} clock.c "FLASH_WAIT_STATES = 4" "FLASH_WAIT_STATES = 3"
+    ${stop})
+  planted_g431(no_boost ${own} clock.c "PWR->CR5 &= ~(uint32_t)PWR_CR5_R1MODE" "" ${stop})
+  planted_g431(full_frequency_at_once ${own} clock.c "<< RCC_CFGR_HPRE_Pos |" "* 0U |" ${stop})
+  planted_g431(a_wrong_can_filter ${own} can.c "27 | first << 16" "27 | first << 15" ${stop})
+  planted_g431(a_wrong_can_bit_rate ${own} can.c "(PRESCALER - 1)" "PRESCALER" ${stop})
+  planted_g431(a_transceiver_shut_down ${shared} power.c "(pin_t){port, number}, level)"
+    "(pin_t){port, number}, true)" ${stop})
+  planted_g431(an_over_current_not_connected ${own} overcurrent.c "TIM_AF2_BK2CMP1E |" "" ${trip})
+  planted_g431(an_over_current_threshold_too_high ${own} overcurrent.c "BOARD_TRIP_A * BOARD_SHUNT"
+    "BOARD_TRIP_A * 2 * BOARD_SHUNT" ${trip})
+  planted_g431(an_over_current_threshold_too_low ${own} overcurrent.c "BOARD_TRIP_A * BOARD_SHUNT"
+    "BOARD_TRIP_A / 2 * BOARD_SHUNT" ${trip})
+  planted_g431(comparators_that_are_not_tried ${own} overcurrent.c "level >= LEVEL_LEAST_CODE"
+    "level + CODES >= LEVEL_LEAST_CODE" ${trip})
+  planted_g431(an_over_current_that_is_no_fault ${shared} inverter.c
+    "return tripped || break_acted()" "return tripped" ${trip})
+  planted_g431(an_erase_of_another_page ${shared} flash.c "(uintptr_t)whole.begin, i)"
+    "(uintptr_t)whole.begin, i + 1U)" ${cut})
+  planted_g431(an_unreadable_word_that_is_a_fault ${own} flash_error.c "is_of_a_sector(FLASH->ECCR)"
+    "FLASH->ECCR == 0" ${cut})
+endfunction()
