@@ -1,0 +1,328 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The thresholds and times of sensor against observer, each from both of its sides. */
+#include "monitor/monitor_rotor.h"
+#include "paper_vehicle.h"
+#include "unity.h"
+
+static monitor_rotor_state_t rotor;
+static monitor_rotor_input_t at;
+static monitor_rotor_output_t seen;
+static config_t config;
+
+/* 60, 16 and 12 degrees of 65 536, rounded up; times of the header. */
+enum {
+    FROM_mrad_s = 16000,
+    OPPOSED = 10923,
+    SLIPPED = 2913,
+    AGREED = 2184,
+    SLIP_ms = 12,
+    NAME_ms = 12,
+    HEAL_ms = 20
+};
+
+void setUp(void)
+{
+    const monitor_rotor_state_t fresh = {.confirmed = false};
+    const monitor_rotor_input_t rolling = {
+        .observer_mrad_s = 20000,
+        .sensor_mrad_s = 20000,
+        .flux_q14 = 4000,
+        .across_q14 = 100,
+        .expected_q14 = 4000,
+        .acquired = true,
+        .sensor_valid = true,
+        .switching = true,
+    };
+    rotor = fresh;
+    config = CONFIG_LU2013;
+    config.rotor.observer_takeover = 1;
+    config.rotor.observer_speed_mrad_s = FROM_mrad_s;
+    config.monitor.rotor_warning_time_ms = HEAL_ms;
+    at = rolling;
+}
+
+void tearDown(void) {}
+
+static void run(int steps)
+{
+    for (int n = 0; n < steps; n++) {
+        seen = monitor_rotor_step(&rotor, &config, &at);
+        TEST_ASSERT_TRUE(rotor.agreed_steps >= 0 && rotor.agreed_steps <= HEAL_ms);
+    }
+}
+
+static void run_at(int steps, int16_t difference_turn)
+{
+    at.difference_turn = difference_turn;
+    run(steps);
+}
+
+/* ---- confirmation ---- */
+
+/* With the input of `at` and without a sensor. */
+static bool confirms(void)
+{
+    const monitor_rotor_state_t fresh = {.confirmed = false};
+    rotor = fresh;
+    at.sensor_valid = false;
+    run(10);
+    return seen.valid;
+}
+
+void test_bounds_of_flux_and_speed_are_exact(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        at.across_q14 = (int16_t)(sign * 1000);
+        TEST_ASSERT_TRUE(confirms());
+        at.across_q14 = (int16_t)(sign * 1001);
+        TEST_ASSERT_FALSE(confirms());
+        at.across_q14 = 0;
+        at.observer_mrad_s = sign * FROM_mrad_s;
+        TEST_ASSERT_TRUE(confirms());
+        at.observer_mrad_s = sign * (FROM_mrad_s - 1);
+        TEST_ASSERT_FALSE(confirms());
+        at.observer_mrad_s = sign * 20000;
+    }
+    at.expected_q14 = 8001;
+    TEST_ASSERT_TRUE(confirms());
+    at.expected_q14 = 8002;
+    TEST_ASSERT_FALSE(confirms());
+}
+
+void test_two_steps_confirm_and_two_lose(void)
+{
+    at.sensor_valid = false;
+    run(1);
+    TEST_ASSERT_FALSE(seen.valid);
+    run(1);
+    TEST_ASSERT_TRUE(seen.valid);
+    at.flux_q14 = 0;
+    run(1);
+    TEST_ASSERT_TRUE(seen.valid);
+    run(1);
+    TEST_ASSERT_FALSE(seen.valid);
+    at.flux_q14 = 4000;
+    run(2);
+    TEST_ASSERT_TRUE(seen.valid);
+    at.switching = false; /* at once */
+    run(1);
+    TEST_ASSERT_FALSE(seen.valid);
+    run(10); /* and not counted meanwhile */
+    at.switching = true;
+    run(1);
+    TEST_ASSERT_FALSE(seen.valid);
+}
+
+/* The observer's speed goes up and down by `change_mrad_s`. */
+static bool confirms_while_it_swings(int32_t speed_mrad_s, int32_t change_mrad_s)
+{
+    const monitor_rotor_state_t fresh = {.confirmed = false};
+    rotor = fresh;
+    for (int n = 0; n < 20; n++) {
+        at.observer_mrad_s = speed_mrad_s + (n % 2 == 0 ? 0 : change_mrad_s);
+        run(1);
+    }
+    return rotor.confirmed;
+}
+
+/* A quarter of 16 rad/s in a step, unless the sensor itself has half of it. */
+void test_an_observer_that_swings_is_not_confirmed_near_standstill(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        at.sensor_mrad_s = 0;
+        TEST_ASSERT_TRUE(confirms_while_it_swings(sign * 20000, sign * 4000));
+        TEST_ASSERT_FALSE(confirms_while_it_swings(sign * 20000, sign * 4002));
+        at.sensor_mrad_s = sign * FROM_mrad_s / 2;
+        TEST_ASSERT_TRUE(confirms_while_it_swings(sign * 20000, sign * 40000));
+        at.sensor_mrad_s = sign * (FROM_mrad_s / 2 - 2);
+        TEST_ASSERT_FALSE(confirms_while_it_swings(sign * 20000, sign * 40000));
+    }
+    /* Once it is confirmed a swing does not end that. */
+    at.observer_mrad_s = 20000;
+    run(3);
+    TEST_ASSERT_TRUE(rotor.confirmed);
+    for (int n = 0; n < 10; n++) {
+        at.observer_mrad_s = n % 2 == 0 ? 60000 : 20000;
+        run(1);
+        TEST_ASSERT_TRUE(rotor.confirmed);
+    }
+}
+
+/* Half of its speed, and two plausible steps, also backwards. */
+void test_the_observer_watches_from_half_its_speed_on(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        setUp();
+        at.observer_mrad_s = sign * FROM_mrad_s / 2;
+        at.sensor_mrad_s = at.observer_mrad_s;
+        at.sensor_valid = false;
+        run(1);
+        TEST_ASSERT_FALSE(seen.observer_used);
+        run(1);
+        TEST_ASSERT_TRUE(seen.observer_used && !seen.valid);
+    }
+}
+
+/* ---- comparison ---- */
+
+void test_an_opposed_sensor_is_wrong_in_the_second_step_and_below_the_speed_in_the_fifth(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        for (int slow = 0; slow < 2; slow++) {
+            setUp();
+            at.observer_mrad_s = slow != 0 ? FROM_mrad_s * 3 / 4 : 20000;
+            run(100);
+            const int steps = slow != 0 ? 5 : 2;
+            run_at(steps - 1, (int16_t)(sign * OPPOSED));
+            run_at(1, (int16_t)(sign * (slow != 0 ? OPPOSED - 1 : 0)));
+            TEST_ASSERT_FALSE(seen.sensor_wrong);
+            run_at(steps - 1, (int16_t)(sign * OPPOSED));
+            TEST_ASSERT_FALSE(seen.sensor_wrong);
+            run(1);
+            TEST_ASSERT_TRUE(seen.sensor_wrong && seen.observer_used);
+        }
+    }
+    /* One step without the observer's flux counts as well. */
+    setUp();
+    run(100);
+    run_at(1, OPPOSED);
+    at.flux_q14 = 0;
+    run(1);
+    TEST_ASSERT_TRUE(seen.sensor_wrong);
+}
+
+void test_a_slip_is_wrong_in_its_twelfth_step_more_than_those_without(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        setUp();
+        run(100);
+        run_at(100, (int16_t)(sign * (SLIPPED - 1)));
+        TEST_ASSERT_FALSE(seen.sensor_wrong);
+        run_at(1, (int16_t)(sign * SLIPPED));
+        run_at(10, 0);
+        run_at(SLIP_ms - 1, (int16_t)(sign * SLIPPED));
+        TEST_ASSERT_FALSE(seen.sensor_wrong);
+        run(1);
+        TEST_ASSERT_TRUE(seen.sensor_wrong);
+        TEST_ASSERT_EQUAL_INT(REASON_ROTOR_SLIPPED, seen.reason);
+    }
+}
+
+/* A sensor that is not valid is not compared, and what was counted is forgotten. */
+void test_an_invalid_sensor_begins_every_count_anew(void)
+{
+    run(100);
+    run_at(1, OPPOSED);
+    at.sensor_valid = false;
+    run(10);
+    TEST_ASSERT_FALSE(seen.sensor_wrong);
+    at.sensor_valid = true;
+    run(1);
+    TEST_ASSERT_FALSE(seen.sensor_wrong);
+    run_at(50, 0);
+
+    run_at(SLIP_ms - 1, SLIPPED);
+    at.sensor_valid = false;
+    run(1);
+    at.sensor_valid = true;
+    run(SLIP_ms - 1);
+    TEST_ASSERT_FALSE(seen.sensor_wrong);
+    run(1);
+    TEST_ASSERT_TRUE(seen.sensor_wrong);
+
+    run_at(HEAL_ms - 1, 0);
+    at.sensor_valid = false;
+    run(1);
+    at.sensor_valid = true;
+    run(HEAL_ms - 1);
+    TEST_ASSERT_TRUE(seen.sensor_wrong);
+    run(1);
+    TEST_ASSERT_FALSE(seen.sensor_wrong);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, seen.reason);
+}
+
+void test_agreement_is_below_12_degrees_and_ends_a_long_slip(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        setUp();
+        run(100);
+        run_at(100, (int16_t)(sign * SLIPPED));
+        TEST_ASSERT_TRUE(seen.sensor_wrong);
+        run_at(1000, (int16_t)(sign * (AGREED + 1)));
+        TEST_ASSERT_TRUE(seen.sensor_wrong);
+        run_at(100, (int16_t)(sign * SLIPPED));
+        run_at(HEAL_ms - 1, (int16_t)(sign * AGREED));
+        TEST_ASSERT_TRUE(seen.sensor_wrong);
+        run(1);
+        TEST_ASSERT_FALSE(seen.sensor_wrong);
+    }
+    config.monitor.rotor_warning_time_ms = 1;
+    run_at(100, SLIPPED);
+    run_at(1, 0);
+    TEST_ASSERT_FALSE(seen.sensor_wrong);
+}
+
+/* ---- names ---- */
+
+/* 12 ms after it is wrong and not before; then as long as it is. */
+static void assert_named(int32_t sensor_mrad_s, reason_t name)
+{
+    const int32_t observer_mrad_s = at.observer_mrad_s;
+    setUp();
+    at.observer_mrad_s = observer_mrad_s;
+    at.sensor_mrad_s = observer_mrad_s;
+    run(100);
+    at.sensor_mrad_s = sensor_mrad_s;
+    run_at(2, OPPOSED);
+    TEST_ASSERT_TRUE(seen.sensor_wrong);
+    for (int n = 1; n < NAME_ms; n++) {
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, seen.reason);
+        run(1);
+    }
+    for (int n = 0; n < 600; n++) {
+        TEST_ASSERT_EQUAL_INT(name, seen.reason);
+        run(1);
+    }
+    at.cleared = true;
+    run_at(1, 0);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, seen.reason);
+}
+
+void test_names_by_the_sensor_s_speed_are_exact(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        at.observer_mrad_s = sign * 20000;
+        assert_named(sign * 10000, REASON_ROTOR_SLIPPED);
+        assert_named(sign * 9999, REASON_ROTOR_FROZEN);
+        assert_named(sign * -9999, REASON_ROTOR_FROZEN);
+        assert_named(sign * -10000, REASON_ROTOR_REVERSED);
+    }
+    at.observer_mrad_s = -20000;
+    assert_named(INT32_MIN, REASON_ROTOR_SLIPPED);
+}
+
+/* 9 steps of a slip and two of an opposed sensor are one less than a slip needs. */
+void test_a_slip_that_ends_opposed_waits_for_its_name(void)
+{
+    run(100);
+    at.sensor_mrad_s = 0;
+    run_at(9, SLIPPED);
+    run_at(2, OPPOSED);
+    TEST_ASSERT_TRUE(seen.sensor_wrong);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, seen.reason);
+    run(NAME_ms - 1);
+    TEST_ASSERT_EQUAL_INT(REASON_ROTOR_FROZEN, seen.reason);
+}
+
+/* As in a wheel that locks. */
+void test_an_observer_that_is_gone_gives_no_name(void)
+{
+    run(100);
+    run_at(2, OPPOSED);
+    at.flux_q14 = 0;
+    run(NAME_ms - 2);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, seen.reason);
+    run(1);
+    TEST_ASSERT_EQUAL_INT(REASON_ROTOR_UNCERTAIN, seen.reason);
+    TEST_ASSERT_FALSE(seen.valid);
+}
