@@ -399,6 +399,16 @@ static config_result_t check_relations(const config_t *c)
                             : result(CONFIG_RESULT_RELATION, relation);
 }
 
+/* Printable ASCII, at least one character, and zero-terminated: the shell prints it. */
+static bool name_is_text(const char name[CONFIG_NAME_LENGTH])
+{
+    uint32_t length = 0;
+    while (length < CONFIG_NAME_LENGTH && name[length] >= ' ' && name[length] <= '~') {
+        length++;
+    }
+    return length > 0 && length < CONFIG_NAME_LENGTH && name[length] == '\0';
+}
+
 config_result_t config_validate(const config_t *config, uint32_t size_bytes)
 {
     if (size_bytes < sizeof(config_t)) {
@@ -416,7 +426,7 @@ config_result_t config_validate(const config_t *config, uint32_t size_bytes)
     if (config->crc32 != config_crc32(config, (uint32_t)offsetof(config_t, crc32))) {
         return result(CONFIG_RESULT_CRC, "crc32");
     }
-    if (config->name[0] == '\0' || config->name[CONFIG_NAME_LENGTH - 1] != '\0') {
+    if (!name_is_text(config->name)) {
         return result(CONFIG_RESULT_NAME, "name");
     }
     const config_result_t ranges = check_ranges(config);

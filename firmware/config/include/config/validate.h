@@ -3,7 +3,7 @@
  * validate.h: checks whether the firmware may run with a configuration.
  *
  * Called once in BOOT and by every host tool that loads an image; never in a control step. Checks,
- * in this order: magic, format version, size, CRC-32, name termination, the range of every field
+ * in this order: magic, format version, size, CRC-32, name (printable), the range of every field
  * (the ranges of config.h), then the relations between fields that no single range can express. The
  * first failure is reported.
  */

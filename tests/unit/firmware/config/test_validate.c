@@ -87,10 +87,15 @@ void test_any_single_flipped_bit_is_refused(void)
     TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, config_validate(&config, sizeof(config)).code);
 }
 
-void test_name_must_not_be_empty_and_must_be_terminated(void)
+/* Printable, because the shell sends it to a terminal. */
+void test_name_must_be_printable_not_empty_and_terminated(void)
 {
-    config.name[0] = '\0';
-    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_NAME, sealed_result().code);
+    static const char *const NAMES[] = {" ~", "", "\x1B", "x\x1F", "\x7F", "x\x80", "x\xFF", "\n"};
+    for (unsigned k = 0; k < sizeof NAMES / sizeof NAMES[0]; k++) {
+        memset(config.name, 0, sizeof(config.name));
+        memcpy(config.name, NAMES[k], strlen(NAMES[k]));
+        TEST_ASSERT_EQUAL_INT(k == 0 ? CONFIG_RESULT_OK : CONFIG_RESULT_NAME, sealed_result().code);
+    }
     memset(config.name, 'x', sizeof(config.name));
     TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_NAME, sealed_result().code);
 }
