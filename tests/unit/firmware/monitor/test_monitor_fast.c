@@ -399,6 +399,7 @@ void test_largest_current_that_counts_as_none_is_exact(void)
         set_current(96, across);
         TEST_ASSERT_EQUAL_INT(REASON_NONE, step());
         TEST_ASSERT_EQUAL_INT(across == 0 ? REASON_CURRENT_SENSOR : REASON_NONE, step());
+        TEST_ASSERT_EQUAL_INT32(across == 0 ? -2 : INT16_MIN, state.current_periods);
         set_current(0, 0);
         step();
         TEST_ASSERT_EQUAL_INT32(across == 0 ? -2 : INT16_MIN, state.current_periods);
