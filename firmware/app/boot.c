@@ -97,7 +97,7 @@ boot_report_t boot_run(void)
 {
     boot_report_t report = {.inverter = INVERTER_OK};
     report.clock_good = time_init();
-    report.was_watchdog = watchdog_caused_reset();
+    report.reset_cause = watchdog_reset_cause();
     report.ram_good = ram_good();
     serial_init(BOOT_SERIAL_BIT_RATE); /* enables an interrupt, so only after the RAM test */
     report.brown_out_low = flash_brown_out_low();

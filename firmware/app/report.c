@@ -100,16 +100,38 @@ static void add_config_result(const boot_report_t *boot, text_t *line)
     }
 }
 
+static void add_reset_cause(reset_cause_t cause, text_t *line)
+{
+    static const char *const NAMES[RESET_CAUSES] = {
+        [RESET_UNKNOWN] = "",
+        [RESET_POWER] = "supply",
+        [RESET_BROWN_OUT] = "low supply",
+        [RESET_WATCHDOG] = "watchdog",
+        [RESET_WINDOW_WATCHDOG] = "window watchdog",
+        [RESET_LOW_POWER] = "low-power mode",
+        [RESET_PROGRAM] = "program",
+        [RESET_PIN] = "reset pin",
+    };
+    text_add(line, "started by ");
+    text_add(line, NAMES[cause]);
+}
+
 bool report_boot(const boot_report_t *boot, uint32_t number, text_t *line)
 {
     const char *const words[] = {
-        boot->was_watchdog ? "restarted by the watchdog" : NULL,
         boot->brown_out_low ? "brown-out level is below 3: ./tools/dev flash sets it" : NULL,
         boot->clock_good ? NULL : "clock fault: the crystal did not start, staying in BOOT",
         boot->ram_good ? "self-test RAM: good" : "self-test RAM: FAILED",
         boot->firmware_good ? "self-test firmware CRC: good" : "self-test firmware CRC: FAILED",
     };
     uint32_t left = number;
+    if (boot->reset_cause != RESET_UNKNOWN) {
+        if (left == 0) {
+            add_reset_cause(boot->reset_cause, line);
+            return true;
+        }
+        left--;
+    }
     for (uint32_t i = 0; i < sizeof words / sizeof words[0]; i++) {
         if (words[i] == NULL) {
             continue;

@@ -140,9 +140,9 @@ void watchdog_feed(void)
     lines.watchdog_left_ms = lines.watchdog_timeout_ms;
 }
 
-bool watchdog_caused_reset(void)
+reset_cause_t watchdog_reset_cause(void)
 {
-    return false;
+    return RESET_UNKNOWN;
 }
 
 void board_watchdog_tick(void)

@@ -138,9 +138,9 @@ void watchdog_handler(void)
     semihost_exit(false);
 }
 
-bool watchdog_caused_reset(void)
+reset_cause_t watchdog_reset_cause(void)
 {
-    return false;
+    return RESET_UNKNOWN;
 }
 
 static flash_image_t between(const uint32_t *begin, const uint32_t *end)

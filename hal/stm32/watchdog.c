@@ -38,16 +38,37 @@ void watchdog_feed(void)
     IWDG->KR = IWDG_KR_KEY_RELOAD;
 }
 
-bool watchdog_caused_reset(void)
+/* The first cause whose flag is set: every reset pulls the pin, and the supply's arrival sets the
+ * flag of the brown-out too. The flags are the upper byte of RCC_CSR. */
+static reset_cause_t cause_of(uint32_t register_value)
 {
-    /* Read and cleared at the first call, so that a later reset by the button is not reported as
-     * one by the watchdog. */
+    static const uint8_t FLAGS[RESET_CAUSES] = {
+        [RESET_POWER] = RCC_CSR_PORRSTF >> 24,
+        [RESET_BROWN_OUT] = RCC_CSR_BORRSTF >> 24,
+        [RESET_WATCHDOG] = RCC_CSR_WDGRSTF >> 24,
+        [RESET_WINDOW_WATCHDOG] = RCC_CSR_WWDGRSTF >> 24,
+        [RESET_LOW_POWER] = RCC_CSR_LPWRRSTF >> 24,
+        [RESET_PROGRAM] = RCC_CSR_SFTRSTF >> 24,
+        [RESET_PIN] = RCC_CSR_PADRSTF >> 24,
+    };
+    for (reset_cause_t cause = RESET_POWER; cause < RESET_CAUSES; cause++) {
+        if ((register_value >> 24 & FLAGS[cause]) != 0) {
+            return cause;
+        }
+    }
+    return RESET_UNKNOWN;
+}
+
+reset_cause_t watchdog_reset_cause(void)
+{
+    /* Read and cleared at the first call: the flags outlast resets, and the next one must show its
+     * own only. */
     static bool known;
-    static bool by_watchdog;
+    static reset_cause_t cause;
     if (!known) {
-        by_watchdog = (RCC->CSR & RCC_CSR_WDGRSTF) != 0;
+        cause = cause_of(RCC->CSR);
         RCC->CSR |= RCC_CSR_RMVF;
         known = true;
     }
-    return by_watchdog;
+    return cause;
 }

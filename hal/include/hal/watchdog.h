@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * watchdog.h: resets the core, which switches the bridge off, unless it is fed in time. It cannot
- * be stopped.
+ * be stopped. Also what else has reset it.
  */
 #ifndef HAL_WATCHDOG_H
 #define HAL_WATCHDOG_H
@@ -15,7 +15,20 @@ void watchdog_start(uint32_t timeout_ms);
 
 void watchdog_feed(void);
 
-/* True if the watchdog caused the last reset; constant until the next reset. */
-bool watchdog_caused_reset(void);
+/* By falling precedence where a chip shows several. */
+typedef enum {
+    RESET_UNKNOWN = 0,     /* the port cannot tell */
+    RESET_POWER,           /* the supply came */
+    RESET_BROWN_OUT,       /* the supply was too low; on some chips this is RESET_POWER */
+    RESET_WATCHDOG,        /* this one */
+    RESET_WINDOW_WATCHDOG, /* which this firmware does not start */
+    RESET_LOW_POWER,       /* nor does it enter a low-power mode */
+    RESET_PROGRAM,
+    RESET_PIN,
+    RESET_CAUSES
+} reset_cause_t;
+
+/* Why the core started; constant until the next reset. */
+reset_cause_t watchdog_reset_cause(void);
 
 #endif

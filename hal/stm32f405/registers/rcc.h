@@ -80,6 +80,12 @@ typedef struct {
 #define RCC_APB2ENR_SYSCFGEN (1U << 14)
 
 #define RCC_CSR_RMVF (1U << 24)
+#define RCC_CSR_BORRSTF (1U << 25)
+#define RCC_CSR_PADRSTF (1U << 26)
+#define RCC_CSR_PORRSTF (1U << 27)
+#define RCC_CSR_SFTRSTF (1U << 28)
 #define RCC_CSR_WDGRSTF (1U << 29)
+#define RCC_CSR_WWDGRSTF (1U << 30)
+#define RCC_CSR_LPWRRSTF (1U << 31)
 
 #endif

@@ -91,6 +91,12 @@ typedef struct {
 #define RCC_CCIPR_FDCANSEL (0x3U << 24)
 
 #define RCC_CSR_RMVF (1U << 23)
+#define RCC_CSR_PADRSTF (1U << 26) /* PINRSTF */
+#define RCC_CSR_BORRSTF (1U << 27)
+#define RCC_CSR_PORRSTF RCC_CSR_BORRSTF /* there is one flag for both */
+#define RCC_CSR_SFTRSTF (1U << 28)
 #define RCC_CSR_WDGRSTF (1U << 29) /* IWDGRSTF */
+#define RCC_CSR_WWDGRSTF (1U << 30)
+#define RCC_CSR_LPWRRSTF (1U << 31)
 
 #endif

@@ -65,6 +65,7 @@ static bool shows(unsigned count, uint32_t instruction, uint32_t *address)
     const char *answer = latest(line);
     const char *registers = latest("cfsr hfsr address:");
     if (!expect(chip_resets(rig.chip) == resets + 1, "the watchdog restarts the core once") ||
+        !expect(latest("started by watchdog") != NULL, "the greeting names the watchdog") ||
         !expect(greeting != NULL, "the greeting names fault and instruction") ||
         !expect(answer != greeting && registers != NULL, "the shell shows the record")) {
         return false;
@@ -166,7 +167,10 @@ static bool forgets_with_the_supply(void)
     const char *text = chip_text(rig.chip) + before;
     return expect(strstr(text, "no crash since the supply came") != NULL &&
                       strstr(text, "bus fault") == NULL,
-                  "nothing is shown after the supply was gone");
+                  "nothing is shown after the supply was gone") &&
+           expect(strstr(text, "started by supply") != NULL &&
+                      strstr(text, "started by watchdog") == NULL,
+                  "the greeting names the supply");
 }
 
 int main(int argc, char **argv)

@@ -108,6 +108,9 @@ CHIPS = (
         fields={
             ("DBGMCU", "APB1_FZ", "IWDG_STOP"): "DBG_IWDG_STOP",
             ("DBGMCU", "APB2_FZ", "TIM1_STOP"): "DBG_TIM1_STOP",
+            ("RCC", "CSR", "LPWRRSTF"): "LPWRSTF",
+            ("RCC", "CSR", "PADRSTF"): "PINRSTF",
+            ("RCC", "CSR", "PORRSTF"): "BORRSTF",
             ("RCC", "CSR", "WDGRSTF"): "IWDGRSTF",
         },
         plain_timer="TIM4",

@@ -15,15 +15,16 @@
 #include "config/config.h"
 #include "config/validate.h"
 #include "hal/inverter.h"
+#include "hal/watchdog.h"
 
 enum { BOOT_SERIAL_BIT_RATE = 115200 };
 
 typedef struct {
     bool clock_good; /* otherwise control does not start */
     bool ram_good;
-    bool firmware_good; /* the CRC of the image in flash is the build's */
-    bool brown_out_low; /* option bytes: the chip runs on below the supply that it needs */
-    bool was_watchdog;  /* the watchdog caused this start */
+    bool firmware_good;        /* the CRC of the image in flash is the build's */
+    bool brown_out_low;        /* option bytes: the chip runs on below the supply that it needs */
+    reset_cause_t reset_cause; /* of this start */
     config_result_t config_result;
     inverter_status_t inverter; /* set only with an accepted configuration and a good clock */
     bool rotor_sensor_missing;  /* the board lacks the sensor kind that the configuration names;

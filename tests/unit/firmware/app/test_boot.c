@@ -39,7 +39,7 @@ static void expect_board(bool clock_good, const void *configuration, uint32_t co
     sector_a.begin = configuration;
     sector_a.size_bytes = configuration_bytes + (uint32_t)sizeof sector.mark;
     time_init_ExpectAndReturn(clock_good);
-    watchdog_caused_reset_ExpectAndReturn(false);
+    watchdog_reset_cause_ExpectAndReturn(RESET_POWER);
     memory_unused_ExpectAndReturn(unused);
     memory_mark_stack_Expect();
     serial_init_Expect(BOOT_SERIAL_BIT_RATE);

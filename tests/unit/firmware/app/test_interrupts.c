@@ -42,7 +42,7 @@ void setUp(void)
     serial_init_Ignore();
     serial_read_IgnoreAndReturn(false);
     serial_write_IgnoreAndReturn(0);
-    watchdog_caused_reset_IgnoreAndReturn(false);
+    watchdog_reset_cause_IgnoreAndReturn(RESET_POWER);
     watchdog_start_Ignore();
     watchdog_feed_StubWithCallback(feed);
     memory_unused_StubWithCallback(unused);

@@ -134,12 +134,34 @@ void test_failed_self_tests_and_clock_are_printed(void)
     boot.clock_good = false;
     boot.ram_good = false;
     boot.firmware_good = false;
-    boot.was_watchdog = true;
+    boot.reset_cause = RESET_WATCHDOG;
     read_boot();
     assert_on_page("clock fault");
     assert_on_page("RAM: FAILED");
     assert_on_page("CRC: FAILED");
-    assert_on_page("restarted by the watchdog");
+    assert_on_page("started by watchdog");
+}
+
+void test_every_known_cause_of_the_reset_has_its_own_text(void)
+{
+    static const char *const WORDS[RESET_CAUSES] = {
+        [RESET_POWER] = "started by supply\n",
+        [RESET_BROWN_OUT] = "started by low supply\n",
+        [RESET_PIN] = "started by reset pin\n",
+        [RESET_PROGRAM] = "started by program\n",
+        [RESET_WATCHDOG] = "started by watchdog\n",
+        [RESET_WINDOW_WATCHDOG] = "started by window watchdog\n",
+        [RESET_LOW_POWER] = "started by low-power mode\n",
+    };
+    boot.reset_cause = RESET_UNKNOWN;
+    read_boot();
+    TEST_ASSERT_NULL(strstr(page, "started by"));
+    for (reset_cause_t cause = RESET_POWER; cause < RESET_CAUSES; cause++) {
+        boot.reset_cause = cause;
+        turn_page();
+        read_boot();
+        assert_on_page(WORDS[cause]);
+    }
 }
 
 void test_every_refusal_of_a_port_has_its_own_text(void)
