@@ -100,7 +100,7 @@ def parser() -> Parser:
     )
     for add in (
         *(_add_run, _add_sim, _add_sweep, *cli_sweeps.COMMANDS),
-        *(_add_compare, _add_list, _add_report, _add_blackbox),
+        *(_add_compare, _add_list, _add_report, _add_blackbox, _add_crash),
     ):
         add(commands)
     return out
@@ -383,4 +383,19 @@ def _add_blackbox(commands: Commands) -> None:
         type=Path,
         metavar="DIR",
         help="for blackbox_fast.csv, blackbox_slow.csv, blackbox.svg and blackbox.png",
+    )
+
+
+def _add_crash(commands: Commands) -> None:
+    command = commands.add_parser(
+        "crash",
+        help="why a controller's program stopped",
+        description=(
+            "Read what the greeting or the shell's crash printed, from a terminal's log: the fault "
+            "in words and, with the ELF of that firmware, where in the program it was."
+        ),
+    )
+    command.add_argument("file", metavar="LOG", type=Path, help="text with the shell's answer")
+    command.add_argument(
+        "--elf", type=Path, metavar="ELF", help="names the functions; addr2line adds the lines"
     )

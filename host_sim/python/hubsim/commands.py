@@ -25,6 +25,7 @@ from hubsim import (
     black_box,
     cli,
     console,
+    crash,
     cycles,
     difference,
     emulator,
@@ -474,7 +475,6 @@ COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "sweep": sweep_runs,
     **dict.fromkeys(("stops", "envelope", "coast", "faults"), measure_many),
     "compare": compare_runs,
-    "list": list_names,
     "report": write_report,
-    "blackbox": black_box.command,
+    **{"list": list_names, "blackbox": black_box.command, "crash": crash.command},
 }
