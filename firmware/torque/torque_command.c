@@ -66,9 +66,11 @@ torque_command_out_t torque_command_step(torque_command_state_t *state, const co
                                          const torque_command_input_t *in)
 {
     torque_command_out_t out = {.command_mNm = 0, .reason = REASON_NONE};
-    const limit_t bound = drive_limit(limits, in->speed_mrad_s, in->drive_mNm);
     limit_t driving = limit_init(q_abs(in->drive_mNm), REASON_NONE);
-    limit_tighten(&driving, bound.torque_mNm, bound.reason);
+    if (in->drive_mNm != 0) {
+        const limit_t bound = drive_limit(limits, in->speed_mrad_s, in->drive_mNm);
+        limit_tighten(&driving, bound.torque_mNm, bound.reason);
+    }
     if (!torque_enable_any(in->torque_enable)) {
         out.reason = in->electric_mNm != 0 ? in->torque_enable.reason : driving.reason;
         torque_command_init(state);
