@@ -67,6 +67,15 @@ static int32_t road_change_q8_mNm(const config_brake_t *brake, int32_t speed_mra
     return q_saturate64((q_saturate64(per_rad) * (int64_t)speed_mrad_s) >> 22) + 1;
 }
 
+/* While the brake answers a new command, what is missing is rather the brake's than the road's; for
+ * as long at most as it has been certain before. */
+static bool awaits_brake(hydraulic_watch_t *watch, bool uncertain)
+{
+    watch->certain_ms =
+        q_clamp(watch->certain_ms + (uncertain ? -1 : 1), 0, HYDRAULIC_WATCH_AWAITS_ms);
+    return uncertain && watch->certain_ms > 0;
+}
+
 /* Speed at which a vehicle that does not stop may still be seen to roll; below it nothing is
  * counted. A wheel that turns round rolls on another slope. */
 static bool rolls(hydraulic_watch_t *watch, const config_t *config,
@@ -294,7 +303,9 @@ void hydraulic_watch_step(hydraulic_watch_t *watch, const config_t *config,
         clear_sums(watch);
         return;
     }
-    const int32_t change_q8 = road_change_q8_mNm(brake, q_abs(in->speed_mrad_s));
+    const int32_t change_q8 = awaits_brake(watch, in->uncertain_mNm > floor_mNm)
+                                  ? 0
+                                  : road_change_q8_mNm(brake, q_abs(in->speed_mrad_s));
     watch->road_q8_mNm += q_clamp(lacking_mNm * 256, -change_q8, change_q8);
     if (watch->confirms_report) {
         follow_report(watch, in, in->contradicts_mNm, floor_mNm);

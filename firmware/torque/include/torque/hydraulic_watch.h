@@ -8,7 +8,8 @@
  *     missing = inertia * acceleration - (motor torque - hydraulic torque expected) - road
  *
  * with torques along the rotation, all filtered alike (64 ms). `road`, slope and rolling
- * resistance, follows no faster than brake.hydraulic_watch_road allows for the distance rolled.
+ * resistance, follows no faster than brake.hydraulic_watch_road allows for the distance rolled, and
+ * waits for up to HYDRAULIC_WATCH_AWAITS_ms while the brake answers a new command.
  * What is missing, or in excess, beyond the tolerance (floor, and a share of both torques) is
  * summed. The inertia is learned from steps of the motor torque without the hydraulic brake, within
  * HYDRAULIC_WATCH_LIGHTEST and _HEAVIEST. A sum of brake.hydraulic_watch_speed times the inertia is
@@ -41,6 +42,7 @@ enum {
     HYDRAULIC_WATCH_QUIET_ms = 512,   /* without hydraulic torque, until the inertia is learned */
     HYDRAULIC_WATCH_SETTLE_ms = 256,  /* of the filters, after a finding has corrected the torque */
     HYDRAULIC_WATCH_PAUSE_ms = 300,   /* after a wheel that slipped */
+    HYDRAULIC_WATCH_AWAITS_ms = 512,  /* longest change of the brake for which the road waits */
     HYDRAULIC_WATCH_DEAD_ms = 1000,
     HYDRAULIC_WATCH_LATE_ms = 1500
 };
@@ -75,6 +77,7 @@ typedef struct {
     int32_t missing_mNm_ms, excess_mNm_ms; /* sums beyond the tolerance */
     int32_t report_mNm_ms;                 /* > 0: the brake is wrong, < 0: its sensor */
     int32_t acquired_ms, pause_ms, found_ms, quiet_ms;
+    int32_t certain_ms; /* of the brake's torque, less the time of changes */
     bool rolls, backwards;
     bool provisional;     /* the road was acquired while the hydraulic brake made torque */
     bool by_report;       /* found by reports that are used */

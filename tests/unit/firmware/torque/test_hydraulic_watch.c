@@ -167,6 +167,30 @@ void test_a_road_that_changes_no_faster_than_configured_has_no_finding(void)
     TEST_ASSERT_TRUE(slope > 0.01);
 }
 
+/* Half as much torque again of 35 N m: 17.5 - 4.1 - 5.3 = 8.1 N m beyond the tolerance at 50 rad/s.
+ * A road that follows by up to 0.5 rad/s2 a second, 5.2 N m/s, makes it a sum of 8.1^2 / 10.3 =
+ * 6.4 N m s, and of 3.5 if it has followed for 0.4 s before; 0.48 rad/s of 10.3 kg m2 are 4.9. */
+void test_the_road_waits_while_the_brake_answers_its_command(void)
+{
+    (void)run(2000);
+    in.uncertain_mNm = 20000;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(35.0, 1.5, 400));
+    in.uncertain_mNm = 0;
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_STRONG, run(2000));
+}
+
+/* For 0.5 s; then it follows although the brake stays uncertain, 1.5 s by 0.5 rad/s2 a second. */
+void test_the_road_waits_no_longer_than_half_a_second(void)
+{
+    (void)run(2000);
+    in.uncertain_mNm = 40000;
+    motor_nm = 52.5; /* the speed stays */
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(35.0, 1.5, HYDRAULIC_WATCH_AWAITS_ms));
+    TEST_ASSERT_INT32_WITHIN(300, 0, watch.road_q8_mNm / 256);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1500));
+    TEST_ASSERT_INT32_WITHIN(800, -7700, watch.road_q8_mNm / 256);
+}
+
 void test_what_was_missing_and_comes_is_late(void)
 {
     run(COAST_ms);
