@@ -6,7 +6,7 @@
 #include "core/q15.h"
 
 /* Mathematics, not taste: at 4 U the error of e turns it by 15 degrees (README, Angle check). */
-enum { MARGIN = 4, MOST_CURRENT_mA = 10000000 };
+enum { MARGIN = 4, MOST_CURRENT_mA = 10000000, MOST_MISSING_Q20 = 1 << 19 };
 
 static const int64_t NV_PER_MV = 1000000;
 
@@ -65,6 +65,14 @@ static view_t view_of(const config_t *config, const monitor_emf_input_t *in)
     return out;
 }
 
+/* Share of the expected EMF, at most a half; of millivolts. */
+static int32_t missing_q20(int64_t apart_nV, int64_t expected_nV)
+{
+    const int64_t lacking_mV = q_saturate64(divide_by_million(-apart_nV));
+    const int32_t expected_mV = q_max(q_saturate64(divide_by_million(expected_nV)), 1);
+    return q_clamp(q_saturate64(lacking_mV * (1 << 20) / expected_mV), 0, MOST_MISSING_Q20);
+}
+
 /* Steps beyond the tolerance less steps within it; below 0 weak, above strong. */
 static void watch_flux(monitor_emf_state_t *state, const config_t *config,
                        const monitor_emf_input_t *in, const view_t *view)
@@ -74,14 +82,21 @@ static void watch_flux(monitor_emf_state_t *state, const config_t *config,
     /* The share with 10 bits of fraction, so that any flux fits 64 bits. */
     const int64_t expected_nV = (view->emf_nV >> 10) * (share_q24 >> 14);
     const int64_t tolerance_nV =
-        divide_by_thousand(expected_nV) * config->monitor.flux_tolerance_permille +
-        view->uncertain_nV;
+        divide_by_thousand(expected_nV) * config->monitor.flux_tolerance_permille;
     const int64_t apart_nV = view->along_nV - expected_nV;
-    if (magnitude(apart_nV) > tolerance_nV) {
+    const bool beyond = magnitude(apart_nV) > tolerance_nV + view->uncertain_nV;
+    if (beyond) {
         const int32_t step = apart_nV < 0 ? -1 : 1;
         state->flux_level = (int16_t)q_limit(state->flux_level + step, MONITOR_EMF_FLUX_STEPS);
-    } else if (state->flux_level != 0) {
+    } else if (state->flux_level != 0 &&
+               (state->flux == MONITOR_EMF_FLUX_PLAUSIBLE || magnitude(apart_nV) <= tolerance_nV)) {
+        /* More uncertainty alone heals nothing. */
         state->flux_level = (int16_t)(state->flux_level - (state->flux_level < 0 ? -1 : 1));
+    }
+    if (state->flux != MONITOR_EMF_FLUX_WEAK) {
+        state->missing_q20 = 0;
+    } else if (beyond) {
+        state->missing_q20 += (missing_q20(apart_nV, expected_nV) - state->missing_q20) / 64;
     }
     if (state->flux_level <= -MONITOR_EMF_FLUX_STEPS) {
         state->flux = MONITOR_EMF_FLUX_WEAK;

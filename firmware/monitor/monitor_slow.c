@@ -279,7 +279,6 @@ static bool no_current(monitor_slow_state_t *state, const monitor_slow_input_t *
     return monitor_current_step(&state->current, config, &current);
 }
 
-/* The fast loop continues with two sensors where a single one is wrong. */
 static bool gain_wrong(monitor_slow_state_t *state, const monitor_slow_input_t *in,
                        const config_t *config)
 {
@@ -446,6 +445,9 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
         .at_rest = state->speed.rest_urad_s < INT64_C(1000) * config->monitor.standstill_mrad_s,
         .speed_bound_mrad_s = speed_mrad_s,
     };
+    if (out.flux_warning == REASON_FLUX_WEAK && in->battery_voltage_mV > 0) {
+        out.flux_missing_q15 = state->emf.missing_q20 / 32;
+    }
     state->safe_bridge = out.safe_bridge;
     state->steps++;
     /* The first line that applies names the fault: causes before consequences. */

@@ -177,9 +177,11 @@ typedef struct {
 } monitor_slow_input_t;
 
 typedef struct {
-    reason_t fault;        /* REASON_NONE, or the reason to remove the torque enable */
-    reason_t warning;      /* REASON_NONE, or the reason for reduced driving torque (LIMP) */
-    reason_t flux_warning; /* of the lowest priority: what the back-EMF says of flux and bus */
+    reason_t fault;           /* REASON_NONE, or the reason to remove the torque enable */
+    reason_t warning;         /* REASON_NONE, or the reason for reduced driving torque (LIMP) */
+    reason_t flux_warning;    /* of the lowest priority: what the back-EMF says of flux and bus */
+    int32_t flux_missing_q15; /* share of the flux that makes no torque, 0 .. 16 384: FLUX_WEAK, by
+                                 a bus voltage that the battery's message confirms */
     bridge_mode_t safe_bridge;
     bool emf_conducts;       /* the EMF drives a current in the safe state: no zero to be seen */
     int32_t charging_mA;     /* into the bus, in the safe state */

@@ -32,6 +32,7 @@ typedef struct {
     uint16_t level;
     int16_t flux_level;
     monitor_emf_flux_t flux; /* qualified; stays where it cannot be judged */
+    int32_t missing_q20; /* share of the flux, 64 ms mean, 1 048 576 = 1.0; 0 unless FLUX_WEAK */
 } monitor_emf_state_t;
 
 /* Of the same PWM period, in the estimated frame: peak phase quantities, applied

@@ -45,6 +45,7 @@ typedef struct {
     bool bridge_open;  /* freewheel or active short circuit since the last step */
     int32_t short_mNm; /* braking torque of an active short circuit by its model, magnitude; 0: the
                           bridge is not shorted */
+    int32_t flux_missing_q15; /* share of the magnets' flux that is known to be lost, 0 .. 16 384 */
     int32_t bus_voltage_mV;
     int32_t
         phase_voltage_mV; /* peak phase: largest voltage that leaves the current loop its reserve,

@@ -308,8 +308,10 @@ void test_weak_magnets_and_a_bus_voltage_that_reads_high_are_distinguished(void)
     TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_PLAUSIBLE, named(500.0, 0.0, 0.85, 1.0));
     TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_WEAK, named(500.0, 0.0, 0.80, 1.0));
     TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_WEAK, named(500.0, -40.0, 0.70, 1.0));
+    TEST_ASSERT_DOUBLE_WITHIN(0.005, 0.3, state.missing_q20 / 1048576.0);
     TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_STRONG, named(500.0, 0.0, 1.0, 1.25));
     TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_STRONG, named(-500.0, 0.0, 1.0, 1.25));
+    TEST_ASSERT_EQUAL_INT32(0, state.missing_q20);
     /* A bus voltage that reads low looks like weak magnets. */
     TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_WEAK, named(500.0, 0.0, 1.0, 0.75));
 }
@@ -335,6 +337,13 @@ void test_flux_is_named_after_200_ms_and_heals_after_200_ms(void)
     }
     TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_PLAUSIBLE, state.flux);
     monitor_emf_step(&state, &config, &in);
+    TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_WEAK, state.flux);
+    weak.flux = 0.8; /* with 40 A within the tolerance and U, but not within the tolerance */
+    in = measured(500.0, 0.0, -40.0, 0.0, &weak);
+    in.winding_temperature_cC = config.motor.reference_temperature_cC;
+    for (int n = 0; n < 1000; n++) {
+        monitor_emf_step(&state, &config, &in);
+    }
     TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_WEAK, state.flux);
     in.switching = false; /* not judged: it stays */
     for (int n = 0; n < 1000; n++) {

@@ -209,6 +209,12 @@ void test_torque_estimate_is_that_of_the_measured_current(void)
     in.current.q_mA = -10000;
     /* -0.7038 Nm/A * (10 + 2.0095) A */
     TEST_ASSERT_INT32_WITHIN(30, -8452, torque_step(&state, &config, &in).estimate_mNm);
+    in.flux_missing_q15 = 1 << 13; /* a quarter; at most a half counts */
+    TEST_ASSERT_INT32_WITHIN(30, -6339, torque_step(&state, &config, &in).estimate_mNm);
+    in.flux_missing_q15 = INT32_MAX;
+    TEST_ASSERT_INT32_WITHIN(30, -4226, torque_step(&state, &config, &in).estimate_mNm);
+    in.flux_missing_q15 = -1;
+    TEST_ASSERT_INT32_WITHIN(30, -8452, torque_step(&state, &config, &in).estimate_mNm);
 }
 
 /* Demand, battery, temperatures and torque enable jump at random; the speed changes slowly. */
