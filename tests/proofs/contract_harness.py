@@ -41,9 +41,13 @@ HEAVY: tuple[str, ...] = (
 # Of these the postconditions are proved with arithmetic that wraps around, not that none overflows:
 # their products and quotients of 64 bits are too hard for the solvers (SOUNDNESS.md, Values only).
 VALUES: dict[str, tuple[str, ...]] = {
-    "torque_steps": ("torque_command_step", "torque_limits_step", "current_setpoint_step"),
+    "torque_steps": (
+        "torque_limits_step", "current_setpoint_step", "brake_blending_step",
+        "brake_blending_sent", "torque_step",
+    ),
     "feasible_torque": (
-        "motor_model_at", "motor_model_point", "feasible_set_at", "feasible_side_at",
+        "torque_command_step", "motor_model_at", "motor_model_point",
+        "feasible_set_at", "feasible_side_at",
         "feasible_magnitude_mNm", "feasible_power_b", "feasible_weaken_cap",
         "feasible_by_voltage_mNm", "feasible_by_voltage_and_current", "feasible_by_drawn_mNm",
         "feasible_by_returned_mNm", "feasible_forced", "feasible_by_current_mNm",

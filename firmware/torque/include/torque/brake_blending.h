@@ -99,16 +99,30 @@ void brake_blending_init(brake_blending_state_t *state, const config_t *config);
 
 /* The hydraulic command that is sent in place of the split's, larger by hill hold and lift-off.
  *
- * @pre split->hydraulic_mNm >= 0 && hydraulic_mNm >= 0
+ * @pre hydraulic_mNm >= 0
  *
- * @post is_within(state->added_mNm, 0, hydraulic_mNm)
+ * @post state->added_mNm >= 0
  *
- * @post hydraulic_mNm <= split->hydraulic_mNm || state->added_mNm == hydraulic_mNm -
- * split->hydraulic_mNm
+ * @post split->hydraulic_mNm < 0 || state->added_mNm == q_max(hydraulic_mNm - split->hydraulic_mNm,
+ * 0)
  */
 void brake_blending_sent(brake_blending_state_t *state, const brake_blending_out_t *split,
                          int32_t hydraulic_mNm);
 
+/* @pre every(i, TORQUE_LINE_COUNT, limits->driving[i].torque_mNm >= 0 &&
+ * limits->braking[i].torque_mNm >= 0)
+ *
+ * @post is_within(result.electric_mNm, 0, q_max(in->demand_mNm, 0))
+ *
+ * @post is_within(result.hydraulic_mNm, INT32_MIN, config->brake.max_hydraulic_torque_mNm)
+ *
+ * @post result.beside_mNm >= 0 && result.arrived_mNm >= 0 && result.road_mNm >= 0
+ *
+ * @post result.electric_mNm <= limits->braking[TORQUE_LINE_ENABLE].torque_mNm &&
+ * result.electric_mNm <= limits->braking[TORQUE_LINE_ABS].torque_mNm && result.electric_mNm <=
+ * limits->braking[TORQUE_LINE_VOLTAGE].torque_mNm && result.electric_mNm <=
+ * limits->braking[TORQUE_LINE_PHASE_CURRENT].torque_mNm
+ */
 brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const config_t *config,
                                          const torque_limits_t *limits,
                                          const brake_blending_input_t *in);

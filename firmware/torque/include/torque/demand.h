@@ -85,6 +85,12 @@ void demand_init(demand_state_t *state);
  * == 0))
  *
  * @post !in->abs_active || result.lift_off_mNm == 0
+ *
+ * @post result.brake_mNm == state->brake_mNm
+ *
+ * @post in->brake_mNm <= 0 || (result.drive_withdrawn && result.drive_mNm == 0)
+ *
+ * @post is_within(result.drive_mNm, -100000000, 100000000)
  */
 demand_t demand_step(demand_state_t *state, const config_t *config, const demand_input_t *in);
 

@@ -80,6 +80,10 @@ void motor_constants_init(motor_constants_t *constants, const config_t *config);
  *
  * @post result.speed_mrad_s == speed_mrad_s && result.winding_temperature_cC ==
  * winding_temperature_cC
+ *
+ * @pre constants->coulomb_step_q8_b >= 0 && constants->viscous_b >= 0
+ *
+ * @post is_within(result.friction_b, 0, 1 << 26)
  */
 motor_model_t motor_model_at(const motor_constants_t *constants, const config_t *config,
                              int32_t speed_mrad_s, int32_t winding_temperature_cC);
