@@ -44,10 +44,11 @@ static evidence_t evidence(int32_t current_pu, int32_t wanted_pu, int32_t others
                : NEITHER;
 }
 
-/* The vector turns through this phase's zero within 14 degrees unless the phase carries none. Only
- * where two samples see the same half wave. */
-static bool stays_zero(monitor_open_state_t *state, int x, int32_t current_pu, int32_t others_pu,
-                       int32_t step_turn)
+/* The vector turns through this phase's zero within 14 degrees unless the phase carries none, or
+ * the reference goes with it: where less than a quarter is wanted nothing counts. Only where two
+ * samples see the same half wave. */
+static bool stays_zero(monitor_open_state_t *state, int x, int32_t current_pu, int32_t wanted_pu,
+                       int32_t others_pu, int32_t step_turn)
 {
     if (others_pu <= MONITOR_OPEN_OTHERS_PU) {
         if (q_abs(current_pu) >
@@ -58,7 +59,8 @@ static bool stays_zero(monitor_open_state_t *state, int x, int32_t current_pu, i
         return false;
     }
     const bool none = q_abs(current_pu) < others_pu / 8 && step_turn < MONITOR_OPEN_FASTEST_TURN;
-    const int32_t counted_turn = state->unsettled > 0 ? 0 : step_turn;
+    const bool counts = state->unsettled == 0 && q_abs(wanted_pu) >= others_pu / 4;
+    const int32_t counted_turn = counts ? step_turn : 0;
     const int32_t turned = none && state->zeros[x] > 0 ? state->turned[x] + counted_turn : 0;
     state->turned[x] = (uint16_t)q_min(turned, MONITOR_OPEN_TURN);
     state->zeros[x] = (uint8_t)(none ? q_min(state->zeros[x] + 1, MONITOR_OPEN_STEPS) : 0);
@@ -109,7 +111,7 @@ bool monitor_open_step(monitor_open_state_t *state, const monitor_open_input_t *
             const int32_t counted = *missing + (found == MISSING ? 1 : 0);
             *missing = (uint8_t)(found == FLOWS ? 0 : q_min(counted, MONITOR_OPEN_STEPS));
         }
-        zero = stays_zero(state, x, current.pu[x], longest_pu, step_turn) || zero;
+        zero = stays_zero(state, x, current.pu[x], wanted.pu[x], longest_pu, step_turn) || zero;
         most = (uint8_t)q_max(most, q_max(state->missing[x][0], state->missing[x][1]));
     }
     state->suspected = most >= MONITOR_OPEN_SUSPECT_STEPS;

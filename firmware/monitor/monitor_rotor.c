@@ -13,7 +13,8 @@ enum {
     NAME_STEPS = 12,        /* until a sensor's speed has followed its angle */
     SLIPPED_STEPS = 12,
     CONFIRM_STEPS = 2,
-    LOSE_STEPS = 2
+    LOSE_STEPS = 2,
+    STEADY_STEPS = 16 /* in one direction, but for a start */
 };
 
 static uint8_t counted(uint8_t steps, bool condition)
@@ -41,9 +42,20 @@ static bool settled(const monitor_rotor_state_t *state, const config_t *config,
            q_abs(half_change_mrad_s) <= least_mrad_s / 8;
 }
 
+/* A rotor that turns round passes through standstill, where it cannot be observed: a direction that
+ * changes is the observer's, from currents and dead time at low speed. */
+static void watch_direction(monitor_rotor_state_t *state, const monitor_rotor_input_t *in)
+{
+    const bool turned = in->observer_mrad_s < 0 ? state->last_mrad_s > 0
+                                                : in->observer_mrad_s > 0 && state->last_mrad_s < 0;
+    const int32_t left = turned ? STEADY_STEPS : state->unsteady - 1;
+    state->unsteady = (uint8_t)(in->switching && in->acquired ? q_max(left, 0) : 0);
+}
+
 static void confirm(monitor_rotor_state_t *state, const config_t *config,
                     const monitor_rotor_input_t *in)
 {
+    watch_direction(state, in);
     const bool plausible =
         in->switching && in->acquired && in->flux_q14 >= 4 * q_abs(in->across_q14) &&
         in->flux_q14 >= in->expected_q14 / 2 && in->flux_q14 / 4 <= in->expected_q14 &&
@@ -52,7 +64,8 @@ static void confirm(monitor_rotor_state_t *state, const config_t *config,
     state->plausible = counted(state->plausible, plausible);
     state->implausible = counted(state->implausible, !plausible);
     const bool consistent =
-        state->confirmed ? state->implausible < LOSE_STEPS : state->plausible >= CONFIRM_STEPS;
+        state->unsteady == 0 &&
+        (state->confirmed ? state->implausible < LOSE_STEPS : state->plausible >= CONFIRM_STEPS);
     state->confirmed =
         in->switching && consistent && fast_enough(state, config, in->observer_mrad_s);
 }
@@ -62,8 +75,17 @@ static bool watches(const monitor_rotor_state_t *state, const config_t *config,
                     const monitor_rotor_input_t *in)
 {
     return state->confirmed ||
-           (in->switching && state->plausible >= CONFIRM_STEPS &&
+           (in->switching && state->plausible >= CONFIRM_STEPS && state->unsteady == 0 &&
             q_abs(in->observer_mrad_s) >= config->rotor.observer_speed_mrad_s / 2);
+}
+
+/* Halls know of an acceleration at their next edge only. One that has slipped has the speed right;
+ * halls that stand are 60 degrees off soon. */
+static bool lags(const config_t *config, const monitor_rotor_input_t *in)
+{
+    const int32_t size_mrad_s = q_abs(in->observer_mrad_s);
+    return config->rotor.sensor == CONFIG_ROTOR_HALL &&
+           size_mrad_s - q_abs(in->sensor_mrad_s) > size_mrad_s / 4;
 }
 
 /* A sensor that is wrong agrees with the observer in passing: it has to for a long time. */
@@ -78,7 +100,7 @@ static void compare(monitor_rotor_state_t *state, const config_t *config,
     }
     const int32_t size_turn = q_abs(in->difference_turn);
     state->opposed_steps = counted(state->opposed_steps, size_turn >= OPPOSED_TURN);
-    if (size_turn >= SLIPPED_TURN && state->confirmed) {
+    if (size_turn >= SLIPPED_TURN && state->confirmed && !lags(config, in)) {
         state->slipped = (uint8_t)q_min(state->slipped + 1, SLIPPED_STEPS);
     } else if (state->slipped > 0) {
         state->slipped--;

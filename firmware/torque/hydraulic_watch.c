@@ -100,13 +100,28 @@ static bool slips(const config_t *config, int32_t change_q8_mrad_s)
     return rim_um_s2_q8 > (int64_t)config->monitor.tyre_grip_mm_s2 * 256000;
 }
 
+/* What of the deceleration in which the road was acquired is now the inertia's is not the road's.
+ */
+static void weigh(hydraulic_watch_t *watch, int32_t weight_q15)
+{
+    const int32_t more_mNm = times_q15(watch->acquired_mNm, weight_q15 - watch->weight_q15);
+    watch->road_q8_mNm = q_saturate64(watch->road_q8_mNm + (int64_t)more_mNm * 256);
+    watch->weight_q15 = weight_q15;
+}
+
 /* Steps of the motor's torque, faster than a road's slope can follow, show the inertia:
- * least squares of inertial over known torque. */
+ * least squares of inertial over known torque. A start on a rolling wheel, which the measured
+ * speed has to reach first, and a slip are no steps. */
 static void learn_inertia(hydraulic_watch_t *watch, int32_t known_mNm, int32_t inertial_mNm,
                           int32_t floor_mNm)
 {
     const int32_t x = q_limit(known_mNm, MOST_STEP_mNm);
     const int32_t y = q_limit(inertial_mNm, MOST_STEP_mNm);
+    if (watch->pause_ms > 0) {
+        filter_reset(&watch->known_slow_mNm, x, SLOW_LOG2);
+        filter_reset(&watch->inertial_slow_mNm, y, SLOW_LOG2);
+        return;
+    }
     const int32_t step_mNm = x - filter_step(&watch->known_slow_mNm, x, SLOW_LOG2);
     const int32_t follows_mNm = y - filter_step(&watch->inertial_slow_mNm, y, SLOW_LOG2);
     if (watch->quiet_ms < HYDRAULIC_WATCH_QUIET_ms || q_abs(step_mNm) <= 2 * floor_mNm) {
@@ -120,11 +135,10 @@ static void learn_inertia(hydraulic_watch_t *watch, int32_t known_mNm, int32_t i
     if (watch->known_square > enough) {
         const int64_t one = watch->known_square >> 15;
         const int64_t by = watch->known_by_inertial;
-        watch->weight_q15 =
-            by <= one * (ONE_Q15 / 2)
-                ? HYDRAULIC_WATCH_HEAVIEST_Q15
-                : q_clamp(q_saturate64(watch->known_square / (by >> 15)),
-                          HYDRAULIC_WATCH_LIGHTEST_Q15, HYDRAULIC_WATCH_HEAVIEST_Q15);
+        weigh(watch, by <= one * (ONE_Q15 / 2)
+                         ? HYDRAULIC_WATCH_HEAVIEST_Q15
+                         : q_clamp(q_saturate64(watch->known_square / (by >> 15)),
+                                   HYDRAULIC_WATCH_LIGHTEST_Q15, HYDRAULIC_WATCH_HEAVIEST_Q15));
     }
 }
 
@@ -154,6 +168,9 @@ static int32_t missing_mNm(hydraulic_watch_t *watch, const config_t *config,
     const int32_t inertial_mNm = q_limit(
         q_saturate64(((int64_t)config->brake.hydraulic_watch_inertia_g_m2 * change_q8) >> 8),
         MOST_mNm);
+    if (watch->acquired_ms < HYDRAULIC_WATCH_ACQUIRE_ms) {
+        watch->acquired_mNm += (inertial_mNm - watch->acquired_mNm) / ACQUIRE_SHARE;
+    }
     learn_inertia(watch, filtered_mNm, inertial_mNm, floor_mNm);
     return q_limit(times_q15(inertial_mNm, watch->weight_q15) - filtered_mNm, MOST_mNm);
 }

@@ -68,6 +68,7 @@ typedef struct {
     reason_t reason;             /* the finding, REASON_NONE: none */
     int32_t gain_q15, extra_mNm; /* of the torque: gain * modelled + extra */
     int32_t road_q8_mNm;         /* all but motor and hydraulic brake, along the rotation */
+    int32_t acquired_mNm; /* of the vehicle's inertia as configured, while the road was acquired */
     int32_t beside_mNm; /* of this step, or when the wheel last rolled: road and what is missing */
     int32_t speed_lp_q8_mrad_s;
     filter_t known_lp_mNm, motor_lp_mNm;

@@ -199,3 +199,32 @@ void test_healthy_phases_of_a_wheel_that_hangs_at_a_hall_edge_are_not_named(void
         }
     }
 }
+
+/* The d-axis reference falls and comes back while the rotor turns, so that a phase keeps near its
+ * zero through 45 degrees: recorded from a vehicle that lets its charging current go. */
+void test_reference_that_turns_against_the_rotor_leaves_a_healthy_phase_at_zero(void)
+{
+    static const struct {
+        double theta_deg;
+        star_t i;
+        int32_t d_pu;
+        int32_t q_pu;
+    } SEEN[] = {
+        {352.3, {-3265, -610, 3874}, -2892, -3042}, {358.2, {-3041, -1009, 4049}, -2919, -3045},
+        {1.7, {-2785, -1362, 4146}, -2963, -3049},  {7.5, {-1233, -2177, 3409}, -628, -3032},
+        {13.3, {-353, -2594, 2946}, -628, -3035},   {19.1, {255, -2849, 2595}, -628, -3039},
+        {24.9, {-289, -2897, 3185}, -2547, -3060},  {30.8, {-416, -3089, 3505}, -2753, -3065},
+        {36.6, {-272, -3329, 3601}, -2807, -3068},  {42.4, {16, -3552, 3536}, -2809, -3071},
+        {48.2, {383, -3760, 3378}, -2821, -3074},
+    };
+    for (unsigned n = 0; n < sizeof SEEN / sizeof SEEN[0]; n++) {
+        const double turn = SEEN[n].theta_deg / 360.0;
+        const monitor_open_input_t in = {
+            .sampled_pu = park(SEEN[n].i, TURN_RAD * turn),
+            .reference_pu = {.d = SEEN[n].d_pu, .q = SEEN[n].q_pu},
+            .theta_turn = (uint16_t)lround(65535.0 * turn),
+            .switching = true,
+        };
+        TEST_ASSERT_FALSE(monitor_open_step(&state, &in));
+    }
+}

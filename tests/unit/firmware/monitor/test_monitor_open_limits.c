@@ -115,13 +115,25 @@ void test_only_a_current_of_half_the_reference_begins_the_count_anew(void)
 
 /* ---- a phase at zero of a rotor that turns ---- */
 
-/* alpha and beta of the stator in the frame of the rotor; no reference. */
-static bool step_stator(double alpha_pu, double beta_pu, uint16_t theta_turn)
+static dq_t rotor_frame(double alpha_pu, double beta_pu, uint16_t theta_turn)
 {
     const double angle_rad = theta_turn * TURN_RAD / 65536.0;
+    const dq_t out = {
+        .d = (int32_t)lround(alpha_pu * cos(angle_rad) + beta_pu * sin(angle_rad)),
+        .q = (int32_t)lround(beta_pu * cos(angle_rad) - alpha_pu * sin(angle_rad)),
+    };
+    return out;
+}
+
+/* Wanted in phase a: a quarter of 8000, and less than half of what is wanted in the others. */
+static double wanted_alpha_pu = 2050.0;
+
+/* alpha and beta of the stator in the frame of the rotor. */
+static bool step_stator(double alpha_pu, double beta_pu, uint16_t theta_turn)
+{
     const monitor_open_input_t in = {
-        .sampled_pu = {.d = (int32_t)lround(alpha_pu * cos(angle_rad) + beta_pu * sin(angle_rad)),
-                       .q = (int32_t)lround(beta_pu * cos(angle_rad) - alpha_pu * sin(angle_rad))},
+        .sampled_pu = rotor_frame(alpha_pu, beta_pu, theta_turn),
+        .reference_pu = rotor_frame(wanted_alpha_pu, 8000.0, theta_turn),
         .theta_turn = theta_turn,
         .switching = true,
     };
@@ -154,6 +166,19 @@ void test_angle_and_samples_that_name_a_phase_at_zero_are_exact(void)
         TEST_ASSERT_EQUAL_INT(0, zero_named_in(sign * 10923, 8000.0, 0.0));
         TEST_ASSERT_EQUAL_INT(0, zero_named_in(0, 8000.0, 0.0));
     }
+}
+
+/* A phase in which less than a quarter of the others' current is wanted has none by the reference.
+ */
+void test_a_phase_without_a_reference_is_not_named_at_zero(void)
+{
+    wanted_alpha_pu = 1950.0;
+    TEST_ASSERT_EQUAL_INT(0, zero_named_in(1000, 8000.0, 0.0));
+    wanted_alpha_pu = -1950.0;
+    TEST_ASSERT_EQUAL_INT(0, zero_named_in(1000, 8000.0, 0.0));
+    wanted_alpha_pu = -2050.0;
+    TEST_ASSERT_EQUAL_INT(7, zero_named_in(1000, 8000.0, 0.0));
+    wanted_alpha_pu = 2050.0;
 }
 
 void test_currents_that_name_a_phase_at_zero(void)

@@ -17,7 +17,7 @@ static config_t config;
 static hydraulic_watch_t watch;
 static hydraulic_watch_input_t in;
 static double speed_rad_s, mass_factor, slope, found_after_ms, direction;
-static double motor_nm, commanded_nm, made_nm;
+static double motor_nm, commanded_nm, made_nm, seen_share;
 
 void setUp(void)
 {
@@ -36,6 +36,7 @@ void setUp(void)
     in = still;
     speed_rad_s = 50.0;
     direction = 1.0;
+    seen_share = 1.0;
     mass_factor = 1.0;
     slope = 0.0;
     motor_nm = 0.0;
@@ -52,7 +53,7 @@ static void millisecond(void)
     const double against_nm = made_nm + slope * G_M_S2 * TORQUE_PER_M_S2 * mass_factor;
     speed_rad_s += (motor_nm - against_nm) / (INERTIA_KG_M2 * mass_factor) * PER_MS;
     speed_rad_s = fmax(speed_rad_s, 0.0);
-    in.speed_mrad_s = (int32_t)lround(direction * speed_rad_s * 1e3);
+    in.speed_mrad_s = (int32_t)lround(direction * seen_share * speed_rad_s * 1e3);
     in.motor_mNm = (int32_t)lround(direction * motor_nm * 1e3);
     in.modelled_mNm = (int32_t)lround(commanded_nm * 1e3);
     in.commanded_mNm = in.modelled_mNm;
@@ -230,6 +231,46 @@ void test_another_mass_is_learned_and_no_finding(void)
         TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(100.0, 1.0, 1000));
         mass_factor = factor;
     }
+}
+
+/* On a rolling wheel the measured speed first has to rise to the true one. That is no acceleration
+ * from which an inertia could be learned. */
+void test_a_start_on_a_rolling_wheel_is_no_step_of_the_torque(void)
+{
+    for (int n = 0; n < 300; n++) {
+        seen_share = n / 300.0;
+        run(1);
+    }
+    seen_share = 1.0;
+    run(450);
+    motor_nm = -60.0;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1000));
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, 1.0, watch.weight_q15 / 32768.0);
+    for (int n = 0; n < 1000; n++) {
+        motor_nm = -60.0 * (1000 - n) / 1000.0;
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(60.0 + motor_nm, 1.0, 1));
+    }
+}
+
+/* A road acquired while the motor brakes contains what is wrong with the inertia. When that is
+ * learned, here from a second step, the hand-over to the other brake still changes nothing. */
+void test_an_inertia_learned_after_the_road_changes_the_road(void)
+{
+    mass_factor = 1.4;
+    motor_nm = -100.0;
+    speed_rad_s = 100.0;
+    run(HYDRAULIC_WATCH_ACQUIRE_ms + HYDRAULIC_WATCH_PAUSE_ms + 500);
+    TEST_ASSERT_EQUAL_INT(32768, watch.weight_q15);
+    motor_nm = -170.0;
+    run(200);
+    motor_nm = -100.0;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(300));
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, 1.4, watch.weight_q15 / 32768.0);
+    for (int n = 0; n < 1500; n++) {
+        motor_nm = -100.0 * (1500 - n) / 1500.0;
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(100.0 + motor_nm, 1.0, 1));
+    }
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(300));
 }
 
 /* A report of zero of a dead brake is right, the same of a healthy one is the sensor's. */
