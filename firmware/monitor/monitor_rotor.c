@@ -14,7 +14,7 @@ enum {
     SLIPPED_STEPS = 12,
     CONFIRM_STEPS = 2,
     LOSE_STEPS = 2,
-    STEADY_STEPS = 16 /* in one direction, but for a start */
+    STEADY_STEPS = 11 /* in one direction, but for a start */
 };
 
 static uint8_t counted(uint8_t steps, bool condition)
@@ -43,13 +43,16 @@ static bool settled(const monitor_rotor_state_t *state, const config_t *config,
 }
 
 /* A rotor that turns round passes through standstill, where it cannot be observed: a direction that
- * changes is the observer's, from currents and dead time at low speed. */
+ * changes is the observer's, from currents and dead time at low speed, unless it lasts. */
 static void watch_direction(monitor_rotor_state_t *state, const monitor_rotor_input_t *in)
 {
-    const bool turned = in->observer_mrad_s < 0 ? state->last_mrad_s > 0
-                                                : in->observer_mrad_s > 0 && state->last_mrad_s < 0;
-    const int32_t left = turned ? STEADY_STEPS : state->unsteady - 1;
-    state->unsteady = (uint8_t)(in->switching && in->acquired ? q_max(left, 0) : 0);
+    const int32_t direction = in->observer_mrad_s >= 0 ? 1 : -1;
+    if (!in->switching || !in->acquired || state->against + 1 >= STEADY_STEPS) {
+        state->direction = 0;
+    }
+    const bool same = state->direction == 0 || state->direction == direction;
+    state->against = (uint8_t)(same ? 0 : state->against + 1);
+    state->direction = (int8_t)(same ? direction : state->direction);
 }
 
 static void confirm(monitor_rotor_state_t *state, const config_t *config,
@@ -64,7 +67,7 @@ static void confirm(monitor_rotor_state_t *state, const config_t *config,
     state->plausible = counted(state->plausible, plausible);
     state->implausible = counted(state->implausible, !plausible);
     const bool consistent =
-        state->unsteady == 0 &&
+        state->against == 0 &&
         (state->confirmed ? state->implausible < LOSE_STEPS : state->plausible >= CONFIRM_STEPS);
     state->confirmed =
         in->switching && consistent && fast_enough(state, config, in->observer_mrad_s);
@@ -75,7 +78,7 @@ static bool watches(const monitor_rotor_state_t *state, const config_t *config,
                     const monitor_rotor_input_t *in)
 {
     return state->confirmed ||
-           (in->switching && state->plausible >= CONFIRM_STEPS && state->unsteady == 0 &&
+           (in->switching && state->plausible >= CONFIRM_STEPS && state->against == 0 &&
             q_abs(in->observer_mrad_s) >= config->rotor.observer_speed_mrad_s / 2);
 }
 

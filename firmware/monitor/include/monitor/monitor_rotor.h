@@ -6,7 +6,7 @@
  * The observer is confirmed while the bridge switches, its flux has half to four times the
  * magnitude that the magnets have at its speed (in a salient machine the current adds to it) and
  * lies within 14 degrees of its angle, the speed is at least rotor.observer_speed, and its
- * direction is 16 ms old (at a start 2 ms). It then watches the sensor: 60 degrees for 2 ms, or 16
+ * direction has not changed within 11 ms. It then watches the sensor: 60 degrees for 2 ms, or 16
  * degrees for 12 ms, make the sensor wrong, until they have agreed for monitor.rotor_warning_time.
  * From half that speed on 60 degrees for 5 ms do. While the sensor is wrong or invalid the
  * observer's angle is used. Above 15/16 of its speed torque is permitted with it; below, the angle
@@ -34,7 +34,8 @@ typedef struct {
     int32_t last_mrad_s;   /* the observer's speed in the step before */
     uint8_t plausible;     /* consecutive steps, saturating */
     uint8_t implausible;   /* likewise */
-    uint8_t unsteady;      /* steps left after a change of the observer's direction */
+    uint8_t against;       /* consecutive steps against the direction */
+    int8_t direction;      /* of the observer, +-1; 0 until it has acquired the rotor */
     uint8_t opposed_steps; /* at 60 degrees and more */
     uint8_t slipped;       /* steps with 16 degrees and more, less steps without */
     uint8_t wrong_steps;   /* until it has its name */

@@ -286,7 +286,7 @@ void test_an_observer_that_turns_round_takes_no_torque_away(void)
         run(100);
         at.observer_mrad_s = -at.observer_mrad_s;
         at.difference_turn = INT16_MIN;
-        for (int n = 0; n < 15; n++) {
+        for (int n = 0; n < 10; n++) {
             run(1);
             TEST_ASSERT_TRUE(seen.valid && !seen.sensor_wrong && !seen.observer_used);
         }
