@@ -110,8 +110,8 @@ static void weigh(hydraulic_watch_t *watch, int32_t weight_q15)
 }
 
 /* Steps of the motor's torque, faster than a road's slope can follow, show the inertia:
- * least squares of inertial over known torque. A start on a rolling wheel, which the measured
- * speed has to reach first, and a slip are no steps. */
+ * least squares of inertial over known torque. Not while the wheel slips, nor until the speed
+ * estimate has settled after a start on a rolling wheel. */
 static void learn_inertia(hydraulic_watch_t *watch, int32_t known_mNm, int32_t inertial_mNm,
                           int32_t floor_mNm)
 {

@@ -6,7 +6,7 @@
  * The observer is confirmed while the bridge switches, its flux has half to four times the
  * magnitude that the magnets have at its speed (in a salient machine the current adds to it) and
  * lies within 14 degrees of its angle, the speed is at least rotor.observer_speed, and its
- * direction has not changed within 11 ms. It then watches the sensor: 60 degrees for 2 ms, or 16
+ * direction is that of before or 11 ms old. It then watches the sensor: 60 degrees for 2 ms, or 16
  * degrees for 12 ms, make the sensor wrong, until they have agreed for monitor.rotor_warning_time.
  * From half that speed on 60 degrees for 5 ms do. While the sensor is wrong or invalid the
  * observer's angle is used. Above 15/16 of its speed torque is permitted with it; below, the angle
