@@ -99,7 +99,7 @@ boot_report_t boot_run(void)
     report.clock_good = time_init();
     report.reset_cause = watchdog_reset_cause();
     report.ram_good = ram_good();
-    serial_init(BOOT_SERIAL_BIT_RATE); /* enables an interrupt, so only after the RAM test */
+    serial_init(BOOT_SERIAL_BIT_RATE); /* writes into RAM, so only after the RAM test */
     report.brown_out_low = flash_brown_out_low();
     const flash_image_t firmware = flash_firmware();
     report.firmware_good =

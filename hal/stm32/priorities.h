@@ -4,7 +4,6 @@
  *
  *     0   the chip's supply falls: a fault; the gate driver reports a fault
  *     1   the PWM period: ADC, end of the injected conversions
- *     4   the serial line: only takes bytes out of the receiver
  *     8   the millisecond: SysTick
  *
  * The core's own faults have priority 0, too; the hard fault and the non-maskable interrupt stand
@@ -19,15 +18,8 @@ enum {
     PRIORITY_SUPPLY = 0,
     PRIORITY_DRIVER_FAULT = 0,
     PRIORITY_PWM_PERIOD = 1,
-    PRIORITY_SERIAL = 4,
     PRIORITY_MILLISECOND = 8
 };
-/* The receiver holds one byte while the next arrives, 87 us at 115200 baud. The slow step alone
- * takes 21 000 instructions, 126 us at least: at a lower priority than that, a continuous stream of
- * bytes, such as a configuration, would lose some in every millisecond. */
-_Static_assert(PRIORITY_PWM_PERIOD < PRIORITY_SERIAL && PRIORITY_SERIAL < PRIORITY_MILLISECOND,
-               "no byte is lost");
-
 void interrupts_enable(uint32_t number, uint32_t priority);
 
 /* Priority of SysTick. */

@@ -11,6 +11,5 @@ void reset_handler(void);        /* startup.c */
 void driver_fault_handler(void); /* inverter.c: the gate driver's fault pin falls */
 void systick_handler(void);      /* time.c */
 void adc_handler(void);          /* analog.c */
-void serial_handler(void);       /* serial.c */
 
 #endif

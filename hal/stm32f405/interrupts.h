@@ -9,7 +9,6 @@ enum {
     INTERRUPT_SUPPLY = 1,
     INTERRUPT_ADC = 18,
     INTERRUPT_PINS_5_TO_9 = 23,
-    INTERRUPT_SERIAL = 39, /* USART3 */
     INTERRUPT_PINS_10_TO_15 = 40,
     INTERRUPT_COUNT = 82
 };
@@ -17,7 +16,6 @@ enum {
 #define INTERRUPT_HANDLERS(X)                                                                      \
     X(INTERRUPT_ADC, adc_handler)                                                                  \
     X(INTERRUPT_PINS_5_TO_9, driver_fault_handler)                                                 \
-    X(INTERRUPT_SERIAL, serial_handler)                                                            \
     X(INTERRUPT_PINS_10_TO_15, driver_fault_handler)
 /* The crystal stops (clock security system). */
 #define INTERRUPT_NMI_HANDLER fault_handler

@@ -7,15 +7,12 @@
 
 enum {
     INTERRUPT_SUPPLY = 1,
-    INTERRUPT_ADC = 18,    /* ADC1 and ADC2 */
-    INTERRUPT_SERIAL = 38, /* USART2 */
+    INTERRUPT_ADC = 18, /* ADC1 and ADC2 */
     INTERRUPT_COUNT = 102
 };
 
 /* Of the vector table (startup.c): number and handler. */
-#define INTERRUPT_HANDLERS(X)                                                                      \
-    X(INTERRUPT_ADC, adc_handler)                                                                  \
-    X(INTERRUPT_SERIAL, serial_handler)
+#define INTERRUPT_HANDLERS(X) X(INTERRUPT_ADC, adc_handler)
 /* The crystal stops, or a word of the flash cannot be read. */
 #define INTERRUPT_NMI_HANDLER flash_error_handler
 void flash_error_handler(void); /* flash_error.c */

@@ -3,7 +3,7 @@
 #
 #   hubfoc_add_target_program(NAME x SOURCES ... LIBRARIES ... [OPTIONS ...])   an ELF for
 #     mps2-an386, no firmware in it
-#   hubfoc_add_qemu_test(NAME x ELF file-or-target [ARGUMENTS ..] [MACHINE ..] [SERIAL n]
+#   hubfoc_add_qemu_test(NAME x ELF file-or-target [ARGUMENTS ..] [MACHINE ..]
 #     [MILLIONS n] [EXPECT_EXIT n]
 #                        [EXPECT regex ...] [SAME_AS program] [TIMELESS] [LABELS ...])
 #       MILLIONS of emulated instructions are the limit: the result is the same on a busy
@@ -21,7 +21,7 @@ hubfoc_add_qemu_plugin(NAME hubfoc_limit_plugin OUTPUT "${HUBFOC_LIMIT_PLUGIN}"
   SOURCE "${CMAKE_CURRENT_LIST_DIR}/limit.c")
 
 function(hubfoc_add_qemu_test)
-  cmake_parse_arguments(T "TIMELESS" "NAME;ELF;MACHINE;SERIAL;MILLIONS;EXPECT_EXIT;SAME_AS"
+  cmake_parse_arguments(T "TIMELESS" "NAME;ELF;MACHINE;MILLIONS;EXPECT_EXIT;SAME_AS"
     "ARGUMENTS;EXPECT;LABELS" ${ARGN})
   if(TARGET ${T_ELF})
     set(T_ELF "$<TARGET_FILE:${T_ELF}>")
@@ -31,7 +31,7 @@ function(hubfoc_add_qemu_test)
   endif()
   set(definitions "-DELF=${T_ELF}" "-DQEMU=${HUBFOC_QEMU}"
     "-DLIMIT=${HUBFOC_LIMIT_PLUGIN},instructions=${T_MILLIONS}000000")
-  foreach(option IN ITEMS MACHINE SERIAL EXPECT_EXIT SAME_AS)
+  foreach(option IN ITEMS MACHINE EXPECT_EXIT SAME_AS)
     if(DEFINED T_${option})
       list(APPEND definitions "-D${option}=${T_${option}}")
     endif()

@@ -56,11 +56,15 @@ function(planted name file old new)
   if(NOT EXISTS "${PROJECT_SOURCE_DIR}/${folder}/${file}")
     set(folder hal/stm32f405)
   endif()
-  planted_image(${name} stm32f405 ${folder} ${file} "${old}" "${new}")
+  set(source "")
+  if(file STREQUAL "serial_line.h")
+    set(source hal/stm32/serial.c)
+  endif()
+  planted_image(${name} stm32f405 ${folder} ${file} "${old}" "${new}" ${source})
   set(target planted_${name})
   if(name STREQUAL "no_error")
     chip_test(chip_finds_no_error stop "$<TARGET_FILE:${target}>")
-  elseif(file STREQUAL "gate_driver.c")
+  elseif(file STREQUAL "gate_driver.c" OR name STREQUAL "a_line_that_does_not_receive")
     chip_test(chip_finds_${name} planted_driver "$<TARGET_FILE:${target}>")
   else()
     chip_test(chip_finds_${name} planted "$<TARGET_FILE:${target}>")
@@ -80,7 +84,8 @@ planted(a_sampling_time_too_short analog.c "SAMPLE_15_CYCLES = 1" "SAMPLE_15_CYC
 planted(an_update_at_both_ends inverter.c "TIM1->RCR = 1;" "TIM1->RCR = 0;")
 planted(compare_values_at_once inverter.c "TIM_CCMR1_OC1PE |" "" full)
 planted(a_driver_fault_of_wrong_polarity gate_driver.c "EXTI->FTSR |=" "EXTI->RTSR |=")
-planted(a_driver_fault_of_low_priority gate_driver.c "PRIORITY_DRIVER_FAULT);" "PRIORITY_SERIAL);")
+planted(a_driver_fault_of_low_priority gate_driver.c "PRIORITY_DRIVER_FAULT);"
+  "PRIORITY_MILLISECOND);")
 planted(a_driver_not_read_back gate_driver.c "return first && second;" "return first || true;")
 planted(a_driver_with_a_wrong_threshold gate_driver.c "OC_ADJ_SET_Pos = 6" "OC_ADJ_SET_Pos = 5")
 planted(a_driver_that_limits_instead_of_latching gate_driver.c "SHUTDOWN = 1 << 4" "SHUTDOWN = 0")
@@ -96,20 +101,26 @@ planted(a_watchdog_not_fed watchdog.c "void watchdog_feed(void)
 {
     IWDG->KR = IWDG_KR_KEY_RELOAD;" "void watchdog_feed(void)
 {")
+planted(a_line_on_another_dma_channel serial_line.h "SERIAL_CHANNEL = 4" "SERIAL_CHANNEL = 3")
+planted(a_line_that_does_not_receive serial_line.h "SERIAL_STREAM_RECEIVE = 1"
+  "SERIAL_STREAM_RECEIVE = 2")
+planted(a_transfer_with_flags_of_the_last serial_line.h "DMA_LIFCR_CTCIF3;" "0;")
 planted(a_timer_without_its_clock inverter.c "RCC->APB2ENR |= RCC_APB2ENR_TIM1EN;" "")
 
-# planted_cut(NAME FOLDER FILE OLD NEW): found by cuts of the supply.
+# planted_cut(NAME FOLDER FILE OLD NEW [SOURCE]): found by cuts of the supply.
 function(planted_cut name folder file old new)
   if(NOT HUBFOC_PYTHON)
     return()
   endif()
-  planted_image(${name} stm32f405 ${folder} ${file} "${old}" "${new}")
+  planted_image(${name} stm32f405 ${folder} ${file} "${old}" "${new}" ${ARGN})
   add_test(NAME chip_finds_${name}
     COMMAND "${chip_cuts}" "$<TARGET_FILE:planted_${name}>" 32 0 planted)
   set_tests_properties(chip_finds_${name} PROPERTIES LABELS "target;full" TIMEOUT 300)
 endfunction()
 planted_cut(an_erase_of_another_sector hal/stm32 flash.c "flash_cells_erase(sector,"
   "flash_cells_erase((flash_sector_t)(sector + 1),")
+planted_cut(a_receiver_that_is_not_circular hal/stm32f405 serial_line.h "settings | DMA_S0CR_CIRC"
+  "settings" hal/stm32/serial.c)
 set(store firmware/app config_store.c)
 planted_cut(a_configuration_replaced_in_place ${store}
   "old.sector == FLASH_CONFIGURATION_A ? FLASH_CONFIGURATION_B : FLASH_CONFIGURATION_A"

@@ -27,7 +27,11 @@ function(planted_g431 name folder file old new program)
   if(NOT HUBFOC_PYTHON)
     return()
   endif()
-  planted_image(${name} stm32g431 ${folder} ${file} "${old}" "${new}")
+  set(source "")
+  if(file STREQUAL "serial_line.h")
+    set(source hal/stm32/serial.c)
+  endif()
+  planted_image(${name} stm32g431 ${folder} ${file} "${old}" "${new}" ${source})
   chip_g431_test(chip_g431_finds_${name} ${program} "$<TARGET_FILE:planted_${name}>" target ${ARGN})
 endfunction()
 
@@ -65,6 +69,10 @@ function(chip_g431_planted_tests)
   planted_g431(a_wrong_can_bit_rate ${own} can.c "(PRESCALER - 1)" "PRESCALER" ${stop})
   planted_g431(a_transceiver_shut_down ${shared} power.c "(pin_t){port, number}, level)"
     "(pin_t){port, number}, true)" ${stop})
+  planted_g431(a_line_of_another_request ${own} serial_line.h "SERIAL_REQUEST_TRANSMIT = 27"
+    "SERIAL_REQUEST_TRANSMIT = 29" ${stop})
+  planted_g431(a_transfer_counted_while_it_is_on ${own} serial_line.h
+    "CCR = DMA_CCR1_MINC | DMA_CCR1_DIR;" "CCR |= DMA_CCR1_MINC | DMA_CCR1_DIR;" ${stop})
   planted_g431(an_over_current_not_connected ${own} overcurrent.c "TIM_AF2_BK2CMP1E |" "" ${trip})
   planted_g431(an_over_current_threshold_too_high ${own} overcurrent.c "BOARD_TRIP_A * BOARD_SHUNT"
     "BOARD_TRIP_A * 2 * BOARD_SHUNT" ${trip})

@@ -1,24 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# The flashable image itself, on QEMU's netduinoplus2: the same chip, of which the emulator has
-# core, memories and serial lines, but no clock control. So it shows what a board with a dead
-# crystal does: report and stay in BOOT.
-set(missing "")
-foreach(needed IN ITEMS HUBFOC_QEMU HUBFOC_HOST_CC)
-  if(NOT ${needed})
-    list(APPEND missing ${needed})
-  endif()
-endforeach()
-add_test(NAME target_prerequisites
-  COMMAND "${CMAKE_COMMAND}" "-DMISSING=${missing}"
-  -P "${CMAKE_CURRENT_LIST_DIR}/prerequisites.cmake")
-set_tests_properties(target_prerequisites PROPERTIES TIMEOUT 60)
-
-hubfoc_add_qemu_test(NAME stm32_without_its_crystal_reports_and_stays_in_boot ELF hubfoc_stm32f405
-  MACHINE netduinoplus2 SERIAL 3
-  MILLIONS 600 EXPECT_EXIT limit
-  EXPECT "${banner} on stm32f405/[a-z0-9_]+, configuration ${HUBFOC_CONFIG} 0x[0-9A-F]+"
-         "clock fault: the crystal did not start"
-         "self-test RAM: good" "self-test firmware CRC: good" "configuration accepted")
+# The flashable image itself, on the model of its chip.
 
 # layout(NAME EXPRESSION...): facts about the linked image, from its symbols.
 add_test(NAME stm32_image_is_laid_out_as_documented

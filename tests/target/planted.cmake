@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Images with an error planted in their driver (chip/README.md).
 
-# planted_image(NAME CHIP FOLDER FILE OLD NEW): the image with OLD replaced by NEW in one file of
-# the port or of the application.
+# planted_image(NAME CHIP FOLDER FILE OLD NEW [SOURCE]): the image with OLD replaced by NEW in one
+# file of the port or of the application; SOURCE includes it, if it is a header.
 function(planted_image name chip folder file old new)
   set(port "${PROJECT_SOURCE_DIR}/hal/${chip}")
   set(folder "${PROJECT_SOURCE_DIR}/${folder}")
@@ -15,7 +15,12 @@ function(planted_image name chip folder file old new)
   set(copy "${CMAKE_CURRENT_BINARY_DIR}/planted/${name}/${file}")
   file(CONFIGURE OUTPUT "${copy}" CONTENT "${text}" @ONLY)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${folder}/${file}")
-  get_filename_component(stem "${file}" NAME_WE)
+  if(ARGN)
+    get_filename_component(source "${ARGN}" NAME)
+    set(copy "${CMAKE_CURRENT_BINARY_DIR}/planted/${name}/${source}")
+    configure_file("${PROJECT_SOURCE_DIR}/${ARGN}" "${copy}" COPYONLY)
+  endif()
+  get_filename_component(stem "${copy}" NAME_WE)
   set(target planted_${name})
   set(stack_bytes 2560)
   if(chip STREQUAL "stm32g431")

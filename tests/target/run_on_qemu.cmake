@@ -1,19 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 # cmake -DELF=x.elf -DQEMU=qemu-system-arm -DLIMIT=limit.so,instructions=1000000000
 # [-DMACHINE=mps2-an386]
-#       [-DARGUMENTS="a=1 b=2"] [-DSERIAL=3] [-DEXPECT_EXIT=0|1|limit]
+#       [-DARGUMENTS="a=1 b=2"] [-DEXPECT_EXIT=0|1|limit]
 #         [-DEXPECT="regex1|||regex2"] [-DSAME_AS=program] [-DTIMELESS=ON]
 #       -P run_on_qemu.cmake
 #
 # Runs a program on the emulated core and judges exit status and output. Always with a limit of
 # instructions (limit.c) and with semihosting switched on: without it the first request aborts the
 # emulator. The instruction-count clock makes every run the same. TIMELESS: without that clock, for
-# a program that looks at no timer; it takes a third of the emulator's time. SERIAL: number of the
-# machine's serial line that is shown. SAME_AS: a host program that must print the same text.
-# EXPECT_EXIT=limit: the program runs on until it is ended.
+# a program that looks at no timer; it takes a third of the emulator's time. SAME_AS: a host program
+# that must print the same text. EXPECT_EXIT=limit: the program runs on until it is ended.
 cmake_minimum_required(VERSION 3.25)
 
-foreach(default IN ITEMS MACHINE=mps2-an386 SERIAL=1 EXPECT_EXIT=0 TIMELESS=OFF)
+foreach(default IN ITEMS MACHINE=mps2-an386 EXPECT_EXIT=0 TIMELESS=OFF)
   string(REPLACE "=" ";" default "${default}")
   list(GET default 0 name)
   if(NOT DEFINED ${name})
@@ -30,14 +29,6 @@ separate_arguments(ARGUMENTS)
 foreach(argument IN LISTS ARGUMENTS)
   string(APPEND semihosting ",arg=${argument}")
 endforeach()
-set(serial_lines "")
-foreach(line RANGE 1 ${SERIAL})
-  if(line EQUAL SERIAL)
-    list(APPEND serial_lines -serial stdio)
-  else()
-    list(APPEND serial_lines -serial null)
-  endif()
-endforeach()
 # An emulator whose test is killed, by ctest's time limit or by hand, ends with it.
 find_program(SETPRIV setpriv)
 set(ends_with_its_test "")
@@ -49,8 +40,8 @@ if(NOT TIMELESS)
   set(clock -icount shift=3,sleep=off)
 endif()
 execute_process(COMMAND ${ends_with_its_test} "${QEMU}" -M ${MACHINE} -display none -monitor none
-  ${serial_lines} ${clock}
-  -semihosting-config "${semihosting}" -plugin "${LIMIT}" -kernel "${ELF}" INPUT_FILE /dev/null
+  -serial stdio ${clock} -semihosting-config "${semihosting}" -plugin "${LIMIT}" -kernel "${ELF}"
+  INPUT_FILE /dev/null
   RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
 message("${output}")
 

@@ -47,7 +47,6 @@ GPIOB_BSRR, GPIOC_BSRR = 0x40020418, 0x40020818
 DRIVER_SDO, DRIVER_SDI, DRIVER_CLOCK, DRIVER_SELECT = 1 << 3, 4, 10, 9
 CAN_MCR, CAN_MSR, CAN_TSR, CAN_RF0R = 0x40006400, 0x40006404, 0x40006408, 0x4000640C
 CAN_MAILBOX = 0x400065B0
-USART3_SR = 0x40004800
 DWT_CYCCNT = 0xE0001004
 SCB_VTOR, SCB_ICSR = 0xE000ED08, 0xE000ED04
 ICSR_SET_PENDSV, ICSR_SET_SYSTICK = 1 << 28, 1 << 26
@@ -182,7 +181,6 @@ class Chip:
             CAN_TSR: lambda: 7 << 26,
             CAN_RF0R: lambda: min(len(self.frames), 3),
             **{CAN_MAILBOX + 4 * i: self._of_frame(i) for i in range(4)},
-            USART3_SR: lambda: 1 << 7,
         }
 
     def _writes(self) -> dict[int, Callable[[int], None]]:

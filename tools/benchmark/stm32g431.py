@@ -42,7 +42,6 @@ FDCAN_CCCR, FDCAN_PSR, FDCAN_RXF0S, FDCAN_RXF0A = 0x40006418, 0x40006444, 0x4000
 FDCAN_FIFO_0 = 0x4000A400 + 0xB0
 BUS_IDLE = 1 << 3
 FDCAN_NBTP, USART2_BRR, ADC1_SMPR1, ADC1_JSQR = 0x4000641C, 0x4000440C, 0x50000014, 0x5000004C
-USART2_ISR, USART_EMPTY = 0x4000441C, 1 << 7
 DAC_DHR, DAC_DOR = (0x50001008, 0x50001014), (0x5000102C, 0x50001030)
 COMPARATORS = {0x40010200: DAC_DHR[0], 0x40010204: DAC_DHR[1], 0x4001020C: DAC_DHR[1]}
 """Their control registers, and the threshold of each."""
@@ -82,7 +81,6 @@ class ChipG431(Chip):
             FDCAN_PSR: lambda: 0 if self.registers.get(FDCAN_CCCR, 1) & 1 else BUS_IDLE,
             FDCAN_RXF0S: lambda: min(len(self.frames), 3),
             **{FDCAN_FIFO_0 + 4 * i: self._of_element(i) for i in range(4)},
-            USART2_ISR: lambda: USART_EMPTY,
             **{each: self._comparator(each) for each in COMPARATORS},
             **{out: self._of(code) for out, code in zip(DAC_DOR, DAC_DHR, strict=True)},
         }

@@ -69,6 +69,7 @@ typedef struct {
 #define RCC_AHB1ENR_GPIOBEN (1U << 1)
 #define RCC_AHB1ENR_GPIOCEN (1U << 2)
 #define RCC_AHB1ENR_GPIODEN (1U << 3)
+#define RCC_AHB1ENR_DMA1EN (1U << 21)
 #define RCC_APB1ENR_TIM3EN (1U << 1)
 #define RCC_APB1ENR_USART3EN (1U << 18)
 #define RCC_APB1ENR_CAN1EN (1U << 25)

@@ -17,12 +17,10 @@ typedef struct {
 
 #define USART3 ((usart_registers_t *)0x40004800U)
 
-#define USART_SR_ORE (1U << 3)
-#define USART_SR_RXNE (1U << 5)
-#define USART_SR_TXE (1U << 7)
 #define USART_CR1_RE (1U << 2)
 #define USART_CR1_TE (1U << 3)
-#define USART_CR1_RXNEIE (1U << 5)
 #define USART_CR1_UE (1U << 13)
+#define USART_CR3_DMAR (1U << 6)
+#define USART_CR3_DMAT (1U << 7)
 
 #endif

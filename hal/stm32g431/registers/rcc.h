@@ -76,6 +76,8 @@ typedef struct {
 
 #define RCC_CIFR_CSSF (1U << 8)
 
+#define RCC_AHB1ENR_DMA1EN (1U << 0)
+#define RCC_AHB1ENR_DMAMUXEN (1U << 2)
 #define RCC_AHB2ENR_GPIOAEN (1U << 0)
 #define RCC_AHB2ENR_GPIOBEN (1U << 1)
 #define RCC_AHB2ENR_GPIOCEN (1U << 2)

@@ -25,10 +25,7 @@ typedef struct {
 #define USART_CR1_UE (1U << 0)
 #define USART_CR1_RE (1U << 2)
 #define USART_CR1_TE (1U << 3)
-#define USART_CR1_RXNEIE (1U << 5)
-#define USART_CR1_FIFOEN (1U << 29)
-#define USART_ISR_RXNE (1U << 5)
-#define USART_ISR_TXE (1U << 7)
-#define USART_ICR_ORECF (1U << 3)
+#define USART_CR3_DMAR (1U << 6)
+#define USART_CR3_DMAT (1U << 7)
 
 #endif

@@ -279,7 +279,10 @@ static bool at_boot(const fault_case_t *fault)
     boot();
     const bool runs = drive_off(&rig.coupling);
     return expect(!runs && is_off(), "the bridge stays off") &&
-           expect(says(fault->says), "the serial line says why");
+           expect(says(fault->says), "the serial line says why") &&
+           expect(says("hubfoc ") && says(" on stm32") && says("self-test RAM: good") &&
+                      says("self-test firmware CRC: good"),
+                  "it greets, and its self-tests are good");
 }
 
 static bool while_braking(const fault_case_t *fault)

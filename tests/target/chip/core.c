@@ -18,7 +18,7 @@ static const chip_route_t *route_of(uint32_t address)
     return route->begin != 0 ? route : NULL;
 }
 
-static uint32_t peripheral_read(chip_t *chip, uint32_t address)
+uint32_t chip_bus_read(chip_t *chip, uint32_t address)
 {
     const unsigned known = chip->known[chip_index(address)];
     if (known == 0) {
@@ -33,7 +33,7 @@ static uint32_t peripheral_read(chip_t *chip, uint32_t address)
     return route != NULL ? route->read(chip, address) : chip_get(chip, address);
 }
 
-static void peripheral_write(chip_t *chip, uint32_t address, uint32_t value)
+void chip_bus_write(chip_t *chip, uint32_t address, uint32_t value)
 {
     const unsigned known = chip->known[chip_index(address)];
     if (known == 0) {
@@ -61,7 +61,7 @@ static uint64_t on_read(uc_engine *core, uint64_t offset, unsigned size, void *u
     (void)core;
     const chip_window_t *window = user;
     const uint32_t word = (uint32_t)offset & ~3U;
-    const uint32_t value = peripheral_read(window->chip, window->begin + word);
+    const uint32_t value = chip_bus_read(window->chip, window->begin + word);
     return value >> 8U * (offset & 3U) & (size == 4 ? UINT32_MAX : (1U << 8U * size) - 1U);
 }
 
@@ -74,7 +74,7 @@ static void on_write(uc_engine *core, uint64_t offset, unsigned size, uint64_t v
                   window->begin + (uint32_t)offset);
         return;
     }
-    peripheral_write(window->chip, window->begin + (uint32_t)offset, (uint32_t)value);
+    chip_bus_write(window->chip, window->begin + (uint32_t)offset, (uint32_t)value);
 }
 
 static uint64_t on_core_read(uc_engine *core, uint64_t offset, unsigned size, void *user)

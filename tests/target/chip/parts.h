@@ -74,6 +74,10 @@ typedef struct {
 } chip_serial_t;
 
 typedef struct {
+    uint32_t size[8]; /* of a stream's or a channel's transfer */
+} chip_dma_t;
+
+typedef struct {
     bool enabled, select, clock, data_out;
     chip_ticks_t ready; /* takes commands and drives gates */
     chip_ticks_t disabled_at, selected_at, risen_at;
@@ -141,6 +145,7 @@ struct chip {
     chip_converters_t adc;
     chip_can_t can;
     chip_serial_t serial;
+    chip_dma_t dma;
     chip_flash_t flash;
     chip_driver_t driver;
 
@@ -190,6 +195,10 @@ uint32_t chip_random(chip_t *chip);
 bool chip_core_open(chip_t *chip);
 void chip_reset(chip_t *chip, bool by_watchdog);
 void chip_pend(chip_t *chip, unsigned exception);
+
+/* A peripheral's register, over the bus. */
+uint32_t chip_bus_read(chip_t *chip, uint32_t address);
+void chip_bus_write(chip_t *chip, uint32_t address, uint32_t value);
 
 /* exceptions.c: NVIC, SysTick, system control, cycle counter. */
 void chip_nvic_reset(chip_t *chip);
@@ -330,5 +339,11 @@ bool chip_serial_write(chip_t *chip, uint32_t address, uint32_t value);
 uint32_t chip_serial_read(chip_t *chip, uint32_t address);
 chip_ticks_t chip_serial_next(chip_t *chip);
 void chip_serial_events(chip_t *chip);
+
+/* dma.c, of both chips and of each */
+void chip_dma_move(chip_t *chip, uint32_t peripheral, uint32_t memory, bool to_memory);
+bool chip_dma_write(chip_t *chip, uint32_t address, uint32_t value);
+uint32_t chip_dma_read(chip_t *chip, uint32_t address);
+void chip_dma_serve(chip_t *chip);
 
 #endif

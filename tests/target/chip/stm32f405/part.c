@@ -12,6 +12,7 @@ const chip_route_t CHIP_ROUTES[] = {
     {CHIP_TIM3_CR1, chip_pins_read, chip_pins_write},
     {CHIP_CAN1_MCR, chip_can_read, chip_can_write},
     {CHIP_USART3_SR, chip_serial_read, chip_serial_write},
+    {CHIP_DMA1_LISR, chip_dma_read, chip_dma_write},
     {CHIP_RCC_CR, chip_clocks_read, chip_clocks_write},
     {CHIP_PWR_CR, chip_clocks_read, chip_clocks_write},
     {CHIP_IWDG_KR, chip_clocks_read, chip_clocks_write},
@@ -28,6 +29,7 @@ void chip_part_reset(chip_t *chip)
 void chip_part_watch(chip_t *chip)
 {
     chip_driver_watch(chip);
+    chip_dma_serve(chip);
 }
 
 chip_ticks_t chip_part_next(chip_t *chip)

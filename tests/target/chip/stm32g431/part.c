@@ -14,6 +14,8 @@ const chip_route_t CHIP_ROUTES[] = {
     {CHIP_FDCAN1_CREL, chip_can_read, chip_can_write},
     {CHIP_FDCAN1_RAM_000, chip_can_read, chip_can_write},
     {CHIP_USART2_CR1, chip_serial_read, chip_serial_write},
+    {CHIP_DMA1_ISR, chip_dma_read, chip_dma_write},
+    {CHIP_DMAMUX_C0CR, chip_dma_read, chip_dma_write},
     {CHIP_RCC_CR, chip_clocks_read, chip_clocks_write},
     {CHIP_PWR_CR1, chip_clocks_read, chip_clocks_write},
     {CHIP_IWDG_KR, chip_clocks_read, chip_clocks_write},
@@ -31,7 +33,7 @@ void chip_part_reset(chip_t *chip)
 
 void chip_part_watch(chip_t *chip)
 {
-    (void)chip;
+    chip_dma_serve(chip);
 }
 
 chip_ticks_t chip_part_next(chip_t *chip)
