@@ -90,7 +90,9 @@ static void start_recorder(const config_t *config)
     const memory_window_t retained = memory_retained();
     const recorder_start_t start = {.pwm_frequency_Hz = (uint32_t)config->drive.pwm_frequency_Hz,
                                     .config_crc32 = config->crc32,
-                                    .was_watchdog = app.boot.reset_cause == RESET_WATCHDOG};
+                                    .was_watchdog = app.boot.reset_cause == RESET_WATCHDOG ||
+                                                    app.boot.reset_cause == RESET_WINDOW_WATCHDOG,
+                                    .reset_cause = (uint8_t)app.boot.reset_cause};
     const bool fits = 4U * retained.words >= sizeof(recorder_memory_t);
     /* Not volatile for the recorder: one core, and a compiler does not move stores beyond a call.
      */
@@ -153,7 +155,7 @@ void app_boot(void)
     console_greet(&app.console);
     fault_journal_init(&app.journal);
     app.journal_ms = 0;
-    if (app.boot.reset_cause != RESET_WATCHDOG) { /* else the wheel may be turning: control first */
+    if (app.boot.reset_cause <= RESET_POWER) { /* else the wheel may be turning: control first */
         fault_journal_make_space(&app.journal);
     }
     watchdog_start(boot_may_control(&app.boot) ? SUPERVISOR_TIMEOUT_ms : BOOT_TIMEOUT_ms);

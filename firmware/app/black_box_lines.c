@@ -22,6 +22,14 @@ static const char *phase_text(uint8_t phase)
     return "empty";
 }
 
+_Static_assert((int)RESET_CAUSES == RECORDER_STARTS && (int)RESET_POWER == RECORDER_START_BY_SUPPLY,
+               "the same numbers");
+
+static void add_start(uint32_t cause, text_t *line)
+{
+    report_start(cause < RESET_CAUSES ? (reset_cause_t)cause : RESET_UNKNOWN, line);
+}
+
 static void add_heading(const recorder_memory_t *box, text_t *line)
 {
     text_add(line, "black box: ");
@@ -34,6 +42,10 @@ static void add_heading(const recorder_memory_t *box, text_t *line)
         text_add_integer(line, (int32_t)(box->fault_ms & (uint32_t)INT32_MAX));
         text_add(line, " ms after the start");
         text_add(line, box->after_reset != 0 ? ", ended by a reset" : "");
+        if (box->ended_by != RESET_UNKNOWN) {
+            text_add(line, ", then ");
+            add_start(box->ended_by, line);
+        }
     }
 }
 
@@ -49,7 +61,11 @@ static bool add_count(const report_status_t *status, uint32_t *left, text_t *lin
         if (*left == 0) {
             text_add_integer(line, box->counts[i]);
             text_add(line, " times ");
-            text_add(line, reason_text((reason_t)(RECORDER_FIRST_COUNTED + i)));
+            if (i < RECORDER_FIRST_START) {
+                text_add(line, reason_text((reason_t)(RECORDER_FIRST_COUNTED + i)));
+            } else {
+                add_start(i - RECORDER_FIRST_START, line);
+            }
             text_add(line, ", since production ");
             text_add_integer(line, (int32_t)total);
             return true;

@@ -100,7 +100,7 @@ static void add_config_result(const boot_report_t *boot, text_t *line)
     }
 }
 
-static void add_reset_cause(reset_cause_t cause, text_t *line)
+void report_start(reset_cause_t cause, text_t *line)
 {
     static const char *const NAMES[RESET_CAUSES] = {
         [RESET_UNKNOWN] = "",
@@ -110,6 +110,7 @@ static void add_reset_cause(reset_cause_t cause, text_t *line)
         [RESET_WINDOW_WATCHDOG] = "window watchdog",
         [RESET_LOW_POWER] = "low-power mode",
         [RESET_PROGRAM] = "program",
+        [RESET_OPTION_BYTES] = "option bytes",
         [RESET_PIN] = "reset pin",
     };
     text_add(line, "started by ");
@@ -127,7 +128,7 @@ bool report_boot(const boot_report_t *boot, uint32_t number, text_t *line)
     uint32_t left = number;
     if (boot->reset_cause != RESET_UNKNOWN) {
         if (left == 0) {
-            add_reset_cause(boot->reset_cause, line);
+            report_start(boot->reset_cause, line);
             return true;
         }
         left--;

@@ -53,23 +53,37 @@ static void begin(recorder_memory_t *memory, const recorder_start_t *start, bool
     memory->phase = RECORDER_RECORDING;
     memory->reason = REASON_NONE;
     memory->after_reset = 0;
-    memory->reserved = 0;
+    memory->restart_expected = 0;
     if (!keep_counts) {
         memory->supply = 0;
     }
-    memory->reserved_too[0] = 0;
-    memory->reserved_too[1] = 0;
+    memory->started_by = start->reset_cause;
+    memory->ended_by = 0;
     memory->crc32 = 0;
     memory->counts_check = check_of_counts(memory);
     memory->magic = RECORDER_MAGIC;
 }
 
-static void count(recorder_memory_t *memory, reason_t reason)
+static void count(recorder_memory_t *memory, uint32_t index)
 {
-    const int32_t index = (int32_t)reason - RECORDER_FIRST_COUNTED;
-    if (index >= 0 && index < RECORDER_COUNTED && memory->counts[index] < UINT16_MAX) {
+    if (memory->counts[index] < UINT16_MAX) {
         memory->counts[index]++;
         memory->counts_check = check_of_counts(memory);
+    }
+}
+
+static void count_fault(recorder_memory_t *memory, reason_t reason)
+{
+    const uint32_t index = (uint32_t)reason - RECORDER_FIRST_COUNTED;
+    if (index < RECORDER_FIRST_START) {
+        count(memory, index);
+    }
+}
+
+static void count_start(recorder_memory_t *memory, uint32_t cause)
+{
+    if (cause > RECORDER_START_BY_SUPPLY && cause < RECORDER_STARTS) {
+        count(memory, RECORDER_FIRST_START + cause);
     }
 }
 
@@ -82,23 +96,33 @@ void recorder_init(recorder_t *recorder, recorder_memory_t *memory, const record
     }
     const bool ours = is_ours(memory);
     const bool keep_counts = ours && memory->counts_check == check_of_counts(memory);
+    const bool expected = ours && memory->restart_expected != 0;
     const bool interrupted = ours && memory->phase == RECORDER_RECORDING && start->was_watchdog;
     if (interrupted || (ours && memory->phase == RECORDER_ENDING)) {
         memory->reason = interrupted ? (uint8_t)REASON_PROGRAM_FLOW : memory->reason;
         memory->after_reset = 1;
+        memory->ended_by = start->reset_cause;
         memory->phase = RECORDER_COMPLETE;
         if (interrupted && keep_counts) {
-            count(memory, REASON_PROGRAM_FLOW);
+            count_fault(memory, REASON_PROGRAM_FLOW);
         }
     } else if (!ours || memory->phase <= RECORDER_RECORDING) {
         begin(memory, start, keep_counts);
         recorder->takes_samples = true;
     }
+    memory->restart_expected = 0;
+    if (!expected && memory->counts_check == check_of_counts(memory)) {
+        count_start(memory, start->reset_cause);
+    }
 }
 
 void recorder_expect_restart(recorder_t *recorder)
 {
-    if (recorder->memory != NULL && recorder->memory->phase == RECORDER_RECORDING) {
+    if (recorder->memory == NULL) {
+        return;
+    }
+    recorder->memory->restart_expected = 1;
+    if (recorder->memory->phase == RECORDER_RECORDING) {
         recorder->takes_samples = false;
         recorder->memory->phase = RECORDER_EMPTY;
     }
@@ -158,7 +182,7 @@ void recorder_slow(recorder_t *recorder, const slow_output_t *output,
     const bool new_fault = fault != REASON_NONE && fault != recorder->fault_before;
     recorder->fault_before = fault;
     if (new_fault) {
-        count(memory, fault);
+        count_fault(memory, fault);
     }
     if (memory->phase == RECORDER_RECORDING && new_fault) {
         memory->fault_ms = now_ms;

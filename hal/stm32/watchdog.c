@@ -49,6 +49,9 @@ static reset_cause_t cause_of(uint32_t register_value)
         [RESET_WINDOW_WATCHDOG] = RCC_CSR_WWDGRSTF >> 24,
         [RESET_LOW_POWER] = RCC_CSR_LPWRRSTF >> 24,
         [RESET_PROGRAM] = RCC_CSR_SFTRSTF >> 24,
+#ifdef RCC_CSR_OBLRSTF
+        [RESET_OPTION_BYTES] = RCC_CSR_OBLRSTF >> 24,
+#endif
         [RESET_PIN] = RCC_CSR_PADRSTF >> 24,
     };
     for (reset_cause_t cause = RESET_POWER; cause < RESET_CAUSES; cause++) {

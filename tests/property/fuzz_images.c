@@ -162,7 +162,8 @@ static void read_box(bytes_t *bytes)
     const bool whole = box->phase == RECORDER_SEALED && box->crc32 == crc;
     recorder_t recorder;
     const recorder_start_t start = {.pwm_frequency_Hz = 20000,
-                                    .was_watchdog = take8(bytes) % 2U != 0};
+                                    .was_watchdog = take8(bytes) % 2U != 0,
+                                    .reset_cause = take8(bytes)};
     recorder_init(&recorder, box, &start);
     require_box(box);
     require(box->phase != RECORDER_SEALED || (whole && !recorder.takes_samples));

@@ -18,6 +18,11 @@ add_test(NAME chip_shows_a_crash_after_its_restart
     "$<TARGET_FILE:hubfoc_stm32f405>")
 set_tests_properties(chip_shows_a_crash_after_its_restart PROPERTIES LABELS target TIMEOUT 120)
 
+# A reset of each kind (chip/starts.c).
+set(chip_starts "${PROJECT_SOURCE_DIR}/build/host/tests/target/chip/chip_starts")
+add_test(NAME chip_counts_its_starts COMMAND "${chip_starts}" "$<TARGET_FILE:hubfoc_stm32f405>")
+set_tests_properties(chip_counts_its_starts PROPERTIES LABELS target TIMEOUT 120)
+
 # python-can and cantools drive it (chip/test_can_client.py).
 if(HUBFOC_PYTHON)
   add_test(NAME chip_is_stopped_by_a_can_client
@@ -106,6 +111,14 @@ planted(a_line_that_does_not_receive serial_line.h "SERIAL_STREAM_RECEIVE = 1"
   "SERIAL_STREAM_RECEIVE = 2")
 planted(a_transfer_with_flags_of_the_last serial_line.h "DMA_LIFCR_CTCIF3;" "0;")
 planted(a_timer_without_its_clock inverter.c "RCC->APB2ENR |= RCC_APB2ENR_TIM1EN;" "")
+
+if(HUBFOC_PYTHON)
+  planted_image(flags_of_a_reset_that_last stm32f405 hal/stm32 watchdog.c
+    "RCC->CSR |= RCC_CSR_RMVF;" "")
+  add_test(NAME chip_finds_flags_of_a_reset_that_last
+    COMMAND "${chip_starts}" "$<TARGET_FILE:planted_flags_of_a_reset_that_last>" planted)
+  set_tests_properties(chip_finds_flags_of_a_reset_that_last PROPERTIES LABELS target TIMEOUT 120)
+endif()
 
 # planted_cut(NAME FOLDER FILE OLD NEW [SOURCE]): found by cuts of the supply.
 function(planted_cut name folder file old new)

@@ -13,6 +13,7 @@ endfunction()
 function(chip_g431_tests elf)
   chip_g431_test(chip_g431_boots_and_brakes chip_test_g431 "${elf}" target stop)
   chip_g431_test(chip_g431_trips_on_over_current chip_trip_g431 "${elf}" "target;full")
+  chip_g431_test(chip_g431_counts_its_starts chip_starts_g431 "${elf}" "target;full")
   chip_g431_test(chip_g431_answers_faults chip_test_g431 "${elf}" "target;full" faults)
   chip_g431_test(chip_g431_keeps_a_configuration_when_the_supply_fails chip_cuts_g431 "${elf}"
     "target;full" 64 4)

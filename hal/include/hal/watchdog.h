@@ -15,7 +15,8 @@ void watchdog_start(uint32_t timeout_ms);
 
 void watchdog_feed(void);
 
-/* By falling precedence where a chip shows several. */
+/* By falling precedence where a chip shows several. The numbers are kept in flash (the
+ * application's counters of starts). */
 typedef enum {
     RESET_UNKNOWN = 0,     /* the port cannot tell */
     RESET_POWER,           /* the supply came */
@@ -23,7 +24,8 @@ typedef enum {
     RESET_WATCHDOG,        /* this one */
     RESET_WINDOW_WATCHDOG, /* which this firmware does not start */
     RESET_LOW_POWER,       /* nor does it enter a low-power mode */
-    RESET_PROGRAM,
+    RESET_PROGRAM,         /* as a debug probe makes it; this firmware does not */
+    RESET_OPTION_BYTES,    /* loaded anew; not on all chips */
     RESET_PIN,
     RESET_CAUSES
 } reset_cause_t;

@@ -93,6 +93,7 @@ typedef struct {
 #define RCC_CCIPR_FDCANSEL (0x3U << 24)
 
 #define RCC_CSR_RMVF (1U << 23)
+#define RCC_CSR_OBLRSTF (1U << 25)
 #define RCC_CSR_PADRSTF (1U << 26) /* PINRSTF */
 #define RCC_CSR_BORRSTF (1U << 27)
 #define RCC_CSR_PORRSTF RCC_CSR_BORRSTF /* there is one flag for both */

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 from regen_table import schema
 
-from hubsim import files, reasons
+from hubsim import files, reasons, starts
 from hubsim.errors import HubsimError
 
 MAGIC, FORMAT = 0x42464F46, 1
@@ -26,10 +26,11 @@ BRIDGES = ("freewheel", "PWM", "short circuit", "short circuit, high side")
 HEADER = np.dtype(
     [
         *(("magic", "<u4"), ("format", "<u2"), ("size_bytes", "<u2")),
-        *(("phase", "u1"), ("reserved", "u1", 3), ("counts_check", "<u4"), ("counts", "<u2", 64)),
+        *(("phase", "u1"), ("restart_expected", "u1"), ("supply", "<u2"), ("counts_check", "<u4")),
+        ("counts", "<u2", 64),
         *(("crc32", "<u4"), ("pwm_frequency_hz", "<u4"), ("config_crc32", "<u4")),
         *(("fault_ms", "<u4"), ("fast_next", "<u2"), ("slow_next", "<u2")),
-        *(("reason", "u1"), ("after_reset", "u1"), ("reserved_too", "u1", 2)),
+        *(("reason", "u1"), ("after_reset", "u1"), ("started_by", "u1"), ("ended_by", "u1")),
     ]
 )
 FAST = np.dtype(
@@ -47,6 +48,7 @@ SLOW = np.dtype(
 FAST_ENTRIES, SLOW_ENTRIES = 400, 200
 FAST_AFTER_MS, SLOW_AFTER_S, SLOW_PERIOD_S = 5, 0.5, 0.01
 RECORD = np.dtype([("header", HEADER), ("fast", FAST, FAST_ENTRIES), ("slow", SLOW, SLOW_ENTRIES)])
+FIRST_START = 55  # of the counters: starts by cause
 CHECKED_FROM = 148  # the CRC is of everything behind itself
 LONGEST_BYTES = 4_000_000  # of a terminal's log
 
@@ -58,6 +60,10 @@ class Record:
     reason: str
     fault_s: float
     after_reset: bool
+    started_by: str
+    """Cause of the start before it; empty if it is not known."""
+    ended_by: str
+    """Cause of the start that ended it; empty if none did."""
     sealed: bool
     config_crc32: int
     counts: dict[str, int]
@@ -87,6 +93,13 @@ def bytes_of(text: str, name: str) -> bytes:
     return content
 
 
+def _counted(number: int) -> str:
+    """Return what a counter counts: a fault, or a start by its cause."""
+    if number < FIRST_START:
+        return reasons.identifier(reasons.first_fault() + number)
+    return f"start by {starts.name(number - FIRST_START)}"
+
+
 def read(
     content: bytes, name: str, current_full_scale_a: float, voltage_full_scale_v: float
 ) -> Record:
@@ -112,12 +125,12 @@ def read(
         reason=reasons.identifier(float(header["reason"])),
         fault_s=float(header["fault_ms"]) * 1e-3,
         after_reset=ended,
+        started_by=starts.name(int(header["started_by"])),
+        ended_by=starts.name(int(header["ended_by"])),
         sealed=sealed,
         config_crc32=int(header["config_crc32"]),
         counts={
-            reasons.identifier(reasons.first_fault() + number): int(count)
-            for number, count in enumerate(header["counts"])
-            if count
+            _counted(number): int(count) for number, count in enumerate(header["counts"]) if count
         },
         fast_s=last_fast_s - np.arange(len(fast) - 1, -1, -1) / float(header["pwm_frequency_hz"]),
         current_a=(codes - 2048.0) / 2048.0 * current_full_scale_a,
@@ -136,6 +149,8 @@ def read(
 def summary(record: Record) -> list[str]:
     """Return what there is to say, a line each."""
     end = ", ended by a reset" if record.after_reset else ""
+    end += f" ({record.ended_by})" if record.ended_by else ""
+    end += f", after a start by {record.started_by}" if record.started_by else ""
     lines = [
         f"{record.reason} {record.fault_s:.3f} s after the start{end}; configuration"
         f" 0x{record.config_crc32:08X}" + ("" if record.sealed else "; no CRC, not checked")

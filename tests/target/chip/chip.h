@@ -102,8 +102,19 @@ void chip_power_cycle(chip_t *chip);
 chip_inputs_t *chip_inputs(chip_t *chip);
 chip_faults_t *chip_faults(chip_t *chip);
 
-/* Pulls the reset pin. */
-void chip_press_reset(chip_t *chip);
+/* What resets the chip but its supply; not all chips have all. */
+typedef enum {
+    CHIP_RESET_SUPPLY,
+    CHIP_RESET_BROWN_OUT,
+    CHIP_RESET_WATCHDOG,
+    CHIP_RESET_WINDOW_WATCHDOG,
+    CHIP_RESET_LOW_POWER,
+    CHIP_RESET_PROGRAM,
+    CHIP_RESET_OPTION_BYTES,
+    CHIP_RESET_PIN,
+    CHIP_RESETS
+} chip_reset_t;
+void chip_reset_by(chip_t *chip, chip_reset_t cause);
 
 /* Its maker's bootloader runs, with its own stack, its vectors at address 0 and the clocks as after
  * a reset. It does nothing here. */

@@ -181,8 +181,15 @@ static void load_stack_and_entry(chip_t *chip)
     (void)uc_reg_write(chip->core, UC_ARM_REG_PC, &entry);
 }
 
-void chip_reset(chip_t *chip, bool by_watchdog)
+void chip_request_reset(chip_t *chip, chip_reset_t cause)
 {
+    chip->reset_requested = true;
+    chip->reset_by = cause;
+}
+
+void chip_reset_by(chip_t *chip, chip_reset_t cause)
+{
+    const uint32_t status = chip_get(chip, CHIP_RCC_CSR);
     memset(chip->word, 0, sizeof chip->word);
     memset(chip->core_word, 0, sizeof chip->core_word);
     for (unsigned i = 0; i < CHIP_REGISTER_COUNT; i++) {
@@ -192,10 +199,9 @@ void chip_reset(chip_t *chip, bool by_watchdog)
         }
     }
     chip->reset_requested = false;
-    chip->by_watchdog = by_watchdog;
     chip->resets++;
-    chip->watchdog_resets += by_watchdog ? 1U : 0U;
-    chip_clocks_reset(chip);
+    chip->watchdog_resets += cause == CHIP_RESET_WATCHDOG ? 1U : 0U;
+    chip_clocks_reset(chip, cause, status);
     chip_nvic_reset(chip);
     chip_flash_reset(chip);
     chip_timer1_reset(chip);
@@ -265,7 +271,7 @@ static void run_until(chip_t *chip, chip_ticks_t end, bool stops_at_sample)
 {
     while (chip->now < end && chip->has_power && !(stops_at_sample && chip->adc.is_triggered)) {
         if (chip->reset_requested) {
-            chip_reset(chip, chip->by_watchdog);
+            chip_reset_by(chip, chip->reset_by);
         }
         chip_part_watch(chip);
         chip_pins_watch(chip);

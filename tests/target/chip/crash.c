@@ -142,7 +142,7 @@ static bool enters_the_bootloader(void)
         return false;
     }
     const size_t before = strlen(chip_text(rig.chip));
-    chip_press_reset(rig.chip);
+    chip_reset_by(rig.chip, CHIP_RESET_PIN);
     chip_run(rig.chip, 100000U * CHIP_TICKS_PER_US);
     return expect(strstr(chip_text(rig.chip) + before, "configuration accepted") != NULL,
                   "the next reset starts the program");

@@ -170,7 +170,7 @@ void chip_exception_enter(chip_t *chip, unsigned exception)
     chip_nvic_t *nvic = &chip->nvic;
     if (nvic->nesting == CHIP_NESTING) {
         chip_note(chip, "exceptions nested %u deep", nvic->nesting);
-        chip->reset_requested = true;
+        chip_request_reset(chip, CHIP_RESET_PROGRAM);
         return;
     }
     uint32_t control;
@@ -207,7 +207,7 @@ void chip_exception_return(chip_t *chip)
     chip_nvic_t *nvic = &chip->nvic;
     if (nvic->nesting == 0) {
         chip_note(chip, "return from an exception that there is not");
-        chip->reset_requested = true;
+        chip_request_reset(chip, CHIP_RESET_PROGRAM);
         return;
     }
     uint32_t stack;
@@ -292,7 +292,9 @@ static void write_control(chip_t *chip, uint32_t address, uint32_t value)
         chip->nvic.pending[EXCEPTION_SYSTICK] |= (value & ICSR_PENDSTSET) != 0;
         break;
     case AT_AIRCR:
-        chip->reset_requested |= value >> 16 == AIRCR_KEY && (value & AIRCR_SYSRESETREQ) != 0;
+        if (value >> 16 == AIRCR_KEY && (value & AIRCR_SYSRESETREQ) != 0) {
+            chip_request_reset(chip, CHIP_RESET_PROGRAM);
+        }
         break;
     case AT_DWT_CYCCNT:
         chip->nvic.base = chip->now - (chip_ticks_t)value * chip->ticks_per_cycle;

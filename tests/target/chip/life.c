@@ -122,12 +122,7 @@ void chip_power_cycle(chip_t *chip)
     chip->has_power = true;
     chip->flash.operations = 0;
     chip->fault.flash_cut_after = 0;
-    chip_reset(chip, false);
-}
-
-void chip_press_reset(chip_t *chip)
-{
-    chip_reset(chip, false);
+    chip_reset_by(chip, CHIP_RESET_SUPPLY);
 }
 
 void chip_pend(chip_t *chip, unsigned exception)

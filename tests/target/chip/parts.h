@@ -128,7 +128,8 @@ struct chip {
     chip_ticks_t now, deadline;
     uint32_t ticks_per_cycle;
     bool needs_attention; /* an exception may have become pending */
-    bool reset_requested, by_watchdog;
+    bool reset_requested;
+    chip_reset_t reset_by; /* the next reset, if one is requested */
     bool has_power;
     unsigned resets, watchdog_resets;
     chip_ticks_t crystal_ready, pll_ready;
@@ -193,7 +194,7 @@ uint32_t chip_random(chip_t *chip);
 
 /* core.c */
 bool chip_core_open(chip_t *chip);
-void chip_reset(chip_t *chip, bool by_watchdog);
+void chip_request_reset(chip_t *chip, chip_reset_t cause);
 void chip_pend(chip_t *chip, unsigned exception);
 
 /* A peripheral's register, over the bus. */
@@ -242,7 +243,7 @@ static inline void chip_line(chip_t *chip, unsigned exception, bool high)
 }
 
 /* clocks.c: RCC, PWR, wait states. */
-void chip_clocks_reset(chip_t *chip);
+void chip_clocks_reset(chip_t *chip, chip_reset_t cause, uint32_t status);
 bool chip_clocks_write(chip_t *chip, uint32_t address, uint32_t value);
 uint32_t chip_clocks_read(chip_t *chip, uint32_t address);
 bool chip_has_clock(const chip_t *chip, uint32_t address);

@@ -32,7 +32,6 @@ void chip_watchdog_events(chip_t *chip)
 {
     if (chip->now >= chip->watchdog_end) {
         chip->watchdog_end = CHIP_NEVER;
-        chip->reset_requested = true;
-        chip->by_watchdog = true;
+        chip_request_reset(chip, CHIP_RESET_WATCHDOG);
     }
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * fault_journal.h: how often each fault came since production, in flash. Background context.
+ * fault_journal.h: how often each fault, and each start but those by the supply, came since
+ * production, in flash. Background context.
  *
  *     black box (RAM, since the supply came) --difference--> record (flash, since production)
  *
@@ -9,9 +10,9 @@
  * force is the whole one (CRC) with the highest sequence number. A supply that fails while one is
  * written leaves the one before.
  *
- * The older sector is erased at a start (fault_journal_make_space()) when the newer one is nearly
- * full: an erase takes up to a second, a record 2 ms. A sector lasts 10 000 erases: of 16 KiB,
- * which hold 60 records, 600 000 records; of 2 KiB, seven records, 70 000.
+ * The older sector is erased at a start by the supply (fault_journal_make_space()) when the newer
+ * one is nearly full: an erase takes up to a second, a record 2 ms. A sector lasts 10 000 erases:
+ * of 16 KiB, which hold 60 records, 600 000 records; of 2 KiB, seven records, 70 000.
  *
  * Not counted are faults of a drive whose supply ends before the wheel was at rest once.
  */
@@ -49,7 +50,7 @@ void fault_journal_init(fault_journal_t *journal);
 /* Numbers the black box if its counters began at zero with this start. */
 void fault_journal_number(const fault_journal_t *journal, recorder_memory_t *box);
 
-/* At a start with the bridge off, before control: erases the older sector if the newer one is
+/* At a start by the supply, before control: erases the older sector if the newer one is
  * nearly full; the core then stands still for up to a second. */
 void fault_journal_make_space(const fault_journal_t *journal);
 

@@ -47,6 +47,9 @@ void report_banner(const boot_report_t *boot, text_t *line);
  * configuration was refused. False if there is no such line; likewise below. */
 bool report_boot(const boot_report_t *boot, uint32_t number, text_t *line);
 
+/* Adds by what the program was started. */
+void report_start(reset_cause_t cause, text_t *line);
+
 /* Mode, reason, torque, speed, bus, and load of the core, in one line. */
 void report_status(const report_status_t *status, text_t *line);
 
@@ -64,7 +67,7 @@ bool report_can(const report_status_t *status, uint32_t number, text_t *line);
  * values of its fields, reaction, clearing and what the driver is told. */
 bool report_faults(const boot_report_t *boot, const char *prefix, uint32_t number, text_t *line);
 
-/* What the black box holds, the counters of faults since production that are not zero, and the
+/* What the black box holds, the counters of faults and starts that are not zero, and the
  * whole memory as hex, 32 bytes a line after their offset: what `hubsim blackbox` reads. */
 bool report_black_box(const report_status_t *status, uint32_t number, text_t *line);
 

@@ -6,8 +6,9 @@
  * rings are written until RECORDER_FAST_AFTER_ms and RECORDER_SLOW_AFTER_ms after the first fault:
  * the raw samples of RECORDER_FAST_ENTRIES PWM periods (20 ms at 20 kHz), and the slow step's
  * results at 100 Hz over 2 s. The record of the first fault since the supply came is kept; nothing
- * but losing the supply makes space for another. A reset by the watchdog in the middle of a
- * recording ends it like a fault.
+ * but losing the supply makes space for another. A reset by a watchdog in the middle of a recording
+ * ends it like a fault. Starts are counted by their cause, but for those by the supply and those
+ * that recorder_expect_restart() announced.
  *
  *     recorder_init()   once, at boot
  *
@@ -37,7 +38,10 @@ enum {
     RECORDER_SLOW_PERIOD_ms = 10,
     RECORDER_SLOW_AFTER_ms = 500,
     RECORDER_FIRST_COUNTED = REASON_FIRST_FAULT,
-    RECORDER_COUNTED = 64, /* codes of faults that have a counter */
+    RECORDER_COUNTED = 64, /* counters: of faults, the last ones of starts */
+    RECORDER_STARTS = 9,   /* causes of a start: 0 unknown, 1 the supply, others counted */
+    RECORDER_START_BY_SUPPLY = 1,
+    RECORDER_FIRST_START = RECORDER_COUNTED - RECORDER_STARTS, /* counter of cause 0 */
     RECORDER_FORMAT = 1,
     RECORDER_BRIDGE_SHIFT = 14
 };
@@ -78,12 +82,14 @@ typedef struct {
     uint32_t magic;
     uint16_t format;
     uint16_t size_bytes;
-    uint8_t phase; /* recorder_phase_t */
-    uint8_t reserved;
+    uint8_t phase;            /* recorder_phase_t */
+    uint8_t restart_expected; /* 1: the next start is not counted */
     uint16_t supply; /* the owner's number of this supply; 0: the counters began with this start */
-    uint32_t counts_check;             /* inverted sum of the counters */
-    uint16_t counts[RECORDER_COUNTED]; /* of fault 64 + index since the supply came, saturating */
-    uint32_t crc32;                    /* of all bytes behind it; valid in RECORDER_SEALED */
+    uint32_t counts_check; /* inverted sum of the counters */
+    /* Since the supply came, saturating: of fault RECORDER_FIRST_COUNTED + index, from
+     * RECORDER_FIRST_START on of starts by cause. */
+    uint16_t counts[RECORDER_COUNTED];
+    uint32_t crc32; /* of all bytes behind it; valid in RECORDER_SEALED */
     uint32_t pwm_frequency_Hz;
     uint32_t config_crc32; /* of the configuration in use */
     uint32_t fault_ms;     /* since the start of the program */
@@ -91,7 +97,8 @@ typedef struct {
     uint16_t slow_next;
     uint8_t reason;      /* reason_t of the fault */
     uint8_t after_reset; /* 1: a reset ended the recording, the entries end with it */
-    uint8_t reserved_too[2];
+    uint8_t started_by;  /* cause of the start of the recorded program; 0: unknown */
+    uint8_t ended_by;    /* cause of the start that ended the recording; 0: none, or unknown */
     recorder_fast_t fast[RECORDER_FAST_ENTRIES];
     recorder_slow_t slow[RECORDER_SLOW_ENTRIES];
 } recorder_memory_t;
@@ -112,14 +119,15 @@ typedef struct {
 typedef struct {
     uint32_t pwm_frequency_Hz;
     uint32_t config_crc32;
-    bool was_watchdog; /* it caused the reset */
+    bool was_watchdog;   /* one caused the reset */
+    uint8_t reset_cause; /* below RECORDER_STARTS */
 } recorder_start_t;
 
 /* memory: NULL if there is none; its content is whatever the reset left. A record is kept, counters
  * as well if their check agrees, and everything else is zeroed. */
 void recorder_init(recorder_t *recorder, recorder_memory_t *memory, const recorder_start_t *start);
 
-/* Background: a restart follows on purpose, which is no fault. A record is kept.
+/* Background: a restart follows on purpose, which is no fault and is not counted. A record is kept.
  *
  * @post recorder->memory->phase == old(recorder->memory->phase) || (old(recorder->memory->phase)
  * == RECORDER_RECORDING && recorder->memory->phase == RECORDER_EMPTY && !recorder->takes_samples)

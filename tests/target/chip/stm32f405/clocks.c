@@ -46,15 +46,28 @@ bool chip_has_clock(const chip_t *chip, uint32_t address)
     return true;
 }
 
-void chip_clocks_reset(chip_t *chip)
+/* Flags of RCC_CSR (7.3.21). Every reset pulls the pin; they last until RMVF or the supply goes. */
+static uint32_t reset_flags(chip_reset_t cause, uint32_t status)
+{
+    static const uint32_t FLAGS[CHIP_RESETS] = {
+        [CHIP_RESET_SUPPLY] = CHIP_RCC_CSR_PORRSTF | CHIP_RCC_CSR_BORRSTF,
+        [CHIP_RESET_BROWN_OUT] = CHIP_RCC_CSR_BORRSTF,
+        [CHIP_RESET_WATCHDOG] = CHIP_RCC_CSR_WDGRSTF,
+        [CHIP_RESET_WINDOW_WATCHDOG] = CHIP_RCC_CSR_WWDGRSTF,
+        [CHIP_RESET_LOW_POWER] = CHIP_RCC_CSR_LPWRRSTF,
+        [CHIP_RESET_PROGRAM] = CHIP_RCC_CSR_SFTRSTF,
+    };
+    const uint32_t before = cause == CHIP_RESET_SUPPLY ? 0U : status & 0xFE000000U;
+    return before | FLAGS[cause] | CHIP_RCC_CSR_PADRSTF;
+}
+
+void chip_clocks_reset(chip_t *chip, chip_reset_t cause, uint32_t status)
 {
     chip->ticks_per_cycle = TICKS_INTERNAL;
     chip->crystal_ready = CHIP_NEVER;
     chip->pll_ready = CHIP_NEVER;
     chip->watchdog_end = CHIP_NEVER;
-    *chip_at(chip, CHIP_RCC_CSR) =
-        CHIP_RCC_CSR_PADRSTF |
-        (chip->by_watchdog ? CHIP_RCC_CSR_WDGRSTF : CHIP_RCC_CSR_PORRSTF | CHIP_RCC_CSR_BORRSTF);
+    *chip_at(chip, CHIP_RCC_CSR) = reset_flags(cause, status);
 }
 
 static uint32_t control(const chip_t *chip)

@@ -13,6 +13,8 @@
 #define IMAGE_MODE MODE_RUN
 #define IMAGE_REPORTS_BROWN_OUT true
 #define IMAGE_CLOCK_IS_WATCHED false
+#define IMAGE_BROWN_OUT_HAS_A_FLAG true
+#define IMAGE_OPTION_BYTES_RESET false
 #define IMAGE_DRIVES_AFTER_STOP true
 
 static inline bench_params_t image_vehicle(void)

@@ -14,6 +14,8 @@
 #define IMAGE_MODE MODE_LIMP
 #define IMAGE_REPORTS_BROWN_OUT false /* its flash can be read down to its own reset */
 #define IMAGE_CLOCK_IS_WATCHED true
+#define IMAGE_BROWN_OUT_HAS_A_FLAG false /* the supply's */
+#define IMAGE_OPTION_BYTES_RESET true
 #define IMAGE_DRIVES_AFTER_STOP false /* README, What it does not show */
 
 static inline bench_params_t image_vehicle(void)

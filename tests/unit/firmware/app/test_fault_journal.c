@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "app/fault_journal.h"
+#include "app/report.h"
 #include "flash_fake.h"
 #include "unity.h"
 
@@ -253,4 +254,33 @@ void test_a_word_that_is_not_taken_leaves_the_record_before_and_uses_the_place_u
     TEST_ASSERT_EQUAL_UINT32(3, journal.next);
     come_with_supply();
     TEST_ASSERT_EQUAL_UINT32(5, since_production(FAULT));
+}
+
+/* ---- as the shell shows them ---- */
+
+static void assert_line(uint32_t number, const char *words)
+{
+    const report_status_t status = {.black_box = &box, .journal = &journal};
+    text_t line;
+    text_clear(&line);
+    TEST_ASSERT_TRUE(report_black_box(&status, number, &line));
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(line.chars, words), line.chars);
+}
+
+void test_the_black_box_names_the_start_that_ended_it_and_counts_starts(void)
+{
+    box.counts[RECORDER_FIRST_START - 1] = 3; /* the last one of faults */
+    box.counts[RECORDER_FIRST_START + RESET_PIN] = 2;
+    append();
+    come_with_supply();
+    box.phase = RECORDER_COMPLETE;
+    box.reason = REASON_PROGRAM_FLOW;
+    box.fault_ms = 1234;
+    box.after_reset = 1;
+    box.ended_by = RESET_WATCHDOG;
+    box.counts[RECORDER_FIRST_START + RESET_PIN] = 1;
+    assert_line(0, "black box: record of 75 ");
+    assert_line(0, ", 1234 ms after the start, ended by a reset, then started by watchdog");
+    assert_line(1, "0 times unknown reason, since production 3");
+    assert_line(2, "1 times started by reset pin, since production 3");
 }

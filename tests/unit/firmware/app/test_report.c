@@ -148,6 +148,7 @@ void test_every_known_cause_of_the_reset_has_its_own_text(void)
         [RESET_POWER] = "started by supply\n",
         [RESET_BROWN_OUT] = "started by low supply\n",
         [RESET_PIN] = "started by reset pin\n",
+        [RESET_OPTION_BYTES] = "started by option bytes\n",
         [RESET_PROGRAM] = "started by program\n",
         [RESET_WATCHDOG] = "started by watchdog\n",
         [RESET_WINDOW_WATCHDOG] = "started by window watchdog\n",

@@ -2,6 +2,7 @@
 /* The black box's memory: what a start finds in it, keeps or clears; its counters and units. */
 #include <string.h>
 
+#include "core/fault.h"
 #include "monitor/recorder.h"
 #include "unity.h"
 
@@ -81,9 +82,10 @@ void test_everything_but_the_head_of_a_new_recording_is_zero(void)
     TEST_ASSERT_EACH_EQUAL_UINT8(0, memory.fast, sizeof memory.fast);
     TEST_ASSERT_EACH_EQUAL_UINT8(0, memory.slow, sizeof memory.slow);
     TEST_ASSERT_EACH_EQUAL_UINT8(0, memory.counts, sizeof memory.counts);
-    TEST_ASSERT_EQUAL_UINT8(0, memory.reserved);
+    TEST_ASSERT_EQUAL_UINT8(0, memory.restart_expected);
     TEST_ASSERT_EQUAL_UINT16(0, memory.supply);
-    TEST_ASSERT_EACH_EQUAL_UINT8(0, memory.reserved_too, sizeof memory.reserved_too);
+    TEST_ASSERT_EQUAL_UINT8(0, memory.started_by);
+    TEST_ASSERT_EQUAL_UINT8(0, memory.ended_by);
     TEST_ASSERT_EQUAL_UINT32(0, memory.crc32);
     TEST_ASSERT_EQUAL_UINT32(0, memory.fault_ms);
     TEST_ASSERT_EQUAL_UINT16(0, memory.fast_next);
@@ -165,13 +167,93 @@ void test_codes_from_the_first_fault_on_are_counted_and_no_others(void)
         before = memory;
         fault(code);
         for (int k = 0; k < RECORDER_COUNTED; k++) {
-            TEST_ASSERT_EQUAL_UINT16(code - FIRST == k, memory.counts[k]);
+            TEST_ASSERT_EQUAL_UINT16(code - FIRST == k && k < RECORDER_FIRST_START,
+                                     memory.counts[k]);
         }
         TEST_ASSERT_EQUAL_UINT32(check_of_the_counters(), memory.counts_check);
         TEST_ASSERT_EQUAL_UINT32(before.magic, memory.magic);
         TEST_ASSERT_EQUAL_UINT32(before.config_crc32, memory.config_crc32);
         TEST_ASSERT_EQUAL_UINT32(before.pwm_frequency_Hz, memory.pwm_frequency_Hz);
     }
+}
+
+void test_every_fault_has_a_counter_of_its_own(void)
+{
+    const fault_t *row = fault_row(0);
+    for (unsigned i = 0; row != NULL; row = fault_row(++i)) {
+        TEST_ASSERT_LESS_THAN_INT(FIRST + RECORDER_FIRST_START, row->reason);
+    }
+}
+
+/* ---- starts ---- */
+
+static void start_by(uint8_t cause)
+{
+    start.reset_cause = cause;
+    restart(false);
+}
+
+void test_each_cause_of_a_start_has_a_counter_but_the_supply(void)
+{
+    for (unsigned cause = 0; cause < 256; cause++) {
+        setUp();
+        start_by((uint8_t)cause);
+        start_by((uint8_t)cause);
+        for (unsigned k = 0; k < RECORDER_COUNTED; k++) {
+            const bool counted = cause > RECORDER_START_BY_SUPPLY && cause < RECORDER_STARTS;
+            const bool its_own = counted && k == RECORDER_FIRST_START + cause;
+            TEST_ASSERT_EQUAL_UINT16(its_own ? 2 : 0, memory.counts[k]);
+        }
+        TEST_ASSERT_EQUAL_UINT32(check_of_the_counters(), memory.counts_check);
+        TEST_ASSERT_EQUAL_UINT8(cause, memory.started_by);
+    }
+}
+
+void test_a_start_in_foreign_memory_is_counted_as_well(void)
+{
+    memory.magic++;
+    start_by(3);
+    TEST_ASSERT_EQUAL_UINT16(1, memory.counts[RECORDER_FIRST_START + 3]);
+    TEST_ASSERT_EQUAL_UINT32(check_of_the_counters(), memory.counts_check);
+}
+
+void test_a_start_that_is_expected_is_not_counted_but_the_next_is(void)
+{
+    void (*const before[])(void) = {setUp, complete};
+    for (int k = 0; k < 2; k++) {
+        before[k]();
+        recorder_expect_restart(&recorder);
+        start_by(3);
+        TEST_ASSERT_EQUAL_UINT16(0, memory.counts[RECORDER_FIRST_START + 3]);
+        start_by(3);
+        TEST_ASSERT_EQUAL_UINT16(1, memory.counts[RECORDER_FIRST_START + 3]);
+    }
+}
+
+void test_a_start_does_not_mend_counters_that_are_wrong(void)
+{
+    complete();
+    memory.counts_check ^= 1U;
+    start_by(3);
+    TEST_ASSERT_EQUAL_UINT16(0, memory.counts[RECORDER_FIRST_START + 3]);
+    TEST_ASSERT_NOT_EQUAL_UINT32(check_of_the_counters(), memory.counts_check);
+}
+
+void test_a_record_names_the_start_before_it_and_the_one_that_ended_it(void)
+{
+    start_by(2);
+    start.reset_cause = 4;
+    restart(true);
+    TEST_ASSERT_EQUAL_UINT8(RECORDER_COMPLETE, memory.phase);
+    TEST_ASSERT_EQUAL_UINT8(2, memory.started_by);
+    TEST_ASSERT_EQUAL_UINT8(4, memory.ended_by);
+    start_by(3); /* a later one changes neither */
+    TEST_ASSERT_EQUAL_UINT8(2, memory.started_by);
+    TEST_ASSERT_EQUAL_UINT8(4, memory.ended_by);
+    setUp();
+    fault(FIRST + 3);
+    start_by(3);
+    TEST_ASSERT_EQUAL_UINT8(3, memory.ended_by);
 }
 
 void test_counters_saturate(void)

@@ -1,20 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
 """The record of a first fault: from the shell's text to amperes, volts and seconds."""
 
+import re
 import struct
 import zlib
 from pathlib import Path
 
 import numpy as np
 import pytest
-from hubsim import black_box, cli
+from hubsim import black_box, cli, starts
 from hubsim.errors import HubsimError
 
 FULL_A, FULL_V = 100.0, 80.0
 FAST_NEXT, SLOW_NEXT = 7, 11
 
 
-def memory(phase: int = 4, after_reset: int = 0, filled: int = 400) -> bytes:
+def memory(
+    phase: int = 4, after_reset: int = 0, filled: int = 400, starts: tuple[int, int] = (0, 0)
+) -> bytes:
     """Return a record as recorder.h lays it out: entry n, from the oldest, shows n."""
     fast = [struct.pack("<6H", 2048 + n, 2048, 2048 - n, 2048 | 1 << 14, n, 99) for n in range(400)]
     fast[: 400 - filled] = [bytes(12)] * (400 - filled)
@@ -24,7 +27,7 @@ def memory(phase: int = 4, after_reset: int = 0, filled: int = 400) -> bytes:
     counts[67 - 64] = 3
     checked = (
         struct.pack("<3I2H", 20000, 0x1234, 1500, FAST_NEXT, SLOW_NEXT)
-        + bytes((67, after_reset, 0, 0))
+        + bytes((67, after_reset, *starts))
         + rings
     )
     front = struct.pack("<I2HB3xI64H", 0x42464F46, 1, 8168, phase, 0xFFFFFFFC, *counts)
@@ -65,6 +68,29 @@ def test_a_record_that_a_reset_ended_ends_at_time_zero_without_its_empty_entries
     assert not record.sealed
     assert record.fast_s.shape == (50,)
     assert record.fast_s[-1] == record.slow_s[-1] == 0.0
+
+
+def test_causes_of_starts_are_named_and_counted() -> None:
+    content = bytearray(memory(phase=3, after_reset=1, starts=(2, 4)))
+    struct.pack_into("<H", content, 16 + 2 * (55 + 8), 6)
+    record = read(bytes(content))
+    assert (record.started_by, record.ended_by) == ("LOW_SUPPLY", "WINDOW_WATCHDOG")
+    assert record.counts == {"OVERCURRENT": 3, "start by RESET_PIN": 6}
+    lines = black_box.summary(record)
+    assert ", ended by a reset (WINDOW_WATCHDOG), after a start by LOW_SUPPLY;" in lines[0]
+    assert "6 times start by RESET_PIN" in lines
+
+
+def test_causes_of_starts_have_the_firmware_s_codes_and_counters() -> None:
+    root = Path(__file__).parents[4]
+    text = (root / "hal/include/hal/watchdog.h").read_text(encoding="utf-8")
+    body = text.split("typedef enum {")[1].split("}")[0]
+    names = re.findall(r"^\s*RESET_(\w+)", body, re.MULTILINE)
+    assert names[-1] == "CAUSES"
+    spoken = {"UNKNOWN": "", "POWER": "SUPPLY", "BROWN_OUT": "LOW_SUPPLY", "PIN": "RESET_PIN"}
+    spoken |= {"LOW_POWER": "LOW_POWER_MODE"}
+    assert tuple(spoken.get(name, name) for name in names[:-1]) == starts.CAUSES
+    assert 64 - len(starts.CAUSES) == black_box.FIRST_START
 
 
 def test_the_latest_of_several_answers_counts() -> None:
