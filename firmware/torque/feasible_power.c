@@ -150,8 +150,8 @@ static bool corrected(const feasible_set_t *set, motor_point_t *at, bool straigh
         on_ellipse = at->d_b > lowest_b;
     }
     const bool far = q_abs(at->d_b - before_b) > set->model->constants->current_most_b >> FAR_LOG2;
-    *power = far && straight && on_ellipse ? power_along(set, *at, ellipse_slope(set->model, *at))
-                                           : power_at(set, at->d_b);
+    const bool along = far && straight && on_ellipse;
+    *power = along ? power_along(set, *at, ellipse_slope(set->model, *at)) : power_at(set, at->d_b);
     return far;
 }
 

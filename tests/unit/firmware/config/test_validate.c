@@ -185,6 +185,7 @@ static void assert_relation(const char *fields)
     const config_result_t result = sealed_result();
     TEST_ASSERT_EQUAL_INT_MESSAGE(CONFIG_RESULT_RELATION, result.code, fields);
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(result.field, fields), result.field);
+    TEST_ASSERT_EQUAL_STRING("", config_result_section(&result));
     config = CONFIG_LU2013;
 }
 

@@ -197,3 +197,26 @@ void test_switching_does_not_begin_on_a_current_near_the_limit(void)
     in.i_q_mA = -70000; /* and does not end on one */
     TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, step());
 }
+
+/* The EMF observer knows the angle of an open bridge well enough until there is a demand. */
+void test_a_coasting_bridge_stays_open_without_its_sensor_while_the_observer_is_used(void)
+{
+    config.modes.coast_delay_ms = 1;
+    in.torque_wanted = false;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(2));
+    in.rotor_valid = false;
+    in.observer_used = true;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(100));
+    in.observer_used = false;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, step());
+    /* A bridge that switches goes on: its currents show the angle. */
+    in.observer_used = true;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, step());
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, run(100));
+    /* An open bridge with a demand closes. */
+    in.rotor_valid = true;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(2));
+    in.rotor_valid = false;
+    in.torque_wanted = true;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, step());
+}

@@ -2,10 +2,13 @@
 #include <math.h>
 
 #include "config/bases.h"
+#include "controller/operating_point.h"
 #include "foc/foc.h"
 #include "observer_tuning.h"
 #include "paper_vehicle.h"
 #include "unity.h"
+
+extern const config_t CONFIG_IPM400V;
 
 static const double PI = 3.14159265358979323846;
 static const double T = 50e-6;
@@ -43,6 +46,55 @@ void test_lead_is_the_angle_of_the_leaking_integrator(void)
         TEST_ASSERT_DOUBLE_WITHIN(0.02 * 16384.0 * PSI_WB / FULL_SCALE_WB,
                                   16384.0 * PSI_WB / FULL_SCALE_WB * share,
                                   observer_expected_flux_q14(&constants, lead_turn));
+    }
+}
+
+/* A salient motor's leak follows the speed, w T/2 within its start value and 2^15/2^24, with a time
+ * constant of 32 steps; while nothing is acquired, or without saliency, it is the start value. */
+void test_the_leak_follows_the_speed_of_a_salient_motor_once_it_is_acquired(void)
+{
+    static const double SLOW = 4e-4, FAST = 0.1; /* turns per period */
+    constants = observer_constants(&CONFIG_IPM400V, BASES_MODEL_TIMER_Hz);
+    const int32_t start_q24 = constants.start.leak_q24;
+    observer_leak_t leak = constants.start;
+    for (int n = 0; n < 400; n++) {
+        observer_leak_step(&leak, &constants, -(int32_t)(SLOW * 4294967296.0), true);
+    }
+    const double wanted_q24 = fmax(PI * SLOW, 1.0 / 512.0) * 16777216.0;
+    TEST_ASSERT_TRUE(wanted_q24 < start_q24);
+    TEST_ASSERT_DOUBLE_WITHIN(33.0, wanted_q24, leak.leak_q24);
+    for (int n = 0; n < 400; n++) {
+        observer_leak_step(&leak, &constants, (int32_t)(FAST * 4294967296.0), true);
+    }
+    TEST_ASSERT_INT32_WITHIN(33, start_q24, leak.leak_q24);
+    observer_leak_step(&leak, &constants, (int32_t)(SLOW * 4294967296.0), true);
+    TEST_ASSERT_LESS_THAN_INT32(start_q24, leak.leak_q24);
+    observer_leak_step(&leak, &constants, (int32_t)(SLOW * 4294967296.0), false);
+    TEST_ASSERT_EQUAL_INT32(start_q24, leak.leak_q24);
+
+    constants = observer_constants(&CONFIG_LU2013, BASES_MODEL_TIMER_Hz);
+    leak = constants.start;
+    observer_leak_step(&leak, &constants, (int32_t)(SLOW * 4294967296.0), true);
+    TEST_ASSERT_EQUAL_INT32(constants.start.leak_q24, leak.leak_q24);
+}
+
+/* The speed from which the lead is taken: of a salient motor with a time constant of 4 steps while
+ * acquired, else the present one. */
+void test_the_speed_of_the_lead_is_smoothed_for_a_salient_motor_once_it_is_acquired(void)
+{
+    enum { SPEED_Q32 = 1 << 20 };
+    const observer_report_t still = {.acquired = true};
+    for (int salient = 0; salient < 2; salient++) {
+        for (int acquired = 0; acquired < 2; acquired++) {
+            static operating_point_state_t state;
+            config = salient != 0 ? CONFIG_IPM400V : CONFIG_LU2013;
+            operating_point_init(&state, &config, BASES_MODEL_TIMER_Hz);
+            (void)operating_point_observer(&state, &config, &still);
+            const observer_report_t turns = {.speed_q32 = SPEED_Q32, .acquired = acquired != 0};
+            (void)operating_point_observer(&state, &config, &turns);
+            TEST_ASSERT_EQUAL_INT32(salient && acquired ? SPEED_Q32 / 4 : SPEED_Q32,
+                                    state.observer_speed_q32);
+        }
     }
 }
 

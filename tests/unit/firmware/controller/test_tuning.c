@@ -153,6 +153,18 @@ void test_each_axis_is_decoupled_with_the_inductance_of_the_other_current(void)
     TEST_ASSERT_TRUE(salient.w_l_q_q10 > 10);
 }
 
+/* Equal inductances do not make equal gains: each axis has its own three figures. */
+void test_an_axis_with_an_integral_gain_of_its_own_keeps_it(void)
+{
+    config.current_loop.inductance_d_pu_q16 = config.current_loop.inductance_q_pu_q16;
+    config.current_loop.proportional_d_pu_q16 = config.current_loop.proportional_q_pu_q16;
+    config.current_loop.integral_d_pu_q24 = config.current_loop.integral_q_pu_q24 / 2;
+    const current_tuning_t tuning =
+        current_tuning(&config, 27493, 28102, 0, config.motor.reference_temperature_cC);
+    TEST_ASSERT_INT_WITHIN(1, tuning.q.integral_q15 / 2, tuning.d.integral_q15);
+    TEST_ASSERT_EQUAL_INT32(tuning.q.proportional_q10, tuning.d.proportional_q10);
+}
+
 void test_a_back_emf_of_more_than_eight_units_counts_as_eight(void)
 {
     config.current_loop.flux_pu_q16 = 1048576;

@@ -53,6 +53,13 @@ void test_a_number_outside_the_list_has_the_strictest_answer(void)
     TEST_ASSERT_EQUAL_INT(FAULT_REACTION_FREEWHEEL, fault_reaction((reason_t)200));
     TEST_ASSERT_EQUAL_INT(FAULT_CLEARING_RESTART, fault_clearing((reason_t)200));
     TEST_ASSERT_TRUE(fault_latches((reason_t)200));
+    for (int number = 0; number < 256; number++) { /* gaps between the codes as well */
+        const reason_t reason = (reason_t)number;
+        if (strcmp(reason_text(reason), "unknown reason") == 0) {
+            TEST_ASSERT_EQUAL_INT(FAULT_REACTION_FREEWHEEL, fault_reaction(reason));
+            TEST_ASSERT_EQUAL_INT(FAULT_CLEARING_RESTART, fault_clearing(reason));
+        }
+    }
 }
 
 void test_what_is_latched_never_heals_and_takes_the_torque_and_a_warning_has_a_heal_time(void)

@@ -171,6 +171,26 @@ void test_impossible_reversal_starts_ride_through(void)
     assert_healed_after_six_edges(0.005);
 }
 
+/* A sector in 100 periods is overdue after 200 of them, 10 ms; then the rotor may have stopped, and
+ * an edge backwards is its reversal. */
+void test_a_reversal_after_an_overdue_edge_is_no_fault(void)
+{
+    for (int late = 0; late < 2; late++) {
+        restart();
+        turn_for(4000, 1.0 / 600.0);
+        const int sector = true_sector();
+        while (true_sector() == sector) {
+            turn(1.0 / 600.0);
+        }
+        const double edge_turns_seen = theta_turns;
+        turn_for(late ? 210 : 150, 0.0); /* it rests just past the edge */
+        theta_turns = edge_turns_seen - 2.0 / 600.0;
+        turn(0.0);
+        TEST_ASSERT_EQUAL_INT(sector, true_sector());
+        TEST_ASSERT_EQUAL_UINT16(late ? 0 : 1, hall.faults);
+    }
+}
+
 /* For half a second after the failure the angle error stays bounded, so that the torque can fall in
  * a ramp. */
 void test_stuck_sensor_keeps_a_bounded_angle_error_and_never_heals(void)

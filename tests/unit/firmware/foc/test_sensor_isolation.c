@@ -239,3 +239,20 @@ void test_a_sum_that_stays_suspect_begins_a_new_prediction(void)
     sample(TURNS_PER_PERIOD);
     TEST_ASSERT_EQUAL_UINT8(2, report.wrong_current_sensor);
 }
+
+/* The same on the d axis: at its limit the current stays, whatever the reference asks. */
+void test_d_current_at_the_voltage_limit_is_predicted_to_stay(void)
+{
+    config.current_loop.field_weakening_current_pu_q15 = 0;
+    settle(TURNS_PER_PERIOD);
+    d_codes = 1500.0;
+    for (int n = 0; n < 4000; n++) {
+        sample(TURNS_PER_PERIOD);
+    }
+    TEST_ASSERT_TRUE(report.voltage_limited);
+    const int32_t before = q_pair_x(period->i_pu.v);
+    error_codes[0] = 300.0;
+    sample(TURNS_PER_PERIOD);
+    assert_used(1500.0, -600.0);
+    TEST_ASSERT_INT32_WITHIN(2 * 16, before, isolation->predicted_pu.d);
+}

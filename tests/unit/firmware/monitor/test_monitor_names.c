@@ -148,6 +148,14 @@ void test_bus_reading_that_no_bus_has_is_its_sensor_s(void)
     TEST_ASSERT_EQUAL_INT(REASON_BATTERY_DISCONNECTED, step().warning);
 }
 
+/* A trip by the bus in the step in which it has fallen is evidence enough. */
+void test_a_low_bus_is_named_at_once_if_the_fast_loop_has_seen_it_high(void)
+{
+    in.bus_voltage_mV = 30000;
+    in.fast_trip = REASON_BUS_OVERVOLTAGE;
+    TEST_ASSERT_EQUAL_INT(REASON_BATTERY_DISCONNECTED, step().warning);
+}
+
 void test_bus_that_a_motor_has_emptied_is_the_battery_s(void)
 {
     in.bus_voltage_mV = 20000;

@@ -11,6 +11,7 @@ extern const config_t CONFIG_LU2013, CONFIG_IPM400V;
 enum { PERIODS = 20 };
 static const double TWO_PI = 6.283185307179586;
 
+static config_t motor;
 static monitor_stuck_state_t state;
 static monitor_stuck_input_t in;
 static monitor_stuck_output_t out;
@@ -24,6 +25,7 @@ void setUp(void)
                                            .currents_known = true,
                                            .sum_good = true,
                                            .rotor_valid = true};
+    motor = CONFIG_LU2013;
     state = fresh;
     in = tripped;
     turns = 0.1;
@@ -61,7 +63,7 @@ static void milliseconds(int count, double hz, double peak_pu, int phase, bool h
             }
             add(i[0], i[1], i[2]);
         }
-        out = monitor_stuck_step(&state, &CONFIG_LU2013, &in);
+        out = monitor_stuck_step(&state, &motor, &in);
     }
 }
 
@@ -132,6 +134,17 @@ void test_a_commanded_short_circuit_has_a_side_after_three_equal_windows(void)
     milliseconds(18, 163.0, trip_pu(), 0, true);
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.side);
     milliseconds(12, 163.0, trip_pu(), 0, true);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT_HIGH, out.side);
+}
+
+/* With windings of next to no resistance, 152 uH over 0.1 mohm, for a second at most. */
+void test_the_direct_current_of_a_short_circuit_is_waited_for_no_longer_than_a_second(void)
+{
+    motor.motor.phase_resistance_uOhm = 100;
+    in.bridge = BRIDGE_SHORT;
+    milliseconds(MONITOR_STUCK_LONGEST_STEPS, 163.0, trip_pu(), 0, true);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.side);
+    milliseconds(30, 163.0, trip_pu(), 0, true);
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT_HIGH, out.side);
 }
 

@@ -44,6 +44,21 @@ void test_a_good_sensor_is_used_as_it_is(void)
     TEST_ASSERT_FALSE(out.broken);
 }
 
+/* Without a thermal model there is nothing to compare with: a reading is used, however still. */
+void test_without_an_estimate_a_sensor_is_neither_stuck_nor_corrected(void)
+{
+    in.estimated = false;
+    run(1);
+    in.slowest_cC = 4000 + 10 * config.monitor.stuck_rise_cC;
+    in.estimate_cC = in.slowest_cC;
+    const monitor_temperature_output_t out = run(5000);
+    TEST_ASSERT_FALSE(out.broken);
+    TEST_ASSERT_EQUAL_INT(4000, out.used_cC);
+    TEST_ASSERT_EQUAL_INT32(0, state.offset_q16);
+    in.measured_cC = INT32_MAX;
+    TEST_ASSERT_EQUAL_INT(MONITOR_TEMPERATURE_BROKEN_cC, run(1).used_cC);
+}
+
 void test_open_and_short_are_replaced_at_once_and_named_after_the_qualify_time(void)
 {
     static const int32_t BROKEN[] = {29999, 29001, -6001, INT32_MIN, INT32_MAX};

@@ -71,6 +71,17 @@ void test_flux_is_named_weak_or_as_a_bus_voltage_that_reads_high(void)
     TEST_ASSERT_EQUAL_INT(REASON_BUS_SENSOR, run(1000).flux_warning);
 }
 
+/* Without the message a bus voltage that reads low may be the cause. */
+void test_flux_that_is_missing_is_a_figure_only_beside_a_message_of_the_bus_voltage(void)
+{
+    in.u_q_mV = 7000;
+    TEST_ASSERT_GREATER_THAN_INT32(0, run(1000).flux_missing_q15);
+    in.battery_voltage_mV = 0;
+    const monitor_output_t alone = step();
+    TEST_ASSERT_EQUAL_INT(REASON_FLUX_WEAK, alone.flux_warning);
+    TEST_ASSERT_EQUAL_INT32(0, alone.flux_missing_q15);
+}
+
 /* ---- currents ---- */
 
 void test_missing_current_is_a_fault_with_pwm_within_the_voltage(void)

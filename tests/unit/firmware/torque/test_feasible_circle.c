@@ -68,6 +68,18 @@ static void assert_leaves_as_much(feasible_side_t side, int32_t most_mNm)
     TEST_ASSERT_EQUAL_INT32(q_min(found_mNm, cap_mNm), other.cap_mNm);
 }
 
+/* At a speed whose EMF is half of the voltage the zero current needs no field weakening. */
+void test_a_point_that_the_voltage_suffices_for_is_not_forced(void)
+{
+    const config_t *config = &CONFIG_LU2013;
+    const motor_model_t model = model_at(config, 30000, 2500);
+    const feasible_set_t set = feasible_set_at(&model, 2 * 14076); /* 30 rad/s * 23 * 20.4 mWb */
+    motor_point_t at = {.d_b = 0, .x_b = 0};
+    TEST_ASSERT_FALSE(feasible_forced(&set, &at));
+    TEST_ASSERT_EQUAL_INT32(0, at.d_b);
+    TEST_ASSERT_EQUAL_INT32(0, at.x_b);
+}
+
 void test_phase_current_bounds_of_every_configuration_match_a_bisection_on_the_circuit(void)
 {
     const config_t *const configs[] = {&CONFIG_LU2013, &CONFIG_EBIKE36V, &CONFIG_SCOOTER48V,

@@ -246,3 +246,42 @@ void test_any_reports_leave_gain_and_torque_finite_and_within_bounds(void)
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, out.torque_mNm);
     }
 }
+
+/* A brake of 250 N m: beyond 131 N m both sides of the ratio lose bits, and the gain stays. */
+void test_gain_of_a_strong_brake_is_learned_at_any_torque(void)
+{
+    gain = 0.9;
+    hold(250000.0, 1500);
+    TEST_ASSERT_DOUBLE_WITHIN(0.02, 0.9, state.gain_q15 / ONE);
+}
+
+/* The age of a report that is older than the counter ends where it ends. */
+void test_the_age_of_a_report_does_not_wrap(void)
+{
+    report.valid = true;
+    report.age_ms = UINT32_MAX;
+    hydraulic_feedback_init(&state, &config);
+    out = hydraulic_feedback_step(&state, &config, &model, &report);
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, state.since_ms);
+    report.valid = false;
+    out = hydraulic_feedback_step(&state, &config, &model, &report);
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, state.since_ms);
+    TEST_ASSERT_FALSE(out.used);
+    TEST_ASSERT_TRUE(out.lost);
+}
+
+/* A brake without torque, and a sensor that shows some: the gain is as high as it may be. */
+void test_reports_of_a_brake_without_torque_leave_the_gain_in_its_band(void)
+{
+    config.brake.max_hydraulic_torque_mNm = 0;
+    hydraulic_model_init(&model);
+    hydraulic_feedback_init(&state, &config);
+    report.valid = true;
+    for (int n = 0; n < 3000; n++) {
+        report.torque_mNm = 10000; /* within the tolerance */
+        report.age_ms = 0;
+        out = hydraulic_feedback_step(&state, &config, &model, &report);
+        TEST_ASSERT_INT32_WITHIN(8192, 32768, state.gain_q15);
+    }
+    TEST_ASSERT_EQUAL_INT32(10000, out.torque_mNm);
+}

@@ -1,83 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the deceleration of a wheel says of the hydraulic brake. The vehicle is a mass on a slope,
- * in double precision; its brake makes what it wants of the commands. */
-#include "torque/hydraulic_watch.h"
-
-#include <math.h>
-
-#include "paper_vehicle.h"
-#include "unity.h"
-
-/* 165 kg on a wheel of 0.25 m: 41 N m for 1 m/s^2. */
-static const double INERTIA_KG_M2 = 10.3, RADIUS_M = 0.25, PER_MS = 1e-3, G_M_S2 = 9.81;
-static const double TORQUE_PER_M_S2 = 10.3 / 0.25;
-enum { COAST_ms = 1500, MINUTE_ms = 60000 };
-
-static config_t config;
-static hydraulic_watch_t watch;
-static hydraulic_watch_input_t in;
-static double speed_rad_s, mass_factor, slope, found_after_ms, direction;
-static double motor_nm, commanded_nm, made_nm, seen_share;
+/* What the deceleration of a wheel says of the hydraulic brake. With reports of its torque:
+ * test_hydraulic_watch_reports.c. */
+#include "hydraulic_watch_rig.h"
 
 void setUp(void)
 {
-    config = paper_vehicle();
-    config.brake.blend_out_start_mrad_s = 2600;
-    config.brake.blend_out_end_mrad_s = 800;
-    config.brake.hydraulic_watch_inertia_g_m2 = 10300;
-    config.brake.hydraulic_watch_speed_mrad_s = 480;
-    config.brake.hydraulic_watch_floor_mrad_s2 = 400;
-    config.brake.hydraulic_watch_share_q15 = 4915;
-    config.brake.hydraulic_watch_road_mrad_s2 = 10;
-    config.vehicle.wheel_radius_um = 250000;
-    config.monitor.tyre_grip_mm_s2 = 11768;
-    hydraulic_watch_init(&watch);
-    const hydraulic_watch_input_t still = {.trusted = true};
-    in = still;
-    speed_rad_s = 50.0;
-    direction = 1.0;
-    seen_share = 1.0;
-    mass_factor = 1.0;
-    slope = 0.0;
-    motor_nm = 0.0;
-    commanded_nm = 0.0;
-    made_nm = 0.0;
-    found_after_ms = NAN;
+    rig_up();
 }
 
 void tearDown(void) {}
-
-/* Torques against the motion are positive here but the motor's, which is along it. */
-static void millisecond(void)
-{
-    const double against_nm = made_nm + slope * G_M_S2 * TORQUE_PER_M_S2 * mass_factor;
-    speed_rad_s += (motor_nm - against_nm) / (INERTIA_KG_M2 * mass_factor) * PER_MS;
-    speed_rad_s = fmax(speed_rad_s, 0.0);
-    in.speed_mrad_s = (int32_t)lround(direction * seen_share * speed_rad_s * 1e3);
-    in.motor_mNm = (int32_t)lround(direction * motor_nm * 1e3);
-    in.modelled_mNm = (int32_t)lround(commanded_nm * 1e3);
-    in.commanded_mNm = in.modelled_mNm;
-    hydraulic_watch_step(&watch, &config, &in);
-}
-
-static reason_t run(int duration_ms)
-{
-    for (int n = 0; n < duration_ms; n++) {
-        millisecond();
-        if (watch.reason != REASON_NONE && isnan(found_after_ms)) {
-            found_after_ms = n + 1;
-        }
-    }
-    return watch.reason;
-}
-
-/* A command, of which the brake makes a part. */
-static reason_t brake(double command_nm, double gain, int duration_ms)
-{
-    commanded_nm = command_nm;
-    made_nm = gain * command_nm;
-    return run(duration_ms);
-}
 
 void test_a_brake_that_makes_what_is_commanded_has_no_finding_on_any_constant_slope(void)
 {
@@ -271,39 +202,6 @@ void test_an_inertia_learned_after_the_road_changes_the_road(void)
         TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(100.0 + motor_nm, 1.0, 1));
     }
     TEST_ASSERT_EQUAL_INT(REASON_NONE, run(300));
-}
-
-/* A report of zero of a dead brake is right, the same of a healthy one is the sensor's. */
-void test_deceleration_decides_between_brake_and_sensor(void)
-{
-    in.reported = true;
-    run(COAST_ms);
-    in.reported_mNm = 0;
-    in.contradicts_mNm = -40000;
-    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_WEAK, brake(60.0, 0.0, 400));
-    TEST_ASSERT_TRUE(watch.confirms_report);
-    in.contradicts_mNm = 0;
-    in.reported_mNm = 60000;
-    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_LATE, brake(60.0, 1.0, 400));
-
-    setUp();
-    in.reported = true;
-    run(COAST_ms);
-    in.contradicts_mNm = -40000;
-    TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(60.0, 1.0, 1500));
-    TEST_ASSERT_FALSE(watch.confirms_report);
-}
-
-void test_used_reports_outside_the_band_name_the_brake(void)
-{
-    in.reported = true;
-    run(COAST_ms);
-    in.modelled_mNm = 100000;
-    in.reported_mNm = 100000;
-    in.outside_ms = config.brake.hydraulic_timeout_ms + 1;
-    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_STRONG, brake(70.0, 1.0, 10));
-    in.outside_ms = -in.outside_ms;
-    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_WEAK, run(2 * HYDRAULIC_WATCH_SETTLE_ms));
 }
 
 void test_a_slipping_wheel_and_values_that_are_not_trusted_have_no_finding(void)

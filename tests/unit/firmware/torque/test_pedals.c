@@ -357,6 +357,12 @@ void test_each_wheel_has_its_share(void)
     TEST_ASSERT_EQUAL_INT32(-5000, rear.drive_torque_mNm);
     TEST_ASSERT_EQUAL_INT32(7500, rear.brake_torque_mNm);
     TEST_ASSERT_EQUAL_INT32(-10000, pedals_wheel_demand(&config, &demand, 1).drive_torque_mNm);
+    /* What comes from elsewhere is shared out there. */
+    config.pedals.accelerator_channels = 0;
+    TEST_ASSERT_EQUAL_INT32(-10000, pedals_wheel_demand(&config, &demand, 2).drive_torque_mNm);
+    TEST_ASSERT_EQUAL_INT32(7500, pedals_wheel_demand(&config, &demand, 2).brake_torque_mNm);
+    config.pedals.brake_channels = 0;
+    TEST_ASSERT_EQUAL_INT32(30000, pedals_wheel_demand(&config, &demand, 2).brake_torque_mNm);
 }
 
 #define PEDALS(name, lowest, highest, unit, text)                                                  \
