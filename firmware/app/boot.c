@@ -52,12 +52,7 @@ static bool scale_fits(const char *field, int32_t value, int32_t of_board, confi
     if (of_board == 0 || (value >= of_board - tolerance && value <= of_board + tolerance)) {
         return true;
     }
-    const config_result_t refused = {.code = CONFIG_RESULT_RANGE,
-                                     .field = field,
-                                     .value = value,
-                                     .lowest = of_board - tolerance,
-                                     .highest = of_board + tolerance};
-    *result = refused;
+    *result = config_result_range("", field, value, of_board - tolerance, of_board + tolerance);
     return false;
 }
 
@@ -69,12 +64,8 @@ static bool window_fits(const config_drive_t *drive, int32_t least_ns, config_re
     if (least_ns == 0 || drive->min_pulse_ns >= half_ns) {
         return true;
     }
-    const config_result_t refused = {.code = CONFIG_RESULT_RANGE,
-                                     .field = "drive.min_pulse_ns on this board",
-                                     .value = drive->min_pulse_ns,
-                                     .lowest = half_ns,
-                                     .highest = 100000000 / drive->pwm_frequency_Hz};
-    *result = refused;
+    *result = config_result_range("", "drive.min_pulse_ns on this board", drive->min_pulse_ns,
+                                  half_ns, 100000000 / drive->pwm_frequency_Hz);
     return false;
 }
 

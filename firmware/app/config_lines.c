@@ -3,12 +3,12 @@
 
 #include <stddef.h>
 
-#include "config/validate.h"
+#include "config/fields.h"
 
 static void add(const config_t *config, const config_field_t *field, text_t *line)
 {
     const int32_t *value = config_field_values(config, field);
-    text_add(line, config_field_section(field));
+    text_add(line, field->section);
     text_add(line, field->name);
     for (uint32_t i = 0; i < field->count; i++) {
         text_add(line, " ");
@@ -19,7 +19,7 @@ static void add(const config_t *config, const config_field_t *field, text_t *lin
 /* Whether section and name in one begin with a prefix. */
 static bool begins_with(const config_field_t *field, const char *prefix)
 {
-    const char *section = config_field_section(field);
+    const char *section = field->section;
     while (*section != '\0' && *section == *prefix) {
         section++;
         prefix++;
@@ -30,16 +30,16 @@ static bool begins_with(const config_field_t *field, const char *prefix)
 bool config_lines_get(const config_t *config, const char *prefix, uint32_t number, text_t *line)
 {
     uint32_t left = number;
-    const config_field_t *field = config_field(0);
-    for (uint32_t i = 0; field != NULL; field = config_field(++i)) {
-        if (field->count > CONFIG_FIELD_VALUES_MAX || !begins_with(field, prefix)) {
+    config_field_t field = config_field_first();
+    do {
+        if (field.count > CONFIG_FIELD_VALUES_MAX || !begins_with(&field, prefix)) {
             continue;
         }
         if (left == 0) {
-            add(config, field, line);
+            add(config, &field, line);
             return true;
         }
         left--;
-    }
+    } while (config_field_next(&field));
     return false;
 }

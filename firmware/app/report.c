@@ -39,8 +39,10 @@ void report_banner(const boot_report_t *boot, text_t *line)
 void report_refusal(const config_result_t *result, text_t *line)
 {
     text_add(line, "configuration refused: ");
-    text_add(line, config_result_section(result));
-    text_add(line, result->field);
+    const char *const texts[] = {CONFIG_RESULT_TEXTS(result)};
+    for (uint32_t k = 0; k < sizeof texts / sizeof texts[0]; k++) {
+        text_add(line, texts[k]);
+    }
     switch (result->code) {
     case CONFIG_RESULT_RANGE:
         text_add(line, " is ");

@@ -5,61 +5,7 @@
 #include <stddef.h>
 
 #include "config/bases.h"
-
-#define SCALAR(section, name, lowest, highest)                                                     \
-    {#name, (uint16_t)offsetof(config_t, section.name), 1, (lowest), (highest)},
-#define ARRAY(section, name, count, lowest, highest)                                               \
-    {#name, (uint16_t)offsetof(config_t, section.name), (count), (lowest), (highest)},
-
-#define MOTOR(name, lowest, highest, unit, text) SCALAR(motor, name, lowest, highest)
-#define DRIVE(name, lowest, highest, unit, text) SCALAR(drive, name, lowest, highest)
-#define CURRENT_LOOP(name, lowest, highest, unit, text) SCALAR(current_loop, name, lowest, highest)
-#define ROTOR(name, lowest, highest, unit, text) SCALAR(rotor, name, lowest, highest)
-#define HALL(name, count, lowest, highest, unit, text) ARRAY(rotor, name, count, lowest, highest)
-#define BATTERY(name, lowest, highest, unit, text) SCALAR(battery, name, lowest, highest)
-#define BRAKE(name, lowest, highest, unit, text) SCALAR(brake, name, lowest, highest)
-#define VEHICLE(name, lowest, highest, unit, text) SCALAR(vehicle, name, lowest, highest)
-#define DRIVER(name, lowest, highest, unit, text) SCALAR(driver, name, lowest, highest)
-#define PEDALS(name, lowest, highest, unit, text) SCALAR(pedals, name, lowest, highest)
-#define PEDALS_ARRAY(name, count, lowest, highest, unit, text)                                     \
-    ARRAY(pedals, name, count, lowest, highest)
-#define MODES(name, lowest, highest, unit, text) SCALAR(modes, name, lowest, highest)
-#define MONITOR(name, lowest, highest, unit, text) SCALAR(monitor, name, lowest, highest)
-#define THERMAL(name, lowest, highest, unit, text) SCALAR(thermal, name, lowest, highest)
-#define REGEN_MAP(name, lowest, highest, unit, text) SCALAR(regen_map, name, lowest, highest)
-#define REGEN_ARRAY(name, count, lowest, highest, unit, text)                                      \
-    ARRAY(regen_map, name, count, lowest, highest)
-#define CURRENT_MAP(name, lowest, highest, unit, text) SCALAR(current_map, name, lowest, highest)
-#define CURRENT_MAP_POINTS(name, count, lowest, highest, unit, text)                               \
-    ARRAY(current_map, name, count, lowest, highest)
-
-static const config_field_t FIELDS[] = {
-    CONFIG_MOTOR_FIELDS(MOTOR) CONFIG_DRIVE_FIELDS(DRIVE) CONFIG_CURRENT_LOOP_FIELDS(CURRENT_LOOP)
-        CONFIG_ROTOR_FIELDS(ROTOR) CONFIG_HALL_ARRAY(HALL) CONFIG_BATTERY_FIELDS(BATTERY)
-            CONFIG_BRAKE_FIELDS(BRAKE) CONFIG_VEHICLE_FIELDS(VEHICLE) CONFIG_DRIVER_FIELDS(DRIVER)
-                CONFIG_PEDALS_FIELDS(PEDALS) CONFIG_PEDALS_ARRAY(PEDALS_ARRAY)
-                    CONFIG_MODES_FIELDS(MODES) CONFIG_MONITOR_FIELDS(MONITOR)
-                        CONFIG_THERMAL_FIELDS(THERMAL) CONFIG_REGEN_MAP_FIELDS(REGEN_MAP)
-                            CONFIG_REGEN_MAP_ARRAY(REGEN_ARRAY)
-                                CONFIG_CURRENT_MAP_FIELDS(CURRENT_MAP)
-                                    CONFIG_CURRENT_MAP_ARRAY(CURRENT_MAP_POINTS)};
-
-#define SECTION(name)                                                                              \
-    {                                                                                              \
-        (uint16_t) offsetof(config_t, name), #name "."                                             \
-    }
-
-typedef struct {
-    uint16_t begin_bytes; /* in config_t */
-    char name[14];
-} section_t;
-
-/* In the order of config_t; a test compares it with the sections of the fields' names. */
-static const section_t SECTIONS[] = {SECTION(motor),     SECTION(drive),      SECTION(current_loop),
-                                     SECTION(rotor),     SECTION(battery),    SECTION(brake),
-                                     SECTION(vehicle),   SECTION(driver),     SECTION(pedals),
-                                     SECTION(modes),     SECTION(monitor),    SECTION(thermal),
-                                     SECTION(regen_map), SECTION(current_map)};
+#include "config/fields.h"
 
 _Static_assert(sizeof(config_t) % sizeof(int32_t) == 0, "no padding at the end");
 _Static_assert(offsetof(config_t, crc32) == sizeof(config_t) - sizeof(uint32_t),
@@ -83,51 +29,44 @@ uint32_t config_crc32_continue(uint32_t before, const void *data, uint32_t size_
     return crc ^ UINT32_MAX;
 }
 
-static config_result_t result(config_result_code_t code, const char *field)
+static void refuse(config_result_t *refusal, config_result_code_t code, const char *field)
 {
-    const config_result_t out = {
-        .code = code, .field = field, .value = 0, .lowest = 0, .highest = 0};
+    refusal->code = code;
+    refusal->field = field;
+}
+
+config_result_t config_result_range(const char *section, const char *field, int32_t value,
+                                    int32_t lowest, int32_t highest)
+{
+    const config_result_t out = {.code = CONFIG_RESULT_RANGE,
+                                 .section = section,
+                                 .field = field,
+                                 .relation = "",
+                                 .upper_section = "",
+                                 .upper_field = "",
+                                 .value = value,
+                                 .lowest = lowest,
+                                 .highest = highest};
     return out;
 }
 
-const config_field_t *config_field(uint32_t index)
+static bool ranges_hold(const config_t *config, config_result_t *refusal)
 {
-    return index < sizeof FIELDS / sizeof FIELDS[0] ? &FIELDS[index] : NULL;
-}
-
-const char *config_field_section(const config_field_t *field)
-{
-    const section_t *section = &SECTIONS[sizeof SECTIONS / sizeof SECTIONS[0] - 1U];
-    while (section->begin_bytes > field->offset_bytes) {
-        section--; /* the first one begins at or before every field */
-    }
-    return section->name;
-}
-
-/* Every field is an int32_t at a multiple of four bytes, so the image may be read as an array of
- * words. */
-const int32_t *config_field_values(const config_t *config, const config_field_t *field)
-{
-    return (const int32_t *)(const void *)config + field->offset_bytes / sizeof(int32_t);
-}
-
-static config_result_t check_ranges(const config_t *config)
-{
-    const config_field_t *field = config_field(0);
-    for (uint32_t f = 0; field != NULL; field = config_field(++f)) {
-        const int32_t *value = config_field_values(config, field);
-        for (uint16_t i = 0; i < field->count; i++) {
-            if (value[i] < field->lowest || value[i] > field->highest) {
-                config_result_t out = result(CONFIG_RESULT_RANGE, field->name);
-                out.section = config_field_section(field);
-                out.value = value[i];
-                out.lowest = field->lowest;
-                out.highest = field->highest;
-                return out;
+    config_field_t field = config_field_first();
+    do {
+        const int32_t *value = config_field_values(config, &field);
+        for (uint32_t i = 0; i < field.count; i++) {
+            if (value[i] < field.lowest || value[i] > field.highest) {
+                refuse(refusal, CONFIG_RESULT_RANGE, field.name);
+                refusal->section = field.section;
+                refusal->value = value[i];
+                refusal->lowest = field.lowest;
+                refusal->highest = field.highest;
+                return false;
             }
         }
-    }
-    return result(CONFIG_RESULT_OK, "");
+    } while (config_field_next(&field));
+    return true;
 }
 
 /* Every sector wide enough to be seen and narrow enough to be interpolated, 30 to 90 degrees; then
@@ -287,6 +226,55 @@ static bool flux_left_everywhere(const config_t *c)
     return good;
 }
 
+typedef struct {
+    uint16_t lower_bytes; /* places in config_t */
+    uint16_t upper_bytes;
+    uint16_t distance; /* upper less lower at least this */
+} order_t;
+
+#define ORDER(lower, upper, distance)                                                              \
+    {(uint16_t)offsetof(config_t, lower), (uint16_t)offsetof(config_t, upper), (distance)},
+#define BELOW(lower, upper) ORDER(lower, upper, 1)
+#define AT_MOST(lower, upper) ORDER(lower, upper, 0)
+
+static const order_t ORDERS[] = {
+    AT_MOST(motor.rated_torque_mNm, motor.max_torque_mNm) BELOW(motor.derate_winding_temperature_cC,
+                                                                motor.max_winding_temperature_cC)
+        AT_MOST(drive.derate_switch_temperature_cC, drive.max_switch_temperature_cC) BELOW(
+            current_loop.max_current_pu_q15,
+            monitor.overcurrent_pu_q15) AT_MOST(current_loop.field_weakening_current_pu_q15,
+                                                current_loop.max_current_pu_q15)
+            BELOW(battery.undervoltage_trip_mV,
+                  battery.min_voltage_mV) BELOW(battery.min_voltage_mV, battery.foldback_voltage_mV)
+                BELOW(battery.min_voltage_mV, battery.discharge_foldback_voltage_mV) BELOW(
+                    battery.discharge_foldback_voltage_mV, battery.max_voltage_mV)
+                    BELOW(battery.foldback_voltage_mV, battery.max_voltage_mV) BELOW(
+                        battery.max_voltage_mV, battery.overvoltage_trip_mV)
+                        AT_MOST(battery.overvoltage_trip_mV, drive.device_voltage_mV) AT_MOST(
+                            brake.blend_out_end_mrad_s, brake.blend_out_start_mrad_s)
+                            AT_MOST(brake.stop_lamp_off_mm_s2, brake.stop_lamp_on_mm_s2)
+                                AT_MOST(driver.hold_torque_mNm, brake.max_hydraulic_torque_mNm)
+                                    AT_MOST(pedals.free_travel_torque_mNm, pedals.brake_torque_mNm)
+                                        AT_MOST(monitor.coasting_mm_s2, monitor.tyre_grip_mm_s2)};
+
+/* In 64 bits the difference of two values cannot overflow. */
+static bool order_holds(const config_t *c, const order_t *order, config_result_t *refusal)
+{
+    const config_field_t lower = config_field_at(order->lower_bytes);
+    const config_field_t upper = config_field_at(order->upper_bytes);
+    const int64_t distance =
+        (int64_t)*config_field_values(c, &upper) - *config_field_values(c, &lower);
+    if (distance >= order->distance) {
+        return true;
+    }
+    refuse(refusal, CONFIG_RESULT_RELATION, lower.name);
+    refusal->section = lower.section;
+    refusal->relation = order->distance > 0 ? " < " : " <= ";
+    refusal->upper_section = upper.section;
+    refusal->upper_field = upper.name;
+    return false;
+}
+
 /* The text of the first relation that does not hold. */
 #define REQUIRE(relation, text)                                                                    \
     if (!(relation)) {                                                                             \
@@ -297,23 +285,15 @@ static const char *broken_in_drive(const config_t *c)
 {
     const int64_t max_current_pu_q15 =
         (int64_t)c->motor.max_phase_current_mA * 32768 / c->drive.current_full_scale_mA;
-    REQUIRE(c->motor.rated_torque_mNm <= c->motor.max_torque_mNm,
-            "motor.rated_torque_mNm <= motor.max_torque_mNm");
-    REQUIRE(c->motor.derate_winding_temperature_cC < c->motor.max_winding_temperature_cC,
-            "motor.derate_winding_temperature_cC < motor.max_winding_temperature_cC");
     REQUIRE(c->motor.type == CONFIG_MOTOR_IPMSM ||
                 c->motor.d_inductance_nH == c->motor.q_inductance_nH,
             "motor.d_inductance_nH = motor.q_inductance_nH for surface magnets");
-    REQUIRE(c->drive.derate_switch_temperature_cC <= c->drive.max_switch_temperature_cC,
-            "drive.derate_switch_temperature_cC <= drive.max_switch_temperature_cC");
     REQUIRE((int64_t)c->drive.min_pulse_ns * c->drive.pwm_frequency_Hz <= 100000000,
             "drive.min_pulse_ns within a tenth of the PWM period");
     REQUIRE(bases_dead_time_share_1e9(c) <= 125000000,
             "drive.dead_time_ns, with drive.diode_drop_mV, within an eighth of the PWM period");
     REQUIRE(max_current_pu_q15 <= c->current_loop.max_current_pu_q15 + 1,
             "motor.max_phase_current_mA within current_loop.max_current_pu_q15");
-    REQUIRE(c->current_loop.max_current_pu_q15 < c->monitor.overcurrent_pu_q15,
-            "current_loop.max_current_pu_q15 < monitor.overcurrent_pu_q15");
     REQUIRE(overcurrent_can_be_seen(&c->monitor),
             "monitor.overcurrent_pu_q15 within the converter's "
             "range less monitor.offset_tolerance_codes");
@@ -331,27 +311,11 @@ static const char *broken_in_drive(const config_t *c)
             "rotor.encoder_index_tolerance_counts within 30 degrees electrical");
     REQUIRE(halls_measure_the_blend_out_speed(c),
             "brake.blend_out_end_mrad_s at least one electrical turn a second with halls");
-    REQUIRE(c->current_loop.field_weakening_current_pu_q15 <= c->current_loop.max_current_pu_q15,
-            "current_loop.field_weakening_current_pu_q15 <= current_loop.max_current_pu_q15");
     return NULL;
 }
 
 static const char *broken_in_battery(const config_t *c)
 {
-    REQUIRE(c->battery.undervoltage_trip_mV < c->battery.min_voltage_mV,
-            "battery.undervoltage_trip_mV < battery.min_voltage_mV");
-    REQUIRE(c->battery.min_voltage_mV < c->battery.foldback_voltage_mV,
-            "battery.min_voltage_mV < battery.foldback_voltage_mV");
-    REQUIRE(c->battery.min_voltage_mV < c->battery.discharge_foldback_voltage_mV,
-            "battery.min_voltage_mV < battery.discharge_foldback_voltage_mV");
-    REQUIRE(c->battery.discharge_foldback_voltage_mV < c->battery.max_voltage_mV,
-            "battery.discharge_foldback_voltage_mV < battery.max_voltage_mV");
-    REQUIRE(c->battery.foldback_voltage_mV < c->battery.max_voltage_mV,
-            "battery.foldback_voltage_mV < battery.max_voltage_mV");
-    REQUIRE(c->battery.max_voltage_mV < c->battery.overvoltage_trip_mV,
-            "battery.max_voltage_mV < battery.overvoltage_trip_mV");
-    REQUIRE(c->battery.overvoltage_trip_mV <= c->drive.device_voltage_mV,
-            "battery.overvoltage_trip_mV <= drive.device_voltage_mV");
     REQUIRE(stored_offsets_plausible(c),
             "drive.offset_a_q4, _b_q4, _c_q4 within monitor.offset_tolerance_codes of mid-range");
     /* The converter's last code is 4095 of 4096. */
@@ -363,20 +327,10 @@ static const char *broken_in_battery(const config_t *c)
 
 static const char *broken_in_vehicle(const config_t *c)
 {
-    REQUIRE(c->brake.blend_out_end_mrad_s <= c->brake.blend_out_start_mrad_s,
-            "brake.blend_out_end_mrad_s <= brake.blend_out_start_mrad_s");
     REQUIRE(c->brake.torque_growth_end_q15 > square_q15(c->current_loop.modulation_target_pu_q15),
             "brake.torque_growth_end_q15 > square of current_loop.modulation_target_pu_q15");
-    REQUIRE(c->brake.stop_lamp_off_mm_s2 <= c->brake.stop_lamp_on_mm_s2,
-            "brake.stop_lamp_off_mm_s2 <= brake.stop_lamp_on_mm_s2");
-    REQUIRE(c->driver.hold_torque_mNm <= c->brake.max_hydraulic_torque_mNm,
-            "driver.hold_torque_mNm <= brake.max_hydraulic_torque_mNm");
     REQUIRE(pedal_channels_calibrated(&c->pedals),
             "pedals.lowest_q15 < released_q15 and pressed_q15 < highest_q15, 0.1 apart");
-    REQUIRE(c->pedals.free_travel_torque_mNm <= c->pedals.brake_torque_mNm,
-            "pedals.free_travel_torque_mNm <= pedals.brake_torque_mNm");
-    REQUIRE(c->monitor.coasting_mm_s2 <= c->monitor.tyre_grip_mm_s2,
-            "monitor.coasting_mm_s2 <= monitor.tyre_grip_mm_s2");
     REQUIRE(c->regen_map.speed_points * c->regen_map.temperature_points <= CONFIG_REGEN_POINTS_MAX,
             "regen_map.speed_points * regen_map.temperature_points within the table");
     REQUIRE(c->current_map.torque_points % 2 == 1,
@@ -390,13 +344,20 @@ static const char *broken_in_vehicle(const config_t *c)
     return NULL;
 }
 
-static config_result_t check_relations(const config_t *c)
+static bool relations_hold(const config_t *c, config_result_t *refusal)
 {
     const char *relation = broken_in_drive(c);
     relation = relation == NULL ? broken_in_battery(c) : relation;
     relation = relation == NULL ? broken_in_vehicle(c) : relation;
-    return relation == NULL ? result(CONFIG_RESULT_OK, "")
-                            : result(CONFIG_RESULT_RELATION, relation);
+    if (relation != NULL) {
+        refuse(refusal, CONFIG_RESULT_RELATION, relation);
+        return false;
+    }
+    bool hold = true;
+    for (uint32_t k = 0; hold && k < sizeof ORDERS / sizeof ORDERS[0]; k++) {
+        hold = order_holds(c, &ORDERS[k], refusal);
+    }
+    return hold;
 }
 
 /* Printable ASCII, at least one character, and zero-terminated: the shell prints it. */
@@ -411,24 +372,25 @@ static bool name_is_text(const char name[CONFIG_NAME_LENGTH])
 
 config_result_t config_validate(const config_t *config, uint32_t size_bytes)
 {
-    if (size_bytes < sizeof(config_t)) {
-        return result(CONFIG_RESULT_SIZE, "size_bytes");
+    config_result_t out = {.code = CONFIG_RESULT_OK,
+                           .section = "",
+                           .field = "",
+                           .relation = "",
+                           .upper_section = "",
+                           .upper_field = ""};
+    const bool readable = size_bytes >= sizeof(config_t);
+    if (readable && config->magic != CONFIG_MAGIC) {
+        refuse(&out, CONFIG_RESULT_MAGIC, "magic");
+    } else if (readable && config->format_version != CONFIG_FORMAT_VERSION) {
+        refuse(&out, CONFIG_RESULT_VERSION, "format_version");
+    } else if (!readable || config->size_bytes != sizeof(config_t)) {
+        refuse(&out, CONFIG_RESULT_SIZE, "size_bytes");
+    } else if (config->crc32 != config_crc32(config, (uint32_t)offsetof(config_t, crc32))) {
+        refuse(&out, CONFIG_RESULT_CRC, "crc32");
+    } else if (!name_is_text(config->name)) {
+        refuse(&out, CONFIG_RESULT_NAME, "name");
+    } else if (ranges_hold(config, &out)) {
+        (void)relations_hold(config, &out);
     }
-    if (config->magic != CONFIG_MAGIC) {
-        return result(CONFIG_RESULT_MAGIC, "magic");
-    }
-    if (config->format_version != CONFIG_FORMAT_VERSION) {
-        return result(CONFIG_RESULT_VERSION, "format_version");
-    }
-    if (config->size_bytes != sizeof(config_t)) {
-        return result(CONFIG_RESULT_SIZE, "size_bytes");
-    }
-    if (config->crc32 != config_crc32(config, (uint32_t)offsetof(config_t, crc32))) {
-        return result(CONFIG_RESULT_CRC, "crc32");
-    }
-    if (!name_is_text(config->name)) {
-        return result(CONFIG_RESULT_NAME, "name");
-    }
-    const config_result_t ranges = check_ranges(config);
-    return ranges.code != CONFIG_RESULT_OK ? ranges : check_relations(config);
+    return out;
 }

@@ -168,10 +168,11 @@ static int refused(hubsim_t *sim, const config_result_t *result)
     if (result->code == CONFIG_RESULT_RANGE) {
         return handle_fail(sim, HUBSIM_BAD_CONFIG,
                            "configuration refused: %s%s: %ld, accepted: %ld to %ld",
-                           config_result_section(result), result->field, (long)result->value,
+                           result->section, result->field, (long)result->value,
                            (long)result->lowest, (long)result->highest);
     }
-    return handle_fail(sim, HUBSIM_BAD_CONFIG, "configuration refused: %s", result->field);
+    return handle_fail(sim, HUBSIM_BAD_CONFIG, "configuration refused: %s%s%s%s%s",
+                       CONFIG_RESULT_TEXTS(result));
 }
 
 int hubsim_load_config(hubsim_t *sim, const void *image, uint32_t size_bytes)

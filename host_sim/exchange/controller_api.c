@@ -109,11 +109,12 @@ int hubsim_controller_load_config(hubsim_controller_t *controller, const void *i
     const config_result_t result = config_validate(&config, size_bytes);
     if (result.code == CONFIG_RESULT_RANGE) {
         return refuse(controller, "configuration refused: %s%s: %ld, accepted: %ld to %ld",
-                      config_result_section(&result), result.field, (long)result.value,
-                      (long)result.lowest, (long)result.highest);
+                      result.section, result.field, (long)result.value, (long)result.lowest,
+                      (long)result.highest);
     }
     if (result.code != CONFIG_RESULT_OK) {
-        return refuse(controller, "configuration refused: %s", result.field);
+        return refuse(controller, "configuration refused: %s%s%s%s%s",
+                      CONFIG_RESULT_TEXTS(&result));
     }
     controller_instance_init(&controller->instance, &config);
     controller->has_config = true;

@@ -14,6 +14,7 @@
 #include "app/fault_journal.h"
 #include "app/report.h"
 #include "comms/intel_hex.h"
+#include "config/fields.h"
 #include "config/validate.h"
 #include "flash_fake.h"
 #include "fuzz_bytes.h"
@@ -42,13 +43,13 @@ static void require_accepted(const config_t *config)
     require(config->size_bytes == sizeof *config);
     require(config->crc32 == crc_of(config, offsetof(config_t, crc32)));
     require(config->name[0] != '\0');
-    const config_field_t *field = config_field(0);
-    for (uint32_t i = 0; field != NULL; field = config_field(++i)) {
-        const int32_t *value = config_field_values(config, field);
-        for (uint32_t k = 0; k < field->count; k++) {
-            require(value[k] >= field->lowest && value[k] <= field->highest);
+    config_field_t field = config_field_first();
+    do {
+        const int32_t *value = config_field_values(config, &field);
+        for (uint32_t k = 0; k < field.count; k++) {
+            require(value[k] >= field.lowest && value[k] <= field.highest);
         }
-    }
+    } while (config_field_next(&field));
     text_t line;
     text_clear(&line);
     report_identity(config, &line);

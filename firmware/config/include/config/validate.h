@@ -25,45 +25,32 @@ typedef enum {
     CONFIG_RESULT_RELATION
 } config_result_code_t;
 
-/* The first failed check. */
+/* The first failed check. No text is NULL; one that does not apply is "". */
 typedef struct {
     config_result_code_t code;
-    const char *field;   /* behind the section: "pole_pairs", or the broken relation; never NULL */
-    int32_t value;       /* RANGE: the value found; otherwise 0 */
-    int32_t lowest;      /* RANGE: smallest accepted value */
-    int32_t highest;     /* RANGE: largest accepted value */
-    const char *section; /* "motor."; NULL where the field has none */
+    const char *section;       /* "motor." */
+    const char *field;         /* behind the section: "pole_pairs"; or a broken relation in words */
+    const char *relation;      /* RELATION of two fields: " < " or " <= ", with what follows it */
+    const char *upper_section; /* "battery." */
+    const char *upper_field;
+    int32_t value;   /* RANGE: the value found; otherwise 0 */
+    int32_t lowest;  /* RANGE: smallest accepted value */
+    int32_t highest; /* RANGE: largest accepted value */
 } config_result_t;
 
-/* "motor.", or "" without a section: what to print in front of the field. */
-static inline const char *config_result_section(const config_result_t *result)
-{
-    return result->section != NULL ? result->section : "";
-}
-
-/* A field of config_t: one value or several, each an int32_t. */
-typedef struct {
-    const char *name;      /* "pole_pairs" */
-    uint16_t offset_bytes; /* in config_t */
-    uint16_t count;        /* values; more than CONFIG_FIELD_VALUES_MAX in a map */
-    int32_t lowest;        /* accepted values */
-    int32_t highest;
-} config_field_t;
-
-enum { CONFIG_FIELD_VALUES_MAX = 8 };
-
-/* The field with this index, in the order of config_t; NULL beyond the last one. */
-const config_field_t *config_field(uint32_t index);
-
-/* The section of a field, with its dot: "motor.". The flash holds each once. */
-const char *config_field_section(const config_field_t *field);
-
-/* The field's values in a configuration. */
-const int32_t *config_field_values(const config_t *config, const config_field_t *field);
+/* The five texts of a result as arguments of a format with five %s, which say what was refused. */
+#define CONFIG_RESULT_TEXTS(result)                                                                \
+    (result)->section, (result)->field, (result)->relation, (result)->upper_section,               \
+        (result)->upper_field
 
 /* size_bytes: number of readable bytes from `config` on; fewer than sizeof(config_t) is refused
  * without being read. */
 config_result_t config_validate(const config_t *config, uint32_t size_bytes);
+
+/* The refusal of a value outside lowest .. highest, for the checks of a board too. section and
+ * field are kept as pointers. */
+config_result_t config_result_range(const char *section, const char *field, int32_t value,
+                                    int32_t lowest, int32_t highest);
 
 /* CRC-32 (IEEE 802.3) of size bytes; crc32("123456789") = 0xCBF43926. Bitwise: small, for boot time
  * only. */

@@ -222,7 +222,7 @@ void test_refused_configuration_starts_neither_bridge_nor_rotor_sensor(void)
     expect_board(true, &sector.config, sizeof sector.config, (uint32_t)GOOD_CRC32);
     const boot_report_t report = boot_run();
     TEST_ASSERT_FALSE(boot_may_control(&report));
-    TEST_ASSERT_EQUAL_STRING("motor.", config_result_section(&report.config_result));
+    TEST_ASSERT_EQUAL_STRING("motor.", report.config_result.section);
     TEST_ASSERT_EQUAL_STRING("pole_pairs", report.config_result.field);
     TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_RANGE, report.config_result.code);
 }

@@ -104,28 +104,36 @@ void test_successful_boot_prints_three_lines(void)
         "self-test RAM: good\nself-test firmware CRC: good\nconfiguration accepted\n", page);
 }
 
+static config_result_t refusal(config_result_code_t code, const char *field)
+{
+    const config_result_t result = {.code = code,
+                                    .section = "",
+                                    .field = field,
+                                    .relation = "",
+                                    .upper_section = "",
+                                    .upper_field = ""};
+    return result;
+}
+
 void test_refused_field_is_printed_with_its_value_and_range(void)
 {
-    const config_result_t result = {.code = CONFIG_RESULT_RANGE,
-                                    .field = "pole_pairs",
-                                    .value = 0,
-                                    .lowest = 1,
-                                    .highest = 60,
-                                    .section = "motor."};
-    boot.config_result = result;
+    boot.config_result = config_result_range("motor.", "pole_pairs", 0, 1, 60);
     read_boot();
     assert_on_page("configuration refused: motor.pole_pairs is 0, accepted 1 .. 60\n");
 }
 
 void test_violated_relation_and_wrong_checksum_are_printed(void)
 {
-    boot.config_result.code = CONFIG_RESULT_RELATION;
-    boot.config_result.field = "a < b";
+    boot.config_result = refusal(CONFIG_RESULT_RELATION, "a within b");
     read_boot();
-    boot.config_result.code = CONFIG_RESULT_CRC;
-    boot.config_result.field = "crc32";
+    boot.config_result.relation = " <= ";
+    boot.config_result.upper_section = "c.";
+    boot.config_result.upper_field = "d";
     read_boot();
-    assert_on_page("configuration refused: a < b does not hold\n");
+    boot.config_result = refusal(CONFIG_RESULT_CRC, "crc32");
+    read_boot();
+    assert_on_page("configuration refused: a within b does not hold\n");
+    assert_on_page("configuration refused: a within b <= c.d does not hold\n");
     assert_on_page("configuration refused: crc32 is not what this firmware expects\n");
 }
 
@@ -430,8 +438,7 @@ void test_configuration_is_printed_with_its_identity_first(void)
 
 void test_only_the_refusal_of_a_refused_configuration_is_printed(void)
 {
-    boot.config_result.code = CONFIG_RESULT_CRC;
-    boot.config_result.field = "crc32";
+    boot.config_result = refusal(CONFIG_RESULT_CRC, "crc32");
     boot.config = NULL;
     TEST_ASSERT_TRUE(report_config(&boot, "", 0, &line));
     assert_in_line("configuration refused: crc32");

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "config/validate.h"
+#include "refusal.h"
 #include "unity.h"
 
 extern const config_t CONFIG_LU2013;
@@ -27,7 +28,7 @@ static void assert_relation(const char *fields)
 {
     const config_result_t result = sealed_result();
     TEST_ASSERT_EQUAL_INT_MESSAGE(CONFIG_RESULT_RELATION, result.code, fields);
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(result.field, fields), result.field);
+    assert_text_names(&result, fields);
     config = CONFIG_LU2013;
 }
 
