@@ -54,7 +54,8 @@ static void end_window(monitor_stuck_state_t *state, const config_t *config,
                        const monitor_stuck_input_t *in)
 {
     const bridge_mode_t side = side_of_window(state, config, in);
-    state->windows = side == state->candidate ? state->windows + 1 : 1;
+    state->windows =
+        side == state->candidate ? q_min(state->windows, MONITOR_STUCK_SHORT_WINDOWS) + 1 : 1;
     state->candidate = side;
     const int32_t wanted = in->bridge == BRIDGE_OFF ? 1 : MONITOR_STUCK_SHORT_WINDOWS;
     const bool sums_up = state->good_steps * GOOD_SHARE >= state->steps;

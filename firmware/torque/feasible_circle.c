@@ -185,7 +185,7 @@ static motor_point_t least_forced(const feasible_set_t *set, motor_point_t at, i
     const int32_t t = q_clamp(scaled_ratio(-half - root, q_max(squared, 1)), 0, SCALED_ONE / 2);
     const int32_t q_b = q_limit(i_q_b + scaled_multiply(t, at.d_b), most_b);
     const int32_t d_b = -scaled_root(square(most_b) - square(q_b));
-    const motor_point_t out = {.d_b = d_b, .x_b = motor_model_x_of_i_q_b(m, q_b, d_b)};
+    const motor_point_t out = {.d_b = d_b, .x_b = clamped_b(motor_model_x_of_i_q_b(m, q_b, d_b))};
     return out;
 }
 

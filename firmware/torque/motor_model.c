@@ -94,8 +94,10 @@ void motor_constants_init(motor_constants_t *constants, const config_t *config)
         .torque_factor_q24 = (3 * motor->pole_pairs) << (24 - factor_shift),
         .torque_inverse_q24 = scaled_constant(1, INT64_C(3) * motor->pole_pairs, 24 + factor_shift),
         .current_most_b = scaled_shift(motor->max_phase_current_mA, c),
-        .weakening_most_b = scaled_shift(
-            bases_current_mA(config, config->current_loop.field_weakening_current_pu_q15), c),
+        .weakening_most_b = q_min(
+            scaled_shift(
+                bases_current_mA(config, config->current_loop.field_weakening_current_pu_q15), c),
+            MOST_CURRENT_b),
         .negligible_power_b = scaled_constant(INT64_C(2) * motor->max_power_mW, 3, v + c - 24),
         .loss_b =
             within_b(scaled_constant(INT64_C(2) * config->drive.loss_per_ampere_uW_A, 3000, v)),

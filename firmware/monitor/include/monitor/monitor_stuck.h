@@ -69,8 +69,7 @@ typedef struct {
  *
  * @pre is_within(state->same_steps, 0, MONITOR_STUCK_LONGEST_STEPS)
  *
- * @pre state->windows >= 0 && state->windows < INT32_MAX && is_within(state->release_steps, 0,
- * MONITOR_STUCK_RELEASE_STEPS)
+ * @pre state->windows >= 0 && is_within(state->release_steps, 0, MONITOR_STUCK_RELEASE_STEPS)
  *
  * @post state->side == BRIDGE_OFF || bridge_is_short(state->side)
  *
@@ -78,7 +77,7 @@ typedef struct {
  * state->steps)
  *
  * @post is_within(state->release_steps, 0, MONITOR_STUCK_RELEASE_STEPS) && result.side ==
- * state->side
+ * state->side && state->windows >= 0
  *
  * @post is_within(state->same_steps, 0, MONITOR_STUCK_LONGEST_STEPS)
  *

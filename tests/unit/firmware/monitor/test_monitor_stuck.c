@@ -232,3 +232,15 @@ void test_short_circuit_that_ends_within_a_turn_is_no_stuck_switch(void)
         }
     }
 }
+
+/* A sum that is never right names no side, however long the windows agree. */
+void test_windows_that_agree_for_ever_are_counted_without_overflow(void)
+{
+    in.sum_good = false;
+    milliseconds(100, 40.0, trip_pu(), 0, false);
+    TEST_ASSERT_GREATER_THAN_INT32(1, state.windows);
+    state.windows = INT32_MAX;
+    milliseconds(200, 40.0, trip_pu(), 0, false);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT32(1, state.windows);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.side);
+}
