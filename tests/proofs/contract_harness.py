@@ -15,6 +15,7 @@ from pathlib import Path
 
 import contracts
 from contracts import FIRMWARE, PROOFS, Contract, Parameter
+from planted_errors import PlantedError
 
 # What is proved together in one run: the functions of these headers, without HEAVY.
 GROUPS: dict[str, tuple[str, ...]] = {
@@ -33,10 +34,15 @@ GROUPS: dict[str, tuple[str, ...]] = {
                       "torque/brake_blending", "torque/available_ahead", "torque/thermal_model"),
 }  # fmt: skip
 # With `./tools/dev test --full` only: these groups, and one by one the functions of HEAVY.
-FULL = ("recorder", "torque", "feasible_torque")
+FULL = (
+    "recorder", "torque", "feasible_torque", "torque_init", "motor_model", "motor_constants",
+    "heat_and_brake", "loss_braking", "speed_and_emf",
+    "safe_state", "operating_point", "controller_ends", "black_box",
+)  # fmt: skip
 HEAVY: tuple[str, ...] = (
     "torque_limits_winding", "torque_limits_switch", "torque_limits_max_speed",
-    "torque_limits_tightest", "lift_off_split",
+    "torque_limits_tightest",
+    "lift_off_split", "monitor_open_step", "motor_model_x_of_i_q_b",
 )  # fmt: skip
 # Of these the postconditions are proved with arithmetic that wraps around, not that none overflows:
 # their products and quotients of 64 bits are too hard for the solvers (SOUNDNESS.md, Values only).
@@ -45,6 +51,8 @@ VALUES: dict[str, tuple[str, ...]] = {
         "torque_limits_step", "current_setpoint_step", "brake_blending_step",
         "brake_blending_sent", "torque_step",
     ),
+    "monitor_whole": ("monitor_slow_step",),
+    "torque_init": ("torque_init",),
     "feasible_torque": (
         "torque_command_step", "motor_model_at", "motor_model_point",
         "feasible_set_at", "feasible_side_at",
@@ -53,6 +61,28 @@ VALUES: dict[str, tuple[str, ...]] = {
         "feasible_by_returned_mNm", "feasible_forced", "feasible_by_current_mNm",
         "loss_maps_row_at", "loss_maps_torque_mNm", "loss_braking_at", "loss_braking_torque_mNm",
     ),
+    "motor_model": (
+        "motor_model_torque_mNm", "motor_model_current_q_mA", "motor_model_bus_current_mA",
+        "motor_model_airgap_b", "motor_model_x_of_airgap_b", "motor_model_airgap_per_x",
+        "motor_model_airgap_per_d", "motor_model_x_per_d",
+    ),
+    "motor_constants": ("motor_constants_init",),
+    "heat_and_brake": ("thermal_model_step", "hydraulic_model_step", "hydraulic_feedback_step"),
+    "loss_braking": ("loss_braking_setpoint",),
+    "speed_and_emf": ("monitor_emf_step", "monitor_speed_step", "monitor_bus_swings"),
+    "safe_state": (
+        "safe_state_freewheel", "safe_state_short", "safe_state_step", "safe_state_shorted",
+        "safe_state_short_surges",
+    ),
+    "operating_point": (
+        "operating_point_init", "operating_point_observer", "operating_point_speed",
+        "operating_point_of", "operating_point_setpoint", "operating_point_initial_setpoint",
+    ),
+    "controller_ends": (
+        "controller_initial_setpoint", "controller_fast_report", "controller_fast_report_copy",
+        "controller_fast_report_complete",
+    ),
+    "black_box": ("recorder_init", "recorder_slow", "recorder_seal"),
 }  # fmt: skip
 # Of core: not proved but tested with random and extreme inputs (test_contracts.py).
 TESTED: tuple[str, ...] = (
@@ -68,6 +98,8 @@ SOURCES = {
 }
 # Of core, as they are, where they have no contract.
 CORE_SOURCES = ("angle", "drive_direction", "fault", "grid", "isqrt", "divide", "scaled")
+# Sources of functions without a contract that a part calls as they are (contracts.AS_THEY_ARE).
+BODIES = {"controller/controller": ("foc/foc.c", "foc/sense.c")}
 # Members that point to an object of their own.
 POINTEES = {
     "motor_model_t": {"constants": "motor_constants_t", "config": "config_t"},
@@ -81,10 +113,11 @@ CHECKS = (
     "--div-by-zero-check",
     "--bounds-check",
     "--pointer-check",
-    "--unwind",
-    "20",
     "--unwinding-assertions",
 )
+# Of a loop; some groups have longer ones.
+UNWIND = 20
+UNWIND_OF = {"recorder_init": 401, "recorder_slow": 70}
 OVERFLOW_CHECKS = ("--signed-overflow-check", "--undefined-shift-check")
 CORE_HEADERS = tuple(path.name for path in sorted(FIRMWARE.glob("core/include/core/*.h")))
 
@@ -241,7 +274,7 @@ def substitute(one: Contract, values: bool = False) -> str:
 
 def _core_includes() -> list[str]:
     return ['#include "proof.h"', *(f'#include "core/{name}"' for name in CORE_HEADERS),
-            '#include "contract.h"']  # fmt: skip
+            '#include "contract.h"', '#include "invariants.h"']  # fmt: skip
 
 
 def with_calls_by_contract(source: str, names: Iterable[str]) -> str:
@@ -252,16 +285,24 @@ def with_calls_by_contract(source: str, names: Iterable[str]) -> str:
     return source
 
 
-def _included(folder: Path, path: Path, others: list[Contract]) -> str:
-    if not others:
+def _included(
+    folder: Path, path: Path, others: list[Contract], planted: PlantedError | None
+) -> str:
+    errs = planted is not None and path == FIRMWARE / planted.source
+    if not others and not errs:
         return f'#include "{path}"'
     copy = folder / f"calls_{path.name}"
-    text = with_calls_by_contract(path.read_text(encoding="utf-8"), [one.name for one in others])
+    text = path.read_text(encoding="utf-8")
+    if planted is not None and errs:
+        assert text.count(planted.right) == 1, planted
+        text = text.replace(planted.right, planted.wrong)
+    if others:
+        text = with_calls_by_contract(text, [one.name for one in others])
     copy.write_text(text, encoding="utf-8")
     return f'#include "{copy}"'
 
 
-def _unit(folder: Path, part: str, names: list[str]) -> str:
+def _unit(folder: Path, part: str, names: list[str], planted: PlantedError | None) -> str:
     """Return the translation unit of a part: its sources and the proofs of its functions.
 
     Where only values are proved, calls of functions of the same sources are replaced as well.
@@ -276,7 +317,7 @@ def _unit(folder: Path, part: str, names: list[str]) -> str:
     lines += [f"#define {one.name} {one.name}_by_contract" for one in elsewhere]
     header = next(one.header for one in known.values() if one.part == part)
     lines += [_include(header), *(f"{_prototype(one)};" for one in others)]
-    lines += [_included(folder, path, others) for path in _sources(part)]
+    lines += [_included(folder, path, others, planted) for path in _sources(part)]
     lines += [harness(known[name]) for name in names]
     return "\n".join([*lines, ""])
 
@@ -295,10 +336,13 @@ def _substitutes(names: Iterable[str], values: bool) -> str:
     return "\n".join([*lines, "    default:", "        break;", "    }", "}", ""])
 
 
-def command(folder: Path, names: list[str], ends: bool) -> list[str]:
+def command(
+    folder: Path, names: list[str], ends: bool, planted: PlantedError | None = None
+) -> list[str]:
     """Write the sources of a run into a folder and return CBMC's arguments.
 
-    With `ends` the end of each harness is a check as well, which must fail.
+    With `ends` the end of each harness is a check as well, which must fail. planted: an error to
+    put into a source.
     """
     known = contracts.known()
     parts: dict[str, list[str]] = {}
@@ -310,11 +354,12 @@ def command(folder: Path, names: list[str], ends: bool) -> list[str]:
     files[0].write_text(_substitutes(names, values), encoding="utf-8")
     for part, own in parts.items():
         files.append(folder / f"{part.replace('/', '_')}.c")
-        files[-1].write_text(_unit(folder, part, own), encoding="utf-8")
+        files[-1].write_text(_unit(folder, part, own, planted), encoding="utf-8")
     includes = [PROOFS, *FIRMWARE.glob("*/include")]
     includes += [path for path in FIRMWARE.iterdir() if path.is_dir()]
     core = [FIRMWARE / "core" / f"{name}.c" for name in CORE_SOURCES]
     core = [path for path in core if f"core/{path.stem}" not in parts]
+    core += [FIRMWARE / body for part in parts for body in BODIES.get(part, ())]
     return [
         "--function",
         "prove_all",
@@ -325,6 +370,8 @@ def command(folder: Path, names: list[str], ends: bool) -> list[str]:
         *(f"--no{check[1:]}" for check in OVERFLOW_CHECKS if values),
         *(["-DCONTRACT_ENDS"] if ends else []),
         *(["--slice-formula"] if values else []),
+        "--unwind",
+        str(max(UNWIND_OF.get(name, UNWIND) for name in names)),
         "--verbosity",
         "4",
     ]

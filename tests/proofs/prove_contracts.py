@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Prove the contracts of a group of functions, or of one, with CBMC (README.md, Contracts).
 
-python prove_contracts.py CBMC GROUP|FUNCTION
+python prove_contracts.py CBMC GROUP|FUNCTION [--ends]
+python prove_contracts.py CBMC --planted   each of planted_errors.py must be found
 """
 
 import re
@@ -12,6 +13,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import contract_harness
+from planted_errors import PLANTED, PlantedError
 
 
 def judge(printed: str, ends: Sequence[str]) -> list[str]:
@@ -33,16 +35,36 @@ def judge(printed: str, ends: Sequence[str]) -> list[str]:
     return wrong if found else ["CBMC gave no result", *printed.splitlines()[-20:]]
 
 
+def run(
+    cbmc: str, names: Sequence[str], ends: bool, planted: PlantedError | None = None
+) -> list[str]:
+    """Return what CBMC finds wrong with the contracts of some functions."""
+    with tempfile.TemporaryDirectory() as folder:
+        command = contract_harness.command(Path(folder), list(names), ends, planted)
+        done = subprocess.run([cbmc, *command], check=False, capture_output=True, text=True)
+    return judge(done.stdout + done.stderr, names if ends else [])
+
+
 def prove(cbmc: str, chosen: str, ends: bool) -> int:
     """Prove the contracts of a group, or of one function; with `ends` that inputs exist as well."""
     names = contract_harness.functions_of(chosen)
-    with tempfile.TemporaryDirectory() as folder:
-        command = [cbmc, *contract_harness.command(Path(folder), names, ends)]
-        run = subprocess.run(command, check=False, capture_output=True, text=True)
-    wrong = judge(run.stdout + run.stderr, names if ends else [])
+    wrong = run(cbmc, names, ends)
     print("\n".join(wrong) if wrong else f"{len(names)} contracts proved: {', '.join(names)}")
     return 1 if wrong else 0
 
 
+def find_planted(cbmc: str) -> int:
+    """Refute a postcondition with each planted error in the sources."""
+    missed = []
+    for error in PLANTED:
+        wrong = run(cbmc, [error.function], False, error)
+        found = any(": FAILURE" in line for line in wrong)
+        print(f"{'found' if found else 'MISSED'}: {error.function}: {error.wrong.strip()}")
+        missed += [] if found else [error, *wrong]
+    return 1 if missed else 0
+
+
 if __name__ == "__main__":
+    if sys.argv[2:] == ["--planted"]:
+        sys.exit(find_planted(sys.argv[1]))
     sys.exit(prove(sys.argv[1], sys.argv[2], sys.argv[3:] == ["--ends"]))

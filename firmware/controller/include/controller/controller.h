@@ -85,7 +85,14 @@ typedef struct {
 /* timer_Hz: clock of the timer whose counts the compare values are (config/bases.h). */
 void controller_init(controller_t *controller, const config_t *config, int32_t timer_Hz);
 
-/* For use before the first slow step: no torque, bridge off. */
+/* For use before the first slow step: no torque, bridge off.
+ *
+ * @post !result.torque_enabled && result.safe_bridge == BRIDGE_OFF && !result.clear_trip &&
+ * !result.release_break && !result.calibrate_offsets
+ *
+ * @post is_within(result.i_reference_pu.d, -32768, 32767) && is_within(result.i_reference_pu.q,
+ * -32768, 32767) && result.sequence == 0
+ */
 fast_setpoint_t controller_initial_setpoint(const config_t *config, int32_t timer_Hz);
 
 /* Once per PWM period. Returns the output; the next step overwrites it. */
@@ -93,12 +100,23 @@ const fast_output_t *controller_fast_step(controller_fast_t *fast, const config_
                                           const fast_setpoint_t *setpoint, const fast_input_t *in);
 
 /* Fills the report with the state after the latest fast step. In the context of
- * controller_fast_step(), in the last period before each slow step. */
+ * controller_fast_step(), in the last period before each slow step.
+ *
+ * @post report->trip == fast->monitor.trip && report->bridge == fast->output.bridge
+ */
 void controller_fast_report(const controller_fast_t *fast, fast_report_t *report);
 
-/* The same in two parts, for a caller whose PWM interrupt is to be short: copies, in the context of
- * controller_fast_step(); computes the remaining fields, in that of controller_slow_step(). */
+/* The same in two parts, for a caller whose PWM interrupt is to be short. In the context of
+ * controller_fast_step(): copies.
+ *
+ * @post report->trip == fast->monitor.trip && report->bridge == fast->output.bridge
+ */
 void controller_fast_report_copy(const controller_fast_t *fast, fast_report_t *report);
+/* In the context of controller_slow_step(): computes the remaining fields.
+ *
+ * @post report->trip == old(report->trip) && report->bridge == old(report->bridge) &&
+ * report->rotor_valid == old(report->rotor_valid) && report->sequence == old(report->sequence)
+ */
 void controller_fast_report_complete(fast_report_t *report);
 
 /* The table of all torque limits of the latest slow step, for shell, log and report. In the context

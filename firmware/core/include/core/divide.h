@@ -18,7 +18,7 @@
  *
  * @post is_within(result, INT64_MIN / 1000, INT64_MAX / 1000)
  *
- * @post is_within(x - result * 1000, -999, 999)
+ * @post is_within(x - result * 1000, -999, 999) && (x < 0 || result * 1000 <= x)
  */
 int64_t divide_by_thousand(int64_t x);
 

@@ -200,9 +200,44 @@ typedef struct {
 /* @post !state->started && !state->release_trip && state->steps == 0 && state->return_steps == 0
  *
  * @post state->flow_level == 0 && state->bus_steps == 0 && state->rotor_steps == 0
+ *
+ * @post state->emf.level == 0 && state->emf.flux_level == 0 && state->emf.missing_q20 == 0 &&
+ * state->current.missing_pu == 0 && state->swing.swing_mV == 0
+ *
+ * @post monitor_window_holds(&state->bus) && monitor_window_holds(&state->gain) &&
+ * monitor_stuck_holds(&state->stuck) && monitor_open_holds(&state->open)
+ *
+ * @post state->speed.windows == 0 && state->speed.diode_steps == 0 && state->speed.bound_urad_s ==
+ * 0 && state->speed.rest_urad_s == 0
  */
 void monitor_slow_init(monitor_slow_state_t *state);
 
+/* 1 kHz. The invariant monitor_state_holds() is in tests/proofs/invariants.h.
+ *
+ * @pre monitor_state_holds(state, config) && vectors_hold(in->latest_pu, in->reference_pu)
+ *
+ * @post monitor_state_holds(state, config) && state->steps == (uint16_t)(old(state->steps) + 1)
+ *
+ * @post result.safe_bridge != BRIDGE_PWM && state->safe_bridge == result.safe_bridge
+ *
+ * @post in->fast_trip == REASON_NONE || in->fast_trip == REASON_BUS_OVERVOLTAGE || in->fast_trip ==
+ * REASON_BUS_SENSOR || in->fast_trip == REASON_OVERCURRENT || result.fault == in->fast_trip
+ *
+ * @post in->fast_trip != REASON_OVERCURRENT || result.fault == REASON_OVERCURRENT || result.fault
+ * == REASON_PHASE_OPEN || result.battery_lost
+ *
+ * @post !in->battery_open || result.battery_lost
+ *
+ * @post !result.at_rest || result.standstill
+ *
+ * @post result.standstill == (result.speed_bound_mrad_s < config->monitor.standstill_mrad_s) &&
+ * result.speed_bound_mrad_s >= 0
+ *
+ * @post result.safe_bridge == BRIDGE_OFF || (result.emf_conducts && result.charging_mA == 0)
+ *
+ * @post is_within(result.flux_missing_q15, 0, 16384) && (result.flux_missing_q15 == 0 ||
+ * result.flux_warning == REASON_FLUX_WEAK)
+ */
 monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *config,
                                    const monitor_slow_input_t *in);
 

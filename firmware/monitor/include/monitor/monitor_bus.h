@@ -58,7 +58,22 @@ typedef struct {
  * beyond its resistance times the change from full charging to full discharging current, and by
  * more than 7/64 of its largest voltage. README, Bus. Never with battery.resistance zero.
  * reading_mV: mean of this millisecond. watched: PWM on a battery that is not known to have left;
- * otherwise the movement begins anew. */
+ * otherwise the movement begins anew.
+ *
+ * @pre state->swing_mV >= 0 && is_within(battery->max_voltage_mV, 1000, 2000000) &&
+ * is_within(battery->resistance_uOhm, 0, 100000000)
+ *
+ * @pre is_within(battery->max_charge_current_mA, 0, 2000000) &&
+ * is_within(battery->max_discharge_current_mA, 100, 2000000)
+ *
+ * @post state->swing_mV >= 0 && is_within(state->last_mV, 0, MONITOR_BUS_MOST_mV)
+ *
+ * @post watched || (!result && state->swing_mV == 0)
+ *
+ * @post battery->resistance_uOhm > 0 || !result
+ *
+ * @post old(state->watching) || state->swing_mV == 0
+ */
 bool monitor_bus_swings(monitor_swing_state_t *state, const config_battery_t *battery,
                         int32_t reading_mV, bool watched);
 

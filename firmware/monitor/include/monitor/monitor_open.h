@@ -49,7 +49,20 @@ typedef struct {
     bool switching;
 } monitor_open_input_t;
 
-/* True while a phase is open (qualified); never while the bridge does not switch. */
+/* True while a phase is open (qualified); never while the bridge does not switch.
+ *
+ * @pre monitor_open_holds(state) && vectors_hold(in->sampled_pu, in->reference_pu)
+ *
+ * @post monitor_open_holds(state)
+ *
+ * @post in->switching || !result
+ *
+ * @post !result || some(i, 3, state->missing[i][0] == MONITOR_OPEN_STEPS || state->missing[i][1] ==
+ * MONITOR_OPEN_STEPS || state->zeros[i] == MONITOR_OPEN_STEPS)
+ *
+ * @post state->steps_known <= 2 && state->theta_turn == in->theta_turn &&
+ * is_within(state->step_turn, -32768, 32767)
+ */
 bool monitor_open_step(monitor_open_state_t *state, const monitor_open_input_t *in);
 
 #endif

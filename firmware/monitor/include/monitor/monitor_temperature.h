@@ -49,6 +49,8 @@ typedef struct {
 } monitor_temperature_output_t;
 
 /* @post !state->started && !state->stuck && state->heal_steps == 0 && state->offset_q16 == 0
+ *
+ * @post temperature_sensor_holds(state)
  */
 void monitor_temperature_init(monitor_temperature_state_t *state);
 

@@ -124,7 +124,22 @@ typedef struct {
 } recorder_start_t;
 
 /* memory: NULL if there is none; its content is whatever the reset left. A record is kept, counters
- * as well if their check agrees, and everything else is zeroed. */
+ * as well if their check agrees, and everything else is zeroed.
+ *
+ * @post recorder->memory == memory && recorder->fault_before == REASON_NONE && recorder->now_ms ==
+ * 0
+ *
+ * @post memory->fast_next < RECORDER_FAST_ENTRIES && memory->slow_next < RECORDER_SLOW_ENTRIES &&
+ * is_within(memory->phase, RECORDER_RECORDING, RECORDER_SEALED) && memory->phase != RECORDER_ENDING
+ *
+ * @post recorder->takes_samples == (memory->phase == RECORDER_RECORDING)
+ *
+ * @post memory->phase != RECORDER_COMPLETE || memory->after_reset == 1 || old(memory->phase) ==
+ * RECORDER_COMPLETE
+ *
+ * @post old(memory->phase) != RECORDER_SEALED || memory->phase == RECORDER_RECORDING ||
+ * memory->reason == old(memory->reason)
+ */
 void recorder_init(recorder_t *recorder, recorder_memory_t *memory, const recorder_start_t *start);
 
 /* Background: a restart follows on purpose, which is no fault and is not counted. A record is kept.
@@ -156,11 +171,39 @@ static inline void recorder_fast(recorder_memory_t *memory, const recorder_fast_
     memory->fast_next = (uint16_t)(next + 1U < RECORDER_FAST_ENTRIES ? next + 1U : 0U);
 }
 
-/* 1 kHz, after the slow step. */
+/* 1 kHz, after the slow step.
+ *
+ * @pre recorder->memory->fast_next < RECORDER_FAST_ENTRIES && recorder->memory->slow_next <
+ * RECORDER_SLOW_ENTRIES && recorder->memory->phase <= RECORDER_SEALED && (recorder->memory->phase
+ * != RECORDER_ENDING || is_within(recorder->slow_left_ms, 1, RECORDER_SLOW_AFTER_ms))
+ *
+ * @post recorder->memory->fast_next < RECORDER_FAST_ENTRIES && recorder->memory->slow_next <
+ * RECORDER_SLOW_ENTRIES && recorder->memory->phase <= RECORDER_SEALED && (recorder->memory->phase
+ * != RECORDER_ENDING || is_within(recorder->slow_left_ms, 1, RECORDER_SLOW_AFTER_ms))
+ *
+ * @post recorder->memory->phase >= old(recorder->memory->phase) && recorder->memory->fast_next ==
+ * old(recorder->memory->fast_next)
+ *
+ * @post recorder->memory->reason == old(recorder->memory->reason) || (old(recorder->memory->phase)
+ * == RECORDER_RECORDING && recorder->memory->reason == (uint8_t)output->fault_reason)
+ *
+ * @post old(recorder->memory->phase) != RECORDER_RECORDING || (recorder->memory->phase ==
+ * RECORDER_RECORDING) == (output->fault_reason == REASON_NONE || output->fault_reason ==
+ * old(recorder->fault_before))
+ *
+ * @post is_within(old(recorder->memory->phase), RECORDER_RECORDING, RECORDER_ENDING) ||
+ * recorder->memory->slow_next == old(recorder->memory->slow_next)
+ */
 void recorder_slow(recorder_t *recorder, const slow_output_t *output,
                    const wheel_temperatures_t *temperature);
 
-/* Background. True in the call that seals the record: 8 KiB of CRC. */
+/* Background. True in the call that seals the record: 8 KiB of CRC.
+ *
+ * @post result == (old(recorder->memory->phase) == RECORDER_COMPLETE)
+ *
+ * @post recorder->memory->phase == (result ? RECORDER_SEALED : old(recorder->memory->phase)) &&
+ * recorder->memory->reason == old(recorder->memory->reason)
+ */
 bool recorder_seal(recorder_t *recorder);
 
 #endif

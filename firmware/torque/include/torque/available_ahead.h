@@ -72,6 +72,8 @@ typedef struct {
  * @post every(i, AVAILABLE_SLOPED_LINES, !state->driving[i].known && !state->braking[i].known)
  *
  * @post state->step == 0 && !state->speed.known && !state->voltage.known
+ *
+ * @post state->expected.brake_demand_mNm == 0
  */
 void available_ahead_init(available_ahead_state_t *state);
 

@@ -94,6 +94,8 @@ typedef struct {
  *
  * @post state->watch.reason == REASON_NONE && state->added_mNm == 0 && state->taken_mNm == 0 &&
  * state->bridged_q6_mNm == 0 && state->bridging_ms == 0
+ *
+ * @post state->feedback.between_ms == 1
  */
 void brake_blending_init(brake_blending_state_t *state, const config_t *config);
 
@@ -101,7 +103,8 @@ void brake_blending_init(brake_blending_state_t *state, const config_t *config);
  *
  * @pre hydraulic_mNm >= 0
  *
- * @post state->added_mNm >= 0
+ * @post state->added_mNm >= 0 && state->hydraulic.next == old(state->hydraulic.next) &&
+ * state->feedback.between_ms == old(state->feedback.between_ms)
  *
  * @post split->hydraulic_mNm < 0 || state->added_mNm == q_max(hydraulic_mNm - split->hydraulic_mNm,
  * 0)
@@ -109,7 +112,13 @@ void brake_blending_init(brake_blending_state_t *state, const config_t *config);
 void brake_blending_sent(brake_blending_state_t *state, const brake_blending_out_t *split,
                          int32_t hydraulic_mNm);
 
-/* @pre every(i, TORQUE_LINE_COUNT, limits->driving[i].torque_mNm >= 0 &&
+/* @pre is_within(state->hydraulic.next, 0, HYDRAULIC_MODEL_COMMANDS - 1) &&
+ * is_within(state->feedback.between_ms, 1, HYDRAULIC_FEEDBACK_PAST_ms)
+ *
+ * @post is_within(state->hydraulic.next, 0, HYDRAULIC_MODEL_COMMANDS - 1) &&
+ * is_within(state->feedback.between_ms, 1, HYDRAULIC_FEEDBACK_PAST_ms)
+ *
+ * @pre every(i, TORQUE_LINE_COUNT, limits->driving[i].torque_mNm >= 0 &&
  * limits->braking[i].torque_mNm >= 0)
  *
  * @post is_within(result.electric_mNm, 0, q_max(in->demand_mNm, 0))

@@ -38,6 +38,9 @@ typedef struct {
  *
  * @pre is_within(set->model->constants->weakening_most_b, 0, MOTOR_MODEL_MOST_CURRENT_b)
  *
+ * @pre is_within(set->model->flux_b, 0, 1 << 26) &&
+ * is_within(set->model->constants->torque_factor_q24, 0, 2 * SCALED_ONE)
+ *
  * @post is_within(result.i_d_mA, -set->model->config->motor.max_phase_current_mA,
  * set->model->config->motor.max_phase_current_mA)
  *

@@ -194,6 +194,9 @@ bool feasible_holds(const feasible_set_t *set, motor_point_t at);
  * suffices, or by the one of least voltage, and returns true. README, Forced torque.
  *
  * @post result || (at->d_b == old(at->d_b) && at->x_b == old(at->x_b))
+ *
+ * @post !result || (at->d_b <= 0 && is_within(at->x_b, -MOTOR_MODEL_MOST_CURRENT_b,
+ * MOTOR_MODEL_MOST_CURRENT_b))
  */
 bool feasible_forced(const feasible_set_t *set, motor_point_t *at);
 

@@ -39,6 +39,8 @@ typedef struct {
 } hill_hold_state_t;
 
 /* @post state->torque_mNm == 0 && !state->holds && !state->caught && state->begun_mrad_s == 0
+ *
+ * @post state->release_ms == 0
  */
 void hill_hold_init(hill_hold_state_t *state);
 

@@ -35,7 +35,18 @@ typedef struct {
  */
 void hydraulic_model_init(hydraulic_model_t *model);
 
-/* One millisecond with a command, 0 .. brake.max_hydraulic_torque_mNm. */
+/* One millisecond with a command, 0 .. brake.max_hydraulic_torque_mNm.
+ *
+ * @pre is_within(model->next, 0, HYDRAULIC_MODEL_COMMANDS - 1)
+ *
+ * @post is_within(model->next, 0, HYDRAULIC_MODEL_COMMANDS - 1) &&
+ * is_within(model->commands_mNm[model->next], 0, q_min(q_max(command_mNm, 0),
+ * config->brake.max_hydraulic_torque_mNm))
+ *
+ * @post is_within(model->torque_q6_mNm - old(model->torque_q6_mNm),
+ * -(config->brake.hydraulic_rate_mNm_s / 1000 * 64 + 64), config->brake.hydraulic_rate_mNm_s / 1000
+ * * 64 + 64)
+ */
 void hydraulic_model_step(hydraulic_model_t *model, const config_t *config, int32_t command_mNm);
 
 /* Present torque, magnitude.

@@ -55,7 +55,24 @@ int32_t loss_braking_torque_mNm(const feasible_side_t *side, loss_braking_t *los
                                 int32_t by_map_mNm);
 
 /* Above by_map_mNm a current setpoint of the same torque that returns what the battery takes, as
- * far as the current suffices; otherwise the same setpoint. */
+ * far as the current suffices; otherwise the same setpoint.
+ *
+ * @pre is_within(set->model->constants->torque_shift, -30, 30) &&
+ * is_within(set->model->constants->current_shift, 1, 16) && is_within(set->model->friction_b, 0, 1
+ * << 26)
+ *
+ * @pre is_within(current.i_d_mA, -set->model->config->motor.max_phase_current_mA,
+ * set->model->config->motor.max_phase_current_mA)
+ *
+ * @post is_within(result.i_d_mA, -set->model->config->motor.max_phase_current_mA,
+ * set->model->config->motor.max_phase_current_mA)
+ *
+ * @post result.limited == current.limited && result.feasible == current.feasible &&
+ * result.forced_mNm == current.forced_mNm
+ *
+ * @post (losses->current_b != 0 && q_abs(torque_mNm) > losses->by_map_mNm) || (result.i_d_mA ==
+ * current.i_d_mA && result.i_q_mA == current.i_q_mA)
+ */
 current_setpoint_t loss_braking_setpoint(const feasible_set_t *set, const loss_braking_t *losses,
                                          int32_t torque_mNm, current_setpoint_t current);
 

@@ -71,7 +71,21 @@ typedef struct {
     int32_t d_b, x_b;
 } motor_point_t;
 
-/* Divides; once at start. */
+/* Divides; once at start.
+ *
+ * @post is_within(constants->torque_shift, -30, 30) && is_within(constants->current_shift, 1, 16)
+ *
+ * @post is_within(constants->current_most_b, 1 << 22, 1 << 23) &&
+ * is_within(constants->weakening_most_b, 0, MOTOR_MODEL_MOST_CURRENT_b)
+ *
+ * @post constants->coulomb_step_q8_b >= 0 && constants->viscous_b >= 0 && constants->flux_b >= 0 &&
+ * constants->resistance_b >= 0
+ *
+ * @post is_within(constants->torque_factor_q24, SCALED_ONE, 2 * SCALED_ONE) &&
+ * constants->torque_inverse_q24 >= 0
+ *
+ * @post config->rotor.sensor == CONFIG_ROTOR_HALL || constants->hall_angle_b == 0
+ */
 void motor_constants_init(motor_constants_t *constants, const config_t *config);
 
 /* config: that of motor_constants_init().
@@ -83,7 +97,7 @@ void motor_constants_init(motor_constants_t *constants, const config_t *config);
  *
  * @pre constants->coulomb_step_q8_b >= 0 && constants->viscous_b >= 0
  *
- * @post is_within(result.friction_b, 0, 1 << 26)
+ * @post is_within(result.friction_b, 0, 1 << 26) && is_within(result.flux_b, 4, 1 << 26)
  */
 motor_model_t motor_model_at(const motor_constants_t *constants, const config_t *config,
                              int32_t speed_mrad_s, int32_t winding_temperature_cC);
@@ -97,18 +111,48 @@ motor_model_t motor_model_at(const motor_constants_t *constants, const config_t 
  */
 motor_point_t motor_model_point(const motor_model_t *model, motor_current_t i);
 
-/* Shaft torque of a point. */
+/* Shaft torque of a point.
+ *
+ * @pre is_within(model->flux_b, 0, 1 << 26) && is_within(model->friction_b, 0, 1 << 26) &&
+ * is_within(model->constants->torque_factor_q24, 0, 2 * SCALED_ONE) &&
+ * is_within(model->constants->torque_shift, -30, 30)
+ *
+ * @pre is_within(at.x_b, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b)
+ *
+ * @post at.x_b > 0 || (at.x_b < 0 && model->saliency_b != 0) || (model->speed_mrad_s >= 0 ? result
+ * <= 0 : result >= 0)
+ */
 int32_t motor_model_torque_mNm(const motor_model_t *model, motor_point_t at);
 
 /* Terminal i_q that makes a shaft torque together with a terminal i_d, within eight times the phase
  * current limit. The effective flux is taken as at least a quarter of the magnet flux and at least
  * half of the flux at this i_d. It is lower only where i_d or i_q acts against the saliency; there
  * no current gives the torque, and the result is finite, has the correct sign and gives less
- * torque. */
+ * torque.
+ *
+ * @pre is_within(model->constants->current_shift, 1, 16) &&
+ * is_within(model->constants->torque_shift, -30, 30) && is_within(model->friction_b, 0, 1 << 26)
+ *
+ * @pre model->flux_b >= 4 && model->constants->torque_inverse_q24 >= 0 && model->x_per_airgap_q23
+ * >= 0
+ *
+ * @post is_within(result, -(1 << 30), 1 << 30)
+ *
+ * @post model->iron_current_b != 0 || model->cross_d != 0 || model->one_plus_a2 != SCALED_ONE ||
+ * torque_mNm == 0 || (torque_mNm > 0) != (model->speed_mrad_s >= 0) || (torque_mNm > 0 ? result >=
+ * 0 : result <= 0)
+ */
 int32_t motor_model_current_q_mA(const motor_model_t *model, int32_t torque_mNm, int32_t i_d_mA);
 
 /* Direct current of a point at a bus voltage, positive out of the battery, with the inverter's
- * loss. */
+ * loss.
+ *
+ * @pre is_within(model->constants->current_shift, 1, 16)
+ *
+ * @post is_within(result, -(1 << 30), 1 << 29)
+ *
+ * @post at.d_b != 0 || at.x_b != 0 || model->iron_current_b != 0 || result == 0
+ */
 int32_t motor_model_bus_current_mA(const motor_model_t *model, motor_point_t at, int32_t bus_mV);
 
 /* ---- in binary scales ---- */
@@ -168,17 +212,46 @@ static inline int32_t motor_model_bridge_loss_b(const motor_constants_t *constan
     return scaled_multiply(current_b, constants->loss_b + volts_b);
 }
 
-/* Airgap torque of a point, along the rotation. */
+/* Airgap torque of a point, along the rotation.
+ *
+ * @post at.x_b != 0 || result == 0
+ *
+ * @post model->saliency_b != 0 || model->flux_b < 0 || model->constants->torque_factor_q24 < 0 ||
+ * (at.x_b >= 0 ? result >= 0 : result <= 0)
+ *
+ * @post !is_within(model->flux_b, 0, 1 << 26) || !is_within(model->constants->torque_factor_q24, 0,
+ * 2 * SCALED_ONE) || !is_within(at.x_b, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b) ||
+ * is_within(result, -(1 << 30), 1 << 30)
+ */
 int32_t motor_model_airgap_b(const motor_model_t *model, motor_point_t at);
 
-/* i_qt that makes an airgap torque with a terminal i_d, both along the rotation. */
+/* i_qt that makes an airgap torque with a terminal i_d, both along the rotation.
+ *
+ * @post is_within(result, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b)
+ *
+ * @post model->flux_b < 4 || model->constants->torque_inverse_q24 < 0 || model->x_per_airgap_q23 <
+ * 0 || (airgap_b >= 0 ? result >= 0 : result <= 0)
+ */
 int32_t motor_model_x_of_airgap_b(const motor_model_t *model, int32_t airgap_b, int32_t d_b);
 
-/* Derivatives of the airgap torque with respect to i_qt and to i_d, 24 fraction bits. */
+/* Derivative of the airgap torque with respect to i_qt, 24 fraction bits.
+ *
+ * @post model->flux_b < 0 || model->constants->torque_factor_q24 < 0 || result >= 0
+ */
 int32_t motor_model_airgap_per_x(const motor_model_t *model, motor_point_t at);
+/* Derivative of the airgap torque with respect to i_d, 24 fraction bits.
+ *
+ * @post model->saliency_b != 0 || result == 0
+ *
+ * @post model->saliency_b > 0 || model->constants->torque_factor_q24 < 0 || (at.x_b >= 0 ? result
+ * <= 0 : result >= 0)
+ */
 int32_t motor_model_airgap_per_d(const motor_model_t *model, motor_point_t at);
 
-/* Derivative of i_qt with respect to i_d at constant torque; zero without saliency. */
+/* Derivative of i_qt with respect to i_d at constant torque; zero without saliency.
+ *
+ * @post is_within(result, -(1 << 26), 1 << 26) && (model->saliency_b != 0 || result == 0)
+ */
 int32_t motor_model_x_per_d(const motor_model_t *model, motor_point_t at);
 
 /* Terminal i_q of a point, and i_qt of terminal currents.
@@ -197,6 +270,16 @@ static inline int32_t motor_model_i_q_b(const motor_model_t *model, motor_point_
            scaled_multiply(model->cross_d, at.d_b);
 }
 
+/* i_qt of terminal currents.
+ *
+ * @pre is_within(model->inverse_one_plus_a2, 0, SCALED_ONE) && is_within(model->cross_d, 0, 1 <<
+ * 26) && is_within(model->iron_current_b, 0, MOTOR_MODEL_MOST_CURRENT_b)
+ *
+ * @pre is_within(i_q_b, -(1 << 28), 1 << 28) && is_within(d_b, -MOTOR_MODEL_MOST_CURRENT_b,
+ * MOTOR_MODEL_MOST_CURRENT_b)
+ *
+ * @post q_abs(result) <= q_abs(i_q_b) + model->iron_current_b + 4 * q_abs(d_b)
+ */
 static inline int32_t motor_model_x_of_i_q_b(const motor_model_t *model, int32_t i_q_b, int32_t d_b)
 {
     return scaled_multiply(model->inverse_one_plus_a2,

@@ -58,6 +58,40 @@ typedef struct {
  */
 void pedals_init(pedals_state_t *state);
 
+/* @pre every(i, CONFIG_PEDAL_CHANNELS, is_within(config->pedals.released_q15[i], 0, 32768) &&
+ * is_within(config->pedals.pressed_q15[i], 0, 32768) && config->pedals.pressed_q15[i] !=
+ * config->pedals.released_q15[i])
+ *
+ * @pre every(i, CONFIG_PEDAL_CHANNELS, config->pedals.lowest_q15[i] >= 0 &&
+ * config->pedals.highest_q15[i] <= 32768)
+ *
+ * @pre config->pedals.free_travel_torque_mNm <= config->pedals.brake_torque_mNm
+ *
+ * @pre is_within(state->accelerator_fault_ms, 0, config->pedals.fault_time_ms) &&
+ * is_within(state->brake_fault_ms, 0, config->pedals.fault_time_ms) && state->no_brake_ms >= 0 &&
+ * is_within(state->brake_travel_q15, 0, 32768)
+ *
+ * @post is_within(state->accelerator_fault_ms, 0, config->pedals.fault_time_ms) &&
+ * is_within(state->brake_fault_ms, 0, config->pedals.fault_time_ms) && state->no_brake_ms >= 0 &&
+ * is_within(state->brake_travel_q15, 0, 32768)
+ *
+ * @post is_within(result.accelerator_q15, 0, 32768) && is_within(result.brake_q15, 0, 32768)
+ *
+ * @post config->pedals.brake_channels == 0 || is_within(result.demand.brake_torque_mNm, 0,
+ * config->pedals.brake_torque_mNm)
+ *
+ * @post config->pedals.accelerator_channels == 0 || q_abs(result.demand.drive_torque_mNm) <=
+ * q_max(config->pedals.drive_torque_mNm, config->pedals.lift_off_torque_mNm)
+ *
+ * @post config->pedals.accelerator_channels == 0 || !(state->must_release ||
+ * state->accelerator_fault) || result.demand.drive_torque_mNm *
+ * drive_direction_sign(result.demand.direction) <= 0
+ *
+ * @post !state->brake_fault || result.demand.reason == REASON_BRAKE_PEDAL_SENSOR
+ *
+ * @post config->pedals.brake_channels == 0 || state->no_brake_ms < config->pedals.fault_time_ms ||
+ * result.age_ms == UINT32_MAX
+ */
 pedals_output_t pedals_step(pedals_state_t *state, const config_t *config,
                             const pedals_input_t *in);
 

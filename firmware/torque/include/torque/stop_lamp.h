@@ -24,6 +24,8 @@ typedef struct {
 } stop_lamp_state_t;
 
 /* @post !state->lit && !state->started
+ *
+ * @post state->speed_lp_q8_mrad_s == 0 && state->decel_lp_mm_s2.accumulator == 0
  */
 void stop_lamp_init(stop_lamp_state_t *state);
 

@@ -51,6 +51,8 @@ typedef struct {
  * @post is_within(state->winding.inner_share_q30, 0, 1 << 30) &&
  * is_within(state->winding.ambient_share_q30, 0, 1 << 30) &&
  * is_within(state->switches.inner_share_q30, 0, 1 << 30)
+ *
+ * @post lumps_hold(&state->winding) && lumps_hold(&state->switches)
  */
 void thermal_model_init(thermal_model_state_t *state, const config_t *config);
 
@@ -69,13 +71,32 @@ void thermal_model_init(thermal_model_state_t *state, const config_t *config);
  * 65536)
  *
  * @post state->switches.ambient_q16 == state->winding.ambient_q16
+ *
+ * @post state->steps == old(state->steps)
+ *
+ * @post !state->winding.known == !old(state->winding.known) && !state->switches.known ==
+ * !old(state->switches.known)
  */
 void thermal_model_start(thermal_model_state_t *state, const config_t *config, int32_t winding_cC,
                          bool winding_broken, int32_t switch_cC, bool switch_broken);
 
 /* i_d_mA, i_q_mA: means of the millisecond, peak phase; speed mechanical, signed. Any values. What
  * comes once in 64 steps is spread over the first three of the next ones: iron loss, winding,
- * switches. */
+ * switches.
+ *
+ * @pre thermal_model_holds(state)
+ *
+ * @post thermal_model_holds(state)
+ *
+ * @post !state->started == !old(state->started) && !state->winding.known ==
+ * !old(state->winding.known) && !state->switches.known == !old(state->switches.known)
+ *
+ * @post state->winding.known || state->winding.inner_q16 == old(state->winding.inner_q16)
+ *
+ * @post !state->heat_due == !(state->steps == 0 || (old(state->heat_due) && old(state->steps) < 2))
+ *
+ * @post state->winding.ambient_q16 == old(state->winding.ambient_q16)
+ */
 void thermal_model_step(thermal_model_state_t *state, const config_t *config, int32_t i_d_mA,
                         int32_t i_q_mA, int32_t speed_mrad_s);
 

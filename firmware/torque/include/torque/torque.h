@@ -86,43 +86,21 @@ typedef struct {
     available_ahead_state_t ahead; /* its results are outputs as well */
 } torque_state_t;
 
-/* config: must stay valid as long as the state is used. */
+/* config: must stay valid as long as the state is used.
+ *
+ * @post torque_state_holds(state, config)
+ *
+ * @post state->command.command_mNm == 0 && state->demand.engaged == DRIVE_DIRECTION_NEUTRAL
+ */
 void torque_init(torque_state_t *state, const config_t *config);
 
-/* @pre is_within(config->battery.max_voltage_mV - config->battery.min_voltage_mV, 1, 2000000) &&
- * is_within(config->battery.foldback_voltage_mV, config->battery.min_voltage_mV,
- * config->battery.max_voltage_mV) && is_within(config->battery.discharge_foldback_voltage_mV,
- * config->battery.min_voltage_mV, config->battery.max_voltage_mV)
+/* The invariant torque_state_holds() is in tests/proofs/invariants.h.
  *
- * @pre is_within(state->motor.torque_shift, -30, 30) && is_within(state->motor.current_shift, 1,
- * 16) && is_within(state->motor.current_most_b, 0, MOTOR_MODEL_MOST_CURRENT_b) &&
- * is_within(state->motor.weakening_most_b, 0, MOTOR_MODEL_MOST_CURRENT_b) &&
- * state->motor.coulomb_step_q8_b >= 0 && state->motor.viscous_b >= 0
+ * @pre battery_relations_hold(config) && torque_state_holds(state, config)
  *
- * @pre is_within(state->demand.lift_off_mNm, 0, 100000000) && is_within(state->demand.brake_mNm, 0,
- * 100000000) && state->demand.lost_ms >= 0
+ * @post torque_state_holds(state, config)
  *
- * @pre is_within(state->limits.abs_share_percent, 0, 100) && state->limits.abs_hold_steps >= 0 &&
- * is_within(state->limits.charge.allowed_q24, 0, SCALED_ONE) &&
- * is_within(state->limits.discharge.allowed_q24, 0, SCALED_ONE)
- *
- * @pre every(i, TORQUE_LINE_COUNT, state->table.driving[i].torque_mNm >= 0 &&
- * state->table.braking[i].torque_mNm >= 0)
- *
- * @pre is_within(state->command.command_mNm, -400000000, 400000000)
- *
- * @pre is_within(state->hold.torque_mNm, 0, config->driver.hold_torque_mNm) &&
- * is_within(state->hold.release_ms, 0, config->driver.hold_release_ms) && state->hold.begun_mrad_s
- * >= 0
- *
- * @pre state->lamp.speed_lp_q8_mrad_s >= 0 && is_within(state->lamp.decel_lp_mm_s2.accumulator, -(1
- * << 30), 1 << 30)
- *
- * @post every(i, TORQUE_LINE_COUNT, state->table.driving[i].torque_mNm >= 0 &&
- * state->table.braking[i].torque_mNm >= 0)
- *
- * @post is_within(state->command.command_mNm, -400000000, 400000000) && result.command_mNm ==
- * state->command.command_mNm
+ * @post result.command_mNm == state->command.command_mNm
  *
  * @post torque_enable_any(in->torque_enable) || result.command_mNm == 0
  *

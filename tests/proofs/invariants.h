@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * invariants.h: what holds of a state between two steps, where a contract needs it more than once:
+ * a precondition and a postcondition of the step, and a postcondition of its init(). And the
+ * relations between fields of a configuration that such a step needs (validate.c).
+ */
+#ifndef INVARIANTS_H
+#define INVARIANTS_H
+
+#include "contract.h"
+
+#define battery_relations_hold(c)                                                                  \
+    (is_within((c)->battery.max_voltage_mV - (c)->battery.min_voltage_mV, 1, 2000000) &&           \
+     is_within((c)->battery.foldback_voltage_mV, (c)->battery.min_voltage_mV,                      \
+               (c)->battery.max_voltage_mV) &&                                                     \
+     is_within((c)->battery.discharge_foldback_voltage_mV, (c)->battery.min_voltage_mV,            \
+               (c)->battery.max_voltage_mV))
+
+#define motor_constants_hold(k)                                                                    \
+    (is_within((k)->torque_shift, -30, 30) && is_within((k)->current_shift, 1, 16) &&              \
+     is_within((k)->current_most_b, 0, MOTOR_MODEL_MOST_CURRENT_b) &&                              \
+     is_within((k)->weakening_most_b, 0, MOTOR_MODEL_MOST_CURRENT_b) &&                            \
+     (k)->coulomb_step_q8_b >= 0 && (k)->viscous_b >= 0 &&                                         \
+     is_within((k)->torque_factor_q24, 0, 2 * SCALED_ONE))
+
+#define lines_hold(lines) every(i, TORQUE_LINE_COUNT, (lines)[i].torque_mNm >= 0)
+
+#define ahead_holds(s)                                                                             \
+    (lines_hold((s)->driving_lines) && lines_hold((s)->braking_lines) &&                           \
+     (s)->expected.brake_demand_mNm >= 0 && (s)->now.driving.torque_mNm >= 0 &&                    \
+     (s)->now.braking.torque_mNm >= 0 && (s)->ahead.driving.torque_mNm >= 0 &&                     \
+     (s)->ahead.braking.torque_mNm >= 0)
+
+#define torque_state_holds(s, c)                                                                   \
+    (motor_constants_hold(&(s)->motor) && is_within((s)->demand.lift_off_mNm, 0, 100000000) &&     \
+     is_within((s)->demand.brake_mNm, 0, 100000000) && (s)->demand.lost_ms >= 0 &&                 \
+     is_within((s)->limits.abs_share_percent, 0, 100) && (s)->limits.abs_hold_steps >= 0 &&        \
+     is_within((s)->limits.charge.allowed_q24, 0, SCALED_ONE) &&                                   \
+     is_within((s)->limits.discharge.allowed_q24, 0, SCALED_ONE) &&                                \
+     lines_hold((s)->table.driving) && lines_hold((s)->table.braking) &&                           \
+     is_within((s)->command.command_mNm, -400000000, 400000000) &&                                 \
+     is_within((s)->hold.torque_mNm, 0, (c)->driver.hold_torque_mNm) &&                            \
+     is_within((s)->hold.release_ms, 0, (c)->driver.hold_release_ms) &&                            \
+     (s)->hold.begun_mrad_s >= 0 && (s)->lamp.speed_lp_q8_mrad_s >= 0 &&                           \
+     is_within((s)->lamp.decel_lp_mm_s2.accumulator, -(1 << 30), 1 << 30) &&                       \
+     is_within((s)->blending.hydraulic.next, 0, HYDRAULIC_MODEL_COMMANDS - 1) &&                   \
+     is_within((s)->blending.feedback.between_ms, 1, HYDRAULIC_FEEDBACK_PAST_ms) &&                \
+     ahead_holds(&(s)->ahead))
+
+#define vectors_hold(a, b)                                                                         \
+    (is_within((a).d, -65536, 65536) && is_within((a).q, -65536, 65536) &&                         \
+     is_within((b).d, -65536, 65536) && is_within((b).q, -65536, 65536))
+
+#define monitor_window_holds(w)                                                                    \
+    (every(i, 2,                                                                                   \
+           is_within((w)->lowest[i], -MONITOR_WINDOW_MOST, MONITOR_WINDOW_MOST) &&                 \
+               is_within((w)->highest[i], -MONITOR_WINDOW_MOST, MONITOR_WINDOW_MOST)) &&           \
+     (w)->steps <= MONITOR_WINDOW_STEPS && (w)->level <= MONITOR_WINDOW_QUALIFY_STEPS)
+
+#define monitor_emf_holds(s, c)                                                                    \
+    ((s)->level <= (c)->monitor.angle_fault_time_ms &&                                             \
+     is_within((s)->flux_level, -MONITOR_EMF_FLUX_STEPS, MONITOR_EMF_FLUX_STEPS) &&                \
+     is_within((s)->missing_q20, 0, 1 << 19))
+
+#define monitor_speed_holds(s, c)                                                                  \
+    (is_within((s)->windows, 0, 2) &&                                                              \
+     is_within((s)->diode_steps, 0, (c)->monitor.diode_fault_time_ms) && (s)->bound_urad_s >= 0 && \
+     (s)->rest_urad_s >= (s)->bound_urad_s)
+
+#define monitor_open_holds(s)                                                                      \
+    every(i, 3,                                                                                    \
+          is_within((s)->missing[i][0], 0, MONITOR_OPEN_STEPS) &&                                  \
+              is_within((s)->missing[i][1], 0, MONITOR_OPEN_STEPS) &&                              \
+              is_within((s)->zeros[i], 0, MONITOR_OPEN_STEPS) &&                                   \
+              is_within((s)->turned[i], 0, MONITOR_OPEN_TURN))
+
+#define monitor_stuck_holds(s)                                                                     \
+    (((s)->side == BRIDGE_OFF || bridge_is_short((s)->side)) &&                                    \
+     is_within((s)->steps, 0, MONITOR_STUCK_STEPS - 1) &&                                          \
+     is_within((s)->good_steps, 0, (s)->steps) &&                                                  \
+     is_within((s)->same_steps, 0, MONITOR_STUCK_LONGEST_STEPS) &&                                 \
+     is_within((s)->release_steps, 0, MONITOR_STUCK_RELEASE_STEPS) && (s)->windows >= 0)
+
+#define monitor_state_holds(s, c)                                                                  \
+    (monitor_emf_holds(&(s)->emf, c) &&                                                            \
+     is_within((s)->current.missing_pu, 0, (c)->monitor.current_missing_pu_q15) &&                 \
+     monitor_window_holds(&(s)->bus) && monitor_window_holds(&(s)->gain) &&                        \
+     monitor_stuck_holds(&(s)->stuck) && monitor_open_holds(&(s)->open) &&                         \
+     monitor_speed_holds(&(s)->speed, c) && (s)->swing.swing_mV >= 0)
+
+#define lumps_hold(row)                                                                            \
+    (is_within((row)->inner_q16, -32700 * 65536, 32700 * 65536) &&                                 \
+     is_within((row)->outer_q16, -32700 * 65536, 32700 * 65536))
+
+#define thermal_model_holds(s)                                                                     \
+    (lumps_hold(&(s)->winding) && lumps_hold(&(s)->switches) && (s)->steps < THERMAL_MODEL_STEP_MS)
+
+#define temperature_sensor_holds(s)                                                                \
+    (is_within((s)->kept_cC, -20000, 29998) && is_within((s)->kept_estimate_cC, -32700, 32700) &&  \
+     is_within((s)->offset_q16, -MONITOR_TEMPERATURE_OFFSET_MOST_cC * 65536,                       \
+               MONITOR_TEMPERATURE_OFFSET_MOST_cC * 65536) &&                                      \
+     (s)->heal_steps <= MONITOR_TEMPERATURE_HEAL_STEPS)
+
+#define temperatures_hold(s)                                                                       \
+    (thermal_model_holds(&(s)->model) && temperature_sensor_holds(&(s)->winding_sensor) &&         \
+     temperature_sensor_holds(&(s)->switch_sensor))
+
+#endif

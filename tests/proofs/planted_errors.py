@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Errors in the sources under proof, each of which the contract of one function must find."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class PlantedError:
+    """A text of a source, which stands there once, and what takes its place."""
+
+    function: str  # whose proof must fail
+    source: str  # below firmware/
+    right: str
+    wrong: str
+
+
+PLANTED = (
+    PlantedError("pedals_step", "torque/pedals.c",
+                 "state->must_release ? q_min(wanted_mNm, 0) : wanted_mNm", "wanted_mNm"),
+    PlantedError("monitor_open_step", "monitor/monitor_open.c",
+                 "q_min(counted, MONITOR_OPEN_STEPS)", "counted"),
+    PlantedError("monitor_emf_step", "monitor/monitor_emf.c",
+                 "judged && wrong && !in->voltage_limited", "judged && wrong"),
+    PlantedError("monitor_speed_step", "monitor/monitor_speed.c",
+                 "larger(state->bound_urad_s - fall, sensor_urad_s)", "state->bound_urad_s - fall"),
+    PlantedError("motor_model_x_per_d", "torque/motor_model.c",
+                 "within_b(scaled_ratio(-scaled_multiply", "(scaled_ratio(-scaled_multiply"),
+    PlantedError("motor_constants_init", "torque/motor_model.c",
+                 "config->rotor.sensor == CONFIG_ROTOR_HALL", "true"),
+    PlantedError("thermal_model_step", "torque/thermal_model.c",
+                 "now_q16 > MOST_q16 ? MOST_q16 : ", ""),
+    PlantedError("hydraulic_model_step", "torque/hydraulic_model.c",
+                 "torque_q6 + q_limit(change_q6, largest_q6)", "torque_q6 + change_q6"),
+    PlantedError("hydraulic_feedback_step", "torque/hydraulic_feedback.c",
+                 "q_max(state->report_mNm + change_mNm, 0)", "state->report_mNm + change_mNm"),
+    PlantedError("temperatures_step", "controller/temperatures.c",
+                 "state->winding_broken = of_winding.broken", "state->winding_broken = true"),
+    PlantedError("operating_point_setpoint", "controller/operating_point.c",
+                 "setpoint->i_reference_pu.q = q_saturate16(sampled_pu.q)",
+                 "setpoint->i_reference_pu.q = sampled_pu.q"),
+    PlantedError("safe_state_step", "monitor/safe_state.c",
+                 "if (better || (was_short && !may_open(config, in))) {\n"
+                 "        out.bridge = BRIDGE_SHORT;",
+                 "if (better || (was_short && !may_open(config, in))) {\n"
+                 "        out.bridge = BRIDGE_PWM;"),
+    PlantedError("torque_init", "torque/torque.c", "    hill_hold_init(&state->hold);\n", ""),
+    PlantedError("monitor_slow_step", "monitor/monitor_slow.c",
+                 "in->battery_open ? MONITOR_BUS_RETURN_STEPS", "in->battery_open ? 0"),
+    PlantedError("controller_fast_report_copy", "controller/controller.c",
+                 "    report->trip = fast->monitor.trip;\n", ""),
+    PlantedError("recorder_slow", "monitor/recorder.c",
+                 "next + 1U < RECORDER_SLOW_ENTRIES ? next + 1U : 0U", "next + 1U"),
+)  # fmt: skip
