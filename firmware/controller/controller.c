@@ -233,6 +233,14 @@ static modes_output_t decide_mode(controller_slow_t *slow, const config_t *confi
     return modes_step(&slow->modes, config, &modes_in);
 }
 
+/* The battery's own voltage where the sensor of the bus contradicts it, otherwise 0. */
+static int32_t contradicting_mV(const slow_input_t *in, const monitor_output_t *watch)
+{
+    const bool contradicts =
+        watch->flux_warning == REASON_BUS_SENSOR && in->bms.contactor != CONTACTOR_OPEN;
+    return contradicts ? in->bms.voltage_mV : 0;
+}
+
 /* The output in its place, which spares its copy. */
 static void step_torque(controller_slow_t *slow, const config_t *config,
                         const fast_report_t *report, const slow_input_t *in,
@@ -259,6 +267,7 @@ static void step_torque(controller_slow_t *slow, const config_t *config,
         .flux_missing_q15 = watch->flux_missing_q15,
         .short_mNm = bridge_is_short(report->bridge) && rotor_valid ? watch->safe_torque_mNm : 0,
         .bus_voltage_mV = at->bus_voltage_mV,
+        .battery_voltage_mV = contradicting_mV(in, watch),
         .phase_voltage_mV = at->phase_voltage_mV,
         .bms_charge_current_mA = in->bms.charge_current_mA,
         .bms_discharge_current_mA = in->bms.discharge_current_mA,

@@ -88,6 +88,7 @@ static void step_limits(torque_state_t *state, const feasible_set_t *set, const 
         .demanded = demanded_side(demand, in->speed_mrad_s),
         .brake_demand_mNm = demand->brake_mNm,
         .bus_voltage_mV = in->bus_voltage_mV,
+        .battery_voltage_mV = in->battery_voltage_mV,
         .bus_current_mA = motor_model_bus_current_mA(set->model, flowing, in->bus_voltage_mV),
         .bms_charge_current_mA = in->bms_charge_current_mA,
         .bms_discharge_current_mA = in->bms_discharge_current_mA,

@@ -388,7 +388,12 @@ void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
     static const reason_t CHARGE[2] = {REASON_CHARGE_CURRENT, REASON_BUS_VOLTAGE_HIGH};
     const config_t *config = model->config;
     const config_battery_t *battery = &config->battery;
-    const int32_t bus_mV = q_clamp(in->bus_voltage_mV, 0, 2 * battery->overvoltage_trip_mV);
+    const int32_t sensor_mV = q_clamp(in->bus_voltage_mV, 0, 2 * battery->overvoltage_trip_mV);
+    const int32_t highest_mV =
+        q_clamp(in->battery_voltage_mV, sensor_mV, 2 * battery->overvoltage_trip_mV);
+    /* The lowest: least power for a current, first to be empty. */
+    const int32_t bus_mV =
+        in->battery_voltage_mV > 0 ? q_min(sensor_mV, in->battery_voltage_mV) : sensor_mV;
     const int32_t drawn_mA = q_max(in->bus_current_mA, -INT32_MAX);
     const battery_limit_t discharge = battery_limit(
         &state->discharge, battery, battery->max_discharge_current_mA, in->bms_discharge_current_mA,
@@ -397,7 +402,7 @@ void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
     const battery_limit_t charge = battery_limit(
         &state->charge, battery, battery->max_charge_current_mA, in->bms_charge_current_mA,
         in->bms_charge_peak_mA, battery->max_voltage_mV - battery->foldback_voltage_mV,
-        battery->max_voltage_mV - bus_mV, -drawn_mA, CHARGE);
+        battery->max_voltage_mV - highest_mV, -drawn_mA, CHARGE);
 
     const int32_t derating_q15 = common_lines(table, config, model, in);
     table->drawn_b = feasible_power_b(model, discharge.current_mA, bus_mV);

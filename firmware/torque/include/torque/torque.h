@@ -47,6 +47,8 @@ typedef struct {
                           bridge is not shorted */
     int32_t flux_missing_q15; /* share of the magnets' flux that is known to be lost, 0 .. 16 384 */
     int32_t bus_voltage_mV;
+    int32_t battery_voltage_mV; /* its own, where that contradicts the sensor of the bus: each limit
+                                   takes the more dangerous of both; 0: none */
     int32_t
         phase_voltage_mV; /* peak phase: largest voltage that leaves the current loop its reserve,
                              >= 0 */

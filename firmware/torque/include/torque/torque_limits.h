@@ -48,6 +48,7 @@ typedef struct {
     side_t demanded;          /* the other side is solved in turns; SIDE_BOTH: both in every step */
     int32_t brake_demand_mNm; /* magnitude; a parallel brake takes a share of it */
     int32_t bus_voltage_mV;
+    int32_t battery_voltage_mV;       /* where it contradicts the bus voltage; 0: it does not */
     int32_t bus_current_mA;           /* of this motor, positive out of the battery */
     int32_t bms_charge_current_mA;    /* whole pack, magnitude; negative counts as 0 */
     int32_t bms_discharge_current_mA; /* whole pack, magnitude */

@@ -250,6 +250,25 @@ void test_each_fold_back_has_its_own_width(void)
     TEST_ASSERT_EQUAL_INT32(1 << 24, state.discharge.allowed_q24);
 }
 
+/* Charging ends at the higher of two voltages that contradict each other and driving at the lower,
+ * of which a current has less power too: 25 A at 53 V, half of 62.5 A at 40.584 V. */
+void test_each_limit_takes_the_more_dangerous_of_two_voltages(void)
+{
+    conditions.bus_voltage_mV = 53000;
+    conditions.battery_voltage_mV = 57816;
+    settle_foldback(20000);
+    const limit_t charging = at_rpm(450.0).regenerating;
+    TEST_ASSERT_EQUAL_INT(REASON_BUS_VOLTAGE_HIGH, charging.reason);
+    TEST_ASSERT_DOUBLE_WITHIN(100.0, torque_at_power_mNm(450.0, -1325.0), charging.torque_mNm);
+    TEST_ASSERT_EQUAL_INT32(1 << 24, state.discharge.allowed_q24);
+    conditions.battery_voltage_mV = 40584;
+    settle_foldback(20000);
+    const limit_t driving = at_rpm(300.0).driving;
+    TEST_ASSERT_EQUAL_INT(REASON_BUS_VOLTAGE_LOW, driving.reason);
+    TEST_ASSERT_DOUBLE_WITHIN(100.0, torque_at_power_mNm(300.0, 1268.25), driving.torque_mNm);
+    TEST_ASSERT_EQUAL_INT32(1 << 24, state.charge.allowed_q24);
+}
+
 /* Returned power grows with braking torque up to the optimum, then falls. Beyond T_zero the motor
  * draws power: at 5 r/min and 40 Nm 3/2 * 0.031 * 56.8^2 = 150 W of copper loss, 21 W mechanical.
  */

@@ -22,6 +22,7 @@ SABOTAGE = {
     "brake_onset": ("plant.driver.demand_age_s=1", "comes"),
     "brake_pedal_unplugged": ("plant.driver.own_brake_path=0", "taken_over"),
     "brake_over_drive": ("plant.driver.demand_age_s=1", "brakes"),
+    "bus_sensor_frozen": ("plant.battery.series_resistance_ohm=0.012", "says_why"),
     "contactor": ("plant.bus.capacitance_f=1e-3", "peak"),
     "contactor_coasting": ("demand_nm=20", "no_drag"),
     "demand_timeout": ("events.silence.until_s=1.05", "gone"),
