@@ -19,3 +19,11 @@ if(HUBFOC_COVERAGE)
   add_compile_options(--coverage)
   add_link_options(--coverage)
 endif()
+if(HUBFOC_MCDC)
+  # Its warnings stay errors: one of them is a decision that it cannot measure. The tests take the
+  # mean of counts in floating point.
+  add_compile_options(-Wno-error=enum-float-conversion
+    $<$<COMPILE_LANGUAGE:C>:-fprofile-instr-generate>
+    $<$<COMPILE_LANGUAGE:C>:-fcoverage-mapping> $<$<COMPILE_LANGUAGE:C>:-fcoverage-mcdc>)
+  add_link_options($<$<LINK_LANGUAGE:C>:-fprofile-instr-generate>)
+endif()

@@ -20,7 +20,7 @@ work.
   fmu [--config CONFIG.toml]    units for co-simulation (FMI 2.0, 3.0): controller, whole vehicle
   release [-o DIR]              firmware, configurations, DBC, FMUs and wheel with SHA-256 sums
   bench                         instructions, stack, code size, simulation speed
-  coverage                      which lines and branches of the firmware the C tests reach
+  coverage [--mcdc]             which lines, branches and conditions the C tests reach
   mutants [MODULE...]           which changes of the control modules no unit test notices
   report                        show the page that sim wrote
   format                        rewrite all sources in the project's format
@@ -151,11 +151,15 @@ TEXT
 
 help_coverage() {
     cat <<'TEXT'
-Usage: tools/dev coverage
+Usage: tools/dev coverage [--mcdc]
 
 Builds the host-coverage preset, runs the unit and closed-loop tests in C and prints lines and
 branches reached in each file of the firmware; build/coverage/index.html shows them line by line,
 build/coverage/summary.json is for machines.
+
+  --mcdc   builds the host-mcdc preset instead (clang 19), runs the unit tests of the pure modules
+           and prints branches and conditions (MC/DC) of each; fails with those that are neither
+           reached nor explained in tests/conditions
 TEXT
 }
 

@@ -10,6 +10,9 @@
 readonly CMAKE_MINIMUM=3.25
 # shellcheck disable=SC2034  # read by tools/dev
 readonly SYSTEM_GROUPS=(build host unit proofs arm qemu checks browser)
+# What few commands need: installed by them, or by name.
+# shellcheck disable=SC2034
+readonly RARE_GROUPS=(mcdc)
 
 # A group is what one kind of work needs; each prints the packages that are missing.
 missing_build() {
@@ -47,6 +50,15 @@ missing_qemu() { have qemu-system-arm || echo qemu-system-arm; }
 missing_checks() {
     have clang-tidy || echo clang-tidy
     have shellcheck || echo shellcheck
+}
+
+# Conditions by name of this version: its export has them.
+missing_mcdc() {
+    have clang-19 || echo clang-19
+    have llvm-cov-19 || echo llvm-19
+    [[ "$(clang-19 -print-file-name="libclang_rt.profile-$(uname -m).a" 2>/dev/null)" == */* ||
+        "$(clang-19 -print-file-name=libclang_rt.profile.a 2>/dev/null)" == */* ]] ||
+        echo libclang-rt-19-dev
 }
 
 missing_openocd() { have openocd || echo openocd; }
