@@ -334,3 +334,59 @@ void test_rate_is_the_configured_one_and_at_least_1_mNm_per_step(void)
     config.brake.torque_rate_mNm_s = 100; /* 0.1 mNm a step, below the resolution of 1 mNm */
     TEST_ASSERT_EQUAL_INT32(1, demand_rate_mNm_per_step(&config));
 }
+
+/* The smallest torque has the reason of any other, and a reason is shown only for what it takes. */
+void test_a_reason_is_that_of_what_is_taken_down_to_1_mNm(void)
+{
+    TEST_ASSERT_EQUAL_INT(REASON_BRAKE_PRIORITY, fresh(1, 10000).reason);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, fresh(-1, 0).reason);
+    TEST_ASSERT_EQUAL_INT32(0, fresh(-1, 0).drive_mNm);
+    in.abs_active = true;
+    TEST_ASSERT_EQUAL_INT(REASON_ABS, fresh(-1, 0).reason);
+    in.abs_active = false;
+    in.direction = DRIVE_DIRECTION_NEUTRAL;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, fresh(0, 0).reason);
+    TEST_ASSERT_EQUAL_INT(REASON_DRIVE_DIRECTION, fresh(1, 0).reason);
+    TEST_ASSERT_EQUAL_INT(REASON_DRIVE_DIRECTION, fresh(-1, 0).reason);
+}
+
+/* 3 rad/s against it is as much as is accepted, in both directions. */
+void test_a_direction_is_accepted_at_its_speed_limit_and_refused_beyond(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        for (int beyond = 0; beyond < 2; beyond++) {
+            demand_init(&state);
+            in.direction = sign > 0 ? DRIVE_DIRECTION_FORWARD : DRIVE_DIRECTION_REVERSE;
+            in.speed_mrad_s = -sign * (3000 + beyond);
+            TEST_ASSERT_EQUAL_INT(beyond ? DRIVE_DIRECTION_NEUTRAL : in.direction,
+                                  fresh(0, 0).engaged);
+        }
+    }
+}
+
+/* A damaged byte is no direction. */
+void test_an_unknown_direction_is_neutral(void)
+{
+    in.direction = (drive_direction_t)77;
+    const demand_t out = fresh(10000, 0);
+    TEST_ASSERT_EQUAL_INT(DRIVE_DIRECTION_NEUTRAL, out.engaged);
+    TEST_ASSERT_EQUAL_INT32(0, out.drive_mNm);
+}
+
+/* Lag of 99 ms: 16 N m arrive at 160 mN m a millisecond, all of which lift-off braking loses. */
+void test_lift_off_and_demanded_braking_fall_together(void)
+{
+    config.brake.hydraulic_time_constant_ms = 99;
+    (void)fresh(-8000, 8000);
+    const demand_t out = silent(HOLD + 1);
+    TEST_ASSERT_EQUAL_INT32(8000 - 161, out.lift_off_mNm);
+    TEST_ASSERT_EQUAL_INT32(8000, out.brake_mNm);
+}
+
+void test_the_rate_of_a_step_is_a_thousandth_of_the_rate_of_a_second(void)
+{
+    config.brake.torque_rate_mNm_s = 999000;
+    TEST_ASSERT_EQUAL_INT32(999, demand_rate_mNm_per_step(&config));
+    config.brake.torque_rate_mNm_s = 999999;
+    TEST_ASSERT_EQUAL_INT32(999, demand_rate_mNm_per_step(&config));
+}
