@@ -107,10 +107,19 @@ static void watch_flux(monitor_emf_state_t *state, const config_t *config,
     }
 }
 
+/* Of a step that counts against the angle. A rotor may be slower than its sensor says, or stand:
+ * README. */
+static int32_t weight_of(const view_t *view)
+{
+    const int64_t half_nV = view->emf_nV / 2;
+    return magnitude(view->across_nV) >= half_nV || -view->along_nV >= half_nV ? MONITOR_EMF_SEEN
+                                                                               : 1;
+}
+
 bool monitor_emf_step(monitor_emf_state_t *state, const config_t *config,
                       const monitor_emf_input_t *in)
 {
-    const int32_t most = config->monitor.angle_fault_time_ms;
+    const int32_t most = MONITOR_EMF_SEEN * config->monitor.angle_fault_time_ms;
     const view_t view = view_of(config, in);
     const bool judged = view.emf_nV >= MARGIN * view.uncertain_nV;
     const bool wrong = magnitude(view.across_nV) >= view.along_nV;
@@ -119,10 +128,10 @@ bool monitor_emf_step(monitor_emf_state_t *state, const config_t *config,
     }
     if (!in->switching || !in->rotor_valid) {
         state->level = 0;
-    } else if (judged && wrong && !in->voltage_limited) {
-        state->level = (uint16_t)q_min(state->level + 1, most);
-    } else if (state->level > 0) {
-        state->level--;
+    } else {
+        const bool counts = judged && wrong && !in->voltage_limited;
+        const int32_t weight = counts ? weight_of(&view) : -MONITOR_EMF_SEEN;
+        state->level = (uint16_t)q_clamp(state->level + weight, 0, most);
     }
     return state->level >= most;
 }

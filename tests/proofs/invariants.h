@@ -58,7 +58,7 @@
      (w)->steps <= MONITOR_WINDOW_STEPS && (w)->level <= MONITOR_WINDOW_QUALIFY_STEPS)
 
 #define monitor_emf_holds(s, c)                                                                    \
-    ((s)->level <= (c)->monitor.angle_fault_time_ms &&                                             \
+    ((s)->level <= MONITOR_EMF_SEEN * (c)->monitor.angle_fault_time_ms &&                          \
      is_within((s)->flux_level, -MONITOR_EMF_FLUX_STEPS, MONITOR_EMF_FLUX_STEPS) &&                \
      is_within((s)->missing_q20, 0, 1 << 19))
 

@@ -9,6 +9,8 @@ function(chip_test name mode elf)
   set_tests_properties(${name} PROPERTIES LABELS target TIMEOUT 120)
 endfunction()
 chip_test(chip_boots_and_brakes stop "$<TARGET_FILE:hubfoc_stm32f405>")
+chip_test(chip_stops_by_other_torques stops "$<TARGET_FILE:hubfoc_stm32f405>")
+set_tests_properties(chip_stops_by_other_torques PROPERTIES LABELS "target;full")
 chip_test(chip_answers_faults faults "$<TARGET_FILE:hubfoc_stm32f405>")
 chip_test(chip_gate_driver_protects driver "$<TARGET_FILE:hubfoc_stm32f405>")
 

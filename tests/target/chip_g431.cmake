@@ -12,6 +12,7 @@ endfunction()
 # chip_g431_tests(ELF): boot and a stop are quick; the rest is labelled full.
 function(chip_g431_tests elf)
   chip_g431_test(chip_g431_boots_and_brakes chip_test_g431 "${elf}" target stop)
+  chip_g431_test(chip_g431_stops_by_other_torques chip_test_g431 "${elf}" "target;full" stops)
   chip_g431_test(chip_g431_trips_on_over_current chip_trip_g431 "${elf}" "target;full")
   chip_g431_test(chip_g431_counts_its_starts chip_starts_g431 "${elf}" "target;full")
   chip_g431_test(chip_g431_answers_faults chip_test_g431 "${elf}" "target;full" faults)

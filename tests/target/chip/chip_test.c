@@ -3,6 +3,7 @@
  * The flashable image on the model of its chip, braking the paper's vehicle.
  *
  *     chip_test ELF stop           boots, brakes to standstill as the bench's own controller does
+ *     chip_test ELF stops          brakes to standstill by other torques, and rolls back on a slope
  *     chip_test ELF faults         a fault of a peripheral each, and what comes of it
  *     chip_test ELF driver         the gate driver's protection, from its settings to its report
  *     chip_test ELF planted_driver the same with an error planted: must be caught
@@ -22,16 +23,17 @@ static const double SPEED_M_PER_S = IMAGE_SPEED_M_PER_S;
 static const double BRAKE_NM = IMAGE_BRAKE_NM;
 /* Of the messages, which CAN adds to the demand and again to the brake's command. */
 static const double CYCLE_S = 0.010;
+static const double RUN_UP_M_PER_S2 = 5.0;
 enum { PERIODS_A_SECOND = RIG_PERIODS_A_SECOND, LONGEST_STOP_s = 5 };
 
 typedef struct {
     double distance_m, stored_j, kinetic_j;
 } stop_t;
 
-static stop_t stop(void)
+static stop_t stop(double brake_nm)
 {
     bench_t *bench = &rig.bench;
-    bench->params.driver.brake_demand_nm = BRAKE_NM;
+    bench->params.driver.brake_demand_nm = brake_nm;
     const double kinetic_j = vehicle_kinetic_energy_j(&bench->road.vehicle, &bench->vehicle);
     for (int i = 0; i < LONGEST_STOP_s * PERIODS_A_SECOND && bench->vehicle.speed_m_per_s > 0.01;
          i++) {
@@ -73,11 +75,21 @@ static bool boots(void)
            obeys_the_manuals();
 }
 
+/* Beyond the stop, too: the halls' speed ends up to a quarter of a second after the wheel's. */
+static bool keeps_its_mode(void)
+{
+    run(0.3);
+    return expect(chip_resets(rig.chip) == 1, "runs without a reset") &&
+           expect(rig.bench.wheel[0].first_fault == REASON_NONE, "stops without a fault") &&
+           expect(rig.drive.vehicle.received.mode == IMAGE_MODE, "stops in mode RUN") &&
+           obeys_the_manuals();
+}
+
 /* CAN makes demand and brake command older by a cycle each: the stop is longer by at most that at
  * full speed, and the battery misses at most the power of two cycles, T w. */
 static bool stops_as(const stop_t *direct)
 {
-    const stop_t seen = stop();
+    const stop_t seen = stop(BRAKE_NM);
     printf("stop: %.3f m, %.1f J of %.1f stored; the bench's own controller: %.3f m, %.1f J\n",
            seen.distance_m, seen.stored_j, seen.kinetic_j, direct->distance_m, direct->stored_j);
     return expect(fabs(seen.distance_m - direct->distance_m) <
@@ -86,16 +98,7 @@ static bool stops_as(const stop_t *direct)
            expect(fabs(seen.stored_j - direct->stored_j) <
                       BRAKE_NM * IMAGE_SPEED_RAD_S * 2.0 * CYCLE_S + 0.002 * seen.kinetic_j,
                   "stores what there is to store") &&
-           expect(chip_resets(rig.chip) == 1, "runs without a reset") &&
-           expect(rig.bench.wheel[0].first_fault == REASON_NONE, "stops without a fault") &&
-           expect(rig.drive.vehicle.received.mode == IMAGE_MODE, "stops in mode RUN") &&
-           obeys_the_manuals();
-}
-
-/* From the standstill, or at speed after another power-on. */
-static bool drives_again(const char *elf)
-{
-    return IMAGE_DRIVES_AFTER_STOP || (open_rig(elf) && boots());
+           keeps_its_mode();
 }
 
 static bool passes(const char *elf)
@@ -106,9 +109,52 @@ static bool passes(const char *elf)
     if (!expect(drive_off(NULL), "the bench's own controller comes to RUN")) {
         return false;
     }
-    const stop_t direct = stop();
-    return boots() && stops_as(&direct) && drives_again(elf) && driver_fault_works() &&
-           obeys_the_manuals();
+    const stop_t direct = stop(BRAKE_NM);
+    return boots() && stops_as(&direct) && driver_fault_works() && obeys_the_manuals();
+}
+
+/* ---- other stops ---- */
+
+static void bring_to_speed(void)
+{
+    bench_t *bench = &rig.bench;
+    bench->params.driver.brake_demand_nm = 0.0;
+    bench->params.road.slope = 0.0;
+    bench_refresh(bench);
+    bench->speed_prescribed = true;
+    for (double speed = bench->vehicle.speed_m_per_s; speed < SPEED_M_PER_S;
+         speed += RUN_UP_M_PER_S2 / PERIODS_A_SECOND) {
+        bench->vehicle.speed_m_per_s = speed;
+        bench_period(bench);
+    }
+    bench->speed_prescribed = false;
+}
+
+static bool stops_by(double brake_nm, double slope)
+{
+    bring_to_speed();
+    rig.bench.params.road.slope = slope;
+    bench_refresh(&rig.bench);
+    (void)stop(brake_nm);
+    const bool good = keeps_its_mode();
+    const double after = rig.bench.vehicle.speed_m_per_s;
+    printf("stop by %g N m, slope %g: %s, %.2f m/s 0.3 s later\n", brake_nm, slope,
+           good ? "no fault" : "a fault", after);
+    return good && expect(slope > 0.0 ? after < -0.1 : fabs(after) < 0.01,
+                          "stands, or rolls back on the slope");
+}
+
+static bool stops_by_each(const char *elf)
+{
+    static const double OTHER_NM[] = IMAGE_OTHER_BRAKES_NM;
+    if (!open_rig(elf) || !boots()) {
+        return wrong("the image does not boot");
+    }
+    bool good = true;
+    for (unsigned i = 0; i < sizeof OTHER_NM / sizeof OTHER_NM[0]; i++) {
+        good = good && stops_by(OTHER_NM[i], 0.0);
+    }
+    return good && stops_by(IMAGE_SMALL_BRAKE_NM, IMAGE_SLOPE);
 }
 
 /* ---- the gate driver ---- */
@@ -345,12 +391,16 @@ static bool answers_faults(const char *elf)
 int main(int argc, char **argv)
 {
     if (argc != 3) {
-        (void)fprintf(stderr, "usage: chip_test ELF stop|faults|driver|planted|planted_driver\n");
+        (void)fprintf(stderr,
+                      "usage: chip_test ELF stop|stops|faults|driver|planted|planted_driver\n");
         return 2;
     }
     bool good = false;
     if (strcmp(argv[2], "faults") == 0) {
         good = answers_faults(argv[1]);
+    } else if (strcmp(argv[2], "stops") == 0) {
+        good = stops_by_each(argv[1]);
+        printf("%s\n", good ? "as it must be" : rig.why);
     } else {
         good = strstr(argv[2], "driver") != NULL ? driver_passes(argv[1]) : passes(argv[1]);
         printf("%s\n", good ? "as it must be" : rig.why);

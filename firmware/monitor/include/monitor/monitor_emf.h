@@ -6,10 +6,11 @@
  *     e_d = u_d - R i_d + w L_q i_q        e_q = u_q - R i_q - w L_d i_d
  *
  * is (0, w psi) at the right angle, in the estimated frame. The angle is implausible if e is more
- * than 45 degrees away from the q axis, or if e_q and the speed have opposite signs. It is checked
- * only where w psi >= 4 U, U the uncertainty of e, and while the voltage is not limited. The error
- * is qualified by monitor.angle_fault_time more implausible than plausible steps. README, Angle
- * check.
+ * than 45 degrees away from the q axis, or if e_q and the speed have opposite signs, and e is at
+ * least w psi/2 in its larger component: a smaller one shows no angle but a rotor that is slower
+ * than its sensor says. It is checked only where w psi >= 4 U, U the uncertainty of e, and while
+ * the voltage is not limited. The error is qualified by monitor.angle_fault_time more implausible
+ * than plausible steps; a smaller e counts 1/32. README, Angle check.
  */
 #ifndef MONITOR_MONITOR_EMF_H
 #define MONITOR_MONITOR_EMF_H
@@ -19,7 +20,10 @@
 
 #include "config/config.h"
 
-enum { MONITOR_EMF_FLUX_STEPS = 200 /* ms, qualify and heal time */ };
+enum {
+    MONITOR_EMF_FLUX_STEPS = 200, /* ms, qualify and heal time */
+    MONITOR_EMF_SEEN = 32         /* weight of a step with an EMF; 1: a smaller one */
+};
 
 /* What e_q says of the magnets' flux at the configured temperature coefficient. */
 typedef enum {
@@ -29,7 +33,7 @@ typedef enum {
 } monitor_emf_flux_t;
 
 typedef struct {
-    uint16_t level;
+    uint16_t level; /* in 1/32 steps */
     int16_t flux_level;
     monitor_emf_flux_t flux; /* qualified; stays where it cannot be judged */
     int32_t missing_q20; /* share of the flux, 64 ms mean, 1 048 576 = 1.0; 0 unless FLUX_WEAK */
@@ -54,13 +58,13 @@ typedef struct {
  *
  * @post monitor_emf_holds(state, config)
  *
- * @post result == (state->level == config->monitor.angle_fault_time_ms)
+ * @post result == (state->level == MONITOR_EMF_SEEN * config->monitor.angle_fault_time_ms)
  *
  * @post (in->switching && in->rotor_valid) || (state->level == 0 && state->flux ==
  * old(state->flux))
  *
- * @post state->level <= old(state->level) || (!in->voltage_limited && state->level ==
- * old(state->level) + 1)
+ * @post state->level <= old(state->level) || (!in->voltage_limited && state->level <=
+ * old(state->level) + MONITOR_EMF_SEEN)
  *
  * @post state->flux == old(state->flux) || state->flux_level == (state->flux ==
  * MONITOR_EMF_FLUX_WEAK ? -MONITOR_EMF_FLUX_STEPS : state->flux == MONITOR_EMF_FLUX_STRONG ?

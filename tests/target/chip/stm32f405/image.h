@@ -8,6 +8,11 @@
 #define IMAGE_SPEED_M_PER_S 2.5
 #define IMAGE_BRAKE_NM 90.0
 #define IMAGE_SMALL_BRAKE_NM 20.0
+#define IMAGE_OTHER_BRAKES_NM                                                                      \
+    {                                                                                              \
+        180.0, 60.0                                                                                \
+    }
+#define IMAGE_SLOPE 0.12 /* 49 N m at the wheel */
 #define IMAGE_DRIVE_NM 10.0
 #define IMAGE_SPEED_RAD_S 9.0 /* at that speed, rounded up */
 #define IMAGE_MODE MODE_RUN
@@ -15,7 +20,6 @@
 #define IMAGE_CLOCK_IS_WATCHED false
 #define IMAGE_BROWN_OUT_HAS_A_FLAG true
 #define IMAGE_OPTION_BYTES_RESET false
-#define IMAGE_DRIVES_AFTER_STOP true
 
 static inline bench_params_t image_vehicle(void)
 {

@@ -9,6 +9,11 @@
 #define IMAGE_SPEED_M_PER_S 1.9
 #define IMAGE_BRAKE_NM 4.0
 #define IMAGE_SMALL_BRAKE_NM 2.0
+#define IMAGE_OTHER_BRAKES_NM                                                                      \
+    {                                                                                              \
+        4.0, 2.5, 1.0                                                                              \
+    }
+#define IMAGE_SLOPE 0.5 /* 4 N m at the wheel */
 #define IMAGE_DRIVE_NM 1.5
 #define IMAGE_SPEED_RAD_S 23.1 /* at that speed, rounded up */
 #define IMAGE_MODE MODE_LIMP
@@ -16,7 +21,6 @@
 #define IMAGE_CLOCK_IS_WATCHED true
 #define IMAGE_BROWN_OUT_HAS_A_FLAG false /* the supply's */
 #define IMAGE_OPTION_BYTES_RESET true
-#define IMAGE_DRIVES_AFTER_STOP false /* README, What it does not show */
 
 static inline bench_params_t image_vehicle(void)
 {

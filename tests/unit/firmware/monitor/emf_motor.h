@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* emf_motor.h: what the angle check sees of a motor in double precision, in a dq frame with an
+ * angle error. */
+#ifndef TEST_EMF_MOTOR_H
+#define TEST_EMF_MOTOR_H
+
+#include <math.h>
+
+#include "monitor/monitor_emf.h"
+#include "paper_vehicle.h"
+
+static const double PI = 3.14159265358979323846;
+
+/* Parameters of the motor relative to the configuration. */
+typedef struct {
+    double resistance, inductance, flux; /* factors */
+    double dead_time_share;              /* uncompensated share of the dead-time voltage */
+} plant_t;
+
+static const plant_t AS_CONFIGURED = {1.0, 1.0, 1.0, 0.0};
+
+/* Steady state at a mechanical speed; currents in the rotor's dq frame. The estimated frame leads
+ * it by offset_deg. */
+static inline monitor_emf_input_t emf_measured(const config_t *config, double rpm, double i_d_a,
+                                               double i_q_a, double offset_deg,
+                                               const plant_t *plant)
+{
+    const config_motor_t *m = &config->motor;
+    const double w = rpm * 2.0 * PI / 60.0 * m->pole_pairs;
+    const double r = 1e-6 * m->phase_resistance_uOhm * plant->resistance;
+    const double l_d = 1e-9 * m->d_inductance_nH * plant->inductance;
+    const double l_q = 1e-9 * m->q_inductance_nH * plant->inductance;
+    const double psi = 1e-9 * m->flux_linkage_nWb * plant->flux;
+    const double dead_v = plant->dead_time_share * 4.0 / 3.0 * 1e-9 * config->drive.dead_time_ns *
+                          config->drive.pwm_frequency_Hz * 53.0;
+    const double u_d = r * i_d_a - w * l_q * i_q_a + dead_v;
+    const double u_q = r * i_q_a + w * (l_d * i_d_a + psi);
+    const double c = cos(offset_deg * PI / 180.0);
+    const double s = sin(offset_deg * PI / 180.0);
+    const monitor_emf_input_t out = {
+        .u_d_mV = (int32_t)lround(1e3 * (c * u_d + s * u_q)),
+        .u_q_mV = (int32_t)lround(1e3 * (c * u_q - s * u_d)),
+        .i_d_mA = (int32_t)lround(1e3 * (c * i_d_a + s * i_q_a)),
+        .i_q_mA = (int32_t)lround(1e3 * (c * i_q_a - s * i_d_a)),
+        .bus_voltage_mV = 53000,
+        .speed_mrad_s = mrad_s_of_rpm(rpm),
+        .switching = true,
+        .rotor_valid = true,
+    };
+    return out;
+}
+
+#endif
