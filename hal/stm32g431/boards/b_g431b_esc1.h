@@ -39,7 +39,8 @@ enum {
     BOARD_AMPLIFIER_GAIN_DENOMINATOR = 7,
     BOARD_CURRENT_INVERTED = 1, /* the amplifiers' output falls with current into the motor */
     /* The network alone, before the amplifiers and the comparators. Its level without current: half
-     * of the reference at the amplifiers' output is 103 mV; without a source, so with a margin. */
+     * of the reference at the amplifiers' output is 103 mV, one board was measured with 128 mV
+     * (README, The board): with a margin. */
     BOARD_NETWORK_NUMERATOR = 4,
     BOARD_NETWORK_DENOMINATOR = 7,
     BOARD_NETWORK_LEVEL_LEAST_mV = 60,
@@ -60,7 +61,9 @@ enum {
     BOARD_ENCODER_WIRED = 1,
     BOARD_CURRENT_MOST_A = 40,
     BOARD_VOLTAGE_MOST_V = 25,
-    /* STM32G431xB data sheet (DS12589), table 13. */
+    /* STM32G431xB data sheet (DS12589), table 13; all, and the converters' channels, as in the
+     * Arduino core's variants/STM32G4xx/G431C(6-8-B)U_G441CBU/PeripheralPins.c, made of the
+     * vendor's pin data. */
     BOARD_AF_GATES_HIGH = 6,
     BOARD_AF_GATE_LOW_A = 4,
     BOARD_AF_GATE_LOW_B = 6,
