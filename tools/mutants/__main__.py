@@ -45,8 +45,12 @@ def show_progress(count: int, total: int) -> None:
 def test_module(module: str, arguments: argparse.Namespace) -> Result:
     """Let the unit tests of one module meet its mutants, and compare with the tables."""
     numbered = programs.changes_of(module)
-    wanted = [number for number in numbered if number % arguments.every == 0]
-    folder = programs.FOLDER / f"{module}-{arguments.every}"
+    wanted = [
+        number
+        for number, (path, _) in numbered.items()
+        if number % arguments.every == 0 and arguments.file in (None, path.name)
+    ]
+    folder = programs.FOLDER / f"{module}-{arguments.file or arguments.every}"
     built = programs.build(module, folder, arguments.jobs, numbered)
     tables = explained.Tables(TABLES, module)
     name = explained.names(numbered)
@@ -88,6 +92,7 @@ def main() -> int:
     parser.add_argument("--json", type=Path, metavar="FILE")
     parser.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)), metavar="N")
     parser.add_argument("--every", type=int, default=1, metavar="N")
+    parser.add_argument("--file", metavar="NAME")
     parser.add_argument("--write-open", action="store_true")
     arguments = parser.parse_args()
     for module in arguments.modules:
@@ -95,8 +100,8 @@ def main() -> int:
             parser.error(f"no module '{module}'; there are: {' '.join(programs.MODULES)}")
     if arguments.jobs < 1 or arguments.every < 1:
         parser.error("--jobs and --every need a number of at least 1")
-    if arguments.write_open and arguments.every != 1:
-        parser.error("--write-open needs all mutants, without --every")
+    if arguments.write_open and (arguments.every != 1 or arguments.file):
+        parser.error("--write-open needs all mutants, without --every and --file")
     results = []
     for module in arguments.modules or programs.MODULES:
         if arguments.list:

@@ -165,7 +165,8 @@ TEXT
 
 help_mutants() {
     cat <<'TEXT'
-Usage: tools/dev mutants [MODULE...] [--list] [--json FILE] [--jobs N] [--every N] [--write-open]
+Usage: tools/dev mutants [MODULE...] [--list] [--json FILE] [--jobs N] [--every N] [--file NAME]
+                         [--write-open]
 
 Mutation testing of firmware/modes, monitor, foc and torque (default: all four). Every relation,
 sum, constant, condition, limit and statement is changed, one at a time, and the unit tests of the
@@ -177,6 +178,7 @@ whose mutant is killed.
   --json FILE    also write the figures and the survivors to FILE
   --jobs N       so many at the same time; default: one for each processor
   --every N      only every Nth mutant
+  --file NAME    only those of one file, e.g. monitor_speed.c
   --write-open   list in tests/mutants/open_MODULE.txt what survives without an explanation
 TEXT
 }

@@ -53,6 +53,16 @@ void test_demagnetising_current_takes_its_flux_and_needs_its_voltage(void)
     assert_forced_up_to(992683, 1000000);
     config.motor.d_inductance_nH = 200000000; /* more than the flux: none is left */
     assert_forced_up_to(2969, 1000000);
+    assert_forced_up_to(2969, 1050000000);
+}
+
+/* 1 nWb at 1 050 000 rad/s: 1 mV beside the 1500 mV, 1501 mV * 1.732 * 8/7 = 2971.1 mV. */
+void test_the_least_flux_that_is_left_counts(void)
+{
+    config.motor.flux_linkage_nWb = 1000000001;
+    config.motor.d_inductance_nH = 100000000;
+    config.current_loop.field_weakening_current_pu_q15 = 10000;
+    assert_forced_up_to(2971, 1050000000);
 }
 
 /* 0.9 * 0.8 = 0.72 of the bus: 1979428.6 mV / 0.72 = 2749206.3 mV. */

@@ -196,3 +196,12 @@ void test_overcurrent_after_a_suspected_open_phase_is_named_by_it(void)
     in.bridge = BRIDGE_OFF;
     TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, step().fault);
 }
+
+void test_another_trip_keeps_its_name_beside_a_suspected_open_phase(void)
+{
+    no_current_in_phase_a();
+    (void)run(2);
+    in.fast_trip = REASON_PROGRAM_FLOW;
+    in.bridge = BRIDGE_OFF;
+    TEST_ASSERT_EQUAL_INT(REASON_PROGRAM_FLOW, step().fault);
+}

@@ -1,0 +1,429 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The speed upper bound at its limits: lengths of windows, thresholds and rates, each on both
+ * sides. The vehicle is chosen so that they are whole numbers: 10 pole pairs at 20 kHz, of which 16
+ * quadrant transitions in n periods are 50 265 600/n mrad/s; tyre grip slows the wheel by 100
+ * mrad/s in a step, coasting by 1; the silence of the current sensors is 10 240 mA. */
+#include <math.h>
+
+#include "monitor/monitor_speed.h"
+#include "paper_vehicle.h"
+#include "unity.h"
+
+enum {
+    PERIODS_PER_MS = 20,
+    SILENCE_mA = 10240,
+    GRIP_urad_s = 100000,
+    COASTING_urad_s = 1000,
+    SPEED_OF_700_mrad_s = 71808,
+    HAND_OVER_mrad_s = 2000
+};
+
+static config_t config;
+static monitor_speed_state_t state;
+static monitor_speed_input_t in;
+
+void setUp(void)
+{
+    const monitor_speed_state_t initial = {.windows = 0};
+    const monitor_speed_input_t rest = {
+        .rotor_valid = true, .offsets_known = true, .bridge = BRIDGE_PWM, .bus_voltage_mV = 40000};
+    config = paper_vehicle();
+    config.drive.pwm_frequency_Hz = 20000;
+    config.drive.current_full_scale_mA = 163840;
+    config.monitor.current_sum_pu_q15 = 2048;   /* 1/16 of the range: the silence */
+    config.monitor.offset_tolerance_codes = 64; /* twice that is as much */
+    config.monitor.tyre_grip_mm_s2 = 9800;
+    config.monitor.coasting_mm_s2 = 98;
+    config.vehicle.wheel_radius_um = 98000;
+    config.brake.blend_out_end_mrad_s = HAND_OVER_mrad_s;
+    config.motor.pole_pairs = 10;
+    config.motor.phase_resistance_uOhm = 10000;
+    config.motor.d_inductance_nH = 1000;
+    config.motor.flux_linkage_nWb = 20000000;
+    state = initial;
+    in = rest;
+}
+
+void tearDown(void) {}
+
+static int32_t step(void)
+{
+    return monitor_speed_step(&state, &config, &in);
+}
+
+/* Milliseconds without quadrant transitions. */
+static int32_t wait(int milliseconds)
+{
+    int32_t bound_mrad_s = 0;
+    for (int n = 0; n < milliseconds; n++) {
+        in.fast_step_count = (uint16_t)(in.fast_step_count + PERIODS_PER_MS);
+        bound_mrad_s = step();
+    }
+    return bound_mrad_s;
+}
+
+/* Quadrant transitions that all fall into one slow step, the last of them at its end. */
+static int32_t transitions(int quarters, int periods, int32_t current_mA)
+{
+    in.i_d_mA = current_mA;
+    in.fast_step_count = (uint16_t)(in.fast_step_count + periods);
+    in.current_quarters = (uint16_t)(in.current_quarters + quarters);
+    in.quarter_step = in.fast_step_count;
+    return step();
+}
+
+/* The sensor is lost at 70 rad/s, and the bridge is shorted. */
+static void lose_sensor_and_short(void)
+{
+    in.speed_mrad_s = 70000;
+    (void)step();
+    in.speed_mrad_s = 0;
+    in.rotor_valid = false;
+    in.bridge = BRIDGE_SHORT;
+}
+
+/* ---- windows of the short circuit ---- */
+
+void test_a_short_circuit_holds_the_bound_until_its_second_window_ends(void)
+{
+    lose_sensor_and_short();
+    in.i_d_mA = 1000000; /* far too much for any speed that was counted */
+    for (int n = 1; n <= 199; n++) {
+        (void)wait(1);
+        TEST_ASSERT_EQUAL_INT64(70000000, state.bound_urad_s);
+    }
+    for (int n = 1; n <= 400; n++) {
+        (void)wait(1);
+        TEST_ASSERT_EQUAL_INT64(70000000 - n * COASTING_urad_s, state.bound_urad_s);
+    }
+    TEST_ASSERT_EQUAL_INT32(2, state.windows);
+}
+
+/* Likewise what a stopped sensor does not lower, while the bound itself falls with the sensor. */
+void test_a_short_circuit_holds_rest_until_its_second_window_ends(void)
+{
+    lose_sensor_and_short();
+    in.rotor_valid = true;
+    in.i_d_mA = 1000000;
+    (void)wait(199);
+    TEST_ASSERT_EQUAL_INT64(70000000, state.rest_urad_s);
+    (void)wait(10);
+    TEST_ASSERT_EQUAL_INT64(70000000 - 10 * COASTING_urad_s, state.rest_urad_s);
+    TEST_ASSERT_EQUAL_INT64(70000000 - 10 * GRIP_urad_s, state.bound_urad_s);
+}
+
+void test_what_a_short_circuit_measures_replaces_rest_of_a_stopped_sensor(void)
+{
+    lose_sensor_and_short();
+    in.rotor_valid = true;
+    (void)transitions(16, 2000, 20000);
+    (void)transitions(16, 2000, 20000);
+    TEST_ASSERT_TRUE(state.stopped);
+    TEST_ASSERT_EQUAL_INT64(25132000, state.bound_urad_s);
+    TEST_ASSERT_EQUAL_INT64(25132000, state.rest_urad_s);
+}
+
+void test_a_vector_that_turns_backwards_ends_its_windows_as_well(void)
+{
+    lose_sensor_and_short();
+    TEST_ASSERT_EQUAL_INT32(70000, transitions(-16, 800, 20000));
+    TEST_ASSERT_EQUAL_INT32(62832, transitions(-16, 800, 20000));
+}
+
+/* 15 transitions early in each window of 100 ms: with the one that may have been missed they are 16
+ * in 2000 periods. Each window begins where the one before ended. */
+void test_a_window_of_100_ms_counts_one_transition_more(void)
+{
+    lose_sensor_and_short();
+    for (int window = 0; window < 4; window++) {
+        (void)transitions(15, PERIODS_PER_MS, 20000);
+        (void)wait(98);
+        TEST_ASSERT_EQUAL_INT32(window < 2 ? window : 2, state.windows);
+        const int32_t bound_mrad_s = wait(1);
+        TEST_ASSERT_EQUAL_INT32(window == 0 ? 70000 : 25132, bound_mrad_s);
+    }
+}
+
+/* 71 808 - 71 808/8 = 62 832: 16 transitions in 800 periods. */
+void test_a_window_an_eighth_slower_counts_at_once_and_a_slower_one_does_not(void)
+{
+    for (int beyond = 0; beyond < 2; beyond++) {
+        setUp();
+        lose_sensor_and_short();
+        (void)transitions(16, 700, 20000);
+        TEST_ASSERT_EQUAL_INT32(SPEED_OF_700_mrad_s, transitions(16, 700, 20000));
+        TEST_ASSERT_EQUAL_INT32(beyond == 0 ? 62832 : SPEED_OF_700_mrad_s,
+                                transitions(16, 800 + beyond, 20000));
+    }
+}
+
+void test_two_valid_windows_in_a_row_make_a_speed(void)
+{
+    lose_sensor_and_short();
+    (void)transitions(16, 700, 9000000);
+    (void)transitions(16, 700, 20000);
+    TEST_ASSERT_EQUAL_INT64(70000000 - COASTING_urad_s, state.bound_urad_s);
+    TEST_ASSERT_EQUAL_INT32(SPEED_OF_700_mrad_s, transitions(16, 700, 20000));
+    (void)transitions(16, 700, 9000000);
+    TEST_ASSERT_EQUAL_INT64(SPEED_OF_700_mrad_s * 1000 - COASTING_urad_s, state.bound_urad_s);
+}
+
+void test_a_short_circuit_begins_without_the_windows_of_the_one_before(void)
+{
+    lose_sensor_and_short();
+    (void)transitions(16, 2000, 20000);
+    TEST_ASSERT_EQUAL_INT32(25132, transitions(16, 2000, 20000));
+    (void)transitions(10, 100, 20000); /* and half of a third */
+    (void)wait(50);
+    in.bridge = BRIDGE_OFF;
+    in.i_d_mA = 0;
+    in.speed_mrad_s = 70000;
+    in.rotor_valid = true;
+    (void)wait(5);
+    lose_sensor_and_short();
+    (void)wait(99);
+    TEST_ASSERT_EQUAL_INT32(0, state.windows);
+    (void)wait(1);
+    TEST_ASSERT_EQUAL_INT32(1, state.windows);
+    TEST_ASSERT_EQUAL_INT64(70000000, state.bound_urad_s);
+    (void)wait(99);
+    TEST_ASSERT_EQUAL_INT64(70000000, state.bound_urad_s);
+    (void)wait(1); /* two windows without a current: standstill */
+    TEST_ASSERT_EQUAL_INT64(0, state.bound_urad_s);
+}
+
+void test_current_of_an_earlier_window_does_not_count_in_a_later_one(void)
+{
+    lose_sensor_and_short();
+    (void)transitions(16, 2000, 20000);
+    TEST_ASSERT_EQUAL_INT32(25132, transitions(16, 2000, 20000));
+    in.i_d_mA = 0;
+    (void)wait(200);
+    TEST_ASSERT_EQUAL_INT64(0, state.bound_urad_s);
+}
+
+/* ---- thresholds ---- */
+
+/* At the silence there is no current, above it one quarter turn in 2000 periods may be missed:
+ * 15 708 * 20 000/(10 * 2000 * 10) mrad/s. Offsets that are not known are another silence. */
+void test_current_above_the_silence_is_no_standstill(void)
+{
+    for (int known = 0; known < 2; known++) {
+        for (int above = 0; above < 2; above++) {
+            setUp();
+            in.offsets_known = known != 0;
+            lose_sensor_and_short();
+            in.i_q_mA = -(known != 0 ? 1 : 2) * SILENCE_mA - above;
+            TEST_ASSERT_EQUAL_INT32(above == 0 ? 0 : 1570, wait(200));
+        }
+    }
+}
+
+/* 71.808 rad/s are an EMF of 14.3616 V: twice that at 0.1 ohm is 287.232 A, and at the reactance of
+ * 0.2 mH, 0.143616 ohm, 200 A. The volts are whole millivolts, rounded down. */
+void test_current_up_to_twice_what_the_speed_drives_fits(void)
+{
+    static const struct {
+        int32_t r_uOhm, l_nH, fits_mA, beyond_mA;
+    } CASES[] = {{100000, 10000, 287220, 287240}, {1000, 200000, 199990, 200010}};
+    for (int n = 0; n < 2; n++) {
+        for (int beyond = 0; beyond < 2; beyond++) {
+            setUp();
+            config.motor.phase_resistance_uOhm = CASES[n].r_uOhm;
+            config.motor.d_inductance_nH = CASES[n].l_nH;
+            lose_sensor_and_short();
+            const int32_t current_mA = beyond != 0 ? CASES[n].beyond_mA : CASES[n].fits_mA;
+            (void)transitions(16, 700, current_mA);
+            (void)transitions(16, 700, current_mA);
+            TEST_ASSERT_EQUAL_INT64(beyond != 0 ? 70000000 - COASTING_urad_s
+                                                : SPEED_OF_700_mrad_s * 1000,
+                                    state.bound_urad_s);
+        }
+    }
+}
+
+void test_the_least_silence_is_no_current(void)
+{
+    config.drive.current_full_scale_mA = 1000;
+    config.monitor.current_sum_pu_q15 = 16;
+    lose_sensor_and_short();
+    TEST_ASSERT_EQUAL_INT32(0, wait(200));
+}
+
+/* What no motor does, and what has no undefined result. */
+void test_more_transitions_than_periods_saturate_the_speed(void)
+{
+    config.drive.pwm_frequency_Hz = 100000;
+    config.motor.pole_pairs = 1;
+    lose_sensor_and_short();
+    (void)transitions(INT16_MAX, 1, 20000);
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, transitions(INT16_MAX, 1, 20000));
+    setUp();
+    config.drive.pwm_frequency_Hz = 100000;
+    config.motor.d_inductance_nH = 1000000000;
+    lose_sensor_and_short();
+    (void)transitions(16, 1, 6000000); /* 6 kA in 2 kohm */
+    (void)transitions(16, 1, 6000000);
+    TEST_ASSERT_EQUAL_INT64(70000000 - COASTING_urad_s, state.bound_urad_s);
+}
+
+/* The quotient is rounded down to 10 urad/s: never faster than grip permits. */
+void test_the_bound_never_falls_faster_than_tyre_grip(void)
+{
+    config.vehicle.wheel_radius_um = 98010;
+    const double fall_urad_s = 9800e6 / 98010.0;
+    in.speed_mrad_s = 70000;
+    (void)step();
+    in.speed_mrad_s = 0;
+    (void)wait(500);
+    TEST_ASSERT_TRUE((double)state.bound_urad_s >= 70e6 - 500.0 * fall_urad_s);
+    TEST_ASSERT_TRUE((double)state.bound_urad_s <= 70e6 - 500.0 * (fall_urad_s - 10.0));
+}
+
+/* ---- a sensor that stops ---- */
+
+static void ride(int milliseconds, int32_t mrad_s)
+{
+    in.speed_mrad_s = mrad_s;
+    (void)wait(milliseconds);
+}
+
+void test_a_sensor_stops_when_it_falls_by_more_than_grip_and_the_hand_over_speed(void)
+{
+    ride(10, 44000);
+    ride(1, 44000 - 100 - HAND_OVER_mrad_s);
+    TEST_ASSERT_FALSE(state.stopped);
+    TEST_ASSERT_EQUAL_UINT16(0, state.sudden_stops);
+    setUp();
+    ride(10, 44000);
+    ride(1, 44000 - 100 - HAND_OVER_mrad_s - 1);
+    TEST_ASSERT_TRUE(state.stopped);
+    TEST_ASSERT_EQUAL_UINT16(1, state.sudden_stops);
+}
+
+void test_every_sudden_stop_is_counted_once(void)
+{
+    for (uint16_t stops = 1; stops <= 3; stops++) {
+        ride(10, 44000); /* at least rest's speed: counts again at once */
+        TEST_ASSERT_FALSE(state.stopped);
+        ride(50, 0);
+        TEST_ASSERT_TRUE(state.stopped);
+        TEST_ASSERT_EQUAL_UINT16(stops, state.sudden_stops);
+    }
+}
+
+void test_an_invalid_sensor_does_not_stop(void)
+{
+    ride(10, 44000);
+    in.rotor_valid = false;
+    ride(100, 0);
+    TEST_ASSERT_FALSE(state.stopped);
+    TEST_ASSERT_EQUAL_UINT16(0, state.sudden_stops);
+}
+
+/* Rest falls by 1 mrad/s in a step and meets a sensor that shows the speed that it will have. A
+ * sensor that counts again lowers it as fast as grip permits. */
+void test_a_stopped_sensor_that_shows_the_speed_of_rest_counts_again(void)
+{
+    ride(10, 44000);
+    ride(99, 0);
+    TEST_ASSERT_EQUAL_INT64(44000000 - 99 * COASTING_urad_s, state.rest_urad_s);
+    ride(1, 44000 - 99);
+    ride(1, 44000 - 99 - 50);
+    TEST_ASSERT_EQUAL_INT64(INT64_C(1000) * (44000 - 99 - 50), state.rest_urad_s);
+}
+
+void test_neither_an_invalid_sensor_nor_the_hand_over_speed_shows_movement(void)
+{
+    for (int valid = 0; valid < 2; valid++) {
+        setUp();
+        ride(10, 44000);
+        ride(100, 0);
+        in.rotor_valid = valid != 0;
+        ride(300, valid != 0 ? HAND_OVER_mrad_s : 2 * HAND_OVER_mrad_s);
+        TEST_ASSERT_TRUE(state.stopped);
+        TEST_ASSERT_EQUAL_INT64(44000000 - 400 * COASTING_urad_s, state.rest_urad_s);
+    }
+}
+
+void test_movement_is_not_forgotten_after_65_s(void)
+{
+    ride(UINT16_MAX + 50, 44000);
+    ride(1, 10000);
+    TEST_ASSERT_FALSE(state.stopped);
+}
+
+/* ---- diodes ---- */
+
+/* 1.02 v/(sqrt(3) psi p): 2 % beyond the speed at which the EMF reaches the bus. */
+static int32_t bus_speed_mrad_s(void)
+{
+    return (int32_t)lround(1.02 * in.bus_voltage_mV / (sqrt(3.0) * 0.02 * 10.0));
+}
+
+static void freewheel(bool valid, int32_t mrad_s, int32_t current_mA)
+{
+    in.bridge = BRIDGE_OFF;
+    in.rotor_valid = valid;
+    in.speed_mrad_s = mrad_s;
+    in.i_d_mA = current_mA;
+}
+
+void test_a_diode_current_shows_the_speed_of_the_bus_whatever_an_invalid_sensor_shows(void)
+{
+    freewheel(false, 50000, 2 * SILENCE_mA);
+    TEST_ASSERT_EQUAL_INT32(50000, wait(19));
+    TEST_ASSERT_INT32_WITHIN(1, bus_speed_mrad_s(), wait(1));
+}
+
+void test_a_valid_sensor_beyond_the_hand_over_speed_applies_in_either_direction(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        setUp();
+        freewheel(true, sign * 50000, 2 * SILENCE_mA);
+        TEST_ASSERT_EQUAL_INT32(50000, wait(100));
+    }
+}
+
+void test_steps_without_a_current_do_not_delay_a_diode_current(void)
+{
+    freewheel(false, 0, 0);
+    (void)wait(50);
+    in.i_d_mA = 2 * SILENCE_mA;
+    TEST_ASSERT_EQUAL_INT32(0, wait(19));
+    TEST_ASSERT_INT32_WITHIN(1, bus_speed_mrad_s(), wait(1));
+}
+
+void test_a_step_with_pwm_begins_the_qualification_again(void)
+{
+    freewheel(false, 0, 2 * SILENCE_mA);
+    (void)wait(19);
+    in.bridge = BRIDGE_PWM;
+    (void)wait(1);
+    in.bridge = BRIDGE_OFF;
+    TEST_ASSERT_EQUAL_INT32(0, wait(19));
+    TEST_ASSERT_INT32_WITHIN(1, bus_speed_mrad_s(), wait(1));
+}
+
+/* Every step with a current counts up, every one without counts down: with two of three the count
+ * is 20 after 18 * 3 + 2 steps. */
+void test_a_diode_current_with_gaps_qualifies_when_it_flows_20_steps_more_than_not(void)
+{
+    freewheel(false, 0, 0);
+    for (int n = 1; n <= 56; n++) {
+        in.i_d_mA = n % 3 == 0 ? 0 : 2 * SILENCE_mA;
+        const int32_t bound_mrad_s = wait(1);
+        TEST_ASSERT_INT32_WITHIN(1, n == 56 ? bus_speed_mrad_s() : 0, bound_mrad_s);
+    }
+}
+
+/* Another wheel, or this one, raised the bus while switching: in freewheel it still has to be
+ * looked at. */
+void test_an_overvoltage_that_began_while_switching_raises_the_bound_in_freewheel(void)
+{
+    in.rotor_valid = false;
+    in.bus_voltage_mV = config.battery.overvoltage_trip_mV + 1;
+    TEST_ASSERT_EQUAL_INT32(0, wait(10));
+    in.bridge = BRIDGE_OFF;
+    TEST_ASSERT_INT32_WITHIN(1, bus_speed_mrad_s(), wait(1));
+}
