@@ -8,6 +8,7 @@ enum {
     FILTER_LOG2 = 6,    /* 64 ms */
     MOTOR_LOG2 = 9,     /* 0.5 s, of 16 mN m */
     ACQUIRE_SHARE = 32, /* of the difference, in each step */
+    ACQUIRE_LOG2 = 5,
     MOST_mNm = 1 << 23, /* largest input of the filter */
     MOST_GAIN_Q15 = 2 * ONE_Q15,
     SLOW_LOG2 = 8,           /* 256 ms */
@@ -51,11 +52,24 @@ int32_t hydraulic_watch_corrected_mNm(const hydraulic_watch_t *watch, int32_t mo
                  0);
 }
 
+static int32_t limited_mNm(int64_t torque_mNm)
+{
+    return q_clamp(q_saturate64(torque_mNm), -MOST_mNm, MOST_mNm);
+}
+
 /* Torque of an angular acceleration; mrad/s^2 g m^2 / 1000, by way of 2^10 (2 % less). */
 static int32_t torque_of_mNm(const config_brake_t *brake, int32_t acceleration_mrad_s2)
 {
     return q_saturate64(((int64_t)brake->hydraulic_watch_inertia_g_m2 * acceleration_mrad_s2) >>
                         10);
+}
+
+/* Air drag: what it is of the squared speed, times that; uN m s^2 mrad^2/s^2 / 10^9, by way of 2^30
+ * (7 % less). */
+static int32_t drag_mNm(const config_brake_t *brake, int32_t speed_mrad_s)
+{
+    const int64_t square = ((int64_t)speed_mrad_s * speed_mrad_s) >> 20;
+    return q_saturate64((square * brake->hydraulic_watch_drag_uNm_s2) >> 10);
 }
 
 /* What the road may change in a millisecond; mrad/s^2 a radian, times the angle: / 10^9, by way of
@@ -92,6 +106,21 @@ static bool rolls(hydraulic_watch_t *watch, const config_t *config,
     return fast;
 }
 
+/* Before standstill hall sensors show the speed that the wheel had an edge ago, as if its brake had
+ * failed. Where all known torques let it stand within HYDRAULIC_WATCH_ENDS_ms, what is missing is
+ * found only if it still rolls most of that time later. */
+static bool hides_torque(hydraulic_watch_t *watch, const config_t *config, int32_t speed_mrad_s)
+{
+    const int32_t against_mNm =
+        -(watch->known_lp_mNm.accumulator >> FILTER_LOG2) - (watch->road_q8_mNm >> 8);
+    const bool stands_soon = config->rotor.sensor == CONFIG_ROTOR_HALL &&
+                             (int64_t)config->brake.hydraulic_watch_inertia_g_m2 * speed_mrad_s <
+                                 (int64_t)against_mNm * HYDRAULIC_WATCH_ENDS_ms;
+    watch->rolls_on_ms =
+        stands_soon ? q_max(watch->rolls_on_ms - 1, 0) : HYDRAULIC_WATCH_ROLLS_ON_ms;
+    return stands_soon && watch->rolls_on_ms > 0;
+}
+
 /* A wheel that slips slows down faster than a tyre can slow a vehicle. mrad/s in a millisecond
  * times um: um/s^2, with 8 fraction bits. */
 static bool slips(const config_t *config, int32_t change_q8_mrad_s)
@@ -100,12 +129,12 @@ static bool slips(const config_t *config, int32_t change_q8_mrad_s)
     return rim_um_s2_q8 > (int64_t)config->monitor.tyre_grip_mm_s2 * 256000;
 }
 
-/* What of the deceleration in which the road was acquired is now the inertia's is not the road's.
+/* What of the deceleration in which the road was followed is now the inertia's is not the road's.
  */
 static void weigh(hydraulic_watch_t *watch, int32_t weight_q15)
 {
-    const int32_t more_mNm = times_q15(watch->acquired_mNm, weight_q15 - watch->weight_q15);
-    watch->road_q8_mNm = q_saturate64(watch->road_q8_mNm + (int64_t)more_mNm * 256);
+    const int32_t more_q8_mNm = times_q15(watch->quarter_q8_mNm, weight_q15 - watch->weight_q15);
+    watch->road_q8_mNm = q_saturate64(watch->road_q8_mNm + (int64_t)more_q8_mNm * 4);
     watch->weight_q15 = weight_q15;
 }
 
@@ -152,9 +181,10 @@ static int32_t missing_mNm(hydraulic_watch_t *watch, const config_t *config,
     const int32_t hydraulic_mNm = watch->confirms_report
                                       ? in->reported_mNm
                                       : hydraulic_watch_corrected_mNm(watch, in->modelled_mNm);
-    const int32_t known_mNm = q_limit(q_saturate64((int64_t)along_mNm - hydraulic_mNm), MOST_mNm);
+    const int32_t known_mNm = limited_mNm((int64_t)along_mNm - hydraulic_mNm);
     if (!watch->rolls) {
         watch->rolls = true;
+        watch->stale = true;
         watch->speed_lp_q8_mrad_s = speed_q8;
         filter_reset(&watch->known_lp_mNm, known_mNm, FILTER_LOG2);
         watch->quiet_ms = 0;
@@ -165,14 +195,36 @@ static int32_t missing_mNm(hydraulic_watch_t *watch, const config_t *config,
     watch->speed_lp_q8_mrad_s += change_q8;
     *change_q8_mrad_s = change_q8;
     const int32_t filtered_mNm = filter_step(&watch->known_lp_mNm, known_mNm, FILTER_LOG2);
-    const int32_t inertial_mNm = q_limit(
-        q_saturate64(((int64_t)config->brake.hydraulic_watch_inertia_g_m2 * change_q8) >> 8),
-        MOST_mNm);
+    const int64_t inertial_q8_mNm = (int64_t)config->brake.hydraulic_watch_inertia_g_m2 * change_q8;
+    const int32_t inertial_mNm = limited_mNm(inertial_q8_mNm >> 8);
+    watch->inertial_mNm = inertial_mNm;
     if (watch->acquired_ms < HYDRAULIC_WATCH_ACQUIRE_ms) {
-        watch->acquired_mNm += (inertial_mNm - watch->acquired_mNm) / ACQUIRE_SHARE;
+        watch->quarter_q8_mNm += (inertial_mNm * 64 - watch->quarter_q8_mNm) >> ACQUIRE_LOG2;
     }
     learn_inertia(watch, filtered_mNm, inertial_mNm, floor_mNm);
-    return q_limit(times_q15(inertial_mNm, watch->weight_q15) - filtered_mNm, MOST_mNm);
+    const int32_t speed_mrad_s = watch->speed_lp_q8_mrad_s / 256;
+    const int64_t air_mNm = drag_mNm(&config->brake, speed_mrad_s);
+    return limited_mNm(times_q15(inertial_mNm, watch->weight_q15) + air_mNm - filtered_mNm);
+}
+
+/* The road follows what is missing. An inertia that is a quarter wrong makes a quarter of the
+ * inertial torque look like a road, which is followed just so. After a standstill, where the load
+ * may have changed, what of it is not followed yet is tolerated until a road has been followed that
+ * holds no more than the floor of it.
+ *
+ * Returns that tolerance. */
+static int32_t follow_road(hydraulic_watch_t *watch, int32_t floor_mNm, int32_t lacking_mNm,
+                           int32_t change_q8_mNm)
+{
+    watch->road_q8_mNm += q_clamp(lacking_mNm * 256, -change_q8_mNm, change_q8_mNm);
+    const int32_t apart_q8_mNm = watch->inertial_mNm * 64 - watch->quarter_q8_mNm;
+    const int32_t followed_q8_mNm = q_clamp(apart_q8_mNm, -change_q8_mNm, change_q8_mNm);
+    watch->quarter_q8_mNm += followed_q8_mNm;
+    const int32_t rest_mNm = q_abs(apart_q8_mNm - followed_q8_mNm) >> 8;
+    if (rest_mNm + (q_abs(watch->quarter_q8_mNm) >> 8) < floor_mNm) {
+        watch->stale = false;
+    }
+    return watch->stale ? rest_mNm : 0;
 }
 
 /* Sum of what exceeds the tolerance, from zero up to the end. */
@@ -297,7 +349,7 @@ void hydraulic_watch_step(hydraulic_watch_t *watch, const config_t *config,
         }
         watch->pause_ms = HYDRAULIC_WATCH_PAUSE_ms;
     }
-    const int32_t lacking_mNm = beside_mNm - watch->road_q8_mNm / 256;
+    const int32_t lacking_mNm = beside_mNm - (watch->road_q8_mNm >> 8);
     const bool commanded = in->modelled_mNm > floor_mNm;
     const bool quiet = in->modelled_mNm + in->uncertain_mNm <= floor_mNm;
     watch->quiet_ms = quiet && watch->reason == REASON_NONE
@@ -320,10 +372,11 @@ void hydraulic_watch_step(hydraulic_watch_t *watch, const config_t *config,
         clear_sums(watch);
         return;
     }
+    const bool hidden = hides_torque(watch, config, q_abs(in->speed_mrad_s));
     const int32_t change_q8 = awaits_brake(watch, in->uncertain_mNm > floor_mNm)
                                   ? 0
                                   : road_change_q8_mNm(brake, q_abs(in->speed_mrad_s));
-    watch->road_q8_mNm += q_clamp(lacking_mNm * 256, -change_q8, change_q8);
+    const int32_t unlike_mNm = follow_road(watch, floor_mNm, lacking_mNm, change_q8);
     if (watch->confirms_report) {
         follow_report(watch, in, in->contradicts_mNm, floor_mNm);
         return;
@@ -341,14 +394,14 @@ void hydraulic_watch_step(hydraulic_watch_t *watch, const config_t *config,
         filter_step(&watch->motor_lp_mNm, q_limit(in->motor_mNm, MOST_mNm) / 16, MOTOR_LOG2) * 16;
     const int32_t share_q15 = brake->hydraulic_watch_share_q15;
     const int32_t tolerated_mNm =
-        floor_mNm + in->uncertain_mNm +
+        floor_mNm + unlike_mNm + in->uncertain_mNm +
         times_q15(hydraulic_watch_corrected_mNm(watch, in->modelled_mNm), share_q15) +
         times_q15(q_abs(in->motor_mNm - motor_mNm), share_q15) / 2;
     /* Without a command an excess may be a hill, sand, a heavier or lighter load, or a brake that
      * is not commanded here. */
     const int32_t excess_mNm =
         commanded ? -lacking_mNm - tolerated_mNm
-                  : -lacking_mNm - QUIET_SHARE * floor_mNm -
+                  : -lacking_mNm - unlike_mNm - QUIET_SHARE * floor_mNm -
                         QUIET_SHARE * times_q15(q_abs(in->motor_mNm - motor_mNm), share_q15);
     const int32_t enough_mNm_ms = q_saturate64((int64_t)brake->hydraulic_watch_inertia_g_m2 *
                                                brake->hydraulic_watch_speed_mrad_s);
@@ -363,7 +416,7 @@ void hydraulic_watch_step(hydraulic_watch_t *watch, const config_t *config,
     } else {
         watch->report_mNm_ms = 0;
     }
-    if (watch->missing_mNm_ms >= enough_mNm_ms) {
+    if (watch->missing_mNm_ms >= enough_mNm_ms && !hidden) {
         found_missing(watch, in->modelled_mNm, lacking_mNm);
     } else if (watch->excess_mNm_ms >= enough_mNm_ms) {
         found_excess(watch, in->modelled_mNm, -lacking_mNm, commanded);

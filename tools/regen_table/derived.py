@@ -9,6 +9,7 @@ import math
 
 from regen_table.sections import Drive
 
+AIR_DENSITY_KG_M3 = 1.2041  # 20 degC, 101 325 Pa
 FOLDBACK_SHARE = 0.98  # of max_voltage_v, where the charge current begins to fold back
 DEMAND_MARGIN = 1.25  # above what motor, brakes or pedals make, for a demand by CAN
 DERATING_K = 20.0  # below the largest temperature, where derating begins
@@ -102,6 +103,13 @@ def inertia_at_wheel_kg_m2(drive: Drive) -> float:
     """Inertia in kg m2 of the vehicle's share of one wheel, about the wheel's axis."""
     vehicle = drive.vehicle
     return vehicle.mass_kg / vehicle.driven_wheels * vehicle.wheel_radius_m**2
+
+
+def air_drag_nm_s2(drive: Drive) -> float:
+    """Air drag of a wheel's share of the vehicle in N m over the squared speed of the wheel."""
+    vehicle = drive.vehicle
+    area_m2 = vehicle.drag_coefficient * vehicle.frontal_area_m2 / vehicle.driven_wheels
+    return 0.5 * AIR_DENSITY_KG_M3 * area_m2 * vehicle.wheel_radius_m**3
 
 
 def hydraulic_tolerance_nm(drive: Drive) -> float:

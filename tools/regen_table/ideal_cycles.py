@@ -11,13 +11,13 @@ import numpy as np
 import numpy.typing as npt
 
 from regen_table import braking, inputs, installation, models
+from regen_table.derived import AIR_DENSITY_KG_M3
 from regen_table.errors import ConfigurationError
 from regen_table.models import Array
 from regen_table.schema import Drive
 
 DIRECTORY = installation.ROOT / "host_sim" / "cycles"
 GRAVITY_M_S2 = 9.80665
-AIR_DENSITY_KG_M3 = 1.2041  # 20 degC, 101 325 Pa
 PARTS = 4  # steady states per sample of the trace
 
 

@@ -280,6 +280,7 @@ def _hydraulic_watch(drive: Drive) -> dict[str, Any]:
         "hydraulic_watch_road_mrad_s2": nearest(
             GRAVITY_M_PER_S2 * brake.hydraulic_watch_slope_per_m * 1e3
         ),
+        "hydraulic_watch_drag_uNm_s2": min(nearest(derived.air_drag_nm_s2(drive) * 1e6), 1_000_000),
     }
 
 

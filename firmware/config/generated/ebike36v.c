@@ -16,7 +16,7 @@ extern const config_t CONFIG_EBIKE36V;
 
 CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 14,
+    .format_version = 15,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "ebike36v",
@@ -197,6 +197,7 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
         .hydraulic_watch_floor_mrad_s2 = 395, /* [mrad/s^2] tolerated; default 0.1 m/s^2 */
         .hydraulic_watch_share_q15     = 4915, /* and of the hydraulic torque; default 0.15 */
         .hydraulic_watch_road_mrad_s2  = 10, /* [mrad/s^2] of a road, per rad; default 0.001/m */
+        .hydraulic_watch_drag_uNm_s2   = 5362, /* [uN m s^2] air drag over the squared speed */
         /* [ms] in which motor torque above a fallen deferrable limit goes down to a tenth,
          * with feedback at most twice as long; 0: at once; default hydraulic_dead_time_ms and
          * 2.3 hydraulic_time_constant_ms */
@@ -420,5 +421,5 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
             -282, -352, -283, -480, -539,
         },
     },
-    .crc32 = 0xF26D0CDB,
+    .crc32 = 0x1B062438,
 };

@@ -16,7 +16,7 @@ extern const config_t CONFIG_LU2013;
 
 CONFIG_SECTION const config_t CONFIG_LU2013 = {
     .magic = CONFIG_MAGIC,
-    .format_version = 14,
+    .format_version = 15,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "lu2013",
@@ -197,6 +197,7 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
         .hydraulic_watch_floor_mrad_s2 = 400, /* [mrad/s^2] tolerated; default 0.1 m/s^2 */
         .hydraulic_watch_share_q15     = 4915, /* and of the hydraulic torque; default 0.15 */
         .hydraulic_watch_road_mrad_s2  = 10, /* [mrad/s^2] of a road, per rad; default 0.001/m */
+        .hydraulic_watch_drag_uNm_s2   = 1317, /* [uN m s^2] air drag over the squared speed */
         /* [ms] in which motor torque above a fallen deferrable limit goes down to a tenth,
          * with feedback at most twice as long; 0: at once; default hydraulic_dead_time_ms and
          * 2.3 hydraulic_time_constant_ms */
@@ -440,5 +441,5 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
             -7364, -7790, -7021, -8871, -9455,
         },
     },
-    .crc32 = 0xEA20CFC8,
+    .crc32 = 0x6DA1A522,
 };

@@ -16,7 +16,7 @@ extern const config_t CONFIG_WHEEL24V;
 
 CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 14,
+    .format_version = 15,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "wheel24v",
@@ -197,6 +197,7 @@ CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
         .hydraulic_watch_floor_mrad_s2 = 1212, /* [mrad/s^2] tolerated; default 0.1 m/s^2 */
         .hydraulic_watch_share_q15     = 4915, /* and of the hydraulic torque; default 0.15 */
         .hydraulic_watch_road_mrad_s2  = 10, /* [mrad/s^2] of a road, per rad; default 0.001/m */
+        .hydraulic_watch_drag_uNm_s2   = 0, /* [uN m s^2] air drag over the squared speed */
         /* [ms] in which motor torque above a fallen deferrable limit goes down to a tenth,
          * with feedback at most twice as long; 0: at once; default hydraulic_dead_time_ms and
          * 2.3 hydraulic_time_constant_ms */
@@ -437,5 +438,5 @@ CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
             -69, -93, -74, -137, -157,
         },
     },
-    .crc32 = 0xDC40AF80,
+    .crc32 = 0xB9D37355,
 };

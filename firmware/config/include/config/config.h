@@ -26,7 +26,7 @@
 #include "config/pedals_fields.h"
 
 #define CONFIG_MAGIC 0x434F4648 /* "HFOC" in memory, little endian */
-#define CONFIG_FORMAT_VERSION 14
+#define CONFIG_FORMAT_VERSION 15
 #define CONFIG_NAME_LENGTH 32
 #define CONFIG_REGEN_POINTS_MAX 833 /* such as 49 speeds at 17 temperatures, or 65 at 12 */
 /* such as 33 torques and 19 speeds at 2 temperatures */
@@ -232,6 +232,7 @@
     X(hydraulic_watch_floor_mrad_s2, 0, 1000000, "mrad/s^2", "tolerated; default 0.1 m/s^2") \
     X(hydraulic_watch_share_q15, 0, 32768, "1", "and of the hydraulic torque; default 0.15") \
     X(hydraulic_watch_road_mrad_s2, 0, 1000, "mrad/s^2", "of a road, per rad; default 0.001/m") \
+    X(hydraulic_watch_drag_uNm_s2, 0, 1000000, "uN m s^2", "air drag over the squared speed") \
     X(bridging_time_ms,                      0,         10000,      "ms", \
       "in which motor torque above a fallen deferrable limit goes down to a tenth, with feedback " \
       "at most twice as long; 0: at once; default hydraulic_dead_time_ms and 2.3 " \

@@ -5,7 +5,8 @@
  * The braking that the wheel's deceleration does not show, beside what motor and hydraulic brake
  * should make, is
  *
- *     missing = inertia * acceleration - (motor torque - hydraulic torque expected) - road
+ *     missing = inertia * acceleration + air drag - (motor torque - hydraulic torque expected) -
+ * road
  *
  * with torques along the rotation, all filtered alike (64 ms). `road`, slope and rolling
  * resistance, follows no faster than brake.hydraulic_watch_road allows for the distance rolled, and
@@ -43,6 +44,8 @@ enum {
     HYDRAULIC_WATCH_SETTLE_ms = 256,  /* of the filters, after a finding has corrected the torque */
     HYDRAULIC_WATCH_PAUSE_ms = 300,   /* after a wheel that slipped */
     HYDRAULIC_WATCH_AWAITS_ms = 512,  /* longest change of the brake for which the road waits */
+    HYDRAULIC_WATCH_ENDS_ms = 256,    /* before standstill, where halls say little */
+    HYDRAULIC_WATCH_ROLLS_ON_ms = 320,
     HYDRAULIC_WATCH_DEAD_ms = 1000,
     HYDRAULIC_WATCH_LATE_ms = 1500
 };
@@ -68,7 +71,8 @@ typedef struct {
     reason_t reason;             /* the finding, REASON_NONE: none */
     int32_t gain_q15, extra_mNm; /* of the torque: gain * modelled + extra */
     int32_t road_q8_mNm;         /* all but motor and hydraulic brake, along the rotation */
-    int32_t acquired_mNm; /* of the vehicle's inertia as configured, while the road was acquired */
+    int32_t inertial_mNm;        /* along the rotation, with the configured inertia */
+    int32_t quarter_q8_mNm; /* of the inertial torque in which it was followed; as configured */
     int32_t beside_mNm; /* of this step, or when the wheel last rolled: road and what is missing */
     int32_t speed_lp_q8_mrad_s;
     filter_t known_lp_mNm, motor_lp_mNm;
@@ -78,8 +82,10 @@ typedef struct {
     int32_t missing_mNm_ms, excess_mNm_ms; /* sums beyond the tolerance */
     int32_t report_mNm_ms;                 /* > 0: the brake is wrong, < 0: its sensor */
     int32_t acquired_ms, pause_ms, found_ms, quiet_ms;
-    int32_t certain_ms; /* of the brake's torque, less the time of changes */
+    int32_t certain_ms;  /* of the brake's torque, less the time of changes */
+    int32_t rolls_on_ms; /* left of HYDRAULIC_WATCH_ROLLS_ON_ms */
     bool rolls, backwards;
+    bool stale;           /* the road was last followed before a standstill */
     bool provisional;     /* the road was acquired while the hydraulic brake made torque */
     bool by_report;       /* found by reports that are used */
     bool confirms_report; /* the deceleration agrees with reports that contradict the commands */

@@ -21,7 +21,7 @@ static config_t config;
 static hydraulic_watch_t watch;
 static hydraulic_watch_input_t in;
 static double speed_rad_s, mass_factor, slope, found_after_ms, direction;
-static double motor_nm, commanded_nm, made_nm, seen_share;
+static double motor_nm, commanded_nm, made_nm, seen_share, air_nm_s2;
 
 static inline void rig_up(void)
 {
@@ -33,6 +33,7 @@ static inline void rig_up(void)
     config.brake.hydraulic_watch_floor_mrad_s2 = 400;
     config.brake.hydraulic_watch_share_q15 = 4915;
     config.brake.hydraulic_watch_road_mrad_s2 = 10;
+    config.brake.hydraulic_watch_drag_uNm_s2 = 0;
     config.vehicle.wheel_radius_um = 250000;
     config.monitor.tyre_grip_mm_s2 = 11768;
     hydraulic_watch_init(&watch);
@@ -46,13 +47,15 @@ static inline void rig_up(void)
     motor_nm = 0.0;
     commanded_nm = 0.0;
     made_nm = 0.0;
+    air_nm_s2 = 0.0;
     found_after_ms = NAN;
 }
 
 /* Torques against the motion are positive here but the motor's, which is along it. */
 static inline void millisecond(void)
 {
-    const double against_nm = made_nm + slope * G_M_S2 * TORQUE_PER_M_S2 * mass_factor;
+    const double against_nm = made_nm + slope * G_M_S2 * TORQUE_PER_M_S2 * mass_factor +
+                              air_nm_s2 * speed_rad_s * speed_rad_s;
     speed_rad_s += (motor_nm - against_nm) / (INERTIA_KG_M2 * mass_factor) * PER_MS;
     speed_rad_s = fmax(speed_rad_s, 0.0);
     in.speed_mrad_s = (int32_t)lround(direction * seen_share * speed_rad_s * 1e3);
