@@ -82,7 +82,8 @@ static void promise(bool holds, const char *what)
 
 static bool accepted(const config_t *config)
 {
-    return check_relations(config).code == CONFIG_RESULT_OK;
+    config_result_t refusal;
+    return relations_hold(config, &refusal);
 }
 
 static void check_configuration(config_t *config)
@@ -126,12 +127,16 @@ static void change_maps(config_t *config, bytes_t *bytes)
 static void change_configuration(config_t *config, bytes_t *bytes)
 {
     for (int changes = take8(bytes) % 12; changes > 0; changes--) {
-        const config_field_t *field = &FIELDS[take8(bytes) % (sizeof(FIELDS) / sizeof(FIELDS[0]))];
-        const size_t element = field->count > 1 ? take16(bytes) % field->count : 0U;
-        int32_t *value =
-            (int32_t *)(void *)config + field->offset_bytes / sizeof(int32_t) + element;
+        config_field_t field = config_field_first();
+        for (uint8_t left = take8(bytes); left > 0; left--) {
+            if (!config_field_next(&field)) {
+                field = config_field_first();
+            }
+        }
+        const size_t element = field.count > 1 ? take16(bytes) % field.count : 0U;
+        int32_t *value = (int32_t *)(void *)config + field.offset_bytes / sizeof(int32_t) + element;
         const int32_t before = *value;
-        *value = take_within(bytes, field->lowest, field->highest);
+        *value = take_within(bytes, field.lowest, field.highest);
         if (!accepted(config)) {
             *value = before;
         }

@@ -373,15 +373,17 @@ def test_the_compiled_c_file_has_the_bytes_of_the_binary(tmp_path: Path, path: P
 def test_the_firmwares_validator_accepts_every_shipped_image(tmp_path: Path) -> None:
     library = tmp_path / "validate.so"
     includes = [f"-I{ROOT / 'firmware' / module / 'include'}" for module in ("config", "core")]
-    source = ROOT / "firmware" / "config" / "validate.c"
+    sources = [str(ROOT / "firmware" / "config" / name) for name in ("fields.c", "validate.c")]
     subprocess.run(
-        ["cc", "-std=c11", "-O1", "-shared", "-fPIC", *includes, str(source), "-o", str(library)],
+        ["cc", "-std=c11", "-O1", "-shared", "-fPIC", *includes, *sources, "-o", str(library)],
         check=True,
     )
     ffi = cffi.FFI()
     ffi.cdef("""
         typedef struct {
-            int code; const char *field; int32_t value, lowest, highest; const char *section;
+            int code;
+            const char *section, *field, *relation, *upper_section, *upper_field;
+            int32_t value, lowest, highest;
         } outcome_t;
         outcome_t config_validate(const void *config, uint32_t size_bytes);
     """)
