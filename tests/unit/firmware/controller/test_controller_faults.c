@@ -412,3 +412,21 @@ void test_acknowledgement_of_a_present_fault_has_no_effect(void)
     rig_run(&rig, 1000);
     TEST_ASSERT_EQUAL_INT(MODE_FAULT, rig.out.mode);
 }
+
+/* ---- battery's own voltage ---- */
+
+/* A full battery behind a sensor that shows the middle of its range: nothing more is returned. The
+ * battery that has left has no voltage of its own to go by. */
+void test_full_battery_ends_the_return_although_the_bus_sensor_shows_less(void)
+{
+    rig.slow_in.bms.contactor = CONTACTOR_CLOSED;
+    rig_run(&rig, 500);
+    TEST_ASSERT_GREATER_THAN_INT32(0, rig.out.electric_brake_available_mNm);
+    rig.slow_in.bms.voltage_mV = rig.config.battery.max_voltage_mV;
+    rig_run(&rig, 1000);
+    TEST_ASSERT_EQUAL_INT(REASON_BUS_SENSOR, rig.out.warning_reason);
+    TEST_ASSERT_EQUAL_INT(REASON_BUS_VOLTAGE_HIGH, rig.out.available_reason);
+    rig.slow_in.bms.contactor = CONTACTOR_OPEN;
+    rig_slow(&rig);
+    TEST_ASSERT_EQUAL_INT(REASON_BATTERY_DISCONNECTED, rig.out.available_reason);
+}
