@@ -233,12 +233,11 @@ static modes_output_t decide_mode(controller_slow_t *slow, const config_t *confi
     return modes_step(&slow->modes, config, &modes_in);
 }
 
-/* The battery's own voltage where the sensor of the bus contradicts it, otherwise 0. */
+/* The battery's own voltage where the sensor of the bus contradicts it, otherwise 0. Behind an open
+ * contactor it limits what is zero already. */
 static int32_t contradicting_mV(const slow_input_t *in, const monitor_output_t *watch)
 {
-    const bool contradicts =
-        watch->flux_warning == REASON_BUS_SENSOR && in->bms.contactor != CONTACTOR_OPEN;
-    return contradicts ? in->bms.voltage_mV : 0;
+    return watch->flux_warning == REASON_BUS_SENSOR ? in->bms.voltage_mV : 0;
 }
 
 /* The output in its place, which spares its copy. */

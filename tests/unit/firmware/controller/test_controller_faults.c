@@ -415,8 +415,8 @@ void test_acknowledgement_of_a_present_fault_has_no_effect(void)
 
 /* ---- battery's own voltage ---- */
 
-/* A full battery behind a sensor that shows the middle of its range: nothing more is returned. The
- * battery that has left has no voltage of its own to go by. */
+/* A full battery behind a sensor that shows the middle of its range: nothing more is returned, and
+ * nothing either once the battery has left. */
 void test_full_battery_ends_the_return_although_the_bus_sensor_shows_less(void)
 {
     rig.slow_in.bms.contactor = CONTACTOR_CLOSED;

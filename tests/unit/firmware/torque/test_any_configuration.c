@@ -130,7 +130,7 @@ static void assert_bounded(const config_t *config, const torque_output_t *out)
 
 void test_outputs_are_bounded_for_every_valid_configuration_and_any_input(void)
 {
-    random_t random = random_seeded(1);
+    random_t random = random_seeded(3); /* circle and ellipse that do not meet are among them */
     const double changed[] = {0.02, 0.08, 0.15};
     for (int k = 0; k < 3; k++) {
         int accepted = 0;

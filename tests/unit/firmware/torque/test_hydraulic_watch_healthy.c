@@ -82,6 +82,19 @@ void test_the_last_edges_of_a_hard_stop_are_no_weak_brake(void)
     TEST_ASSERT_EQUAL_INT(10, found[2]);
 }
 
+/* 2.2 rad/s are 0.23 s from standstill at 9.7 rad/s^2, and 30 ms behind the speed from which it is
+ * 256 ms. A wheel that rolls on has no brake, which is found 320 ms behind that speed. */
+void test_a_wheel_that_rolls_on_where_it_should_have_stopped_has_a_weak_brake(void)
+{
+    config.rotor.sensor = CONFIG_ROTOR_HALL;
+    run(COAST_ms);
+    while (speed_rad_s > 2.2) {
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(100.0, 1.0, 1));
+    }
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(100.0, 0.0, HYDRAULIC_WATCH_ROLLS_ON_ms - 40));
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_WEAK, brake(100.0, 0.0, 1000));
+}
+
 /* A third more or less load, downhill: the road that was followed in the stop holds a third of its
  * deceleration when the vehicle rolls off, slowed by its brake. */
 void test_a_load_that_is_not_learned_has_no_finding_when_the_vehicle_rolls_off(void)
