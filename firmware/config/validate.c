@@ -257,16 +257,18 @@ static const order_t ORDERS[] = {
                                     AT_MOST(pedals.free_travel_torque_mNm, pedals.brake_torque_mNm)
                                         AT_MOST(monitor.coasting_mm_s2, monitor.tyre_grip_mm_s2)};
 
-/* In 64 bits the difference of two values cannot overflow. */
+/* The fields are looked for only where their names are needed. In 64 bits the difference of two
+ * values cannot overflow. */
 static bool order_holds(const config_t *c, const order_t *order, config_result_t *refusal)
 {
-    const config_field_t lower = config_field_at(order->lower_bytes);
-    const config_field_t upper = config_field_at(order->upper_bytes);
-    const int64_t distance =
-        (int64_t)*config_field_values(c, &upper) - *config_field_values(c, &lower);
+    const int32_t *values = (const int32_t *)(const void *)c;
+    const int64_t distance = (int64_t)values[order->upper_bytes / sizeof(int32_t)] -
+                             values[order->lower_bytes / sizeof(int32_t)];
     if (distance >= order->distance) {
         return true;
     }
+    const config_field_t lower = config_field_at(order->lower_bytes);
+    const config_field_t upper = config_field_at(order->upper_bytes);
     refuse(refusal, CONFIG_RESULT_RELATION, lower.name);
     refusal->section = lower.section;
     refusal->relation = order->distance > 0 ? " < " : " <= ";

@@ -178,6 +178,8 @@ class DevFixture(unittest.TestCase):
             "shellcheck",
             "ruby",
             "clang",
+            "clang-19",
+            "llvm-cov-19",
             "cbmc",
             "chromium",
             "gcc",
