@@ -13,7 +13,7 @@
 
 #include "rig.h"
 
-enum { GREETING_ms = 60, RECORD_ms = 1100, ANSWER_ms = 150, LINE_BYTES = 80 };
+enum { GREETING_ms = 120, RECORD_ms = 1100, ANSWER_ms = 150, LINE_BYTES = 80 };
 
 /* NULL: this chip has no such reset, or no flag of its own for it. */
 static const char *const NAMES[CHIP_RESETS] = {
