@@ -29,6 +29,7 @@ static int64_t reactance_uOhm(int64_t w_mrad_s, int32_t inductance_nH)
 typedef struct {
     int64_t across_nV, along_nV;  /* e, along: in the direction of w psi */
     int64_t emf_nV, uncertain_nV; /* |w psi| at the reference temperature, U */
+    int64_t uncertain_along_nV;   /* U_q */
 } view_t;
 
 static view_t view_of(const config_t *config, const monitor_emf_input_t *in)
@@ -53,14 +54,20 @@ static view_t view_of(const config_t *config, const monitor_emf_input_t *in)
     /* Two thirds of the dead times' share: ns * Hz = 1e-9, in 1e-6 of the bus voltage. */
     const int64_t dead_two_thirds =
         config->drive.dead_time_ns * config->drive.pwm_frequency_Hz / 1500;
-    const int64_t uncertain_nV = (motor->phase_resistance_uOhm / 2 + x_uOhm / 4) * i_mA +
-                                 dead_two_thirds * in->bus_voltage_mV;
+    const int64_t dead_nV = dead_two_thirds * in->bus_voltage_mV;
+    const int64_t uncertain_nV = (motor->phase_resistance_uOhm / 2 + x_uOhm / 4) * i_mA + dead_nV;
+    /* |i| <= larger + smaller / 2; an angle error turns the difference of the axes' voltages. */
+    const int64_t size_mA = larger(magnitude(i_d_mA), magnitude(i_q_mA)) / 2 + i_mA / 2;
+    const int64_t along_nV = motor->phase_resistance_uOhm / 2 * magnitude(i_q_mA) +
+                             magnitude(x_d_uOhm) / 4 * magnitude(i_d_mA) +
+                             magnitude(x_q_uOhm - x_d_uOhm) / 4 * size_mA + dead_nV;
 
     const view_t out = {
         .across_nV = e_d_nV,
         .along_nV = emf_nV >= 0 ? e_q_nV : -e_q_nV,
         .emf_nV = magnitude(emf_nV),
         .uncertain_nV = larger(uncertain_nV, NV_PER_MV),
+        .uncertain_along_nV = larger(along_nV, NV_PER_MV),
     };
     return out;
 }
@@ -116,12 +123,19 @@ static int32_t weight_of(const view_t *view)
                                                                                : 1;
 }
 
+/* A salient motor at full current has e within U up to any speed, and with |i_d| > psi/(L_q - L_d)
+ * its observer sees no half turn: the sign of e_q shows it. */
+static bool opposite(const view_t *view)
+{
+    return view->emf_nV >= view->uncertain_along_nV && -view->along_nV >= view->uncertain_along_nV;
+}
+
 bool monitor_emf_step(monitor_emf_state_t *state, const config_t *config,
                       const monitor_emf_input_t *in)
 {
     const int32_t most = MONITOR_EMF_SEEN * config->monitor.angle_fault_time_ms;
     const view_t view = view_of(config, in);
-    const bool judged = view.emf_nV >= MARGIN * view.uncertain_nV;
+    const bool judged = view.emf_nV >= MARGIN * view.uncertain_nV || opposite(&view);
     const bool wrong = magnitude(view.across_nV) >= view.along_nV;
     if (in->switching && in->rotor_valid && judged && !wrong) {
         watch_flux(state, config, in, &view);

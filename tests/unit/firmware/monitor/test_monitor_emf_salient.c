@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The plausibility of the rotor angle in a salient motor, whose current makes more voltage than its
+ * magnets. */
+#include "emf_motor.h"
+#include "random_values.h"
+#include "unity.h"
+
+static config_t config;
+static monitor_emf_state_t state;
+
+/* 18 mOhm, 0.37 and 1.2 mH, 66 mWb, 3 pole pairs, 0.5 us at 10 kHz. */
+void setUp(void)
+{
+    config = paper_vehicle();
+    config.motor.pole_pairs = 3;
+    config.motor.phase_resistance_uOhm = 18000;
+    config.motor.d_inductance_nH = 370000;
+    config.motor.q_inductance_nH = 1200000;
+    config.motor.flux_linkage_nWb = 66000000;
+    config.drive.dead_time_ns = 500;
+    config.drive.pwm_frequency_Hz = 10000;
+    state.level = 0;
+}
+
+void tearDown(void) {}
+
+/* Milliseconds until the fault, or -1 within 50. */
+static int time_to_fault(double rpm, double i_d_a, double i_q_a, double offset_deg)
+{
+    const monitor_emf_input_t in =
+        emf_measured(&config, rpm, i_d_a, i_q_a, offset_deg, &AS_CONFIGURED);
+    const monitor_emf_state_t fresh = {.level = 0};
+    state = fresh;
+    for (int n = 1; n <= 50; n++) {
+        if (monitor_emf_step(&state, &config, &in)) {
+            return n;
+        }
+    }
+    return -1;
+}
+
+/* 200 A, i_d = -107 A in the estimated frame, the rotor half a turn away. U_q = 1.70 V of R and
+ * dead time + w (0.37 mH/4 * 107 A + 0.83 mH/4 * (169 + 107/2) A), the second term 56.1 mWb, is
+ * below w psi from 171 rad/s = 545 r/min on; U, 99 mWb w and more, at no speed. */
+void test_half_a_turn_with_all_the_current_is_a_fault_within_20_ms(void)
+{
+    for (int back = -1; back <= 1; back += 2) {
+        TEST_ASSERT_EQUAL_INT(-1, time_to_fault(back * 530.0, 107.0, 169.0, 180.0));
+        for (double rpm = 560.0; rpm <= 11000.0; rpm *= 1.2) {
+            TEST_ASSERT_EQUAL_INT(20, time_to_fault(back * rpm, 107.0, 169.0, 180.0));
+            TEST_ASSERT_EQUAL_INT(20, time_to_fault(back * rpm, 107.0, -169.0, 180.0));
+            TEST_ASSERT_EQUAL_INT(-1, time_to_fault(back * rpm, -107.0, -169.0, 0.0));
+            TEST_ASSERT_EQUAL_INT(-1, time_to_fault(back * rpm, -107.0, 169.0, 0.0));
+        }
+    }
+}
+
+/* Of a healthy vehicle: resistance at 120 degC with the bridge's, saturated or badly measured
+ * inductance, warm or wrong magnets, half of the dead-time voltage, a rotor angle 10 degrees off:
+ * e_q >= 0.7 cos 10 w psi - U_q, so it is never below -U_q. */
+void test_parameter_errors_are_no_fault(void)
+{
+    random_t random = random_seeded(17);
+    for (int n = 0; n < 200000; n++) {
+        const plant_t plant = {
+            .resistance = random_real(&random, 0.7, 1.5),
+            .inductance = random_real(&random, 0.75, 1.25),
+            .flux = random_real(&random, 0.7, 1.3),
+            .dead_time_share = random_real(&random, -0.5, 0.5),
+        };
+        const monitor_emf_input_t in = emf_measured(
+            &config, random_real(&random, -11000.0, 11000.0), random_real(&random, -200.0, 20.0),
+            random_real(&random, -200.0, 200.0), random_real(&random, -10.0, 10.0), &plant);
+        state.level = (uint16_t)(MONITOR_EMF_SEEN * config.monitor.angle_fault_time_ms - 1);
+        TEST_ASSERT_FALSE(monitor_emf_step(&state, &config, &in));
+    }
+}
