@@ -14,7 +14,7 @@ void encoder_init(encoder_t *encoder, const config_t *config)
     encoder->counts = (int32_t)counts;
     encoder->tolerance_counts = config->rotor.encoder_index_tolerance_counts;
     encoder->overdue_counts = encoder->counts + encoder->counts / ENCODER_OVERDUE_DIVISOR;
-    encoder->max_counts = (int32_t)(counts / (2U * pole_pairs));
+    encoder->max_counts = (int32_t)(counts / (8U * pole_pairs)) + 1;
     encoder->turn_per_count_q32 = (uint32_t)(((pole_pairs << 32) + counts / 2U) / counts);
     encoder->count_turn = (int32_t)(encoder->turn_per_count_q32 >> 16) + 1;
     /* The counter changes at the edges of the lines in both directions: the captured count begins

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "rotor.h"
 
-#include "angle_tracker.h"
+#include "absolute_angle.h"
 #include "encoder.h"
 
 void rotor_init(rotor_state_t *state, const config_t *config)
 {
-    const angle_tracker_t at_rest = {.started = false};
-    state->tracker = at_rest;
+    absolute_angle_init(&state->absolute);
     state->sensor = config->rotor.sensor;
     hall_init(&state->hall, config);
     encoder_init(&state->encoder, config);
@@ -23,10 +22,10 @@ void rotor_other_step(rotor_state_t *state, const config_t *config, const foc_in
         out->faults = state->encoder.faults;
         out->valid = state->encoder.valid;
     } else {
-        angle_tracker_step(&state->tracker, config, in->rotor_angle_turn);
-        out->theta_turn = (uint16_t)(state->tracker.theta_q32 >> 16);
-        out->speed_q32 = state->tracker.speed_q32;
-        out->faults = 0;
-        out->valid = true;
+        absolute_angle_step(&state->absolute, config, in->rotor_angle_turn);
+        out->theta_turn = (uint16_t)(state->absolute.tracker.theta_q32 >> 16);
+        out->speed_q32 = state->absolute.tracker.speed_q32;
+        out->faults = state->absolute.faults;
+        out->valid = state->absolute.valid;
     }
 }

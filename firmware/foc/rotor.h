@@ -2,7 +2,7 @@
 /*
  * rotor.h: electrical angle and speed, once per PWM period, from the configured sensor: three hall
  * sensors (hall.h), an incremental encoder with index (encoder.h), or an absolute angle (resolver,
- * simulation) through a tracking loop (angle_tracker.h).
+ * simulation) through a tracking loop (absolute_angle.h).
  */
 #ifndef FOC_ROTOR_H
 #define FOC_ROTOR_H

@@ -146,6 +146,13 @@ static void name_sensor(monitor_rotor_state_t *state, const config_t *config,
     }
 }
 
+/* A sensor that was invalid has lost its place, maybe: it is used again once it agrees, or once the
+ * observer cannot tell. */
+static bool may_return(const monitor_rotor_state_t *state, const monitor_rotor_input_t *in)
+{
+    return !state->observer_used || !state->confirmed || q_abs(in->difference_turn) < AGREED_TURN;
+}
+
 monitor_rotor_output_t monitor_rotor_step(monitor_rotor_state_t *state, const config_t *config,
                                           const monitor_rotor_input_t *in)
 {
@@ -157,7 +164,7 @@ monitor_rotor_output_t monitor_rotor_step(monitor_rotor_state_t *state, const co
     compare(state, config, in);
     state->sensor_wrong = state->sensor_wrong && !in->cleared;
     name_sensor(state, config, in);
-    const bool sensor = in->sensor_valid && !state->sensor_wrong;
+    const bool sensor = in->sensor_valid && !state->sensor_wrong && may_return(state, in);
     state->observer_used =
         !sensor && (state->observer_used || watches(state, config, in) || !in->switching);
     const monitor_rotor_output_t out = {

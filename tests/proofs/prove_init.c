@@ -94,7 +94,7 @@ void prove_encoder_init(void)
     ASSUME(config.rotor.encoder_counts >= 32 * config.motor.pole_pairs);
     encoder_t out;
     encoder_init(&out, &config);
-    PROVE(out.max_counts >= 16 && out.max_counts <= out.counts / 2);
+    PROVE(out.max_counts >= 5 && out.max_counts <= out.counts / 8 + 1);
     PROVE(out.count_turn >= 1 && out.count_turn <= 2049);
     PROOF_END();
 }

@@ -4,6 +4,7 @@
  * its array. The hall estimate is proved by induction: from any state that its invariant
  * allows one step leads to another such state.
  */
+#include "absolute_angle.h"
 #include "config/config.h"
 #include "encoder.h"
 #include "hall.h"
@@ -110,22 +111,31 @@ void prove_hall_step(void)
     PROOF_END();
 }
 
-void prove_angle_tracker(void)
+void prove_absolute_angle(void)
 {
     config_t config;
     any_rotor_configuration(&config);
     config.rotor.sensor = CONFIG_ROTOR_ANGLE;
     rotor_state_t state;
-    state.tracker.theta_q32 = nondet_uint32();
-    state.tracker.speed_q32 = nondet_int32();
-    state.tracker.started = nondet_bool();
+    state.absolute.tracker.theta_q32 = nondet_uint32();
+    state.absolute.tracker.speed_q32 = nondet_int32();
+    state.absolute.tracker.started = nondet_bool();
+    state.absolute.faults = nondet_uint16();
+    state.absolute.settled = nondet_uint8();
+    state.absolute.apart = nondet_uint8();
+    state.absolute.valid = nondet_bool();
+    __CPROVER_assume(state.absolute.apart < ABSOLUTE_ANGLE_GIVEN_UP);
+    const absolute_angle_t before = state.absolute;
     state.sensor = CONFIG_ROTOR_ANGLE;
     hall_init(&state.hall, &config);
     const foc_input_t in = {.rotor_angle_turn = nondet_uint16(), .hall_state = nondet_uint8()};
     rotor_out_t out;
     const emf_observer_t observer = {.theta_q32 = nondet_uint32(), .periods = nondet_uint32()};
     rotor_step(&state, &config, &in, &observer, nondet_uint16(), &out);
-    PROVE(out.valid && out.faults == 0);
+    PROVE(state.absolute.apart < ABSOLUTE_ANGLE_GIVEN_UP);
+    PROVE(out.valid || !before.valid || out.faults == (uint16_t)(before.faults + 1U));
+    PROVE(before.valid || !out.valid ||
+          (state.absolute.apart == 0 && state.absolute.settled == ABSOLUTE_ANGLE_SETTLED));
     /* The next period reads the sensor again. */
     PROVE(state.hall.periods_since_edge >= state.hall.overdue_periods);
     PROOF_END();

@@ -57,6 +57,15 @@ typedef struct {
     bool started;
 } angle_tracker_t;
 
+/* absolute_angle.h */
+typedef struct {
+    angle_tracker_t tracker;
+    uint16_t faults; /* wrapping */
+    uint8_t settled; /* consecutive samples near their prediction, 0 .. 255 */
+    uint8_t apart;   /* samples far from it less others, 0 .. 95 */
+    bool valid;
+} absolute_angle_t;
+
 /* encoder.h */
 typedef struct {
     /* From the configuration. */
@@ -104,8 +113,8 @@ typedef struct {
 typedef struct {
     hall_t hall;
     encoder_t encoder;
-    angle_tracker_t tracker; /* of an absolute angle */
-    int32_t sensor;          /* config.rotor.sensor */
+    absolute_angle_t absolute;
+    int32_t sensor; /* config.rotor.sensor */
 } rotor_state_t;
 
 /* sensor_isolation.h */

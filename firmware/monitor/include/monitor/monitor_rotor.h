@@ -12,6 +12,8 @@
  * observer's angle is used. Above 15/16 of its speed torque is permitted with it; below, the angle
  * is still there for the torque to ramp out.
  *
+ * A sensor that was invalid is used again once it is within 12 degrees of a confirmed observer.
+ *
  * 12 ms after 60 degrees a wrong sensor gets its name, by its speed: frozen below half the
  * observer's, reversed against it, else slipped.
  *

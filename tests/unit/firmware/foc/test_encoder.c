@@ -200,8 +200,10 @@ void test_lost_or_extra_counts_invalidate_the_angle_until_two_index_pulses_agree
     for (int sign = -1; sign <= 1; sign += 2) {
         restart();
         turn_for(1.5, 1e-4);
-        lost_counts = sign * 30; /* 61 degrees electrical */
-        turn_for(0.2, 1e-4);
+        lost_counts = sign * 15;
+        turn_for(0.1, 1e-4);
+        lost_counts = sign * 30; /* 61 degrees electrical in all */
+        turn_for(0.1, 1e-4);
         TEST_ASSERT_TRUE(encoder.valid); /* not detected before the index */
         turn_for(0.8, 1e-4);
         TEST_ASSERT_EQUAL_UINT16(1, encoder.faults);
@@ -259,14 +261,13 @@ void test_missing_index_is_a_warning_per_turn_and_the_angle_stays_valid(void)
     }
 }
 
-/* A change by half an electrical turn in a period has no direction: with 4096 counts and 23 pole
- * pairs, 89 counts. */
-void test_jump_of_half_an_electrical_turn_in_a_period_is_a_fault(void)
+/* An eighth of an electrical turn and a count: with 4096 counts and 23 pole pairs, 23 counts. */
+void test_jump_of_an_eighth_of_an_electrical_turn_in_a_period_is_a_fault(void)
 {
     for (int beyond = 0; beyond <= 1; beyond++) {
         restart();
         turn_for(1.5, 1e-4);
-        encoder_input_t in = {.count = (uint16_t)(counter_at(shaft_turns) + 89 + beyond)};
+        encoder_input_t in = {.count = (uint16_t)(counter_at(shaft_turns) + 23 + beyond)};
         encoder_step(&encoder, &config, &in);
         TEST_ASSERT_EQUAL_INT(beyond == 0, encoder.valid);
         TEST_ASSERT_EQUAL_UINT16(beyond, encoder.faults);
@@ -286,8 +287,8 @@ void test_next_agreeing_index_makes_the_angle_valid_again(void)
         encoder_step(&encoder, &config, &in);
         TEST_ASSERT_FALSE(encoder.valid);
         in.index = false;
-        for (int n = 1; n <= 128; n++) {
-            in.count = (uint16_t)(here + AWAY[a] * n / 128);
+        for (int n = 1; n <= 256; n++) {
+            in.count = (uint16_t)(here + AWAY[a] * n / 256);
             encoder_step(&encoder, &config, &in);
             TEST_ASSERT_FALSE(encoder.valid);
         }

@@ -49,7 +49,7 @@ static void settle(double turns)
     q_codes = -600.0;
     setpoint.i_reference_pu.q = -600 * 16;
     sample(0.0);
-    foc.rotor.tracker.speed_q32 = (int32_t)(turns * 4294967296.0);
+    foc.rotor.absolute.tracker.speed_q32 = (int32_t)(turns * 4294967296.0);
     for (int n = 0; n < 200; n++) {
         sample(turns);
     }

@@ -64,8 +64,10 @@ static inline void rig_start(rig_t *rig)
     }
 }
 
+/* At once, which no rotor does: the sensor's check for jumps begins anew. */
 static inline void rig_set_speed_rpm(rig_t *rig, double rpm)
 {
+    rig->controller.fast.foc.rotor.absolute.settled = 0;
     rig->turn_per_period =
         rpm / 60.0 * rig->config.motor.pole_pairs / rig->config.drive.pwm_frequency_Hz;
 }
