@@ -93,7 +93,7 @@ class Monitor(Section):
         float, number(0.001, 10.0, "s", "of an invalid rotor angle, once the torque is zero")
     ] = 0.25
     angle_fault_time_s: Annotated[
-        float, number(0.001, 1.0, "s", "of an angle that contradicts the back-EMF")
+        float, number(0.008, 1.0, "s", "of an angle that contradicts the back-EMF")
     ] = 0.02
     rotor_warning_time_s: Annotated[
         float, number(0.001, 60.0, "s", "heal time of the rotor sensor's warning, and so of LIMP")

@@ -325,7 +325,7 @@
     X(rotor_fault_time_ms,                   1,         10000,      "ms", \
       "qualify time of an invalid rotor angle, from zero torque on; default " \
       "250") \
-    X(angle_fault_time_ms,                   1,         1000,       "ms", \
+    X(angle_fault_time_ms,                   8,         1000,       "ms", \
       "qualify time of an implausible angle: steps with one less steps without; default 20") \
     X(rotor_warning_time_ms,                 1,         60000,      "ms", \
       "heal time of the rotor sensor's warning, and so of LIMP; default 10000") \

@@ -61,8 +61,8 @@ void test_angle_fault_time_qualifies_an_angle_against_the_back_emf(void)
         .rotor_valid = true,
     };
     monitor_emf_state_t level = {.level = 0};
-    config.monitor.angle_fault_time_ms = 5;
-    for (int n = 1; n < 5; n++) {
+    config.monitor.angle_fault_time_ms = 9;
+    for (int n = 1; n < 9; n++) {
         TEST_ASSERT_FALSE(monitor_emf_step(&level, &config, &turned));
     }
     TEST_ASSERT_TRUE(monitor_emf_step(&level, &config, &turned));

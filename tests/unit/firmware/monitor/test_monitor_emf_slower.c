@@ -2,6 +2,8 @@
 /* The angle check and a rotor that is slower than its sensor shows, or stands. */
 #include "monitor/monitor_emf.h"
 
+#include <string.h>
+
 #include "emf_motor.h"
 #include "random_values.h"
 #include "unity.h"
@@ -78,4 +80,21 @@ void test_zero_voltage_at_speed_is_a_fault_after_640_ms(void)
     in.u_d_mV = 0;
     in.u_q_mV = 0;
     TEST_ASSERT_EQUAL_INT(32 * 20, time_to_fault(&in));
+}
+
+#define LOWEST_OF_ANGLE_FAULT_TIME(name, lowest, highest, unit, text)                              \
+    if (strcmp(#name, "angle_fault_time_ms") == 0) {                                               \
+        config.monitor.angle_fault_time_ms = (lowest);                                             \
+    }
+
+/* So the shortest time that a configuration may have is longer than that as well. */
+void test_shortest_qualify_time_outlasts_halls_that_still_show_a_speed(void)
+{
+    enum { HALLS_STANDSTILL_ms = 250 };
+    config.monitor.angle_fault_time_ms = 0;
+    CONFIG_MONITOR_FIELDS(LOWEST_OF_ANGLE_FAULT_TIME)
+    monitor_emf_input_t in = measured(400.0, 0.0, 0.0, 0.0, &AS_CONFIGURED);
+    in.u_d_mV = 0;
+    in.u_q_mV = 0;
+    TEST_ASSERT_GREATER_THAN_INT(HALLS_STANDSTILL_ms, time_to_fault(&in));
 }
