@@ -132,8 +132,8 @@ void adc_handler(void)
 void analog_read(analog_sample_t *sample)
 {
     const bool inverted = BOARD_CURRENT_INVERTED != 0;
-    const uint16_t a = current_code(ADC1->JDR1, inverted);
-    const uint16_t b = current_code(ADC2->JDR1, inverted);
+    const uint16_t a = current_code_about(ADC1->JDR1, BOARD_CURRENT_ZERO_CODE, inverted);
+    const uint16_t b = current_code_about(ADC2->JDR1, BOARD_CURRENT_ZERO_CODE, inverted);
     sample->phase_current_code[0] = a;
     sample->phase_current_code[1] = b;
     sample->phase_current_code[2] = current_code_third(a, b);

@@ -28,6 +28,12 @@ enum {
               BOARD_DIVIDER_LOWER_Ohm)
 };
 
+_Static_assert(
+    (int64_t)BOARD_NETWORK_NUMERATOR *(BOARD_NETWORK_GROUND_Ohm *BOARD_NETWORK_REFERENCE_Ohm +
+                                       BOARD_NETWORK_SHUNT_Ohm * BOARD_NETWORK_REFERENCE_Ohm +
+                                       BOARD_NETWORK_SHUNT_Ohm * BOARD_NETWORK_GROUND_Ohm) ==
+        (int64_t)BOARD_NETWORK_DENOMINATOR * BOARD_NETWORK_GROUND_Ohm * BOARD_NETWORK_REFERENCE_Ohm,
+    "the network's share of the shunt's voltage is what its resistors give");
 _Static_assert(BOARD_CURRENT_FULL_SCALE_mA / 1000 >= BOARD_CURRENT_MOST_A,
                "the amplifiers show what the board may carry");
 _Static_assert(BOARD_VOLTAGE_FULL_SCALE_mV / 1000 >= BOARD_VOLTAGE_MOST_V,

@@ -314,7 +314,7 @@ CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
         .current_dead_periods      = 2, /* a current that vanishes: PWM periods; default 2 */
         .current_missing_pu_q15    = 1440, /* [pu ms] reference times time without any current */
         /* largest distance of a current sensor's offset from mid-range */
-        .offset_tolerance_codes    = 200,
+        .offset_tolerance_codes    = 800,
         /* [mNm] largest excess of the estimated over the permitted torque */
         .torque_tolerance_mNm      = 700,
         /* [ms] qualify time of an implausible torque; default 50 */
@@ -438,5 +438,5 @@ CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
             -69, -93, -74, -137, -157,
         },
     },
-    .crc32 = 0xB9D37355,
+    .crc32 = 0xDD64F17D,
 };

@@ -5,8 +5,10 @@
  *
  * Source: NuttX, boards/arm/stm32/b-g431b-esc1 (apache/nuttx on GitHub: README.txt, include/board.h
  * and src/stm32_foc.c, after ST's UM2516) for pins, shunts, gain, sign, divider and the 40 A and
- * 25 V. The Arduino core's variant_B_G431B_ESC1.h for PC11 and PC14. What has no such source is
- * marked below; README lists it as to be verified.
+ * 25 V. The Arduino core's variant_B_G431B_ESC1.h for PC11 and PC14. FOC-Stim (diglet48/FOC-Stim,
+ * src/bsp and src/utils.cpp) for the thermistor. The amplifiers' network: the board's schematic as
+ * quoted in the SimpleFOC forum, thread 521. What has no such source is marked below; README lists
+ * it as to be verified.
  *
  *     PA8 PA9 PA10      TIM1_CH1..3      high-side gates a, b, c
  *     PC13 PA12 PB15    TIM1_CH1N..3N    low-side gates a, b, c
@@ -38,13 +40,19 @@ enum {
     BOARD_AMPLIFIER_GAIN_NUMERATOR = 64,
     BOARD_AMPLIFIER_GAIN_DENOMINATOR = 7,
     BOARD_CURRENT_INVERTED = 1, /* the amplifiers' output falls with current into the motor */
-    /* The network alone, before the amplifiers and the comparators. Its level without current: half
-     * of the reference at the amplifiers' output is 103 mV, one board was measured with 128 mV
-     * (README, The board): with a margin. */
+    /* The network alone, before the amplifiers and the comparators: from the shunt, to ground, to
+     * the reference. It takes 4/7 of the shunt's voltage, on a level of 128.6 mV; one board was
+     * measured with 128 mV. Within the limits lie its resistors' 1 % and a comparator's offset. */
+    BOARD_NETWORK_SHUNT_Ohm = 1500,
+    BOARD_NETWORK_GROUND_Ohm = 2200,
+    BOARD_NETWORK_REFERENCE_Ohm = 22000,
     BOARD_NETWORK_NUMERATOR = 4,
     BOARD_NETWORK_DENOMINATOR = 7,
-    BOARD_NETWORK_LEVEL_LEAST_mV = 60,
+    BOARD_NETWORK_LEVEL_LEAST_mV = 100,
     BOARD_NETWORK_LEVEL_MOST_mV = 160,
+    /* The amplifiers' output without current lies between half of the reference and 16 times that
+     * level, 2 553: README, Zero current. */
+    BOARD_CURRENT_ZERO_CODE = 2304,
     /* In a shunt to ground: a quarter above the board's 40 A, within full scale. */
     BOARD_TRIP_A = 50,
     BOARD_REFERENCE_mV = 3300,
@@ -52,7 +60,7 @@ enum {
     BOARD_DIVIDER_LOWER_Ohm = 18000,
     /* FOC-Stim, src/bsp: measured 1.3 us after a switch is off. */
     BOARD_AMPLIFIER_SETTLING_ns = 1300,
-    BOARD_SWITCH_NTC_GROUND_Ohm = 4700, /* without a source: README */
+    BOARD_SWITCH_NTC_GROUND_Ohm = 4700, /* 10 kOhm, B = 3425 K at the supply: FOC-Stim */
     BOARD_CHANNEL_CURRENT_A = 3,
     BOARD_CHANNEL_CURRENT_B = 3,
     BOARD_CHANNEL_BUS_VOLTAGE = 1,

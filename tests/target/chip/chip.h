@@ -81,6 +81,7 @@ typedef struct {
     uint32_t low_side_a_mV; /* STM32F405: voltage across this switch while it is on */
     bool comparators_dead;  /* STM32G431: their outputs stay low */
     int32_t low_side_a_mA;  /* STM32G431: in its shunt to ground; 0: the phase's */
+    int32_t amplifier_bias_mV; /* STM32G431: at VINM0 of each amplifier */
     bool supply_low;
     bool brown_out_off;       /* option bytes as delivered */
     uint32_t flash_cut_after; /* from 1: the supply fails at this flash operation; 0: never */

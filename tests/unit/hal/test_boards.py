@@ -22,7 +22,20 @@ FACTS = (
     "BOARD_AMPLIFIER_SETTLING_ns",
     "ANALOG_SAMPLING_ns",
     "CLOCK_TIMER1_Hz",
+    "BOARD_REFERENCE_mV",
+    "BOARD_NETWORK_SHUNT_Ohm",
+    "BOARD_NETWORK_GROUND_Ohm",
+    "BOARD_NETWORK_REFERENCE_Ohm",
+    "BOARD_NETWORK_LEVEL_LEAST_mV",
+    "BOARD_NETWORK_LEVEL_MOST_mV",
+    "BOARD_CURRENT_ZERO_CODE",
 )
+
+AMPLIFIER_GAIN, CODES = 16.0, 4096.0
+RESISTORS, AMPLIFIER_OFFSET_MV, AMPLIFIER_GAIN_ERROR = 0.01, 3.0, 0.01
+"""Tolerances: of the network's parts, and of the amplifier (DS12589, 5.3.22)."""
+COMPARATOR_MV = 10.0
+"""Its offset and the converter's that makes the threshold."""
 
 
 @pytest.fixture(scope="module")
@@ -82,3 +95,84 @@ def test_the_bench_configurations_pulses_are_long_enough_for_the_converters(
     window_ns = board["BOARD_AMPLIFIER_SETTLING_ns"] + board["ANALOG_SAMPLING_ns"] + dead_ns / 2
     pulse_ns = loops.min_pulse_s(bench) * 1e9
     assert window_ns <= pulse_ns < window_ns + 50
+
+
+def level_mv(board: dict[str, int], *factors: float) -> float:
+    """What the network makes of the reference without current; factors: of its resistances."""
+    names = ("SHUNT", "GROUND", "REFERENCE")
+    wanted = factors or (1.0, 1.0, 1.0)
+    shunt, ground, reference = (
+        1.0 / (board[f"BOARD_NETWORK_{name}_Ohm"] * factor)
+        for name, factor in zip(names, wanted, strict=True)
+    )
+    return board["BOARD_REFERENCE_mV"] * reference / (shunt + ground + reference)
+
+
+def zero_codes(board: dict[str, int]) -> tuple[float, float]:
+    """Return the least and the most of an amplifier's output without current, in codes.
+
+    What is at its inverting input's pin is not known: between ground and the voltage that brings
+    the output to the middle, about which two firmwares for the board report it.
+    """
+    one = 1.0 + RESISTORS, 1.0 / (1.0 + RESISTORS)
+    levels = [
+        level_mv(board, a, b, c) for a in one for b in one for c in one
+    ]  # at an end of each resistor
+    code_mv = board["BOARD_REFERENCE_mV"] / CODES
+    nominal = AMPLIFIER_GAIN * level_mv(board)
+    spread = AMPLIFIER_GAIN * (max(levels) - level_mv(board) + AMPLIFIER_OFFSET_MV)
+    spread += AMPLIFIER_GAIN_ERROR * nominal
+    middle = board["BOARD_REFERENCE_mV"] / 2.0
+    return (middle - spread) / code_mv, (nominal + spread) / code_mv
+
+
+def test_the_level_without_current_is_the_measured_one_and_the_over_currents(
+    board: dict[str, int],
+) -> None:
+    """128 mV at the pins of a board, within what its comparators accept."""
+    assert level_mv(board) == pytest.approx(128.57, abs=0.01)
+    assert level_mv(board) == pytest.approx(128.0, rel=RESISTORS)
+    worst = level_mv(board) * 2.0 * RESISTORS + COMPARATOR_MV
+    assert board["BOARD_NETWORK_LEVEL_LEAST_mV"] <= level_mv(board) - worst
+    assert level_mv(board) + worst <= board["BOARD_NETWORK_LEVEL_MOST_mV"]
+
+
+def test_every_board_without_a_defect_starts_with_the_bench_configuration(
+    board: dict[str, int], bench: Drive
+) -> None:
+    """The third current is minus the sum of two, so its zero is beside the middle by both's."""
+    least, most = zero_codes(board)
+    beside = max(most - board["BOARD_CURRENT_ZERO_CODE"], board["BOARD_CURRENT_ZERO_CODE"] - least)
+    assert beside > 200, "the default would refuse some"
+    assert 2.0 * beside <= bench.monitor.offset_tolerance_codes
+
+
+def test_a_broken_resistor_of_the_network_lies_beyond_the_tolerance(
+    board: dict[str, int], bench: Drive
+) -> None:
+    """Open or shorted, with anything at the inverting input's pin; and that pin open: gain 1."""
+    far = 1e9
+    code_mv = board["BOARD_REFERENCE_mV"] / CODES
+    bias_most_mv = (AMPLIFIER_GAIN * level_mv(board) - board["BOARD_REFERENCE_mV"] / 2.0) / (
+        AMPLIFIER_GAIN - 1.0
+    )
+    broken = [level_mv(board)]  # at a gain of 1
+    for resistor in range(3):
+        for factor in (far, 1.0 / far):
+            factors = [1.0, 1.0, 1.0]
+            factors[resistor] = factor
+            for bias_mv in (0.0, bias_most_mv):
+                output = AMPLIFIER_GAIN * level_mv(board, *factors)
+                broken.append(output - (AMPLIFIER_GAIN - 1.0) * bias_mv)
+    for output_mv in broken:
+        code = min(max(output_mv / code_mv, 0.0), CODES - 1.0)
+        beside = abs(code - board["BOARD_CURRENT_ZERO_CODE"])
+        assert beside > bench.monitor.offset_tolerance_codes
+
+
+def test_the_trip_on_measured_current_can_be_seen_in_either_direction(
+    board: dict[str, int], bench: Drive
+) -> None:
+    """The range above the highest zero is the smaller one, of current out of the motor."""
+    seen = (CODES - 1.0 - zero_codes(board)[1]) / (CODES / 2.0)
+    assert loops.overcurrent_pu(bench) <= loops.overcurrent_share_max(bench) <= seen

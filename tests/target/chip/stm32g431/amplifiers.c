@@ -30,6 +30,8 @@ double amplifier_V(const chip_t *chip, unsigned number)
         return 0.0;
     }
     const double most = ANALOG_REFERENCE_uV / 1e6;
-    const double out = (2U << (gain & 7U)) * analog_pin_V(chip, amplifier->port, amplifier->in);
+    const double times = 2U << (gain & 7U);
+    const double out = times * analog_pin_V(chip, amplifier->port, amplifier->in) -
+                       (times - 1.0) * chip->fault.amplifier_bias_mV / 1e3;
     return out < 0.0 ? 0.0 : (out > most ? most : out);
 }

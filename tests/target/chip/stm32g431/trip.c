@@ -3,7 +3,8 @@
  * The flashable image and an over-current in a switch, on the model of the STM32G431: the chip's
  * own comparators take the gates.
  *
- *     chip_trip_g431 ELF           thresholds, time, report, and comparators that do not answer
+ *     chip_trip_g431 ELF           thresholds, time, report, comparators that do not answer, and
+ *                                  amplifiers with another output without current
  *     chip_trip_g431 ELF planted   an image with an error planted in its driver: must be caught
  *
  * Exit code 0: as expected.
@@ -17,7 +18,8 @@ enum {
     MOST_mA = 40000, /* the board's largest current */
     TRIP_mA = 53000, /* its threshold is 50 A; DAC and comparator 1 % and a code of 0.5 A each */
     SPIKE_ns = 250,  /* of an edge: shorter than the filter */
-    SPIKE_mA = 200000
+    SPIKE_mA = 200000,
+    BIAS_MOST_mV = 27 /* 16 times 128.6 mV less 15 times this: half of the reference */
 };
 
 static bool is_switching(void)
@@ -97,6 +99,16 @@ static bool refuses_dead_comparators(void)
                   "stays off with dead comparators");
 }
 
+/* The others above start with the largest output that the board's amplifiers may have without
+ * current; this is the smallest. */
+static bool starts_with_a_bias(void)
+{
+    chip_faults(rig.chip)->amplifier_bias_mV = BIAS_MOST_mV;
+    boot();
+    return expect(drive_off(&rig.coupling), "comes to drive with a bias at its amplifiers") &&
+           obeys_the_manuals();
+}
+
 int main(int argc, char **argv)
 {
     if (argc < 2) {
@@ -104,7 +116,8 @@ int main(int argc, char **argv)
         return 2;
     }
     bool good = (open_rig(argv[1]) || wrong("the image cannot be loaded")) && protects() &&
-                open_rig(argv[1]) && refuses_dead_comparators();
+                open_rig(argv[1]) && refuses_dead_comparators() && open_rig(argv[1]) &&
+                starts_with_a_bias();
     printf("%s\n", good ? "as it must be" : rig.why);
     if (argc > 2) {
         printf("%s\n", good ? "NOT CAUGHT" : "caught");

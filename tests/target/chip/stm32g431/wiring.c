@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * B-G431B-ESC1 (hal/stm32g431/boards): low-side shunts of 3 mOhm, of whose voltage the network
- * before PA1, PA7 and PB0 leaves 4/7, falling with current into the motor, on a level that the
- * amplifiers' gain of 16 brings to half of the reference; bus voltage at PA0, switch thermistor at
- * PB14, from the supply over 4.7 kOhm; halls at PB6 to PB8; no winding sensor.
+ * before PA1, PA7 and PB0 leaves 4/7, falling with current into the motor: 1.5 kOhm to the shunt,
+ * 2.2 kOhm to ground, 22 kOhm to the reference; bus voltage at PA0, switch thermistor at PB14, from
+ * the supply over 4.7 kOhm; halls at PB6 to PB8; no winding sensor.
  */
 #include "wiring.h"
 
@@ -14,8 +14,8 @@
 enum { PORT_B = 1, HALL_PINS = 7 << 6, CODES = ANALOG_CODES, MIDDLE_CODE = 2048 };
 /* Full scale of the codes that the plant gives, of the image's configuration (60.16 A). */
 static const double FULL_SCALE_A = 60.16;
-static const double SHUNT_V_PER_A = 0.003 * 4.0 / 7.0;
-static const double GAIN = 16.0;
+/* By the conductances in mS of the three resistors. */
+static const double TO_SHUNT = 1.0 / 1.5, TO_GROUND = 1.0 / 2.2, TO_REFERENCE = 1.0 / 22.0;
 
 void wiring_currents(chip_inputs_t *in, const uint16_t code[3])
 {
@@ -45,11 +45,11 @@ void wiring_temperatures(chip_inputs_t *in, int32_t winding_cC, int32_t switch_c
 
 static double shunt_pin_V(const chip_t *chip, unsigned phase)
 {
-    const double level_V = ANALOG_REFERENCE_uV / 1e6 / 2.0 / GAIN;
     const double down_a = phase == 0 && chip->fault.low_side_a_mA != 0
                               ? chip->fault.low_side_a_mA / 1000.0
                               : -chip->in.current_a[phase];
-    return level_V + SHUNT_V_PER_A * down_a;
+    return (TO_SHUNT * 0.003 * down_a + TO_REFERENCE * ANALOG_REFERENCE_uV / 1e6) /
+           (TO_SHUNT + TO_GROUND + TO_REFERENCE);
 }
 
 double analog_pin_V(const chip_t *chip, char port, unsigned pin)
