@@ -4,7 +4,8 @@
  * (tools/dev firmware --board NAME).
  *
  * Alternate functions: STM32F405 data sheet (DocID022152), table 9; channels and pins of the
- * converters: table 7.
+ * converters: table 7. All that the boards use, as in the Arduino core's
+ * variants/STM32F4xx/F405RGT_F415RGT/PeripheralPins.c, made of the vendor's pin data.
  */
 #ifndef STM32F405_BOARD_H
 #define STM32F405_BOARD_H
@@ -62,7 +63,8 @@ _Static_assert(BOARD_CURRENT_FULL_SCALE_mA / 1000 >= BOARD_CURRENT_MOST_A,
 /* ntc.c: 3 % of B are 2 K at 100 C. */
 _Static_assert(BOARD_SWITCH_NTC_BETA_K > 3380 - 100 && BOARD_SWITCH_NTC_BETA_K < 3380 + 100,
                "the table of ntc.c");
-/* V_DS at which the DRV8301 trips, by OC_ADJ_SET (SLOS719, table 13). */
+/* V_DS at which the DRV8301 trips, by OC_ADJ_SET (SLOS719, table 13; the same in the DRV8301-Q1's
+ * SLOS842, table 10), within 20 %. */
 #define BOARD_V_DS_mV(code)                                                                        \
     ((code) == 14   ? 317                                                                          \
      : (code) == 15 ? 358                                                                          \
