@@ -24,8 +24,27 @@ REFILL = (1, 3)
 DIVISION = (2, 12)
 EXCEPTION = 12
 """Cycles from the signal to the handler's first instruction, and from its last one back."""
-LINE_BYTES, WAIT_STATES, INSTRUCTION_LINES, CONSTANT_LINES = 16, 5, 64, 8
+
+
+@dataclass(frozen=True)
+class Machine:
+    """What differs between the cores and between their flash memories."""
+
+    line_bytes: int
+    wait_states: int
+    instruction_lines: int
+    """Lines that stay in a cache or a buffer."""
+    constant_lines: int
+    accumulate: tuple[int, int]
+    """Cycles of mla and mls."""
+    long_product: tuple[int, int]
+    long_accumulate: tuple[int, int]
+
+
+STM32F405 = Machine(16, 5, 64, 8, (1, 1), (1, 1), (1, 1))
 """RM0090 section 3.5: lines of 128 bits, wait states at 168 MHz, lines the accelerator keeps."""
+STM32F103 = Machine(8, 2, 2, 0, (2, 2), (3, 5), (4, 7))
+"""A Cortex-M3 (Arm 100165, table 3-1) at 64 MHz: RM0008 section 3.3.3, two buffers of 64 bits."""
 
 _LINE = re.compile(r"^\s*([0-9a-f]+):\t([0-9a-f ]+?)\s*\t(\S+)\s*(.*)$")
 _BRANCH = re.compile(r"^(b|bl|bx|blx)(eq|ne|cs|hs|cc|lo|mi|pl|vs|vc|hi|ls|ge|lt|gt|le|al)?$")
@@ -74,12 +93,18 @@ class Instruction:
         address = self.operands.partition("[")[2]
         return before.is_single_load and loaded not in _REGISTER.findall(address)
 
-    def cycles(self, before: Instruction | None) -> tuple[int, int]:
+    def cycles(self, before: Instruction | None, machine: Machine = STM32F405) -> tuple[int, int]:
         """Least and most cycles, without a refill.
 
         before: the instruction executed before it in the same block.
         """
         name = self.mnemonic
+        if name.startswith(("mla", "mls")):
+            return machine.accumulate
+        if name.startswith(("smull", "umull")):
+            return machine.long_product
+        if name.startswith(("smlal", "umlal")):
+            return machine.long_accumulate
         pipelined = before is not None and self.follows_load(before)
         one = 1
         if name.startswith(("sdiv", "udiv")):
@@ -143,6 +168,7 @@ class Table:
     """What the blocks of one program take."""
 
     elf: Path
+    machine: Machine = STM32F405
     _code: dict[int, Instruction] = field(init=False)
     _blocks: dict[tuple[Block, bool], tuple[int, int]] = field(default_factory=dict)
     _lines: dict[Block, list[tuple[int, int]]] = field(default_factory=dict)
@@ -169,7 +195,7 @@ class Table:
             least = most = 0
             before = None
             for instruction in self.instructions(block):
-                a, b = instruction.cycles(before)
+                a, b = instruction.cycles(before, self.machine)
                 least, most = least + a, most + b
                 before = instruction
             if taken and before is not None and before.is_branch:
@@ -181,9 +207,10 @@ class Table:
         """Lines of flash that a block is in, with the instructions in each."""
         if block not in self._lines:
             lines: list[tuple[int, int]] = []
+            line_bytes = self.machine.line_bytes
             for instruction in self.instructions(block):
-                last = (instruction.address + instruction.size - 1) // LINE_BYTES
-                for line in range(instruction.address // LINE_BYTES, last + 1):
+                last = (instruction.address + instruction.size - 1) // line_bytes
+                for line in range(instruction.address // line_bytes, last + 1):
                     if not lines or lines[-1][0] != line:
                         lines.append((line, 0))
                 lines[-1] = (last, lines[-1][1] + 1)
@@ -196,6 +223,7 @@ class Table:
         The line behind the one in use is read ahead: of its wait states remain those that the line
         in use does not cover, one cycle an instruction.
         """
+        machine = self.machine
         constants: OrderedDict[int, None] = OrderedDict()
         cache: OrderedDict[int, None] = OrderedDict()
         waits = covered = 0
@@ -206,9 +234,9 @@ class Table:
                     cache.move_to_end(line)
                 else:
                     ahead = covered if line == before + 1 else 0
-                    waits += max(0, WAIT_STATES - ahead)
+                    waits += max(0, machine.wait_states - ahead)
                     cache[line] = None
-                    if len(cache) > INSTRUCTION_LINES:
+                    if len(cache) > machine.instruction_lines:
                         cache.popitem(last=False)
                 covered = instructions + (covered if line == before else 0)
                 before = line
@@ -216,10 +244,11 @@ class Table:
                 literal = instruction.literal
                 if literal is None:
                     continue
-                waits += 0 if literal // LINE_BYTES in constants else WAIT_STATES
-                constants[literal // LINE_BYTES] = None
-                constants.move_to_end(literal // LINE_BYTES)
-                if len(constants) > CONSTANT_LINES:
+                line = literal // machine.line_bytes
+                waits += 0 if line in constants else machine.wait_states
+                constants[line] = None
+                constants.move_to_end(line)
+                if len(constants) > machine.constant_lines:
                     constants.popitem(last=False)
         return waits
 

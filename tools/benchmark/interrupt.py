@@ -215,6 +215,7 @@ def _cycles(
     found: dict[str, Any] = {
         "pwm_interrupt": cycles.summary(fast),
         "millisecond_interrupt": cycles.summary([cost for cost, _ in slow]),
+        "cold_an_instruction": round(each_cold, 4),
     }
     for name, longest, an_instruction in (
         ("load_warm", found["pwm_interrupt"]["most"]["max"], each),
@@ -229,6 +230,7 @@ def measure(
     image: Path,
     blocks: Counter[tuple[int, int]] | None = None,
     chip_type: type[Chip] = Chip,
+    machine: cycles.Machine = cycles.STM32F405,
 ) -> dict[str, Any]:
     """Drive an image. blocks: if given, receives how often each stretch of code was entered."""
     if not image.is_file():
@@ -244,7 +246,7 @@ def measure(
     active = (False, (0, 0, 0))
     last_hall, running_ms = -1, 0
     calls: list[tuple[str, int]] = []
-    table_of = cycles.Table(image)
+    table_of = cycles.Table(image, machine)
     fast: list[cycles.Cost] = []
     slow: list[tuple[cycles.Cost, int]] = []
     for ms in range(START_MS + RIDE_MS):

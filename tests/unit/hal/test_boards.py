@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 from pathlib import Path
 
@@ -176,3 +177,27 @@ def test_the_trip_on_measured_current_can_be_seen_in_either_direction(
     """The range above the highest zero is the smaller one, of current out of the motor."""
     seen = (CODES - 1.0 - zero_codes(board)[1]) / (CODES / 2.0)
     assert loops.overcurrent_pu(bench) <= loops.overcurrent_share_max(bench) <= seen
+
+
+def test_the_hoverboards_header_compiles_and_gives_each_pin_once(tmp_path: Path) -> None:
+    """Of a chip without a port; the timers' pins are those of the data sheet without a remap."""
+    header = HAL / "stm32f103" / "boards" / "hoverboard.h"
+    names = re.findall(r"#define (BOARD_\w+) PIN", header.read_text())
+    lines = ["#define PIN(port, number) #port #number", '#include "boards/hoverboard.h"']
+    lines += ["#include <stdio.h>", "int main(void) {"]
+    lines += [f'puts("{name} " {name});' for name in names]
+    lines += ['printf("%d %d\\n", BOARD_CURRENT_uA_PER_CODE, BOARD_DIVIDER_UPPER_Ohm);']
+    (tmp_path / "pins.c").write_text("\n".join([*lines, "return 0; }"]))
+    command = ["cc", "-std=c11", f"-I{HAL / 'stm32f103'}", "-o", str(tmp_path / "pins")]
+    subprocess.run([*command, tmp_path / "pins.c"], check=True)
+    output = subprocess.run([tmp_path / "pins"], check=True, capture_output=True, text=True).stdout
+    *pins, scales = (line.split() for line in output.splitlines())
+    found = {name.removeprefix("BOARD_"): pin for name, pin in pins}
+    assert len(set(found.values())) == len(found) == len(names) > 20
+    for timer, high, low in (
+        ("M1", ("A8", "A9", "A10"), ("B13", "B14", "B15")),  # TIM1_CH1..3, CH1N..3N
+        ("M2", ("C6", "C7", "C8"), ("A7", "B0", "B1")),  # TIM8
+    ):
+        assert tuple(found[f"{timer}_GATE_HIGH_{x}"] for x in "ABC") == high
+        assert tuple(found[f"{timer}_GATE_LOW_{x}"] for x in "ABC") == low
+    assert scales == ["20000", "30000"]

@@ -12,7 +12,8 @@ from benchmark.chip import Chip
 
 # Cycles, with P for a refill and without the last return's: straight 11; loop 1 + 7 * 2 + 6 P + 1;
 # outer push 3, call 1 + P, 10, return 1 + P, pop 3; memory 1, load 2, store behind it 1, store 1,
-# load 2, load behind a load 1, return 1; divided 2 to 12 and 1; skipped 5.
+# load 2, load behind a load 1, return 1; divided 2 to 12 and 1; skipped 5; products 3 and 1, on a
+# Cortex-M3 3 to 5, 2, 4 to 7 and 1.
 PROGRAM = """
 #define ASM __attribute__((naked, noinline, used))
 ASM void straight(void) { __asm volatile(".rept 10\\n nop\\n .endr\\n bx lr"); }
@@ -25,6 +26,9 @@ ASM void memory(void) {
 ASM void divided(void) { __asm volatile("udiv r0, r1, r2\\n bx lr"); }
 ASM void skipped(void) {
     __asm volatile("cmp sp, #0\\n itt eq\\n moveq r0, #1\\n moveq r1, #2\\n bx lr");
+}
+ASM void products(void) {
+    __asm volatile("smull r0, r1, r2, r3\\n mla r0, r1, r2, r3\\n umlal r0, r1, r2, r3\\n bx lr");
 }
 static const unsigned short table[8] = {3, 1, 4, 1, 5, 9, 2, 6};
 __attribute__((noinline)) unsigned mixed(unsigned x) {
@@ -74,6 +78,7 @@ def booted(image: Path) -> tuple[Chip, dict[str, elf.Symbol]]:
         ("memory", 9, 9),
         ("divided", 3, 13),
         ("skipped", 5, 5),
+        ("products", 4, 4),
     ],
 )
 def test_cycles_equal_those_added_up_by_hand(image: Path, name: str, least: int, most: int) -> None:
@@ -83,6 +88,21 @@ def test_cycles_equal_those_added_up_by_hand(image: Path, name: str, least: int,
     cost = table.cost(chip.path)
     assert (cost.least, cost.most) == (24 + least, 24 + most)
     assert cost.cold > cost.most
+
+
+def test_a_cortex_m3_takes_longer_for_long_products_and_waits_for_a_flash_without_cache(
+    image: Path,
+) -> None:
+    """Code in line waits for its first eight bytes, and one cycle if it begins at their end."""
+    chip, symbols = booted(image)
+    table = cycles.Table(image, cycles.STM32F103)
+    chip.call(symbols["products"].address)
+    cost = table.cost(chip.path)
+    assert (cost.least, cost.most) == (24 + 10, 24 + 15)
+    chip.call(symbols["straight"].address)
+    cost = table.cost(chip.path)
+    assert cost.most == 24 + 11
+    assert cost.cold - cost.most in {2, 3}
 
 
 def test_the_model_of_the_chip_counts_what_the_plugin_counts(image: Path, tmp_path: Path) -> None:
