@@ -43,6 +43,8 @@ class Machine:
 
 STM32F405 = Machine(16, 5, 64, 8, (1, 1), (1, 1), (1, 1))
 """RM0090 section 3.5: lines of 128 bits, wait states at 168 MHz, lines the accelerator keeps."""
+STM32G431 = Machine(8, 4, 128, 32, (1, 1), (1, 1), (1, 1))
+"""RM0440 section 3.3.5: 64 bits at a time at 170 MHz, 1 KiB of instructions, 256 bytes of data."""
 STM32F103 = Machine(8, 2, 2, 0, (2, 2), (3, 5), (4, 7))
 """A Cortex-M3 (Arm 100165, table 3-1) at 64 MHz: RM0008 section 3.3.3, two buffers of 64 bits."""
 

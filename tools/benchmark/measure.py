@@ -32,6 +32,7 @@ from benchmark import (
     elf,
     interrupt,
     memory,
+    ports,
     readme,
     slow_profile,
     stack_report,
@@ -390,8 +391,7 @@ def bench(options: argparse.Namespace) -> int:
             envelope = each
             profile = slow_profile.measure(core, directory / f"{core.name}-envelope", plugin)
         cores[core.name] = result
-    builds = build.ROOT / "build"
-    images = {port: builds / port / f"hubfoc_{port}.elf" for port in ("stm32f405", "qemu")}
+    images = {p: build.ROOT / f"build/{p}/hubfoc_{p}.elf" for p in (*ports.PORTS, "qemu")}
     compiler = first_line([build.PREFIX + "gcc", "--version"])
     report: dict[str, Any] = {
         "config": options.config,
@@ -408,18 +408,18 @@ def bench(options: argparse.Namespace) -> int:
         console.print(f"{IMAGE_CORE} ...", style="dim")
         measured, outcome = measure_interrupt(options.image, compiler)
         report["interrupt"] = measured
+        report["ports"] = ports.of(report)
         report["budgets"] += [outcome, *judge_memory(options.image, compiler)]
     write_json(options.output, report)
     show(console, report)
     if "interrupt" in report:
         show_interrupt(console, report["interrupt"])
+        ports.show(console, report["ports"])
     show_budgets(console, report["budgets"])
     show_sizes(console, report)
     missed = [v for v in report["budgets"] if not v["met"]]
-    tables = [
-        module(report, options.update_readme) for module in (readme.status, slow_profile.status)
-    ]
-    return max(*tables, 1 if missed else 0)
+    tables = [m.status(report, options.update_readme) for m in (readme, slow_profile, ports)]
+    return 1 if missed or any(tables) else 0
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-from benchmark import elf, interrupt
+from benchmark import cycles, elf, interrupt
 from benchmark.build import BenchError
 from benchmark.chip import (
     CORE_BYTES,
@@ -197,7 +197,7 @@ def main(image: str) -> int:
     """Drive the image and report."""
     try:
         check_timing(Path(image))
-        measured = interrupt.measure(Path(image), chip_type=ChipG431)
+        measured = interrupt.measure(Path(image), chip_type=ChipG431, machine=cycles.STM32G431)
     except BenchError as error:
         print(f"stm32g431: {error}", file=sys.stderr)
         return 1
