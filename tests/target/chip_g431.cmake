@@ -15,6 +15,7 @@ function(chip_g431_tests elf)
   chip_g431_test(chip_g431_stops_by_other_torques chip_test_g431 "${elf}" "target;full" stops)
   chip_g431_test(chip_g431_trips_on_over_current chip_trip_g431 "${elf}" "target;full")
   chip_g431_test(chip_g431_counts_its_starts chip_starts_g431 "${elf}" "target;full")
+  chip_g431_test(chip_g431_shows_a_crash_after_its_restart chip_crash_g431 "${elf}" "target;full")
   chip_g431_test(chip_g431_answers_faults chip_test_g431 "${elf}" "target;full" faults)
   chip_g431_test(chip_g431_keeps_a_configuration_when_the_supply_fails chip_cuts_g431 "${elf}"
     "target;full" 64 4)

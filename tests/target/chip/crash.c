@@ -106,16 +106,17 @@ static bool survives_a_bad_pointer(void)
     if (!expect(chip_gates(rig.chip).bridge == CHIP_BRIDGE_SWITCHES, "the bridge switches")) {
         return false;
     }
-    /* In the PWM interrupt, as chip_test.c finds it: the background might count with them. */
+    /* In the PWM interrupt, as chip_test.c and trip.c find it: the background might count with
+     * them. */
     (void)chip_run_to_sample(rig.chip, rig.drive.period * 2U);
     chip_sample(rig.chip);
-    chip_run(rig.chip, 4U * CHIP_TICKS_PER_US);
-    if (!expect(chip_in_interrupt(rig.chip), "the PWM interrupt runs 4 us after the top")) {
+    chip_run(rig.chip, 5U * CHIP_TICKS_PER_US);
+    if (!expect(chip_in_interrupt(rig.chip), "the PWM interrupt runs 5 us after the top")) {
         return false;
     }
     chip_spoil_registers(rig.chip, NO_MEMORY);
     return stops_at_once(&instruction) && shows(1, instruction, &address) &&
-           expect(instruction - 0x08020000U < 0x100000U, "the instruction is the image's") &&
+           expect(instruction - IMAGE_BEGINS < IMAGE_BYTES, "the instruction is the image's") &&
            expect(address - (uint32_t)NO_MEMORY < MOST_OFFSET, "the record has the address");
 }
 
@@ -129,7 +130,11 @@ static bool survives_a_bad_jump(void)
            expect(address == UINT32_MAX, "a fetch has no address of data");
 }
 
-/* The board keeps its supply on by PC5. */
+static bool holds_its_supply(void)
+{
+    return !IMAGE_HOLDS_SUPPLY || chip_drives_high(rig.chip, 'C', 5);
+}
+
 static bool enters_the_bootloader(void)
 {
     const unsigned resets = chip_resets(rig.chip);
@@ -137,7 +142,7 @@ static bool enters_the_bootloader(void)
     chip_run(rig.chip, 100000U * CHIP_TICKS_PER_US);
     if (!expect(chip_in_bootloader(rig.chip) && chip_resets(rig.chip) == resets + 1,
                 "the shell restarts the chip in its bootloader") ||
-        !expect(chip_drives_high(rig.chip, 'C', 5) && !chip_outputs_on(rig.chip),
+        !expect(holds_its_supply() && !chip_outputs_on(rig.chip),
                 "the supply stays on and the bridge off in the bootloader")) {
         return false;
     }

@@ -20,6 +20,9 @@
 #define IMAGE_CLOCK_IS_WATCHED false
 #define IMAGE_BROWN_OUT_HAS_A_FLAG true
 #define IMAGE_OPTION_BYTES_RESET false
+#define IMAGE_BEGINS 0x08020000U /* of the program, hal/stm32f405/link.ld */
+#define IMAGE_BYTES 0xE0000U
+#define IMAGE_HOLDS_SUPPLY true /* by PC5 */
 
 static inline bench_params_t image_vehicle(void)
 {

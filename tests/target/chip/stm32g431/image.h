@@ -21,6 +21,9 @@
 #define IMAGE_CLOCK_IS_WATCHED true
 #define IMAGE_BROWN_OUT_HAS_A_FLAG false /* the supply's */
 #define IMAGE_OPTION_BYTES_RESET true
+#define IMAGE_BEGINS 0x08000000U /* of the program, hal/stm32g431/link.ld */
+#define IMAGE_BYTES 0x1A000U
+#define IMAGE_HOLDS_SUPPLY false
 
 static inline bench_params_t image_vehicle(void)
 {
