@@ -74,7 +74,10 @@ static inline line_t line_from(const motor_model_t *m, motor_point_t at, int32_t
 }
 
 /* The upper (sign 1) or lower (-1) intersection t of the line with the ellipse; without one false
- * and the t of the least voltage. */
+ * and the t of the least voltage.
+ *
+ * @post is_within(*t_b, -(1 << 25), (1 << 25) - 1)
+ */
 bool feasible_ellipse_root(const feasible_set_t *set, const line_t *line, int32_t sign,
                            int32_t *t_b);
 
@@ -112,7 +115,12 @@ static inline int32_t circle_b(const motor_model_t *m)
 }
 
 /* The i_d on the circle for a torque above the one at the map's i_d, between the map's i_d and that
- * of maximum torque per ampere. */
+ * of maximum torque per ampere.
+ *
+ * @post set->model->saliency_b != 0 || !is_within(set->model->constants->current_most_b, 0,
+ * MOTOR_MODEL_MOST_CURRENT_b) || is_within(result, -MOTOR_MODEL_MOST_CURRENT_b,
+ * MOTOR_MODEL_MOST_CURRENT_b)
+ */
 int32_t feasible_circle_d_b(const feasible_set_t *set, int32_t airgap_b, int32_t map_b);
 
 /* Of the sum u_d i_d + u_q i_q. Coefficients below 2^26 and an i_d below 2^25: a sum of two

@@ -22,7 +22,7 @@ WITHOUT_HEAD = """\
 # A private header whose functions are in the sources of a public one.
 SAME_SOURCES = {"torque/feasible_ellipse": "torque/feasible_torque"}
 _FUNCTION = re.compile(
-    r"(?:/\*(?P<comment>(?:(?!\*/).)*)\*/\s*)?^(?P<result>(?:static inline )?\w+(?: \*| ))"
+    r"(?:/\*(?P<comment>(?:(?!\*/).)*)\*/\s*)?^(?P<result>(?:static inline |const )?\w+(?: \*| ))"
     r"(?P<name>[a-z]\w+)\((?P<parameters>[^()]*)\)\s*[;{]",
     re.DOTALL | re.MULTILINE,
 )

@@ -16,6 +16,10 @@
      is_within((c)->battery.discharge_foldback_voltage_mV, (c)->battery.min_voltage_mV,            \
                (c)->battery.max_voltage_mV))
 
+#define derating_relations_hold(c)                                                                 \
+    ((c)->motor.derate_winding_temperature_cC < (c)->motor.max_winding_temperature_cC &&           \
+     (c)->drive.derate_switch_temperature_cC <= (c)->drive.max_switch_temperature_cC)
+
 #define motor_constants_hold(k)                                                                    \
     (is_within((k)->torque_shift, -30, 30) && is_within((k)->current_shift, 1, 16) &&              \
      is_within((k)->current_most_b, 0, MOTOR_MODEL_MOST_CURRENT_b) &&                              \

@@ -70,7 +70,9 @@ def test_functions_are_found_in_every_module_and_none_is_missed() -> None:
         names = set()
         for header in (contracts.FIRMWARE / module / "include").rglob("*.h"):
             text = re.sub(r"/\*.*?\*/", "", header.read_text(encoding="utf-8"), flags=re.DOTALL)
-            names |= set(re.findall(r"(?m)^(?:static inline )?[a-z]\w* \*?([a-z]\w+)\(", text))
+            names |= set(
+                re.findall(r"(?m)^(?:static inline |const )?[a-z]\w* \*?([a-z]\w+)\(", text)
+            )
         assert {one.name for one in found} == names
 
 
@@ -90,7 +92,7 @@ def test_a_contract_is_read_from_the_comment_before_its_function(tmp_path: Path)
         "int32_t speed;",
         "ASSUME(speed >= 0 && speed <= LIMIT);",
         "const __typeof__(speed + 1) old_1 = speed + 1;",
-        "const int32_t result = faster(thing, speed);",
+        "int32_t const result = faster(thing, speed);",
         "PROVE(result >= old_1 && result < 9);",
         'CONTRACT_END("the end of faster is reached");',
     ]

@@ -59,9 +59,9 @@ void bridge_choice_init(bridge_choice_state_t *state);
 /* The phase voltage that PWM would have instead of a bridge whose diodes charge the battery and so
  * lift its voltage, less the hysteresis. charging_mA >= 0: of this motor.
  *
- * @pre phase_mV >= 0 && charging_mA >= 0
+ * @pre charging_mA >= 0
  *
- * @post result >= 0 && result <= phase_mV
+ * @post phase_mV < 0 || is_within(result, 0, phase_mV)
  */
 int32_t bridge_choice_phase_mV(const config_t *config, int32_t phase_mV, int32_t bus_mV,
                                int32_t charging_mA);

@@ -95,7 +95,18 @@ void controller_init(controller_t *controller, const config_t *config, int32_t t
  */
 fast_setpoint_t controller_initial_setpoint(const config_t *config, int32_t timer_Hz);
 
-/* Once per PWM period. Returns the output; the next step overwrites it. */
+/* Once per PWM period. Returns the output; the next step overwrites it.
+ *
+ * @post result == &fast->output
+ *
+ * @post result->bridge == (setpoint->torque_enabled && fast->monitor.trip == REASON_NONE ?
+ * BRIDGE_PWM : setpoint->safe_bridge)
+ *
+ * @post !in->power_stage_fault || fast->monitor.trip != REASON_NONE
+ *
+ * @post old(fast->monitor.trip) == REASON_NONE || setpoint->clear_trip || fast->monitor.trip ==
+ * old(fast->monitor.trip)
+ */
 const fast_output_t *controller_fast_step(controller_fast_t *fast, const config_t *config,
                                           const fast_setpoint_t *setpoint, const fast_input_t *in);
 
@@ -120,7 +131,10 @@ void controller_fast_report_copy(const controller_fast_t *fast, fast_report_t *r
 void controller_fast_report_complete(fast_report_t *report);
 
 /* The table of all torque limits of the latest slow step, for shell, log and report. In the context
- * of controller_slow_step(). */
+ * of controller_slow_step().
+ *
+ * @post result == &slow->torque.table
+ */
 const torque_limits_t *controller_limits(const controller_slow_t *slow);
 
 /* Once per millisecond. */

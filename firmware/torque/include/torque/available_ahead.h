@@ -77,7 +77,22 @@ typedef struct {
  */
 void available_ahead_init(available_ahead_state_t *state);
 
-/* limits: the table of this step. */
+/* limits: the table of this step. A round computes its results in its last phase only.
+ *
+ * @pre motor_constants_hold(motor) && derating_relations_hold(config)
+ *
+ * @pre lines_hold(limits->driving) && lines_hold(limits->braking) && ahead_holds(state)
+ *
+ * @post ahead_holds(state)
+ *
+ * @post state->step == (old(state->step) + 1U) % AVAILABLE_AHEAD_ROUND_steps
+ *
+ * @post old(state->step) / 2 >= 7 || (state->now.driving.torque_mNm ==
+ * old(state->now.driving.torque_mNm) && state->now.braking.torque_mNm ==
+ * old(state->now.braking.torque_mNm) && state->ahead.driving.torque_mNm ==
+ * old(state->ahead.driving.torque_mNm) && state->ahead.braking.torque_mNm ==
+ * old(state->ahead.braking.torque_mNm))
+ */
 void available_ahead_step(available_ahead_state_t *state, const motor_constants_t *motor,
                           const config_t *config, const torque_limits_t *limits,
                           const available_ahead_input_t *in);

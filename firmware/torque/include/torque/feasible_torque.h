@@ -137,7 +137,16 @@ typedef struct {
 } feasible_returned_t;
 
 /* By how much less a point returns than the battery takes, the loss of the bridge and the uncertain
- * angle included; negative where it returns more. */
+ * angle included; negative where it returns more. Without a current, at standstill, all that the
+ * battery takes, less at most what an uncertain angle may return.
+ *
+ * @post at.d_b != 0 || at.x_b != 0 || set->model->iron_current_b != 0 || returned.power_b < 0 ||
+ * is_within(result, set->power.c, q_saturate64((int64_t)set->power.c + returned.power_b))
+ *
+ * @post at.d_b != 0 || at.x_b != 0 || set->model->iron_current_b != 0 ||
+ * set->model->constants->hall_angle_b != 0 || result == q_saturate64((int64_t)set->power.c +
+ * returned.power_b)
+ */
 int32_t feasible_excess_b(const feasible_set_t *set, motor_point_t at,
                           feasible_returned_t returned);
 
@@ -186,7 +195,15 @@ int32_t feasible_by_drawn_mNm(const feasible_side_t *side, int32_t power_b);
  */
 int32_t feasible_by_returned_mNm(const feasible_side_t *side, feasible_returned_t returned);
 
-/* Whether the voltage suffices for a point, the fast loop's own reserve included. */
+/* Whether the voltage suffices for a point, the fast loop's own reserve included. For zero current
+ * it does at standstill; a voltage of zero does not for zero current and an EMF.
+ *
+ * @post at.d_b != 0 || at.x_b != 0 || set->model->voltage_q_b != 0 ||
+ * !is_within(set->voltage_squared, 0, INT64_MAX / 2) || result
+ *
+ * @post at.d_b != 0 || at.x_b != 0 || set->model->voltage_q_b == 0 || set->voltage_squared != 0 ||
+ * !result
+ */
 bool feasible_holds(const feasible_set_t *set, motor_point_t at);
 
 /* Where the voltage, reserve included, suffices neither for the point nor for zero torque at the

@@ -121,6 +121,15 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config,
                             const torque_input_t *in);
 
 /* After torque_step(), with the same input: state->ahead. Apart from it for the sake of the stack.
+ *
+ * @pre derating_relations_hold(config) && torque_state_holds(state, config)
+ *
+ * @post torque_state_holds(state, config)
+ *
+ * @post state->command.command_mNm == old(state->command.command_mNm) && state->demand.brake_mNm ==
+ * old(state->demand.brake_mNm) && state->demand.engaged == old(state->demand.engaged)
+ *
+ * @post state->ahead.step == (old(state->ahead.step) + 1U) % AVAILABLE_AHEAD_ROUND_steps
  */
 void torque_look_ahead(torque_state_t *state, const config_t *config, const torque_input_t *in);
 

@@ -307,10 +307,20 @@ torque_limits_classes_t torque_limits_classes(const limit_t braking[TORQUE_LINE_
  */
 torque_limits_classes_t torque_limits_beyond_strategy(const limit_t braking[TORQUE_LINE_COUNT]);
 
-/* The line of the tightest bound; on a tie the first. For display of the table. */
+/* The line of the tightest bound; on a tie the first. For display of the table.
+ *
+ * @post is_within((int)result, 0, TORQUE_LINE_COUNT - 1)
+ *
+ * @post lines[result].torque_mNm <= lines[TORQUE_LINE_COUNT - 1].torque_mNm
+ */
 torque_line_t torque_limits_tightest_line(const limit_t lines[TORQUE_LINE_COUNT]);
 
-/* "MAX_TORQUE" and so on; "unknown line" for a number not in the list. Never NULL. */
+/* "MAX_TORQUE" and so on; "unknown line" for a number not in the list. Never NULL.
+ *
+ * @pre (int)line >= 0
+ *
+ * @post result != 0 && (line < TORQUE_LINE_COUNT) == (result[0] != 'u')
+ */
 const char *torque_limits_line_text(torque_line_t line);
 
 /* True if the motor torque above this line falls only as fast as the hydraulic brake replaces it;
