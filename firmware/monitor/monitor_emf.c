@@ -75,8 +75,8 @@ static view_t view_of(const config_t *config, const monitor_emf_input_t *in)
 /* Share of the expected EMF, at most a half; of millivolts. */
 static int32_t missing_q20(int64_t apart_nV, int64_t expected_nV)
 {
-    const int64_t lacking_mV = q_saturate64(divide_by_million(-apart_nV));
-    const int32_t expected_mV = q_max(q_saturate64(divide_by_million(expected_nV)), 1);
+    const int64_t lacking_mV = divide_by_million(-apart_nV); /* below 2^37 */
+    const int64_t expected_mV = larger(divide_by_million(expected_nV), 1);
     return q_clamp(q_saturate64(lacking_mV * (1 << 20) / expected_mV), 0, MOST_MISSING_Q20);
 }
 

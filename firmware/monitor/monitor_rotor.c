@@ -73,12 +73,13 @@ static void confirm(monitor_rotor_state_t *state, const config_t *config,
         in->switching && consistent && fast_enough(state, config, in->observer_mrad_s);
 }
 
-/* From half its speed on the observer's angle is good enough to take torque away. */
+/* From half its speed on the observer's angle is good enough to take torque away. No step without
+ * PWM is plausible. */
 static bool watches(const monitor_rotor_state_t *state, const config_t *config,
                     const monitor_rotor_input_t *in)
 {
     return state->confirmed ||
-           (in->switching && state->plausible >= CONFIRM_STEPS && state->against == 0 &&
+           (state->plausible >= CONFIRM_STEPS && state->against == 0 &&
             q_abs(in->observer_mrad_s) >= config->rotor.observer_speed_mrad_s / 2);
 }
 

@@ -115,8 +115,6 @@ static int32_t measured(const monitor_speed_state_t *state)
 static void leave_short(monitor_speed_state_t *state, const monitor_speed_input_t *in)
 {
     state->windows = 0;
-    state->window_mrad_s[0] = MONITOR_SPEED_UNKNOWN;
-    state->window_mrad_s[1] = MONITOR_SPEED_UNKNOWN;
     begin_window(state, in, in->fast_step_count);
 }
 

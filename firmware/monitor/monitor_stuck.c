@@ -7,7 +7,6 @@
 enum {
     GOOD_SHARE = 4,
     TURN_mrad = 6284,
-    MOST_mrad_s = 10000000,
     SQRT3_Q10 = 1774 /* 1024 sqrt(3) */
 };
 
@@ -23,13 +22,13 @@ static void begin_window(monitor_stuck_state_t *state, const monitor_stuck_input
 
 static void forget(monitor_stuck_state_t *state, const monitor_stuck_input_t *in)
 {
-    state->candidate = BRIDGE_OFF;
     state->windows = 0;
     begin_window(state, in);
 }
 
 /* The side whose switch makes the means of this window. With a and b the sums of alpha and beta,
- * twice the phases' sums are 2 a and -a +- sqrt(3) b; of the largest the sign counts. */
+ * twice the phases' sums are 2 a and -a +- sqrt(3) b; of the largest the sign
+ * counts, of equal ones that of the first. */
 static bridge_mode_t side_of_window(const monitor_stuck_state_t *state, const config_t *config,
                                     const monitor_stuck_input_t *in)
 {
@@ -69,10 +68,8 @@ static void end_window(monitor_stuck_state_t *state, const config_t *config,
 static void watch(monitor_stuck_state_t *state, const config_t *config,
                   const monitor_stuck_input_t *in)
 {
-    const int64_t w_mrad_s =
-        (int64_t)q_clamp(in->speed_mrad_s, -MOST_mrad_s, MOST_mrad_s) * config->motor.pole_pairs;
-    const int32_t step_mrad = q_saturate64(divide_by_thousand(w_mrad_s));
-    state->turned_mrad = q_saturate64((int64_t)state->turned_mrad + step_mrad);
+    const int64_t w_mrad_s = (int64_t)in->speed_mrad_s * config->motor.pole_pairs;
+    state->turned_mrad += (int32_t)divide_by_thousand(w_mrad_s); /* 60 pole pairs: 27 bits */
     state->steps++;
     state->good_steps += in->sum_good ? 1 : 0;
     if (state->turned_mrad >= TURN_mrad || state->turned_mrad <= -TURN_mrad) {

@@ -73,9 +73,10 @@ static int32_t share_of(int32_t whole, int32_t share_q24)
     return q_saturate64(((int64_t)whole * share_q24) >> 24);
 }
 
+/* x below 2^38: 128^2. */
 static int32_t root_q24(int64_t x_q24)
 {
-    return scaled_root(q_clamp(q_saturate64(x_q24), 0, INT32_MAX) * (INT64_C(1) << 24));
+    return scaled_root(x_q24 * (INT64_C(1) << 24));
 }
 
 /* I / I_infinite of the short circuit, and its torque over 3/2 p psi^2/L_d:
@@ -116,8 +117,8 @@ static int32_t rectified_q24(const machine_t *m, int32_t u_q24)
     const int64_t u2_sigma2 = (u2 * sigma2) >> 24;
     const int64_t b = sigma2 - 2 * ((u2 * (int64_t)m->sigma_q24) >> 24);
     const int64_t under_root = ((b * b) >> 24) + 4 * (((SCALED_ONE - u2) * u2_sigma2) >> 24);
-    const int32_t gamma2 =
-        scaled_ratio(q_saturate64(2 * u2_sigma2), q_max(q_saturate64(b + root_q24(under_root)), 1));
+    const int32_t half = (int32_t)((b + root_q24(under_root)) >> 1);
+    const int32_t gamma2 = scaled_ratio((int32_t)u2_sigma2, q_max(half, 1));
     return scaled_ratio(root_q24(gamma2 + sigma2), q_saturate64((int64_t)gamma2 + m->sigma_q24));
 }
 
@@ -151,7 +152,7 @@ static letting_go_t freewheel_at(machine_t *m, const config_t *config, const saf
     }
     make_ratios(m, config, in);
     const int32_t u_mV = q_scale(bus_voltage_mV + drops_mV, INVERSE_SQRT3_Q16, 65536);
-    const int32_t u_q24 = q_clamp(scaled_ratio(u_mV, q_max(m->emf_mV, 1)), 0, SCALED_ONE);
+    const int32_t u_q24 = scaled_ratio(u_mV, m->emf_mV);
     const int32_t y_q24 = rectified_q24(m, u_q24);
     const int32_t ry_u = q_saturate64((int64_t)share_of(m->rho_q24, y_q24) + u_q24);
     out.torque_mNm = share_of(m->stall_mNm, share_of(ry_u, y_q24));
@@ -240,8 +241,7 @@ safe_state_t safe_state_step(const config_t *config, const safe_state_input_t *i
         return out;
     }
     const letting_go_t shorted = shorted_at(&m, config, in);
-    const bool better = !quiet && prefers_short(config, in, &off, &shorted);
-    if (better || (was_short && !may_open(config, in))) {
+    if (prefers_short(config, in, &off, &shorted) || (was_short && !may_open(config, in))) {
         out.bridge = BRIDGE_SHORT;
         out.torque_mNm = shorted.torque_mNm;
         return out;

@@ -14,7 +14,8 @@ enum {
     TURN_PER_mrad_Q18 = 342                       /* 2^18 * 65536 / (2 pi 1000) * 500e-6 / 4 */
 };
 
-/* Energy in mJ that the bus takes, C/2 (v^2 - u^2) of all but a sixteenth of the rating. */
+/* Energy in mJ that the bus takes, C/2 (v^2 - u^2) of all but a sixteenth of the rating: 31 bits of
+ * 1 F and 2 kV. */
 static int64_t bus_takes_mJ(const config_t *config, int32_t bus_mV)
 {
     const int64_t rating_mV = config->drive.device_voltage_mV;
@@ -96,8 +97,8 @@ bool short_exit_fits(const config_t *config, const short_exit_input_t *in)
     const flux_t flux = flux_of(&axes, in);
     const int64_t w_mrad_s = bases_electrical_mrad_s(config, in->turning_mrad_s);
     const int32_t step_turn =
-        q_limit(q_saturate64((w_mrad_s * TURN_PER_mrad_Q18) >> 18), FASTEST_TURN);
+        q_limit((int32_t)((w_mrad_s * TURN_PER_mrad_Q18) >> 18), FASTEST_TURN);
     /* 9/8 L i^2 against what the bus takes; 7/8 is below the inverse. */
-    const int64_t takes = (int64_t)q_saturate64(bus_takes_mJ(config, in->bus_mV)) * axes.least_nH;
+    const int64_t takes = bus_takes_mJ(config, in->bus_mV) * axes.least_nH;
     return largest_weighted(&axes, &flux, step_turn) <= (takes - (takes >> 3)) >> (2 * flux.shift);
 }

@@ -81,7 +81,7 @@
 #define monitor_stuck_holds(s)                                                                     \
     (((s)->side == BRIDGE_OFF || bridge_is_short((s)->side)) &&                                    \
      is_within((s)->steps, 0, MONITOR_STUCK_STEPS - 1) &&                                          \
-     is_within((s)->good_steps, 0, (s)->steps) &&                                                  \
+     is_within((s)->good_steps, 0, (s)->steps) && is_within((s)->turned_mrad, -6283, 6283) &&      \
      is_within((s)->same_steps, 0, MONITOR_STUCK_LONGEST_STEPS) &&                                 \
      is_within((s)->release_steps, 0, MONITOR_STUCK_RELEASE_STEPS) && (s)->windows >= 0)
 

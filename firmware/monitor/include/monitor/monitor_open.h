@@ -33,7 +33,7 @@ enum {
 typedef struct {
     uint8_t missing[3][2]; /* samples a phase; current wanted out of the motor, into it */
     uint8_t zeros[3];      /* consecutive samples of a phase at zero */
-    uint16_t turned[3];    /* electrical angle through which a phase has stayed at zero */
+    uint16_t turned[3];    /* electrical angle from the first of these to the latest */
     uint16_t theta_turn;   /* of the latest sample */
     int32_t step_turn;     /* from the sample before to the latest one */
     uint8_t steps_known;   /* of the angle's steps, up to two */

@@ -67,7 +67,8 @@ typedef struct {
  * @pre is_within(state->steps, 0, MONITOR_STUCK_STEPS - 1) && is_within(state->good_steps, 0,
  * state->steps)
  *
- * @pre is_within(state->same_steps, 0, MONITOR_STUCK_LONGEST_STEPS)
+ * @pre is_within(state->same_steps, 0, MONITOR_STUCK_LONGEST_STEPS) &&
+ * is_within(state->turned_mrad, -6283, 6283)
  *
  * @pre state->windows >= 0 && is_within(state->release_steps, 0, MONITOR_STUCK_RELEASE_STEPS)
  *
@@ -79,7 +80,8 @@ typedef struct {
  * @post is_within(state->release_steps, 0, MONITOR_STUCK_RELEASE_STEPS) && result.side ==
  * state->side && state->windows >= 0
  *
- * @post is_within(state->same_steps, 0, MONITOR_STUCK_LONGEST_STEPS)
+ * @post is_within(state->same_steps, 0, MONITOR_STUCK_LONGEST_STEPS) &&
+ * is_within(state->turned_mrad, -6283, 6283)
  *
  * @post in->tripped || (result.side == BRIDGE_OFF && !result.release_break)
  *

@@ -29,7 +29,7 @@ typedef struct {
     int32_t winding_temperature_cC;
     int32_t bus_voltage_mV;    /* an end of the sensor's range counts as unknown above */
     bool battery_open;         /* the contactor is open: nothing holds the bus */
-    int32_t charge_current_mA; /* admissible, of this wheel */
+    int32_t charge_current_mA; /* admissible, of this wheel, >= 0 */
     int32_t i_d_mA, i_q_mA;    /* of the latest period, peak phase */
     int32_t turning_mrad_s;    /* mechanical, forward positive, by the sensor that gives the angle
                                   of that current; 0: unknown, the current is in any frame */

@@ -24,7 +24,7 @@ typedef struct {
     int32_t i_d_mA, i_q_mA; /* of the latest period, peak phase */
     int32_t turning_mrad_s; /* mechanical, forward positive; 0: the angle of the current in the
                                rotor's frame is unknown */
-    int32_t bus_mV;         /* >= 0 */
+    int32_t bus_mV;         /* 0 .. 2 000 000 */
 } short_exit_input_t;
 
 /* True where 3/2 of 3/4 (L_d i_d^2 + L_q i_q^2) keep the bus a sixteenth below the devices' rating:
