@@ -3,12 +3,18 @@
 #include "monitor/monitor_open.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "unity.h"
 
 #define TURN_RAD 6.283185307179586
 
-static monitor_open_state_t state;
+/* What is before the state is not the monitor's. */
+static struct {
+    uint8_t before[16];
+    monitor_open_state_t state;
+} memory;
+#define state memory.state
 
 void setUp(void)
 {
@@ -244,6 +250,141 @@ void test_samples_after_a_jump_of_the_angle_do_not_count(void)
                                      state.turned[0]);
         }
     }
+}
+
+/* ---- a phase at zero at the angle zero: exact numbers ---- */
+
+/* A rotor that stands: phase a carries -x, phase c 0.866 q + x/2, and -r is wanted in phase a. */
+static void stand(int32_t x, int32_t q, int32_t r)
+{
+    const monitor_open_input_t in = {.sampled_pu = {.d = -x, .q = -q},
+                                     .reference_pu = {.d = -r, .q = -16384},
+                                     .switching = true};
+    (void)monitor_open_step(&state, &in);
+}
+
+void test_the_least_current_of_the_others_is_exact(void)
+{
+    for (int32_t q = 917; q <= 918; q++) { /* 0.866 q + 5 is 800 or 801 */
+        setUp();
+        stand(10, q, 2050);
+        TEST_ASSERT_EQUAL_UINT8(q == 918 ? 1 : 0, state.zeros[0]);
+    }
+}
+
+/* Beside currents below that: half of them. */
+void test_the_current_of_a_phase_between_two_samples_at_zero_is_exact(void)
+{
+    for (int32_t x = 400; x <= 401; x++) {
+        setUp();
+        stand(0, 8192, 2050);
+        stand(x, 100, 2050);
+        TEST_ASSERT_EQUAL_UINT8(x == 400 ? 1 : 0, state.zeros[0]);
+    }
+}
+
+/* 0.866 * 4096 + 236 is 3784, an eighth of which is 473. */
+void test_an_eighth_of_the_others_current_is_not_zero(void)
+{
+    for (int32_t x = 472; x <= 473; x++) {
+        setUp();
+        stand(x, 4096, 2050);
+        TEST_ASSERT_EQUAL_UINT8(x == 472 ? 1 : 0, state.zeros[0]);
+    }
+}
+
+/* A turn of the rotor in two steps that are not equal: 0.866 * 8000 at the angle zero in the third
+ * sample, of which a quarter is 1732. */
+void test_a_quarter_of_the_others_current_is_wanted(void)
+{
+    for (int32_t r = 1731; r <= 1732; r++) {
+        setUp();
+        (void)step_stator(0.0, 8000.0, (uint16_t)-2000);
+        (void)step_stator(0.0, 8000.0, (uint16_t)-1000);
+        const int32_t before_turn = state.turned[0];
+        stand(0, 8000, r);
+        TEST_ASSERT_EQUAL_INT32(before_turn + (r == 1732 ? 1000 : 0), state.turned[0]);
+    }
+}
+
+/* Samples at 0, 2731 and 5461, and one less. */
+void test_the_angle_that_names_a_phase_at_zero_is_exact(void)
+{
+    for (uint16_t last = 5460; last <= 5461; last++) {
+        setUp();
+        (void)step_stator(0.0, 8000.0, 0);
+        (void)step_stator(0.0, 8000.0, 2731);
+        TEST_ASSERT_EQUAL_INT(last == 5461, step_stator(0.0, 8000.0, last));
+    }
+}
+
+/* For more samples than a count of 8 bits and more turns than an angle of 16 bits hold. */
+void test_a_phase_stays_named_for_as_long_as_it_is_at_zero(void)
+{
+    for (int n = 1; n <= 400; n++) {
+        const bool named = step_stator(0.0, 8000.0, (uint16_t)(n * 3000));
+        TEST_ASSERT_EQUAL_INT(n >= MONITOR_OPEN_STEPS, named);
+    }
+    TEST_ASSERT_EQUAL_UINT16(MONITOR_OPEN_TURN, state.turned[0]);
+    TEST_ASSERT_EQUAL_UINT8(MONITOR_OPEN_STEPS, state.zeros[0]);
+    TEST_ASSERT_EQUAL_UINT8(2, state.steps_known);
+    TEST_ASSERT_TRUE(step_stator(0.0, 8000.0, (uint16_t)(400 * 3000))); /* a rotor that stops */
+    TEST_ASSERT_TRUE(step_stator(0.0, 8000.0, (uint16_t)(400 * 3000)));
+}
+
+/* ---- which phases are judged ---- */
+
+static void miss(int32_t r, int32_t reference_q)
+{
+    const monitor_open_input_t in = {.sampled_pu = {.d = 0, .q = -16384},
+                                     .reference_pu = {.d = -r, .q = -reference_q},
+                                     .switching = true};
+    (void)monitor_open_step(&state, &in);
+}
+
+/* 0.866 * 4158 + 1200 is 4800 or 4801, half of which in whole numbers is 2400; of 4160, 2401. */
+void test_a_phase_is_judged_from_half_of_the_largest_reference(void)
+{
+    miss(2400, 4158);
+    TEST_ASSERT_EQUAL_UINT8(1, state.missing[0][0]);
+    miss(2400, 4160);
+    TEST_ASSERT_EQUAL_UINT8(1, state.missing[0][0]);
+}
+
+/* More samples than a count of 8 bits holds; the first count is of current out of the motor. */
+void test_a_missing_current_stays_named(void)
+{
+    static const currents_t MISSING = {2400, 0, 16384};
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        setUp();
+        for (int n = 1; n <= 300; n++) {
+            TEST_ASSERT_EQUAL_INT(n >= MONITOR_OPEN_STEPS, step_with(&MISSING, sign, 0));
+        }
+        TEST_ASSERT_EQUAL_UINT8(sign > 0 ? MONITOR_OPEN_STEPS : 0, state.missing[0][0]);
+        TEST_ASSERT_EQUAL_UINT8(sign > 0 ? 0 : MONITOR_OPEN_STEPS, state.missing[0][1]);
+    }
+}
+
+/* The angle's step is 4000, or was already. */
+void test_a_missing_current_does_not_count_after_a_jump_of_the_angle(void)
+{
+    for (int jumps = 0; jumps < 2; jumps++) {
+        setUp();
+        state.steps_known = 2;
+        state.theta_turn = (uint16_t)-4000;
+        state.step_turn = jumps != 0 ? 0 : 4000;
+        miss(2400, 0);
+        TEST_ASSERT_EQUAL_UINT8(jumps != 0 ? MONITOR_OPEN_JUMP_STEPS : 0, state.unsettled);
+        TEST_ASSERT_EQUAL_UINT8(jumps != 0 ? 0 : 1, state.missing[0][0]);
+    }
+}
+
+void test_a_step_without_pwm_writes_nothing_but_the_state(void)
+{
+    memset(memory.before, 0x5A, sizeof memory.before);
+    const monitor_open_input_t off = {.switching = false};
+    (void)monitor_open_step(&state, &off);
+    TEST_ASSERT_EACH_EQUAL_UINT8(0x5A, memory.before, sizeof memory.before);
 }
 
 /* Each of the four counts of each phase. */

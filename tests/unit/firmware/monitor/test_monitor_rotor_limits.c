@@ -148,6 +148,59 @@ void test_an_observer_that_swings_is_not_confirmed_near_standstill(void)
     }
 }
 
+/* Zero counts as forwards. */
+void test_the_direction_is_the_sign_of_the_observer_s_speed(void)
+{
+    static const int32_t SPEEDS_mrad_s[] = {20000, 1, 0, -1, -20000};
+    for (int k = 0; k < 5; k++) {
+        setUp();
+        at.observer_mrad_s = SPEEDS_mrad_s[k];
+        run(1);
+        TEST_ASSERT_EQUAL_INT8(SPEEDS_mrad_s[k] >= 0 ? 1 : -1, rotor.direction);
+    }
+}
+
+/* After 10 steps against it. */
+void test_a_direction_that_changes_is_the_observer_s_until_the_eleventh_step(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        setUp();
+        at.sensor_valid = false;
+        at.observer_mrad_s = sign * 20000;
+        run(20);
+        TEST_ASSERT_TRUE(rotor.confirmed);
+        at.observer_mrad_s = -at.observer_mrad_s;
+        for (int n = 1; n <= 10; n++) {
+            run(1);
+            TEST_ASSERT_EQUAL_INT(n, rotor.against);
+            TEST_ASSERT_EQUAL_INT(sign, rotor.direction);
+            TEST_ASSERT_FALSE(rotor.confirmed);
+        }
+        run(1);
+        TEST_ASSERT_EQUAL_INT(0, rotor.against);
+        TEST_ASSERT_EQUAL_INT(-sign, rotor.direction);
+        TEST_ASSERT_TRUE(rotor.confirmed);
+    }
+}
+
+/* Without PWM, or before the observer has acquired the rotor, none is known. */
+void test_a_start_has_no_direction_before_it(void)
+{
+    for (int starts = 0; starts < 2; starts++) {
+        setUp();
+        run(20);
+        at.observer_mrad_s = -20000;
+        bool *const known = starts != 0 ? &at.acquired : &at.switching;
+        *known = false;
+        run(1);
+        TEST_ASSERT_EQUAL_INT(0, rotor.against);
+        TEST_ASSERT_EQUAL_INT(-1, rotor.direction);
+        *known = true;
+        run(1);
+        TEST_ASSERT_EQUAL_INT(0, rotor.against);
+    }
+}
+
 /* Half of its speed, and two plausible steps, also backwards. */
 void test_the_observer_watches_from_half_its_speed_on(void)
 {
@@ -205,6 +258,22 @@ void test_a_slip_is_wrong_in_its_twelfth_step_more_than_those_without(void)
         run(1);
         TEST_ASSERT_TRUE(seen.sensor_wrong);
         TEST_ASSERT_EQUAL_INT(REASON_ROTOR_SLIPPED, seen.reason);
+    }
+}
+
+/* Halls with less than three quarters of the observer's speed lag behind it. */
+void test_the_angle_of_halls_that_lag_is_no_slip(void)
+{
+    static const int32_t SENSOR_mrad_s[] = {14999, 15000, -14999, -15000};
+    for (int sign = -1; sign <= 1; sign += 2) {
+        for (int k = 0; k < 4; k++) {
+            setUp();
+            at.observer_mrad_s = sign * 20000;
+            at.sensor_mrad_s = SENSOR_mrad_s[k];
+            run(100);
+            run_at(SLIP_ms, SLIPPED);
+            TEST_ASSERT_EQUAL_INT(k % 2 != 0, seen.sensor_wrong);
+        }
     }
 }
 
@@ -299,6 +368,53 @@ void test_names_by_the_sensor_s_speed_are_exact(void)
     }
     at.observer_mrad_s = -20000;
     assert_named(INT32_MIN, REASON_ROTOR_SLIPPED);
+}
+
+/* With the least speed that can be configured: zero counts as forwards. */
+void test_names_beside_an_observer_that_hardly_turns_are_exact(void)
+{
+    static const struct {
+        int32_t observer_mrad_s, sensor_mrad_s;
+        reason_t name;
+    } CASES[] = {{0, 5, REASON_ROTOR_SLIPPED},
+                 {0, -5, REASON_ROTOR_REVERSED},
+                 {-1, 5, REASON_ROTOR_REVERSED},
+                 {1, -5, REASON_ROTOR_REVERSED}};
+    for (unsigned k = 0; k < sizeof CASES / sizeof CASES[0]; k++) {
+        setUp();
+        config.rotor.observer_speed_mrad_s = 1;
+        at.observer_mrad_s = CASES[k].observer_mrad_s;
+        at.sensor_mrad_s = CASES[k].sensor_mrad_s;
+        run_at(5 + NAME_ms, OPPOSED);
+        TEST_ASSERT_EQUAL_INT(CASES[k].name, seen.reason);
+    }
+}
+
+/* For more steps than 8 bits count, of a sensor that is also compared for its slip. */
+void test_the_name_of_a_reversed_encoder_stays(void)
+{
+    config.rotor.sensor = CONFIG_ROTOR_ENCODER;
+    run(100);
+    at.sensor_mrad_s = -20000;
+    run_at(2 + NAME_ms - 1, OPPOSED);
+    for (int n = 0; n < 600; n++) {
+        TEST_ASSERT_EQUAL_INT(REASON_ROTOR_REVERSED, seen.reason);
+        run(1);
+    }
+}
+
+/* Of an encoder, whose slip counts at any speed: 11 steps in all. */
+void test_a_slip_of_eleven_steps_that_ends_opposed_waits_for_its_name(void)
+{
+    config.rotor.sensor = CONFIG_ROTOR_ENCODER;
+    run(100);
+    at.sensor_mrad_s = 0;
+    run_at(9, SLIPPED);
+    run_at(2, OPPOSED);
+    TEST_ASSERT_TRUE(seen.sensor_wrong);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, seen.reason);
+    run(NAME_ms - 1);
+    TEST_ASSERT_EQUAL_INT(REASON_ROTOR_FROZEN, seen.reason);
 }
 
 /* 9 steps of a slip and two of an opposed sensor are one less than a slip needs. */

@@ -112,6 +112,41 @@ void test_a_short_circuit_holds_rest_until_its_second_window_ends(void)
     TEST_ASSERT_EQUAL_INT64(70000000 - 10 * GRIP_urad_s, state.bound_urad_s);
 }
 
+/* A sensor that stops in the 100 steps before: rest falls as a coasting vehicle, the bound by what
+ * a tyre can do; both stay until the short circuit has measured. */
+void test_a_short_circuit_holds_rest_above_the_bound_until_its_second_window_ends(void)
+{
+    in.speed_mrad_s = 70000;
+    (void)step();
+    in.speed_mrad_s = 0;
+    (void)wait(100);
+    in.bridge = BRIDGE_SHORT;
+    in.i_d_mA = 1000000;
+    for (int n = 1; n <= 199; n++) {
+        (void)wait(1);
+        TEST_ASSERT_EQUAL_INT64(70000000 - 100 * COASTING_urad_s, state.rest_urad_s);
+        TEST_ASSERT_EQUAL_INT64(70000000 - 100 * GRIP_urad_s, state.bound_urad_s);
+    }
+    (void)wait(1);
+    TEST_ASSERT_EQUAL_INT64(70000000 - 101 * COASTING_urad_s, state.rest_urad_s);
+}
+
+/* Windows before it, here of 71 808 mrad/s and of standstill, are of another short circuit. */
+void test_a_short_circuit_measures_with_two_windows_of_its_own(void)
+{
+    lose_sensor_and_short();
+    (void)transitions(16, 700, 200000);
+    TEST_ASSERT_EQUAL_INT32(SPEED_OF_700_mrad_s, transitions(16, 700, 200000));
+    in.bridge = BRIDGE_OFF;
+    in.i_d_mA = 0;
+    (void)wait(10);
+    const int64_t before_urad_s = state.bound_urad_s;
+    in.bridge = BRIDGE_SHORT;
+    (void)transitions(16, 7000, 20000);
+    TEST_ASSERT_EQUAL_INT64(before_urad_s, state.bound_urad_s);
+    TEST_ASSERT_EQUAL_INT32(7180, transitions(16, 7000, 20000));
+}
+
 void test_what_a_short_circuit_measures_replaces_rest_of_a_stopped_sensor(void)
 {
     lose_sensor_and_short();

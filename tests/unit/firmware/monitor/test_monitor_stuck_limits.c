@@ -78,6 +78,17 @@ void test_the_mean_of_the_other_phases_is_compared_likewise(void)
     }
 }
 
+/* 1024 of alpha and 1774/2 of beta: the first phase and the third have equal means of opposite
+ * sign, the second one none. */
+void test_of_two_equal_means_that_of_the_first_phase_counts(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        setUp();
+        const bridge_mode_t side = sign > 0 ? BRIDGE_SHORT_HIGH : BRIDGE_SHORT;
+        TEST_ASSERT_EQUAL_INT(side, add(TURN_mrad, sign * INT64_C(887000), INT64_C(512000) * sign));
+    }
+}
+
 void test_a_window_without_periods_has_no_side(void)
 {
     in.speed_mrad_s = 2 * TURN_mrad * 1000;

@@ -169,3 +169,66 @@ void test_the_check_can_be_switched_off(void)
     in.slowest_cC = in.estimate_cC = 20000;
     TEST_ASSERT_FALSE(run(1000).broken);
 }
+
+/* ---- limits ---- */
+
+/* A reading near zero is no movement from a state without one. */
+void test_the_first_reading_begins_the_comparison(void)
+{
+    in.measured_cC = 100;
+    in.estimate_cC = 5000;
+    in.slowest_cC = 5000;
+    TEST_ASSERT_FALSE(run(1).broken);
+    TEST_ASSERT_EQUAL_INT32(100, state.kept_cC);
+    TEST_ASSERT_EQUAL_INT32(5000, state.kept_estimate_cC);
+}
+
+/* A quarter of 16 K is no movement, a hundredth of a kelvin more is one, in either direction. */
+void test_a_sensor_moves_by_more_than_a_quarter_of_the_rise(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        setUp();
+        run(1);
+        in.measured_cC = 4000 + sign * 400;
+        run(1);
+        TEST_ASSERT_EQUAL_INT32(4000, state.kept_cC);
+        in.measured_cC = 4000 + sign * 401;
+        run(1);
+        TEST_ASSERT_EQUAL_INT32(4000 + sign * 401, state.kept_cC);
+    }
+}
+
+/* Of a hundredth of a kelvin: the least that can be configured; the correction is forgotten. */
+void test_the_least_rise_makes_a_sensor_stuck(void)
+{
+    config.monitor.stuck_rise_cC = 1;
+    run(1);
+    state.offset_q16 = 65536;
+    in.slowest_cC = 4001;
+    TEST_ASSERT_FALSE(run(1).broken);
+    in.slowest_cC = 4002;
+    TEST_ASSERT_TRUE(run(1).broken);
+    TEST_ASSERT_EQUAL_INT32(0, state.offset_q16);
+}
+
+/* 10 K in 2^14 steps: 1000 * 2^16 / 2^14 in the first. */
+void test_the_estimate_is_corrected_over_2_to_14_steps(void)
+{
+    in.estimate_cC = 3000;
+    run(1);
+    TEST_ASSERT_EQUAL_INT32(4000, state.offset_q16);
+}
+
+void test_a_reading_outside_its_range_does_not_heal(void)
+{
+    run(1);
+    in.measured_cC = 29999;
+    TEST_ASSERT_TRUE(run(20).broken);
+    in.measured_cC = 4000;
+    run(MONITOR_TEMPERATURE_HEAL_STEPS - 1);
+    in.measured_cC = 29999;
+    TEST_ASSERT_TRUE(run(1).broken);
+    TEST_ASSERT_EQUAL_UINT16(1, state.heal_steps);
+    in.measured_cC = 4000;
+    TEST_ASSERT_FALSE(run(1).broken);
+}

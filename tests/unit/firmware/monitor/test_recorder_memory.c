@@ -8,7 +8,13 @@
 
 enum { FIRST = REASON_FIRST_FAULT };
 
-static recorder_memory_t memory;
+/* What is behind the memory is not the recorder's. */
+static struct {
+    recorder_memory_t memory;
+    uint8_t behind[32];
+} board;
+#define memory board.memory
+
 static recorder_t recorder;
 static slow_output_t output;
 static wheel_temperatures_t temperature;
@@ -136,6 +142,7 @@ void test_foreign_memory_is_no_recording_that_was_interrupted(void)
 void test_a_restart_that_is_expected_takes_no_samples_and_begins_anew(void)
 {
     recorder_expect_restart(&recorder);
+    TEST_ASSERT_EQUAL_UINT8(1, memory.restart_expected);
     TEST_ASSERT_FALSE(recorder.takes_samples);
     restart(true);
     assert_begun_anew();
@@ -211,10 +218,38 @@ void test_each_cause_of_a_start_has_a_counter_but_the_supply(void)
 
 void test_a_start_in_foreign_memory_is_counted_as_well(void)
 {
-    memory.magic++;
+    for (uint8_t expected = 0; expected < 2; expected++) {
+        setUp();
+        memory.magic++;
+        memory.restart_expected = expected;
+        start_by(3);
+        TEST_ASSERT_EQUAL_UINT16(1, memory.counts[RECORDER_FIRST_START + 3]);
+        TEST_ASSERT_EQUAL_UINT32(check_of_the_counters(), memory.counts_check);
+    }
+}
+
+/* Its CRC is beside the counters, and no cause is counted in it. */
+void test_a_start_beside_a_sealed_record_is_counted(void)
+{
+    complete();
+    TEST_ASSERT_TRUE(recorder_seal(&recorder));
+    TEST_ASSERT_NOT_EQUAL_UINT16(0, memory.crc32 & UINT16_MAX);
+    const uint32_t crc32 = memory.crc32;
     start_by(3);
     TEST_ASSERT_EQUAL_UINT16(1, memory.counts[RECORDER_FIRST_START + 3]);
     TEST_ASSERT_EQUAL_UINT32(check_of_the_counters(), memory.counts_check);
+    start_by(RECORDER_STARTS);
+    TEST_ASSERT_EQUAL_UINT32(crc32, memory.crc32);
+}
+
+void test_a_start_writes_nothing_but_the_memory(void)
+{
+    memset(board.behind, 0xA5, sizeof board.behind);
+    restart(false);
+    memory.magic++;
+    restart(false);
+    TEST_ASSERT_EACH_EQUAL_UINT8(0xA5, board.behind, sizeof board.behind);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, recorder.fault_before);
 }
 
 void test_a_start_that_is_expected_is_not_counted_but_the_next_is(void)

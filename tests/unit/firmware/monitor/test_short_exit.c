@@ -125,3 +125,103 @@ void test_a_full_bus_takes_no_current_and_no_input_overflows(void)
         TEST_ASSERT_FALSE(short_exit_fits(&config, &in));
     }
 }
+
+/* ---- exact limits: 9/8 L i^2 <= C/2 (15/16 v)^2, with 7/8 for the inverse ---- */
+
+/* A capacitor of whole nanofarads that takes this energy from 0 V to 1875 V, 15/16 of 2 kV. */
+static config_t with_bus_of_mJ(int32_t energy_mJ)
+{
+    config_t config = CONFIG_LU2013;
+    config.drive.device_voltage_mV = 2000000;
+    config.drive.bus_capacitance_nF = (int32_t)ceil(energy_mJ * 2e6 / (1875.0 * 1875.0));
+    return config;
+}
+
+/* Half a turn in the window, and no current: that of twice the magnets' flux linkage, 4 psi^2 in
+ * uWb^2 against 7/8 E L in mJ nH. 16 383 uWb, the most that 14 bits hold, and 0.1 uH. */
+void test_the_current_of_half_a_turn_is_that_of_twice_the_flux_linkage(void)
+{
+    for (int fits = 0; fits < 2; fits++) {
+        config_t config = with_bus_of_mJ(12269837 + fits); /* 4 psi^2 8/7 / 100 = 12 269 837.2 */
+        config.motor.d_inductance_nH = 100;
+        config.motor.q_inductance_nH = 100;
+        config.motor.flux_linkage_nWb = 16383999;
+        for (int back = 0; back < 2; back++) {
+            const short_exit_input_t in = {.turning_mrad_s = back != 0 ? -INT32_MAX : INT32_MAX};
+            TEST_ASSERT_EQUAL_INT(fits, short_exit_fits(&config, &in));
+        }
+    }
+}
+
+/* 4 * 0.032^2 / 1 uH / (7/8) = 4681 J: 15 bits of flux linkage. */
+void test_the_flux_linkage_is_scaled_to_its_format(void)
+{
+    static const double SHARES[] = {0.25, 0.5, 0.999, 1.001, 2.0};
+    for (int k = 0; k < 5; k++) {
+        config_t config = with_bus_of_mJ((int32_t)(4681143 * SHARES[k]));
+        config.motor.d_inductance_nH = 1000;
+        config.motor.q_inductance_nH = 1000;
+        config.motor.flux_linkage_nWb = 32000000;
+        const short_exit_input_t in = {.turning_mrad_s = INT32_MAX};
+        TEST_ASSERT_EQUAL_INT(SHARES[k] > 1.0, short_exit_fits(&config, &in));
+    }
+}
+
+/* 4295 A in 1 H, 4295 Wb: 704 uWb more than 32 bits count. It is limited to 1000 Wb. */
+void test_a_flux_linkage_beyond_its_format_does_not_fit(void)
+{
+    config_t config = with_bus_of_mJ(500000000);
+    config.motor.d_inductance_nH = 1000000000;
+    config.motor.q_inductance_nH = 1000000000;
+    const short_exit_input_t d = {.i_d_mA = 4294968};
+    const short_exit_input_t q = {.i_q_mA = 4294968};
+    TEST_ASSERT_FALSE(short_exit_fits(&config, &d));
+    TEST_ASSERT_FALSE(short_exit_fits(&config, &q));
+}
+
+/* 9/8 L i^2 of 1000 A in the inductance that counts. */
+static void assert_inductance_counts_nH(config_t config, const short_exit_input_t *in, double l_nH)
+{
+    const double energy_mJ = l_nH * 1e-9 * 1e6 * 1e3 / 0.875;
+    for (int fits = 0; fits < 2; fits++) {
+        const config_t bus = with_bus_of_mJ((int32_t)(energy_mJ * (fits != 0 ? 1.002 : 0.998)));
+        config.drive = bus.drive;
+        TEST_ASSERT_EQUAL_INT(fits, short_exit_fits(&config, in));
+    }
+}
+
+/* While the rotor hardly turns. In an unknown frame the larger one counts. */
+void test_each_axis_counts_with_its_own_inductance(void)
+{
+    static const int32_t L_nH[][2] = {
+        {400000, 100000}, {100000, 400000}, {1024000, 1000}, {1000, 1024000}};
+    config_t config = CONFIG_LU2013;
+    config.motor.flux_linkage_nWb = 1000;
+    for (int k = 0; k < 4; k++) {
+        config.motor.d_inductance_nH = L_nH[k][0];
+        config.motor.q_inductance_nH = L_nH[k][1];
+        for (int known = 0; known < 2; known++) {
+            const short_exit_input_t d = {.i_d_mA = 1000000, .turning_mrad_s = known};
+            const short_exit_input_t q = {.i_q_mA = 1000000, .turning_mrad_s = known};
+            const double most_nH = fmax(L_nH[k][0], L_nH[k][1]);
+            assert_inductance_counts_nH(config, &d, known != 0 ? L_nH[k][0] : most_nH);
+            assert_inductance_counts_nH(config, &q, known != 0 ? L_nH[k][1] : most_nH);
+        }
+    }
+}
+
+/* 4096 A in 1 uH beside 1.024 mH, 9/8 * 16.8 J: a square of 24 bits that counts 1024-fold by the
+ * larger inductance. */
+void test_the_smaller_inductance_is_the_unit_of_the_comparison(void)
+{
+    config_t config = with_bus_of_mJ(10000);
+    config.motor.flux_linkage_nWb = 1000;
+    const short_exit_input_t d = {.i_d_mA = 4096000, .turning_mrad_s = 1};
+    const short_exit_input_t q = {.i_q_mA = 4096000, .turning_mrad_s = 1};
+    config.motor.d_inductance_nH = 1024000;
+    config.motor.q_inductance_nH = 1000;
+    TEST_ASSERT_FALSE(short_exit_fits(&config, &q));
+    config.motor.d_inductance_nH = 1000;
+    config.motor.q_inductance_nH = 1024000;
+    TEST_ASSERT_FALSE(short_exit_fits(&config, &d));
+}
