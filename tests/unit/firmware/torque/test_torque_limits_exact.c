@@ -1,0 +1,239 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Lines of the table of torque limits at their limits, in whole numbers: a largest torque of 32.768
+ * N m, of which a share in Q15 is as many millinewtonmetres.
+ */
+#include "torque_limits_rig.h"
+#include "unity.h"
+
+enum { WHOLE_mNm = 32768 };
+
+void setUp(void)
+{
+    rig_up(paper_vehicle_without_i_d());
+    config.motor.max_torque_mNm = WHOLE_mNm;
+}
+
+void tearDown(void) {}
+
+static void assert_line(int32_t expected_mNm, reason_t reason, limit_t line)
+{
+    TEST_ASSERT_EQUAL_INT32(expected_mNm, line.torque_mNm);
+    TEST_ASSERT_EQUAL_INT(reason, line.reason);
+}
+
+/* ---- shares ---- */
+
+/* Linear over 20 K: half, a quarter, all and nothing. */
+void test_a_temperature_line_is_linear_between_its_two_temperatures(void)
+{
+    static const int32_t OVER_cC[] = {-1, 0, 1000, 1500, 2000, 2001};
+    static const int32_t EXPECTED_mNm[] = {
+        FEASIBLE_UNBOUNDED, FEASIBLE_UNBOUNDED, WHOLE_mNm / 2, WHOLE_mNm / 4, 0, 0};
+    config.motor.derate_winding_temperature_cC = 13000;
+    config.motor.max_winding_temperature_cC = 15000;
+    config.drive.derate_switch_temperature_cC = 8000;
+    config.drive.max_switch_temperature_cC = 10000;
+    for (int k = 0; k < 6; k++) {
+        assert_line(EXPECTED_mNm[k], REASON_WINDING_TEMPERATURE,
+                    torque_limits_winding(&config, 13000 + OVER_cC[k]));
+        assert_line(EXPECTED_mNm[k], REASON_SWITCH_TEMPERATURE,
+                    torque_limits_switch(&config, 8000 + OVER_cC[k]));
+        winding_temperature_cC = 13000 + OVER_cC[k];
+        conditions.switch_temperature_cC = 8000 + OVER_cC[k];
+        (void)at_speed(1000);
+        const limit_t *const sides[] = {table.driving, table.braking};
+        for (int side = 0; side < 2; side++) {
+            assert_line(EXPECTED_mNm[k], REASON_WINDING_TEMPERATURE,
+                        sides[side][TORQUE_LINE_WINDING]);
+            assert_line(EXPECTED_mNm[k], REASON_SWITCH_TEMPERATURE,
+                        sides[side][TORQUE_LINE_SWITCH]);
+        }
+    }
+}
+
+/* A share of 1 - 2^-15 is whole; the next one is 2 mN m less than the largest torque. */
+void test_a_share_below_one_is_a_bound(void)
+{
+    config.motor.derate_winding_temperature_cC = 0;
+    config.motor.max_winding_temperature_cC = 32768;
+    assert_line(WHOLE_mNm - 2, REASON_WINDING_TEMPERATURE, torque_limits_winding(&config, 2));
+    assert_line(FEASIBLE_UNBOUNDED, REASON_WINDING_TEMPERATURE, torque_limits_winding(&config, 1));
+}
+
+void test_the_last_quarter_of_the_speed_fades_driving_in_either_direction(void)
+{
+    config.motor.max_speed_mrad_s = 64000;
+    config.motor.speed_fade_share_q15 = 8192;
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        assert_line(FEASIBLE_UNBOUNDED, REASON_MAX_SPEED,
+                    torque_limits_max_speed(&config, sign * 48000));
+        assert_line(WHOLE_mNm / 4 * 3, REASON_MAX_SPEED,
+                    torque_limits_max_speed(&config, sign * 52000));
+        assert_line(WHOLE_mNm / 16, REASON_MAX_SPEED,
+                    torque_limits_max_speed(&config, sign * 63000));
+        assert_line(0, REASON_MAX_SPEED, torque_limits_max_speed(&config, sign * 64000));
+    }
+    (void)at_speed(-52000);
+    assert_line(WHOLE_mNm / 4 * 3, REASON_MAX_SPEED, table.driving[TORQUE_LINE_MAX_SPEED]);
+    assert_line(FEASIBLE_UNBOUNDED, REASON_NONE, table.braking[TORQUE_LINE_MAX_SPEED]);
+}
+
+void test_torque_enable_is_a_share_of_each_side(void)
+{
+    conditions.torque_enable.drive_q15 = 8192;
+    conditions.torque_enable.brake_q15 = 16384;
+    conditions.torque_enable.reason = REASON_BUS_VOLTAGE_LOW;
+    (void)at_speed(1000);
+    assert_line(8192, REASON_BUS_VOLTAGE_LOW, table.driving[TORQUE_LINE_ENABLE]);
+    assert_line(16384, REASON_BUS_VOLTAGE_LOW, table.braking[TORQUE_LINE_ENABLE]);
+}
+
+/* ---- power ---- */
+
+static void assert_power_line(int32_t expected_mNm, int32_t power_mW, int32_t speed_mrad_s)
+{
+    config.motor.max_power_mW = power_mW;
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        (void)at_speed(sign * speed_mrad_s);
+        assert_line(expected_mNm, REASON_MAX_POWER, table.driving[TORQUE_LINE_MAX_POWER]);
+        assert_line(expected_mNm, REASON_MAX_POWER, table.braking[TORQUE_LINE_MAX_POWER]);
+    }
+}
+
+/* Rounded down; beyond 4000 rad/s the rest of the division in whole rad/s. 2 kN m is no bound. */
+void test_the_power_line_is_the_quotient_of_power_and_speed(void)
+{
+    assert_power_line(3003003, 1000000, 333);
+    assert_power_line(249, 999999, 3999999);
+    assert_power_line(250, 1000000, 4000000);
+    assert_power_line(1249, 4999999, 4000000);
+    assert_power_line(624999, 1000000000, 1600001);
+    assert_power_line(999, 3999998, 3999999);
+    assert_power_line(FEASIBLE_UNBOUNDED, 1000000, 0);
+    assert_power_line(FEASIBLE_UNBOUNDED, 1000000000, 500);
+    assert_power_line(1996007984, 1000000000, 501);
+}
+
+/* ---- blend-out and strategy ---- */
+
+/* From 4 to 2 rad/s: half at 3 rad/s, of the largest torque or of the brake's rating. */
+void test_the_blend_out_scales_what_the_strategy_has(void)
+{
+    static const int32_t STRATEGIES[] = {CONFIG_STRATEGY_SERIES_OPTIMAL,
+                                         CONFIG_STRATEGY_PARALLEL_RATIO};
+    config.brake.blend_out_start_mrad_s = 4000;
+    config.brake.blend_out_end_mrad_s = 2000;
+    config.brake.electric_rated_torque_mNm = 16384;
+    for (int k = 0; k < 2; k++) {
+        config.brake.strategy = STRATEGIES[k];
+        const int32_t half_mNm = k == 0 ? WHOLE_mNm / 2 : 8192;
+        for (int32_t sign = -1; sign <= 1; sign += 2) {
+            assert_line(0, REASON_BLEND_OUT, torque_limits_blend_out(&config, sign * 2000));
+            assert_line(half_mNm, REASON_BLEND_OUT, torque_limits_blend_out(&config, sign * 3000));
+            assert_line(half_mNm / 8, REASON_BLEND_OUT,
+                        torque_limits_blend_out(&config, sign * 2125));
+            assert_line(FEASIBLE_UNBOUNDED, REASON_BLEND_OUT,
+                        torque_limits_blend_out(&config, sign * 4000));
+        }
+    }
+}
+
+/* Zero up to the end speed and whole from the next one on. */
+void test_a_blend_out_without_width_is_a_step(void)
+{
+    config.brake.blend_out_start_mrad_s = 2000;
+    config.brake.blend_out_end_mrad_s = 2000;
+    assert_line(0, REASON_BLEND_OUT, torque_limits_blend_out(&config, 2000));
+    assert_line(FEASIBLE_UNBOUNDED, REASON_BLEND_OUT, torque_limits_blend_out(&config, 2001));
+    config.brake.blend_out_start_mrad_s = 0;
+    config.brake.blend_out_end_mrad_s = 0;
+    assert_line(0, REASON_BLEND_OUT, torque_limits_blend_out(&config, 0));
+    assert_line(FEASIBLE_UNBOUNDED, REASON_BLEND_OUT, torque_limits_blend_out(&config, 1));
+}
+
+static void assert_strategy(int32_t optimum_mNm, int32_t rated_mNm, int32_t share_mNm,
+                            reason_t share_reason)
+{
+    assert_line(optimum_mNm, REASON_LOSS_OPTIMUM, table.braking[TORQUE_LINE_LOSS_OPTIMUM]);
+    assert_line(rated_mNm, REASON_ELECTRIC_RATED, table.braking[TORQUE_LINE_ELECTRIC_RATED]);
+    assert_line(share_mNm, share_reason, table.braking[TORQUE_LINE_ELECTRIC_SHARE]);
+}
+
+void test_each_strategy_has_its_lines(void)
+{
+    config.brake.blend_out_start_mrad_s = 4000;
+    config.brake.blend_out_end_mrad_s = 2000;
+    config.brake.electric_rated_torque_mNm = 16384;
+    config.brake.parallel_electric_share_q15 = 24576; /* three quarters */
+    config.brake.strategy = CONFIG_STRATEGY_SERIES_OPTIMAL;
+    torque_limits_strategy(table.braking, &config, 5000, 12345, 20000);
+    assert_strategy(12345, FEASIBLE_UNBOUNDED, FEASIBLE_UNBOUNDED, REASON_ELECTRIC_SHARE);
+    torque_limits_strategy(table.braking, &config, 5000, -1, 20000);
+    assert_strategy(0, FEASIBLE_UNBOUNDED, FEASIBLE_UNBOUNDED, REASON_ELECTRIC_SHARE);
+    config.brake.strategy = CONFIG_STRATEGY_PARALLEL_RATIO;
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        torque_limits_strategy(table.braking, &config, sign * 4000, 12345, 20000);
+        assert_strategy(FEASIBLE_UNBOUNDED, 16384, 15000, REASON_ELECTRIC_SHARE);
+        torque_limits_strategy(table.braking, &config, sign * 3000, 12345, 20000);
+        assert_strategy(FEASIBLE_UNBOUNDED, 16384, 7500, REASON_BLEND_OUT);
+        assert_line(8192, REASON_BLEND_OUT, table.braking[TORQUE_LINE_BLEND_OUT]);
+    }
+}
+
+/* A parallel brake's share is of the demand of the step, which is not negative. */
+void test_the_share_of_a_parallel_brake_is_of_the_demand(void)
+{
+    config.brake.strategy = CONFIG_STRATEGY_PARALLEL_RATIO;
+    config.brake.parallel_electric_share_q15 = 16384;
+    conditions.brake_demand_mNm = 20000;
+    (void)at_speed(50000);
+    assert_line(10000, REASON_ELECTRIC_SHARE, table.braking[TORQUE_LINE_ELECTRIC_SHARE]);
+    conditions.brake_demand_mNm = -20000;
+    (void)at_speed(50000);
+    assert_line(0, REASON_ELECTRIC_SHARE, table.braking[TORQUE_LINE_ELECTRIC_SHARE]);
+}
+
+/* ---- anti-lock ---- */
+
+static limit_t anti_lock(void)
+{
+    return torque_limits_anti_lock(&state, &config, &conditions);
+}
+
+void test_an_intervention_leaves_its_share_and_holds_it(void)
+{
+    config.brake.abs_hold_ms = 3;
+    conditions.brake_demand_mNm = 20000;
+    assert_line(FEASIBLE_UNBOUNDED, REASON_ABS, anti_lock());
+    TEST_ASSERT_EQUAL_INT32(0, state.abs_hold_steps);
+    conditions.abs_active = true;
+    conditions.abs_share_percent = 40;
+    assert_line(8000, REASON_ABS, anti_lock());
+    conditions.abs_share_percent = 100;
+    assert_line(20000, REASON_ABS, anti_lock());
+    conditions.abs_share_percent = 101;
+    assert_line(20000, REASON_ABS, anti_lock());
+    conditions.abs_share_percent = 25;
+    assert_line(5000, REASON_ABS, anti_lock());
+    conditions.abs_active = false;
+    conditions.abs_share_percent = 80;
+    assert_line(5000, REASON_ABS, anti_lock());
+    conditions.brake_demand_mNm = 8000;
+    assert_line(2000, REASON_ABS, anti_lock());
+    assert_line(FEASIBLE_UNBOUNDED, REASON_ABS, anti_lock());
+    assert_line(FEASIBLE_UNBOUNDED, REASON_ABS, anti_lock());
+}
+
+void test_an_intervention_without_a_demand_leaves_nothing(void)
+{
+    config.brake.abs_hold_ms = 0;
+    conditions.abs_active = true;
+    conditions.abs_share_percent = 100;
+    conditions.brake_demand_mNm = -5000;
+    assert_line(0, REASON_ABS, anti_lock());
+    conditions.brake_demand_mNm = 1;
+    assert_line(1, REASON_ABS, anti_lock());
+    conditions.abs_active = false;
+    assert_line(FEASIBLE_UNBOUNDED, REASON_ABS, anti_lock());
+}
