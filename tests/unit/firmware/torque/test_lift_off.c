@@ -28,6 +28,12 @@ void test_motor_takes_all_of_it_within_its_limits(void)
     assert_split(0, 0, REASON_NONE, lift_off_split(&limits, 0, 30000));
 }
 
+void test_the_least_demand_is_one(void)
+{
+    assert_split(1, 0, REASON_NONE, lift_off_split(&limits, 1, 0));
+    assert_split(0, 0, REASON_NONE, lift_off_split(&limits, -1, 0));
+}
+
 void test_brake_pedal_comes_first(void)
 {
     assert_split(10000, 0, REASON_MAX_TORQUE, lift_off_split(&limits, 20000, 30000));

@@ -119,3 +119,46 @@ void test_lamp_is_dark_after_speeds_beyond_any_range(void)
     }
     TEST_ASSERT_FALSE(decelerate(0.0, 60000, 1.0));
 }
+
+/* ---- whole numbers, without filters ---- */
+
+/* A step from this speed to standstill; mm/s^2, of a wheel of 0.256 m. */
+static int32_t deceleration_from(int32_t mrad_s)
+{
+    config.brake.stop_lamp_filter_log2 = 0;
+    config.vehicle.wheel_radius_um = 256000;
+    stop_lamp_init(&state);
+    (void)stop_lamp_step(&state, &config, mrad_s, 0);
+    (void)stop_lamp_step(&state, &config, 0, 0);
+    return state.decel_lp_mm_s2.accumulator;
+}
+
+/* 1/1000 is 16777/2^24 less 1.3e-5 of itself. 1 km/s^2 is the end of the range, whatever the
+ * speed. */
+void test_deceleration_is_that_of_the_wheel_s_rim_up_to_a_kilometre_per_second_squared(void)
+{
+    TEST_ASSERT_INT32_WITHIN(1, 256, deceleration_from(1));
+    TEST_ASSERT_INT32_WITHIN(15, 768000, deceleration_from(3000));
+    TEST_ASSERT_INT32_WITHIN(15, 768000, deceleration_from(-3000));
+    TEST_ASSERT_EQUAL_INT32(1000000, deceleration_from(3907));
+    TEST_ASSERT_EQUAL_INT32(1000000, deceleration_from(INT32_MAX));
+    TEST_ASSERT_EQUAL_INT32(1000000, deceleration_from(INT32_MIN));
+}
+
+/* 8 mrad/s in a step are 2.048 m/s^2, 2047 in whole mm/s^2. */
+void test_the_thresholds_of_the_lamp_are_exact(void)
+{
+    config.brake.stop_lamp_off_mm_s2 = 0;
+    for (int32_t on_mm_s2 = 2046; on_mm_s2 <= 2047; on_mm_s2++) {
+        config.brake.stop_lamp_on_mm_s2 = on_mm_s2;
+        TEST_ASSERT_EQUAL_INT32(2047, deceleration_from(8));
+        TEST_ASSERT_EQUAL_INT(on_mm_s2 == 2046, state.lit);
+    }
+    config.brake.stop_lamp_on_mm_s2 = 20000;
+    for (int32_t off_mm_s2 = 2047; off_mm_s2 <= 2048; off_mm_s2++) {
+        config.brake.stop_lamp_off_mm_s2 = off_mm_s2;
+        stop_lamp_init(&state);
+        TEST_ASSERT_TRUE(stop_lamp_step(&state, &config, 8, 1));
+        TEST_ASSERT_EQUAL_INT(off_mm_s2 == 2047, stop_lamp_step(&state, &config, 0, 0));
+    }
+}

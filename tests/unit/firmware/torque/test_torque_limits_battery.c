@@ -1,0 +1,222 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What the battery gives and takes, in whole milliamperes: four wheels, 50 A of charge and 62.5 A
+ * of discharge current a motor. A current is known by its power, feasible_power_b(), and a
+ * power by the lines of a table that has it as its only limit.
+ */
+#include "torque_limits_rig.h"
+#include "unity.h"
+
+enum { SPEED_mrad_s = 30000, CHARGE_mA = 50000, DISCHARGE_mA = 62500, BUS_mV = 53000 };
+
+void setUp(void)
+{
+    rig_up(paper_vehicle_without_i_d());
+    TEST_ASSERT_EQUAL_INT32(CHARGE_mA, config.battery.max_charge_current_mA);
+    TEST_ASSERT_EQUAL_INT32(DISCHARGE_mA, config.battery.max_discharge_current_mA);
+    TEST_ASSERT_EQUAL_INT32(4, config.battery.driven_wheels);
+}
+
+void tearDown(void) {}
+
+static int32_t power_of(int32_t current_mA, int32_t bus_mV)
+{
+    const motor_model_t model = model_at(&config, SPEED_mrad_s, winding_temperature_cC);
+    return feasible_power_b(&model, current_mA, bus_mV);
+}
+
+/* ---- the management's limit ---- */
+
+void test_a_motor_has_its_share_of_the_management_s_limit_up_to_its_own(void)
+{
+    static const int32_t PACK_mA[] = {INT32_MIN, -1,     0,      3,      4,        7,
+                                      8,         199996, 199999, 200000, INT32_MAX};
+    static const int32_t SHARE_mA[] = {0, 0, 0, 0, 1, 1, 2, 49999, 49999, 50000, CHARGE_mA};
+    for (int k = 0; k < 11; k++) {
+        conditions.bms_charge_current_mA = PACK_mA[k];
+        (void)at_speed(SPEED_mrad_s);
+        TEST_ASSERT_EQUAL_INT32(power_of(SHARE_mA[k], BUS_mV), table.losses.returned.power_b);
+        TEST_ASSERT_EQUAL_INT32(0, table.losses.returned.margin_b);
+        conditions.bms_discharge_current_mA = PACK_mA[k];
+        (void)at_speed(SPEED_mrad_s);
+        const int32_t drawn_mA = PACK_mA[k] > 200000 ? DISCHARGE_mA : SHARE_mA[k];
+        TEST_ASSERT_EQUAL_INT32(power_of(drawn_mA, BUS_mV), table.drawn_b);
+    }
+    TEST_ASSERT_NOT_EQUAL_INT32(power_of(49999, BUS_mV), power_of(50000, BUS_mV));
+}
+
+/* The line of a peak is that of a lasting limit of the same size; a peak below the lasting limit
+ * is that limit. */
+void test_a_peak_of_the_charge_current_has_a_line_of_its_own(void)
+{
+    static const int32_t PEAK_mA[] = {INT32_MIN, 0,      39999,  40000,  40004,
+                                      80000,     199996, 200000, 200004, INT32_MAX};
+    for (int k = 0; k < 10; k++) {
+        conditions.bms_charge_current_mA = PEAK_mA[k] > 40000 ? PEAK_mA[k] : 40000;
+        conditions.bms_charge_peak_mA = 0;
+        (void)at_speed(SPEED_mrad_s);
+        const limit_t expected = table.braking[TORQUE_LINE_RETURNED];
+        TEST_ASSERT_EQUAL_INT32(expected.torque_mNm,
+                                table.braking[TORQUE_LINE_RETURNED_PEAK].torque_mNm);
+        conditions.bms_charge_current_mA = 40000;
+        (void)at_speed(SPEED_mrad_s);
+        const int32_t lasting_mNm = table.braking[TORQUE_LINE_RETURNED].torque_mNm;
+        conditions.bms_charge_peak_mA = PEAK_mA[k];
+        (void)at_speed(SPEED_mrad_s);
+        TEST_ASSERT_EQUAL_INT32(lasting_mNm, table.braking[TORQUE_LINE_RETURNED].torque_mNm);
+        const limit_t peak = table.braking[TORQUE_LINE_RETURNED_PEAK];
+        TEST_ASSERT_EQUAL_INT32(expected.torque_mNm, peak.torque_mNm);
+        TEST_ASSERT_EQUAL_INT(REASON_CHARGE_CURRENT, peak.reason);
+    }
+}
+
+/* ---- the fold-back's limit ---- */
+
+/* One step from a share that a voltage has settled at; then the share's current. */
+static int32_t folded_mA(const foldback_state_t *foldback, int32_t most_mA)
+{
+    const motor_model_t model = model_at(&config, SPEED_mrad_s, winding_temperature_cC);
+    const feasible_set_t set = feasible_set_at(&model, phase_mV);
+    torque_limits_step(&state, &set, &conditions, &table);
+    return scaled_multiply(most_mA, foldback->allowed_q24);
+}
+
+/* The middle of the fold-back: 25 A of 50 A. A limit of the management's beyond it is a margin;
+ * on a tie the management's is the reason. */
+void test_what_the_fold_back_leaves_of_the_charge_current_is_exact(void)
+{
+    const int32_t middle_mV =
+        (config.battery.foldback_voltage_mV + config.battery.max_voltage_mV) / 2;
+    conditions.bus_voltage_mV = middle_mV;
+    settle_foldback(20000);
+    const torque_limits_state_t settled = state;
+    const int32_t by_voltage_mA = folded_mA(&state.charge, CHARGE_mA);
+    TEST_ASSERT_INT32_WITHIN(50, CHARGE_mA / 2, by_voltage_mA);
+    for (int32_t beyond_mA = -1; beyond_mA <= 1; beyond_mA++) {
+        for (int peak = 0; peak < 2; peak++) {
+            state = settled;
+            const int32_t pack_mA = 4 * (by_voltage_mA + beyond_mA);
+            conditions.bms_charge_current_mA = peak != 0 ? 4000 : pack_mA;
+            conditions.bms_charge_peak_mA = peak != 0 ? pack_mA : 0;
+            TEST_ASSERT_EQUAL_INT32(by_voltage_mA, folded_mA(&state.charge, CHARGE_mA));
+            const limit_t line =
+                table.braking[peak != 0 ? TORQUE_LINE_RETURNED_PEAK : TORQUE_LINE_RETURNED];
+            TEST_ASSERT_EQUAL_INT(beyond_mA > 0 ? REASON_BUS_VOLTAGE_HIGH : REASON_CHARGE_CURRENT,
+                                  line.reason);
+            if (peak == 0) {
+                const int32_t least_mA = by_voltage_mA + (beyond_mA < 0 ? -1 : 0);
+                TEST_ASSERT_EQUAL_INT32(power_of(least_mA, middle_mV),
+                                        table.losses.returned.power_b);
+                TEST_ASSERT_EQUAL_INT32(beyond_mA > 0 ? power_of(1, middle_mV) : 0,
+                                        table.losses.returned.margin_b);
+            }
+        }
+    }
+    state = settled;
+    conditions.bms_charge_peak_mA = 0;
+    conditions.bms_charge_current_mA = 160000;
+    TEST_ASSERT_EQUAL_INT32(by_voltage_mA, folded_mA(&state.charge, CHARGE_mA));
+    TEST_ASSERT_EQUAL_INT32(power_of(40000 - by_voltage_mA, middle_mV),
+                            table.losses.returned.margin_b);
+}
+
+void test_what_the_fold_back_leaves_of_the_discharge_current_is_exact(void)
+{
+    const int32_t middle_mV =
+        (config.battery.min_voltage_mV + config.battery.discharge_foldback_voltage_mV) / 2;
+    conditions.bus_voltage_mV = middle_mV;
+    settle_foldback(20000);
+    const torque_limits_state_t settled = state;
+    const int32_t by_voltage_mA = folded_mA(&state.discharge, DISCHARGE_mA);
+    TEST_ASSERT_INT32_WITHIN(60, DISCHARGE_mA / 2, by_voltage_mA);
+    for (int32_t beyond_mA = -1; beyond_mA <= 1; beyond_mA++) {
+        state = settled;
+        conditions.bms_discharge_current_mA = 4 * (by_voltage_mA + beyond_mA);
+        TEST_ASSERT_EQUAL_INT32(by_voltage_mA, folded_mA(&state.discharge, DISCHARGE_mA));
+        TEST_ASSERT_EQUAL_INT(beyond_mA > 0 ? REASON_BUS_VOLTAGE_LOW : REASON_DISCHARGE_CURRENT,
+                              table.driving[TORQUE_LINE_DRAWN].reason);
+        TEST_ASSERT_EQUAL_INT32(power_of(by_voltage_mA + (beyond_mA < 0 ? -1 : 0), middle_mV),
+                                table.drawn_b);
+    }
+}
+
+/* ---- two voltages ---- */
+
+/* The lower one has less power for a current; 0: there is one only. */
+void test_a_current_has_the_power_of_the_lower_voltage(void)
+{
+    static const int32_t BATTERY_mV[] = {0, 50000, 53000, 55000};
+    static const int32_t LOWER_mV[] = {53000, 50000, 53000, 53000};
+    for (int k = 0; k < 4; k++) {
+        conditions.battery_voltage_mV = BATTERY_mV[k];
+        (void)at_speed(SPEED_mrad_s);
+        TEST_ASSERT_EQUAL_INT32(power_of(DISCHARGE_mA, LOWER_mV[k]), table.drawn_b);
+        TEST_ASSERT_EQUAL_INT32(power_of(CHARGE_mA, LOWER_mV[k]), table.losses.returned.power_b);
+    }
+    conditions.battery_voltage_mV = 1; /* empty */
+    (void)at_speed(SPEED_mrad_s);
+    TEST_ASSERT_EQUAL_INT32(0, table.drawn_b);
+}
+
+/* From a tenth of the charge current's share, one step of the fold-back at a voltage. */
+static int32_t charge_share_at(int32_t bus_mV, int32_t battery_mV)
+{
+    conditions.bus_voltage_mV = bus_mV;
+    conditions.battery_voltage_mV = battery_mV;
+    state.charge.allowed_q24 = SCALED_ONE / 10;
+    (void)folded_mA(&state.charge, CHARGE_mA);
+    return state.charge.allowed_q24;
+}
+
+/* Up to twice the trip's voltage count. */
+void test_charging_folds_back_at_the_higher_voltage(void)
+{
+    const int32_t most_mV = 2 * config.battery.overvoltage_trip_mV;
+    config.battery.max_voltage_mV = most_mV; /* at which the fold-back ends */
+    config.battery.foldback_voltage_mV = most_mV - 1000;
+    const int32_t at_50_V = charge_share_at(50000, 0);
+    TEST_ASSERT_EQUAL_INT32(charge_share_at(55000, 0), charge_share_at(50000, 55000));
+    TEST_ASSERT_EQUAL_INT32(charge_share_at(55000, 0), charge_share_at(55000, 50000));
+    TEST_ASSERT_TRUE(at_50_V > charge_share_at(55000, 0));
+    TEST_ASSERT_EQUAL_INT32(charge_share_at(0, 0), charge_share_at(-5000, 0));
+    TEST_ASSERT_EQUAL_INT32(charge_share_at(most_mV, 0), charge_share_at(most_mV + 900, 0));
+    TEST_ASSERT_TRUE(charge_share_at(most_mV - 900, 0) > charge_share_at(most_mV, 0));
+    TEST_ASSERT_EQUAL_INT32(charge_share_at(most_mV, 0), charge_share_at(50000, most_mV + 900));
+    TEST_ASSERT_TRUE(charge_share_at(50000, most_mV - 900) > charge_share_at(most_mV, 0));
+}
+
+/* ---- the battery's resistance ---- */
+
+/* 20 mOhm at 50 A are 1 V, within 1e-6. A quarter of the limit flows at 57.4 V: it is let rise as
+ * far as 0.75 V more, as a battery without resistance at 58.15 V; likewise discharging. */
+void test_a_current_moves_the_voltage_by_the_battery_s_resistance(void)
+{
+    config.battery.resistance_uOhm = 20000;
+    state.charge.allowed_q24 = SCALED_ONE;
+    conditions.bus_voltage_mV = 57400;
+    conditions.bus_current_mA = -CHARGE_mA / 4;
+    (void)folded_mA(&state.charge, CHARGE_mA);
+    const int32_t with_q24 = state.charge.allowed_q24;
+    config.battery.resistance_uOhm = 0;
+    conditions.bus_voltage_mV = 58150;
+    state.charge.allowed_q24 = SCALED_ONE;
+    (void)folded_mA(&state.charge, CHARGE_mA);
+    TEST_ASSERT_INT32_WITHIN(1200, state.charge.allowed_q24, with_q24); /* 1 mV */
+}
+
+/* Nothing wraps, and the largest current is that of -INT32_MAX. */
+void test_a_current_of_any_size_is_one(void)
+{
+    config.battery.resistance_uOhm = 100000000;
+    static const int32_t FLOWING_mA[] = {-INT32_MAX, INT32_MIN};
+    int32_t shares_q24[2];
+    for (int k = 0; k < 2; k++) {
+        conditions.bus_current_mA = FLOWING_mA[k];
+        state.charge.allowed_q24 = SCALED_ONE / 2;
+        state.discharge.allowed_q24 = SCALED_ONE / 2;
+        (void)folded_mA(&state.charge, CHARGE_mA);
+        shares_q24[k] = state.charge.allowed_q24;
+    }
+    TEST_ASSERT_EQUAL_INT32(shares_q24[0], shares_q24[1]);
+    TEST_ASSERT_TRUE(shares_q24[0] > SCALED_ONE / 2);
+}
