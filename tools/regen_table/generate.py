@@ -17,6 +17,7 @@ from typing import Any
 from regen_table import (
     __version__,
     audit,
+    bus_capacitor,
     current_audit,
     current_map,
     envelope,
@@ -262,6 +263,9 @@ def warnings(drive: Drive, found: Report) -> list[str]:
     weakening = loops.weakening_warning(drive)
     if weakening is not None:
         lines.append(weakening)
+    capacitor = bus_capacitor.warning(drive)
+    if capacitor is not None:
+        lines.append(capacitor)
     if found.power_loss_worst > audit.POWER_LOSS_MAX:
         lines.append(
             "table.speed_points, table.temperature_points: at one speed above"

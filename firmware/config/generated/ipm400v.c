@@ -78,7 +78,7 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         .device_voltage_mV            = 650000,
         /* [nF] bus capacitors of this bridge; 0: unknown, a short circuit ends only without
          * current */
-        .bus_capacitance_nF           = 500000,
+        .bus_capacitance_nF           = 560000,
         .loss_per_ampere_uW_A         = 404890, /* [uW/A] of the bridge */
         .loss_resistance_uOhm         = 4000, /* [uOhm] of the switches */
         /* [code/16] stored zero-current code of phase a, times 16: for a start on a wheel too
@@ -673,5 +673,5 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
             -224967, -234291, -243312,
         },
     },
-    .crc32 = 0x9D7027A6,
+    .crc32 = 0x2CF6C686,
 };

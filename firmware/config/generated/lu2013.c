@@ -78,7 +78,7 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
         .device_voltage_mV            = 75000,
         /* [nF] bus capacitors of this bridge; 0: unknown, a short circuit ends only without
          * current */
-        .bus_capacitance_nF           = 1000000,
+        .bus_capacitance_nF           = 2460000,
         .loss_per_ampere_uW_A         = 252101, /* [uW/A] of the bridge */
         .loss_resistance_uOhm         = 3368, /* [uOhm] of the switches */
         /* [code/16] stored zero-current code of phase a, times 16: for a start on a wheel too
@@ -441,5 +441,5 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
             -7364, -7790, -7021, -8871, -9455,
         },
     },
-    .crc32 = 0x6DA1A522,
+    .crc32 = 0x321B9F6A,
 };

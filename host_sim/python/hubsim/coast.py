@@ -36,6 +36,7 @@ SETTLED_S = 0.05  # after the beginning, at which the controllers have just star
 AROUND_S = 0.005  # before and after the controller learns that the battery has left
 MESSAGE_S = 0.1  # between two messages of the battery: the contactor is known so late
 NOT_STARTED = "NOT_STARTED"
+OPEN, SWITCHING = 0, 1  # of the bridge
 WARNINGS = ("", "OVERSPEED", "BATTERY_DISCONNECTED")
 SIGNALS = (
     "time_s",
@@ -203,10 +204,11 @@ def worst(drive: Drive, case: Case, rows: Rows) -> tuple[float, float, str, int]
     """Return excess and feasible minimum (N m), its name and the row of the largest excess."""
     first = min(int(np.searchsorted(rows[:, TIME], SETTLED_S)), len(rows) - MEAN_ROWS)
     kernel = np.ones(MEAN_ROWS) / MEAN_ROWS
-    torque = np.abs(np.convolve(_unwanted(case, rows)[first:], kernel, "valid"))
+    unwanted = _unwanted(case, rows) + charging_nm(drive, case, rows)
+    torque = np.abs(np.convolve(unwanted[first:], kernel, "valid"))
     at = first + MEAN_ROWS // 2 + np.arange(len(torque))
     beyond = torque - let_go.iron_drag_nm(drive, rows[at, SPEED])
-    around = np.abs(rows[at, TIME] - _known_s(rows)) < AROUND_S
+    around = np.abs(rows[at, TIME] - _known_s(case, rows)) < AROUND_S
     beyond[around] = -np.inf
     best = (-np.inf, 0.0, let_go.PWM, int(at[0]))
     # What the feasible minimum takes away is at least zero: only rows that can be the worst.
@@ -239,7 +241,7 @@ def _unwanted(case: Case, rows: Rows) -> Rows:
     demand is still a demand.
     """
     torque, time = rows[:, TORQUE], rows[:, TIME]
-    known_s = _known_s(rows)
+    known_s = _known_s(case, rows)
     if case.demand == COAST:
         wanted = np.zeros(len(rows), dtype=bool)
     else:
@@ -247,9 +249,26 @@ def _unwanted(case: Case, rows: Rows) -> Rows:
     return np.where((time < known_s) & wanted, 0.0, torque)
 
 
-def _known_s(rows: Rows) -> float:
-    known = np.flatnonzero(rows[:, WARNING] == reasons.codes()["BATTERY_DISCONNECTED"])
+def _known_s(case: Case, rows: Rows) -> float:
+    """Return when the controller says that the battery has left, or opens the bridge after it."""
+    disconnected = reasons.codes()["BATTERY_DISCONNECTED"]
+    switching = rows[:, BRIDGE] == SWITCHING
+    opened = switching & ~np.append(switching[1:], True) & (rows[:, TIME] >= case.cut_s)
+    known = np.flatnonzero((rows[:, WARNING] == disconnected) | opened)
     return float(rows[known[0], TIME]) if len(known) else float("inf")
+
+
+def charging_nm(drive: Drive, case: Case, rows: Rows) -> Rows:
+    """Return the torque with which an open bridge without a battery charges the capacitor, N m.
+
+    Diodes let the EMF charge a bus below it; no controller can prevent that. A magnitude: energy of
+    the capacitor since the row before over the angle that the wheel has turned.
+    """
+    volts, alone = rows[:, BUS], rows[:, TIME] > case.cut_s
+    taken_j = 0.5 * drive.inverter.bus_capacitance_f * np.diff(volts**2, prepend=volts[0] ** 2)
+    turned = np.abs(rows[:, SPEED]) * np.diff(rows[:, TIME], prepend=-np.inf)
+    charged = alone & (rows[:, BRIDGE] == OPEN) & (taken_j > 0.0) & (turned > 0.0)
+    return np.where(charged, taken_j / np.where(charged, turned, 1.0), 0.0)
 
 
 def _outcome(

@@ -66,7 +66,7 @@ def drive_of(
     """Read the drive that a command is to use."""
     if strategy is not None:
         settings.drive["brake", "strategy"] = strategy
-    return overrides.load_drive(config, settings, chosen)
+    return console.warned(config, overrides.load_drive(config, settings, chosen))
 
 
 def progress_bar(unit: str = "s") -> Progress:

@@ -1,9 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tables of energies and criteria on the terminal."""
+"""Tables of energies and criteria on the terminal, and warnings of a drive."""
 
+import sys
 from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
 from typing import cast
 
+from regen_table import bus_capacitor
+from regen_table.schema import Drive
 from rich import box
 from rich.console import Console, JustifyMethod
 from rich.table import Table
@@ -38,6 +43,19 @@ ENERGIES = (
     ("inverter", "inverter", "heat in the inverters (conduction, diodes, switching), whole run"),
     ("battery", "battery", "heat in the battery, whole run"),
 )
+
+
+def warned(config: Path, drive: Drive) -> Drive:
+    """Return a drive; warn on stderr, once, of a bus capacitor too small for its devices."""
+    found = bus_capacitor.warning(drive)
+    if found is not None:
+        _warn_once(f"hubsim: warning: {config}: {found}")
+    return drive
+
+
+@cache
+def _warn_once(line: str) -> None:
+    print(line, file=sys.stderr)
 
 
 def energy_table(results: Sequence[RunResult]) -> Table:

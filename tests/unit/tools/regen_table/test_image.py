@@ -245,8 +245,8 @@ OPTIONAL_KEYS = [
     ("inverter.current_offset_codes", "drive.offset_c_q4", 32768, [2050.5, 2040, 2060], 32960),
     ("inverter.device_voltage_v", "drive.device_voltage_mV", 75000, 80.0, 80000),
     ("inverter.device_voltage_v", "drive.device_voltage_mV", 75000, None, 60564),
-    ("inverter.bus_capacitance_f", "drive.bus_capacitance_nF", 1000000, 4.7e-4, 470000),
-    ("inverter.bus_capacitance_f", "drive.bus_capacitance_nF", 1000000, None, 0),
+    ("inverter.bus_capacitance_f", "drive.bus_capacitance_nF", 2460000, 4.7e-4, 470000),
+    ("inverter.bus_capacitance_f", "drive.bus_capacitance_nF", 2460000, None, 0),
     ("battery.charge_foldback_voltage_v", "battery.foldback_voltage_mV", 57232, 56.0, 56000),
     (
         "battery.discharge_foldback_voltage_v",
