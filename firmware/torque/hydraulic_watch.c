@@ -15,7 +15,8 @@ enum {
     FADE_LOG2 = 13,          /* 8 s */
     MOST_STEP_mNm = 1 << 22, /* largest input of the slow filters */
     QUIET_SHARE = 3,         /* of the tolerance, without a command */
-    REPORT_SHARE = 3         /* of the sum, where two of three agree */
+    REPORT_SHARE = 3,        /* of the sum, where two of three agree */
+    AGREES_SHARE = 4         /* of the tolerance: smallest torque that shows a brake at work */
 };
 
 static void end_finding(hydraulic_watch_t *watch)
@@ -25,6 +26,7 @@ static void end_finding(hydraulic_watch_t *watch)
     watch->extra_mNm = 0;
     watch->by_report = false;
     watch->confirms_report = false;
+    watch->agrees_ms = 0;
 }
 
 static void clear_sums(hydraulic_watch_t *watch)
@@ -178,9 +180,12 @@ static int32_t missing_mNm(hydraulic_watch_t *watch, const config_t *config,
 {
     const int32_t speed_q8 = q_saturate64((int64_t)q_abs(in->speed_mrad_s) * 256);
     const int32_t along_mNm = in->speed_mrad_s >= 0 ? in->motor_mNm : -in->motor_mNm;
-    const int32_t hydraulic_mNm = watch->confirms_report
-                                      ? in->reported_mNm
-                                      : hydraulic_watch_corrected_mNm(watch, in->modelled_mNm);
+    int32_t hydraulic_mNm = in->modelled_mNm; /* as it is: measured, or to be decided on */
+    if (watch->confirms_report) {
+        hydraulic_mNm = in->reported_mNm;
+    } else if (!watch->by_report) {
+        hydraulic_mNm = hydraulic_watch_corrected_mNm(watch, in->modelled_mNm);
+    }
     const int32_t known_mNm = limited_mNm((int64_t)along_mNm - hydraulic_mNm);
     if (!watch->rolls) {
         watch->rolls = true;
@@ -233,13 +238,19 @@ static int32_t summed(int32_t sum_mNm_ms, int32_t beyond_mNm, int32_t end_mNm_ms
     return q_clamp(q_saturate64((int64_t)sum_mNm_ms + beyond_mNm), 0, end_mNm_ms);
 }
 
-static void find(hydraulic_watch_t *watch, reason_t reason)
+static void name(hydraulic_watch_t *watch, reason_t reason)
 {
     watch->reason = reason;
     watch->found_ms = 0;
     watch->quiet_ms = 0;
-    watch->pause_ms = q_max(watch->pause_ms, HYDRAULIC_WATCH_SETTLE_ms);
     clear_sums(watch);
+}
+
+/* With another expected torque, to which the filters settle. */
+static void find(hydraulic_watch_t *watch, reason_t reason)
+{
+    name(watch, reason);
+    watch->pause_ms = q_max(watch->pause_ms, HYDRAULIC_WATCH_SETTLE_ms);
 }
 
 /* Less torque than expected: the end of an excess, or a weak brake. */
@@ -278,6 +289,15 @@ static void found_excess(hydraulic_watch_t *watch, int32_t modelled_mNm, int32_t
     find(watch, stuck ? REASON_HYDRAULIC_STUCK : REASON_HYDRAULIC_STRONG);
 }
 
+/* The end of a finding by reports. */
+static void end_by_report(hydraulic_watch_t *watch, bool agrees)
+{
+    const bool late =
+        agrees && hydraulic_watch_is_short(watch) && watch->found_ms < HYDRAULIC_WATCH_LATE_ms;
+    end_finding(watch);
+    find(watch, late ? REASON_HYDRAULIC_LATE : REASON_NONE);
+}
+
 /* Reports that contradict the commands: the deceleration shows half of the difference or more if
  * the brake is wrong, less if its sensor is. */
 static void decide_report(hydraulic_watch_t *watch, const hydraulic_watch_input_t *in,
@@ -291,27 +311,58 @@ static void decide_report(hydraulic_watch_t *watch, const hydraulic_watch_input_
                 end_mNm_ms);
     if (watch->report_mNm_ms >= end_mNm_ms) {
         watch->confirms_report = true;
+    } else if (watch->by_report && watch->report_mNm_ms <= -end_mNm_ms) {
+        end_by_report(watch, false);
     }
 }
 
-/* A brake that its reports show to be wrong, as long as they do. difference: > 0 beyond, < 0 short
- * of its command. */
-static void follow_report(hydraulic_watch_t *watch, const hydraulic_watch_input_t *in,
-                          int32_t difference, int32_t floor_mNm)
+/* Reports show a brake that makes what is commanded, for as long as they need to be used. Without
+ * enough of a command they show nothing. */
+static bool agrees(hydraulic_watch_t *watch, const config_brake_t *brake,
+                   const hydraulic_watch_input_t *in)
 {
-    if (!in->reported || difference == 0) {
-        const bool late =
-            hydraulic_watch_is_short(watch) && watch->found_ms < HYDRAULIC_WATCH_LATE_ms;
-        end_finding(watch);
-        find(watch, late ? REASON_HYDRAULIC_LATE : REASON_NONE);
+    const int32_t largest_mNm = q_saturate64((int64_t)in->commanded_mNm + in->uncertain_mNm);
+    const int32_t least_mNm = times_q15(largest_mNm, ONE_Q15 - brake->hydraulic_gain_band_q15);
+    const bool now =
+        in->reported_mNm >= least_mNm && least_mNm > brake->hydraulic_tolerance_mNm / AGREES_SHARE;
+    watch->agrees_ms = now ? watch->agrees_ms + 1 : 0;
+    return watch->agrees_ms > brake->hydraulic_timeout_ms;
+}
+
+/* Reports that are no longer used have shown a brake to be wrong, by the model against them. As
+ * long as they are used they are what is expected. The deceleration is to decide, so the road
+ * waits. */
+static bool is_undecided(const hydraulic_watch_t *watch, const config_brake_t *brake,
+                         const hydraulic_watch_input_t *in)
+{
+    return watch->by_report && !watch->confirms_report &&
+           q_abs(in->modelled_mNm - in->reported_mNm) >
+               brake->hydraulic_tolerance_mNm / AGREES_SHARE;
+}
+
+/* A brake that its reports show to be wrong, as long as they do. A short one, for which the motor
+ * makes up, gets smaller commands by that: these end nothing. */
+static void follow_report(hydraulic_watch_t *watch, const config_brake_t *brake,
+                          const hydraulic_watch_input_t *in, int32_t floor_mNm)
+{
+    /* > 0 beyond, < 0 short of its command */
+    const int32_t difference = in->contradicts_mNm != 0 ? in->contradicts_mNm : in->outside_ms;
+    const bool is_short = hydraulic_watch_is_short(watch);
+    if (!in->reported) {
+        end_by_report(watch, false);
+    } else if (difference == 0) {
+        if (!is_short || agrees(watch, brake, in)) {
+            end_by_report(watch, true);
+        }
     } else if (difference < 0) {
+        watch->agrees_ms = 0;
         watch->gain_q15 = in->reported_mNm > in->commanded_mNm / 4 ? ONE_Q15 / 2 : 0;
-        if (!hydraulic_watch_is_short(watch)) {
-            find(watch, REASON_HYDRAULIC_WEAK);
+        if (!is_short) {
+            name(watch, REASON_HYDRAULIC_WEAK);
         }
     } else if (watch->reason != REASON_HYDRAULIC_STRONG &&
                watch->reason != REASON_HYDRAULIC_STUCK) {
-        find(watch,
+        name(watch,
              in->commanded_mNm > floor_mNm ? REASON_HYDRAULIC_STRONG : REASON_HYDRAULIC_STUCK);
     }
 }
@@ -373,19 +424,25 @@ void hydraulic_watch_step(hydraulic_watch_t *watch, const config_t *config,
         return;
     }
     const bool hidden = hides_torque(watch, config, q_abs(in->speed_mrad_s));
-    const int32_t change_q8 = awaits_brake(watch, in->uncertain_mNm > floor_mNm)
+    const bool undecided = is_undecided(watch, brake, in);
+    const int32_t change_q8 = awaits_brake(watch, in->uncertain_mNm > floor_mNm) || undecided
                                   ? 0
                                   : road_change_q8_mNm(brake, q_abs(in->speed_mrad_s));
     const int32_t unlike_mNm = follow_road(watch, floor_mNm, lacking_mNm, change_q8);
     if (watch->confirms_report) {
-        follow_report(watch, in, in->contradicts_mNm, floor_mNm);
+        follow_report(watch, brake, in, floor_mNm);
         return;
     }
+    const int32_t enough_mNm_ms = q_saturate64((int64_t)brake->hydraulic_watch_inertia_g_m2 *
+                                               brake->hydraulic_watch_speed_mrad_s);
     if (watch->by_report || q_abs(in->outside_ms) > brake->hydraulic_timeout_ms) {
-        follow_report(watch, in, in->outside_ms, floor_mNm);
+        follow_report(watch, brake, in, floor_mNm);
         watch->by_report = hydraulic_watch_is_short(watch) ||
                            watch->reason == REASON_HYDRAULIC_STRONG ||
                            watch->reason == REASON_HYDRAULIC_STUCK;
+        if (undecided) {
+            decide_report(watch, in, lacking_mNm, enough_mNm_ms);
+        }
         return;
     }
 
@@ -403,8 +460,6 @@ void hydraulic_watch_step(hydraulic_watch_t *watch, const config_t *config,
         commanded ? -lacking_mNm - tolerated_mNm
                   : -lacking_mNm - unlike_mNm - QUIET_SHARE * floor_mNm -
                         QUIET_SHARE * times_q15(q_abs(in->motor_mNm - motor_mNm), share_q15);
-    const int32_t enough_mNm_ms = q_saturate64((int64_t)brake->hydraulic_watch_inertia_g_m2 *
-                                               brake->hydraulic_watch_speed_mrad_s);
     watch->missing_mNm_ms =
         commanded || watch->extra_mNm > 0
             ? summed(watch->missing_mNm_ms, lacking_mNm - tolerated_mNm, enough_mNm_ms)

@@ -25,8 +25,10 @@
  *
  * With reports of the torque that contradict the commands, the deceleration decides which of the
  * two is wrong; a third of the sum suffices. A finding corrects the torque that is expected from
- * then on, so that its opposite ends it; an acknowledgement at rest ends it as well. Derivation and
- * bound of false alarms: README, Watch of the hydraulic brake.
+ * then on, so that its opposite ends it; an acknowledgement at rest ends it as well. A brake that
+ * its reports show to be short is so until they agree, for brake.hydraulic_timeout, with a command
+ * large enough to tell, or are missing. Derivation and bound of false alarms: README, Watch of the
+ * hydraulic brake.
  */
 #ifndef TORQUE_HYDRAULIC_WATCH_H
 #define TORQUE_HYDRAULIC_WATCH_H
@@ -82,6 +84,7 @@ typedef struct {
     int32_t missing_mNm_ms, excess_mNm_ms; /* sums beyond the tolerance */
     int32_t report_mNm_ms;                 /* > 0: the brake is wrong, < 0: its sensor */
     int32_t acquired_ms, pause_ms, found_ms, quiet_ms;
+    int32_t agrees_ms;   /* reports show a brake as commanded for so long */
     int32_t certain_ms;  /* of the brake's torque, less the time of changes */
     int32_t rolls_on_ms; /* left of HYDRAULIC_WATCH_ROLLS_ON_ms */
     bool rolls, backwards;

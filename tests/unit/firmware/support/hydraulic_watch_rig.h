@@ -21,6 +21,7 @@ static config_t config;
 static hydraulic_watch_t watch;
 static hydraulic_watch_input_t in;
 static double speed_rad_s, mass_factor, slope, found_after_ms, direction;
+static bool used; /* the reports: what they say is what is expected */
 static double motor_nm, commanded_nm, made_nm, seen_share, air_nm_s2;
 
 static inline void rig_up(void)
@@ -39,6 +40,7 @@ static inline void rig_up(void)
     hydraulic_watch_init(&watch);
     const hydraulic_watch_input_t still = {.trusted = true};
     in = still;
+    used = false;
     speed_rad_s = 50.0;
     direction = 1.0;
     seen_share = 1.0;
@@ -60,8 +62,8 @@ static inline void millisecond(void)
     speed_rad_s = fmax(speed_rad_s, 0.0);
     in.speed_mrad_s = (int32_t)lround(direction * seen_share * speed_rad_s * 1e3);
     in.motor_mNm = (int32_t)lround(direction * motor_nm * 1e3);
-    in.modelled_mNm = (int32_t)lround(commanded_nm * 1e3);
-    in.commanded_mNm = in.modelled_mNm;
+    in.commanded_mNm = (int32_t)lround(commanded_nm * 1e3);
+    in.modelled_mNm = used ? in.reported_mNm : in.commanded_mNm;
     hydraulic_watch_step(&watch, &config, &in);
 }
 

@@ -102,6 +102,23 @@ void test_motor_makes_up_for_a_dead_brake_whose_reports_the_deceleration_confirm
     }
 }
 
+/* What the motor makes instead leaves the dead brake next to no command. It stays found: a finding
+ * that ended by its own relief came again after a quarter of a second, and the torque with it. */
+void test_motor_makes_up_for_a_dead_brake_without_pause(void)
+{
+    run(COAST_ms);
+    in.demand_mNm = DEMAND_mNm;
+    run(500);
+    gain = 0.0;
+    run(600);
+    for (int n = 0; n < 6000; n++) {
+        run(1);
+        TEST_ASSERT_TRUE(hydraulic_watch_is_short(&state.watch));
+        TEST_ASSERT_INT32_WITHIN(500, DEMAND_mNm, out.electric_mNm);
+    }
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_DEAD, state.watch.reason);
+}
+
 /* A slope, a tow or a test bench that holds the speed looks like a weak brake: without reports the
  * motor keeps to its loss optimum. */
 void test_deceleration_alone_does_not_raise_the_motor_torque(void)

@@ -36,8 +36,8 @@ void test_deceleration_decides_between_brake_and_sensor(void)
 void test_used_reports_outside_the_band_name_the_brake(void)
 {
     in.reported = true;
+    used = true;
     run(COAST_ms);
-    in.modelled_mNm = 100000;
     in.reported_mNm = 100000;
     in.outside_ms = config.brake.hydraulic_timeout_ms + 1;
     TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_STRONG, brake(70.0, 1.0, 10));
@@ -74,8 +74,14 @@ void test_deceleration_confirms_reports_of_more_torque_than_commanded(void)
     TEST_ASSERT_FALSE(watch.confirms_report);
 }
 
-/* A confirmed finding lasts as long as the reports show it, however long: without them, or when
- * they agree with the command, it is over in one step. */
+/* Reports that agree with the command have to last as long as those that show a fault. */
+static int32_t agreed_ms(void)
+{
+    return config.brake.hydraulic_timeout_ms + 1;
+}
+
+/* A confirmed finding lasts as long as the reports show it, however long: without them it is over
+ * in one step, when they agree with the command in the time that makes reports used. */
 void test_a_confirmed_finding_ends_with_the_reports_that_show_it(void)
 {
     for (int reports = 0; reports < 2; reports++) {
@@ -84,6 +90,8 @@ void test_a_confirmed_finding_ends_with_the_reports_that_show_it(void)
         in.reported = reports != 0;
         in.contradicts_mNm = in.reported ? 0 : in.contradicts_mNm;
         in.reported_mNm = in.reported ? 60000 : 0;
+        const int32_t ends_ms = in.reported ? agreed_ms() : 1;
+        TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_DEAD, run(ends_ms - 1));
         TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1)); /* too long missing to be late */
         TEST_ASSERT_FALSE(watch.confirms_report);
         TEST_ASSERT_FALSE(hydraulic_watch_is_short(&watch));
@@ -98,7 +106,7 @@ void test_the_end_of_an_excess_is_not_late(void)
     confirmed_by_deceleration(-40000, 60.0, 0.0);
     in.contradicts_mNm = 0;
     in.reported_mNm = 60000;
-    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_LATE, run(1));
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_LATE, run(agreed_ms()));
     confirmed_by_deceleration(25000, 60.0, 1.6);
     TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_STRONG, run(1));
     in.contradicts_mNm = 0;
@@ -129,6 +137,7 @@ void test_used_reports_without_a_command_are_a_brake_that_does_not_release(void)
         rig_up();
         speed_rad_s = FAST_rad_s;
         in.reported = true;
+        used = true;
         run(COAST_ms);
         in.reported_mNm = 30000;
         in.outside_ms = config.brake.hydraulic_timeout_ms;
@@ -147,6 +156,7 @@ void test_a_short_brake_found_by_reports_stays_until_they_agree(void)
 {
     speed_rad_s = FAST_rad_s;
     in.reported = true;
+    used = true;
     run(COAST_ms);
     in.reported_mNm = 30000;
     in.outside_ms = -config.brake.hydraulic_timeout_ms - 1;
@@ -155,9 +165,127 @@ void test_a_short_brake_found_by_reports_stays_until_they_agree(void)
     TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_WEAK, run(HYDRAULIC_WATCH_SETTLE_ms + 2));
     in.outside_ms = 0;
     in.reported_mNm = 60000;
-    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_LATE, run(1));
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_LATE, run(agreed_ms()));
     in.outside_ms = -1; /* a single one is no finding */
     TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_LATE, run(HYDRAULIC_WATCH_SETTLE_ms + 2));
+}
+
+/* A band of 25 % and a tolerance of 15 N m, a quarter of which a brake at work has to show: of 5 N
+ * m and more commanded. */
+static void found_by_used_reports(void)
+{
+    rig_up();
+    config.brake.hydraulic_gain_band_q15 = 8192;
+    config.brake.hydraulic_tolerance_mNm = 15000;
+    config.brake.hydraulic_timeout_ms = 50;
+    speed_rad_s = FAST_rad_s;
+    in.reported = true;
+    used = true;
+    run(COAST_ms);
+    in.reported_mNm = 0;
+    in.outside_ms = -config.brake.hydraulic_timeout_ms - 1;
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_WEAK, brake(12.0, 0.0, 1));
+}
+
+/* The motor makes up for a short brake, so that the commands become small: what such reports do not
+ * contradict shows no brake at work. */
+void test_commands_too_small_to_tell_leave_a_short_brake_found(void)
+{
+    found_by_used_reports();
+    in.outside_ms = 0;
+    (void)brake(5.0, 0.0, 3000);
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_DEAD, watch.reason);
+    in.reported_mNm = 5000; /* the tolerance alone explains it */
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_DEAD, brake(5.0, 1.0, 500));
+    in.reported_mNm = 5010;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(5.01, 1.0, agreed_ms()));
+}
+
+/* A report of an earlier, larger command is no agreement with the present one. */
+void test_reports_agree_for_as_long_as_they_have_to_differ(void)
+{
+    found_by_used_reports();
+    for (int n = 0; n < 20; n++) {
+        in.outside_ms = 0;
+        in.reported_mNm = 12000;
+        (void)brake(12.0, 1.0, agreed_ms() - 1);
+        in.outside_ms = n % 2 == 0 ? -1 : 0;
+        in.reported_mNm = n % 2 == 0 ? 0 : 8900; /* less than 3/4 */
+        TEST_ASSERT_TRUE(hydraulic_watch_is_short(&watch));
+        (void)brake(12.0, 0.0, 1);
+    }
+    TEST_ASSERT_TRUE(hydraulic_watch_is_short(&watch));
+    in.outside_ms = 0;
+    in.reported_mNm = 12000;
+    in.uncertain_mNm = 4010; /* it may be the torque of a command of 16 N m, three quarters made */
+    (void)brake(12.0, 1.0, 500);
+    TEST_ASSERT_TRUE(hydraulic_watch_is_short(&watch));
+    in.uncertain_mNm = 3990;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(12.0, 1.0, agreed_ms()));
+}
+
+/* Reports that grow beyond the tolerance are no longer used. Then the deceleration decides: a dead
+ * brake stays found, and is dead after a second; a healthy one was never late. */
+void test_reports_that_are_no_longer_used_leave_the_finding_to_the_deceleration(void)
+{
+    found_by_used_reports();
+    in.outside_ms = 0;
+    in.contradicts_mNm = -30000;
+    used = false;
+    for (int n = 0; n < 1500; n++) {
+        (void)brake(60.0, 0.0, 1);
+        TEST_ASSERT_TRUE(hydraulic_watch_is_short(&watch));
+    }
+    TEST_ASSERT_TRUE(watch.confirms_report);
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_DEAD, watch.reason);
+
+    found_by_used_reports();
+    in.outside_ms = 0;
+    in.contradicts_mNm = -30000;
+    used = false;
+    made_nm = 12.0;
+    for (int n = 0; n < 1500; n++) {
+        (void)brake(60.0, 1.0, 1);
+        TEST_ASSERT_NOT_EQUAL_INT(REASON_HYDRAULIC_LATE, watch.reason);
+    }
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, watch.reason);
+    TEST_ASSERT_FALSE(watch.confirms_report);
+}
+
+void test_missing_reports_end_what_they_found_and_show_no_late_brake(void)
+{
+    found_by_used_reports();
+    in.reported = false;
+    in.outside_ms = 0;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1));
+}
+
+/* Measured torque is what is expected, whatever its share of the command: the road does not follow
+ * a part of it. */
+void test_used_reports_of_a_weak_brake_leave_the_road_alone(void)
+{
+    found_by_used_reports();
+    const int32_t road_q8_mNm = watch.road_q8_mNm;
+    in.reported_mNm = 30000;
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_WEAK, brake(60.0, 0.5, 1000));
+    TEST_ASSERT_INT32_WITHIN(1000 * 256, road_q8_mNm, watch.road_q8_mNm);
+}
+
+/* Reports that are not used for a while, although they are right: what the deceleration lacks until
+ * it has decided is no road either. */
+void test_the_road_waits_until_the_deceleration_has_decided(void)
+{
+    found_by_used_reports();
+    const int32_t road_q8_mNm = watch.road_q8_mNm;
+    in.outside_ms = 0;
+    used = false;
+    int ms = 0;
+    while (!watch.confirms_report && ms++ < 2000) {
+        (void)brake(12.0, 0.0, 1);
+        TEST_ASSERT_TRUE(hydraulic_watch_is_short(&watch));
+    }
+    TEST_ASSERT_TRUE(watch.confirms_report);
+    TEST_ASSERT_EQUAL_INT32(road_q8_mNm, watch.road_q8_mNm);
 }
 
 /* Without reports: less torque than a brake found strong, or one that did not release, is its end.
