@@ -167,7 +167,7 @@ static int32_t beside_hydraulic_mNm(const config_brake_t *brake, const brake_ble
         return demand_mNm - taken_mNm;
     }
     const int32_t made_mNm = braking_part(in->motor_command_mNm, in->speed_mrad_s);
-    return q_max(made_mNm - made_mNm / (brake->hydraulic_time_constant_ms + 1) - 1, 0);
+    return q_max(made_mNm - demand_handed_over_mNm(brake, made_mNm), 0);
 }
 
 /* The hydraulic torque of this step, measured or modelled, and what is found of it. */
@@ -288,7 +288,9 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
     const int32_t taken_mNm = q_max(now.torque_mNm - motor.shortfall_mNm - state->added_mNm, 0);
     const int32_t beside_mNm = beside_hydraulic_mNm(brake, in, demand_mNm, taken_mNm);
     limit_tighten(&electric, beside_mNm, REASON_TORQUE_RATE);
-    const int32_t arrived_mNm = q_max(taken_mNm - state->taken_mNm, 0);
+    /* On its own path the brake arrives without a command that the model would know. */
+    const int32_t arrived_mNm =
+        in->handed_over ? demand_mNm : q_max(taken_mNm - state->taken_mNm, 0);
     state->taken_mNm = taken_mNm;
 
     const bool beyond = commanded_mNm > brake->max_hydraulic_torque_mNm;

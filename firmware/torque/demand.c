@@ -29,13 +29,17 @@ static drive_direction_t engage(drive_direction_t engaged, const demand_input_t 
     return accepted ? in->direction : DRIVE_DIRECTION_NEUTRAL;
 }
 
-/* Lift-off braking falls first, then what the pedal demands; together with the lag of the hydraulic
- * brake, which arrives alike, and no faster than the torque rate. */
+int32_t demand_handed_over_mNm(const config_brake_t *brake, int32_t left_mNm)
+{
+    const int32_t most_mNm = q_max(brake->hydraulic_rate_mNm_s / SLOW_STEPS_PER_S, 1);
+    return q_min(left_mNm / (brake->hydraulic_time_constant_ms + 1), most_mNm - 1) + 1;
+}
+
+/* Lift-off braking falls first, then what the pedal demands. */
 static void fall(demand_state_t *state, const config_t *config)
 {
-    const int32_t lag_ms = config->brake.hydraulic_time_constant_ms;
-    const int32_t arrives_mNm = (state->brake_mNm + state->lift_off_mNm) / (lag_ms + 1) + 1;
-    const int32_t step_mNm = q_min(arrives_mNm, demand_rate_mNm_per_step(config));
+    const int32_t step_mNm =
+        demand_handed_over_mNm(&config->brake, state->brake_mNm + state->lift_off_mNm);
     const int32_t lift_off_mNm = ramp_step(state->lift_off_mNm, 0, step_mNm);
     const int32_t left_mNm = step_mNm - (state->lift_off_mNm - lift_off_mNm);
     state->lift_off_mNm = lift_off_mNm;

@@ -107,4 +107,14 @@ static inline bool demand_is_lost(const config_t *config, uint32_t age_ms)
  */
 int32_t demand_rate_mNm_per_step(const config_t *config);
 
+/* What the brake system's own path takes over of a braking torque left_mNm >= 0 in one slow step,
+ * with the lag and the rate of the hydraulic brake: mNm, at least 1. The torque rate is for comfort
+ * and has no say in it: a motor that leaves slower brakes beside what has arrived.
+ *
+ * @pre left_mNm >= 0
+ *
+ * @post result >= 1 && result - 1 <= left_mNm
+ */
+int32_t demand_handed_over_mNm(const config_brake_t *brake, int32_t left_mNm);
+
 #endif

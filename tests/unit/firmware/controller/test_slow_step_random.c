@@ -286,9 +286,10 @@ static void remember_the_demand(bool lost)
     const bool until_standstill = config->driver.no_other_brake != 0 && !rig.out.standstill;
     if (reference.lost_ms > config->driver.lost_hold_ms + config->brake.hydraulic_dead_time_ms &&
         !until_standstill) {
-        /* No slower than the lag of the path that replaces it, or than the torque rate. */
+        /* No slower than the lag of the path that replaces it, or than its rate. */
         const int32_t lag_ms = config->brake.hydraulic_time_constant_ms + 2;
-        reference.kept_mNm -= q_min(reference.kept_mNm / lag_ms, demand_rate_mNm_per_step(config));
+        reference.kept_mNm -=
+            q_min(reference.kept_mNm / lag_ms, config->brake.hydraulic_rate_mNm_s / 1000);
     }
 }
 

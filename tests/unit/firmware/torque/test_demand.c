@@ -192,8 +192,9 @@ void test_lost_driving_demand_is_zero_at_once(void)
     TEST_ASSERT_EQUAL_INT(DRIVE_DIRECTION_FORWARD, out.engaged);
 }
 
-void test_lost_braking_demand_is_kept_for_its_time_and_falls_at_the_torque_rate(void)
+void test_lost_braking_demand_is_kept_for_its_time_and_falls_at_the_rate_of_its_replacement(void)
 {
+    config.brake.hydraulic_rate_mNm_s = 1000 * RATE;
     fresh(-1000, 20000);
     demand_t out = silent(HOLD);
     TEST_ASSERT_EQUAL_INT32(20000, out.brake_mNm);
@@ -211,6 +212,7 @@ void test_lost_braking_demand_is_kept_for_its_time_and_falls_at_the_torque_rate(
 
 void test_braking_demand_stays_for_the_dead_time_of_the_path_that_replaces_it(void)
 {
+    config.brake.hydraulic_rate_mNm_s = 1000 * RATE;
     config.brake.hydraulic_dead_time_ms = 40;
     fresh(0, 20000);
     silent(HOLD);
@@ -221,19 +223,21 @@ void test_braking_demand_stays_for_the_dead_time_of_the_path_that_replaces_it(vo
 }
 
 /* A first-order lag of 50 ms leaves exp(-t/50 ms) of the demand to the motor; a recurrence of 1 ms
- * differs by half a step, 1 %. From 2 N m on, which 400 mN m a step do not delay. */
+ * differs by half a step, 1 %. The torque rate, here 200 ms for all of it, does not delay it. */
 void test_lost_braking_demand_falls_as_the_path_that_replaces_it_arrives(void)
 {
+    config.brake.torque_rate_mNm_s = 100000;
+    config.brake.hydraulic_rate_mNm_s = 2000000;
     config.brake.hydraulic_time_constant_ms = 50;
     config.brake.hydraulic_dead_time_ms = 20;
-    fresh(0, 2000);
+    fresh(0, 20000);
     TEST_ASSERT_FALSE(silent(HOLD + 20).handed_over);
     for (int n = 1; n <= 150; n++) {
         const demand_t out = silent(1);
         TEST_ASSERT_TRUE(out.handed_over);
-        TEST_ASSERT_DOUBLE_WITHIN(60.0, 2000.0 * exp(-n / 50.0), out.brake_mNm);
+        TEST_ASSERT_DOUBLE_WITHIN(250.0, 20000.0 * exp(-n / 50.0), out.brake_mNm);
     }
-    TEST_ASSERT_EQUAL_INT32(0, silent(150).brake_mNm);
+    TEST_ASSERT_EQUAL_INT32(0, silent(300).brake_mNm);
 }
 
 /* The accelerator beneath a brake pedal that is released by the loss of the link. */
@@ -248,6 +252,7 @@ void test_masked_driving_demand_stays_zero_when_the_braking_above_it_has_fallen(
 void test_vehicle_without_another_brake_keeps_the_demand_until_standstill(void)
 {
     config.driver.no_other_brake = 1;
+    config.brake.hydraulic_rate_mNm_s = 1000 * RATE;
     fresh(0, 20000);
     in.speed_mrad_s = 0; /* a locked wheel; the monitor's bound still says that it may roll */
     demand_t out = silent(20 * HOLD);
@@ -377,10 +382,23 @@ void test_an_unknown_direction_is_neutral(void)
 void test_lift_off_and_demanded_braking_fall_together(void)
 {
     config.brake.hydraulic_time_constant_ms = 99;
+    config.brake.hydraulic_rate_mNm_s = 2000000;
     (void)fresh(-8000, 8000);
     const demand_t out = silent(HOLD + 1);
     TEST_ASSERT_EQUAL_INT32(8000 - 161, out.lift_off_mNm);
     TEST_ASSERT_EQUAL_INT32(8000, out.brake_mNm);
+}
+
+/* A tenth, and one because what is left must end; at most the rate; at least one. */
+void test_handed_over_torque_is_what_lag_and_rate_of_the_hydraulic_brake_let_arrive(void)
+{
+    config.brake.hydraulic_time_constant_ms = 9;
+    config.brake.hydraulic_rate_mNm_s = 700000;
+    TEST_ASSERT_EQUAL_INT32(501, demand_handed_over_mNm(&config.brake, 5000));
+    TEST_ASSERT_EQUAL_INT32(700, demand_handed_over_mNm(&config.brake, 8000));
+    TEST_ASSERT_EQUAL_INT32(1, demand_handed_over_mNm(&config.brake, 0));
+    config.brake.hydraulic_rate_mNm_s = 100;
+    TEST_ASSERT_EQUAL_INT32(1, demand_handed_over_mNm(&config.brake, 8000));
 }
 
 void test_the_rate_of_a_step_is_a_thousandth_of_the_rate_of_a_second(void)

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Properties of the whole slow loop in random sequences of demands, ages, directions and flags. */
 
+#include <math.h>
+
 #include "random_values.h"
 #include "torque_rig.h"
 #include "unity.h"
@@ -73,4 +75,28 @@ void test_no_driving_torque_while_braking_or_lost_and_no_change_of_sign_in_any_s
     }
     TEST_ASSERT_GREATER_THAN_INT(10000, braked);
     TEST_ASSERT_GREATER_THAN_INT(10000, lost);
+}
+
+/* The path that takes over makes 20 N m (1 - exp(-t/60 ms)) after its dead time. A motor that left
+ * at a torque rate of 80 N m/s would brake 5.0 N m beside it. */
+void test_motor_and_the_path_that_takes_over_make_the_lost_demand_together(void)
+{
+    config.brake.torque_rate_mNm_s = 80000;
+    const int32_t lag_ms = config.brake.hydraulic_time_constant_ms;
+    in.brake_torque_mNm = 20000;
+    torque_output_t out = step();
+    for (int n = 0; n < 1000; n++) {
+        out = step();
+    }
+    TEST_ASSERT_INT32_WITHIN(10, -20000, out.command_mNm);
+    in.demand_age_ms = 1000;
+    for (int n = 0; n < config.driver.lost_hold_ms + config.brake.hydraulic_dead_time_ms; n++) {
+        out = step();
+        TEST_ASSERT_INT32_WITHIN(10, -20000, out.command_mNm);
+    }
+    for (int n = 1; n < 500; n++) {
+        out = step();
+        const double taken_mNm = 20000.0 * (1.0 - exp(-n / (double)lag_ms));
+        TEST_ASSERT_DOUBLE_WITHIN(250.0, 20000.0, taken_mNm - out.command_mNm);
+    }
 }
