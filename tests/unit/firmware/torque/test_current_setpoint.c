@@ -207,3 +207,39 @@ void test_q_current_is_within_its_limit_and_has_the_sign_of_a_torque_above_iron_
         }
     }
 }
+
+/* Magnitude of the phase voltage, V, of terminal currents. */
+static double voltage_of(const reference_motor_t *m, double i_d_a, double i_q_a)
+{
+    const double g = m->w_rad_s * m->iron_siemens;
+    const double i_qt_a =
+        (i_q_a - g * (m->l_d_h * i_d_a + m->psi_wb)) / (1.0 + g * g * m->l_d_h * m->l_q_h);
+    const double i_dt_a = i_d_a + g * m->l_q_h * i_qt_a;
+    return hypot(m->resistance_ohm * i_d_a - m->w_rad_s * m->l_q_h * i_qt_a,
+                 m->resistance_ohm * i_q_a + m->w_rad_s * (m->l_d_h * i_dt_a + m->psi_wb));
+}
+
+/* Where the voltage just suffices for zero torque at the end of the current circle, the trim has
+ * wound up. Braking needs less voltage there, up to atan(R/(w L)) = 16 degrees or 21 A of the 75. A
+ * trim that takes the braking current away holds the voltage where it is, and stays for ever. */
+void test_trim_does_not_take_the_braking_current_that_lowers_the_voltage(void)
+{
+    config = CONFIG_LU2013;
+    const int32_t speed_mrad_s = 61850;
+    const reference_motor_t motor = reference_motor(&config, speed_mrad_s, 2500);
+    const double iron_a = 2.0; /* about, at zero torque */
+    const double needed_v = voltage_of(&motor, -sqrt(75.0 * 75.0 - iron_a * iron_a), iron_a);
+    phase_mV = (int32_t)(1.002e3 * needed_v);
+    for (int32_t torque_mNm = -1000; torque_mNm >= -12000; torque_mNm -= 500) {
+        const current_setpoint_t out = weakened(speed_mrad_s, torque_mNm, -60000);
+        const double i_d_a = out.i_d_mA * 1e-3 - 60.0;
+        const double i_q_a = out.i_q_mA * 1e-3;
+        TEST_ASSERT_TRUE(out.feasible && !out.limited);
+        TEST_ASSERT_DOUBLE_WITHIN(100.0, torque_mNm, torque_of(&motor, i_d_a, i_q_a));
+        TEST_ASSERT_TRUE(voltage_of(&motor, i_d_a, i_q_a) <= 1.001 * needed_v);
+        TEST_ASSERT_TRUE(hypot(i_d_a, i_q_a) <= 75.1);
+    }
+    /* Driving needs more voltage: the trim comes first, as before. */
+    const current_setpoint_t drives = weakened(speed_mrad_s, 12000, -60000);
+    TEST_ASSERT_TRUE(drives.limited);
+}
