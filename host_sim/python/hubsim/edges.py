@@ -192,7 +192,7 @@ def used_share(o: Outcome, in_time: bool) -> float:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Do the command; exit status 1 if a run is not as it should be."""
     parser = argparse.ArgumentParser(prog="python -m hubsim.edges", description=__doc__)
-    parser.add_argument("--count", type=int, default=1200, metavar="N", help="default: 1200")
+    parser.add_argument("--count", type=int, default=720, metavar="N", help="default: 720")
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="default: 1")
     parser.add_argument("--workers", type=int, metavar="N", help="default: one for each core")
     parser.add_argument("--output", type=Path, required=True, metavar="DIR")

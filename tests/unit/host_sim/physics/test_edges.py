@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Events at the edges of braking, every kind with every drive and rotor sensor.
 
-One hundred and forty-four runs here; the 1200 of host_sim/edges were made by the command.
+One hundred and forty-four runs here; the 720 of host_sim/edges were made by the command.
 """
 
 from dataclasses import replace
@@ -111,7 +111,7 @@ def test_the_readme_states_the_figures_of_the_table() -> None:
     folder = ROOT / "host_sim" / "edges"
     found = cases.read_csv(Outcome, (folder / "edges.csv").read_text(encoding="utf-8"))
     text = (folder / "README.md").read_text(encoding="utf-8")
-    assert len(found) == 1200
+    assert len(found) == 720
     for kind in edge_runs.KINDS:
         here = [o for o in found if o.kind == kind]
         within = sum(o.within for o in here)
