@@ -160,14 +160,14 @@ static int32_t command_mNm(const hydraulic_feedback_state_t *brake, int32_t requ
 
 /* What the motor may make beside the torque that the hydraulic brake makes now; beside one that
  * takes its own path, what that does not make yet. */
-static int32_t beside_hydraulic_mNm(const config_brake_t *brake, const brake_blending_input_t *in,
+static int32_t beside_hydraulic_mNm(const config_t *config, const brake_blending_input_t *in,
                                     int32_t demand_mNm, int32_t taken_mNm)
 {
     if (!in->handed_over) {
         return demand_mNm - taken_mNm;
     }
     const int32_t made_mNm = braking_part(in->motor_command_mNm, in->speed_mrad_s);
-    return q_max(made_mNm - demand_handed_over_mNm(brake, made_mNm), 0);
+    return q_max(made_mNm - demand_handed_over_mNm(config, made_mNm), 0);
 }
 
 /* The hydraulic torque of this step, measured or modelled, and what is found of it. */
@@ -286,7 +286,7 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
     limit_tighten(&electric, bound_mNm, available.reason);
     /* Hydraulic torque that covers a motor shortfall does not reduce the motor command. */
     const int32_t taken_mNm = q_max(now.torque_mNm - motor.shortfall_mNm - state->added_mNm, 0);
-    const int32_t beside_mNm = beside_hydraulic_mNm(brake, in, demand_mNm, taken_mNm);
+    const int32_t beside_mNm = beside_hydraulic_mNm(config, in, demand_mNm, taken_mNm);
     limit_tighten(&electric, beside_mNm, REASON_TORQUE_RATE);
     /* On its own path the brake arrives without a command that the model would know. */
     const int32_t arrived_mNm =

@@ -29,8 +29,9 @@ static drive_direction_t engage(drive_direction_t engaged, const demand_input_t 
     return accepted ? in->direction : DRIVE_DIRECTION_NEUTRAL;
 }
 
-int32_t demand_handed_over_mNm(const config_brake_t *brake, int32_t left_mNm)
+int32_t demand_handed_over_mNm(const config_t *config, int32_t left_mNm)
 {
+    const config_brake_t *brake = &config->brake;
     const int32_t most_mNm = q_max(brake->hydraulic_rate_mNm_s / SLOW_STEPS_PER_S, 1);
     return q_min(left_mNm / (brake->hydraulic_time_constant_ms + 1), most_mNm - 1) + 1;
 }
@@ -38,8 +39,7 @@ int32_t demand_handed_over_mNm(const config_brake_t *brake, int32_t left_mNm)
 /* Lift-off braking falls first, then what the pedal demands. */
 static void fall(demand_state_t *state, const config_t *config)
 {
-    const int32_t step_mNm =
-        demand_handed_over_mNm(&config->brake, state->brake_mNm + state->lift_off_mNm);
+    const int32_t step_mNm = demand_handed_over_mNm(config, state->brake_mNm + state->lift_off_mNm);
     const int32_t lift_off_mNm = ramp_step(state->lift_off_mNm, 0, step_mNm);
     const int32_t left_mNm = step_mNm - (state->lift_off_mNm - lift_off_mNm);
     state->lift_off_mNm = lift_off_mNm;

@@ -272,7 +272,8 @@ def boot(drive: Drive, case: Case, rows: Rows) -> Finding:
     wanted = np.where(rows[:, TIME] >= EVENT_S, case.brake_nm, 0.0)
     starting = np.flatnonzero(rows[:, MODE] < RUN)
     began = int(starting[-1]) + 1 if len(starting) else 0
-    excess, least = unasked_nm(drive, case, rows[began:], wanted[began:])
+    after = slice(began + MEAN_ROWS, None)  # the diodes' current has ended
+    excess, least = unasked_nm(drive, case, rows[after], wanted[after])
     found = comes(drive, case, rows, EVENT_S)
     return _with(
         found, expected_nm=-least, off_nm=excess, off_limit_nm=unasked_limit_nm(drive),

@@ -115,6 +115,6 @@ int32_t demand_rate_mNm_per_step(const config_t *config);
  *
  * @post result >= 1 && result - 1 <= left_mNm
  */
-int32_t demand_handed_over_mNm(const config_brake_t *brake, int32_t left_mNm);
+int32_t demand_handed_over_mNm(const config_t *config, int32_t left_mNm);
 
 #endif

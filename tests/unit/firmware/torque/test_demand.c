@@ -394,11 +394,11 @@ void test_handed_over_torque_is_what_lag_and_rate_of_the_hydraulic_brake_let_arr
 {
     config.brake.hydraulic_time_constant_ms = 9;
     config.brake.hydraulic_rate_mNm_s = 700000;
-    TEST_ASSERT_EQUAL_INT32(501, demand_handed_over_mNm(&config.brake, 5000));
-    TEST_ASSERT_EQUAL_INT32(700, demand_handed_over_mNm(&config.brake, 8000));
-    TEST_ASSERT_EQUAL_INT32(1, demand_handed_over_mNm(&config.brake, 0));
+    TEST_ASSERT_EQUAL_INT32(501, demand_handed_over_mNm(&config, 5000));
+    TEST_ASSERT_EQUAL_INT32(700, demand_handed_over_mNm(&config, 8000));
+    TEST_ASSERT_EQUAL_INT32(1, demand_handed_over_mNm(&config, 0));
     config.brake.hydraulic_rate_mNm_s = 100;
-    TEST_ASSERT_EQUAL_INT32(1, demand_handed_over_mNm(&config.brake, 8000));
+    TEST_ASSERT_EQUAL_INT32(1, demand_handed_over_mNm(&config, 8000));
 }
 
 void test_the_rate_of_a_step_is_a_thousandth_of_the_rate_of_a_second(void)
