@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The tables of mutants that no test kills (tests/mutants): each with its reason, or open.
 
-``explained_MODULE.toml`` holds what needs no test: equivalent to the unchanged code, or excluded by
+``explained_MODULE*.toml`` hold what needs no test: equivalent to the unchanged code, or excluded by
 a precondition. ``open_MODULE.txt`` lists what a test should kill and none does yet.
 """
 
@@ -42,18 +42,17 @@ class Tables:
 
     def __init__(self, folder: Path, module: str) -> None:
         self._module = module
-        self.explained_file = folder / f"explained_{module}.toml"
         self.open_file = folder / f"open_{module}.txt"
         self.explained: dict[str, str] = {}
         self.open: set[str] = set()
         self.wrong: list[str] = []
-        if self.explained_file.is_file():
-            self._read(tomllib.loads(self.explained_file.read_text(encoding="utf-8")))
+        for path in sorted(folder.glob(f"explained_{module}*.toml")):
+            self._read(path.name, tomllib.loads(path.read_text(encoding="utf-8")))
         if self.open_file.is_file():
             lines = self.open_file.read_text(encoding="utf-8").splitlines()
             self.open = {line for line in lines if line and not line.startswith("#")}
 
-    def _read(self, table: Mapping[str, list[dict[str, object]]]) -> None:
+    def _read(self, name: str, table: Mapping[str, list[dict[str, object]]]) -> None:
         for entry in table.get("explained", []):
             where = f"{entry.get('file')}: {entry.get('function')}: "
             reason, kind = str(entry.get("reason", "")).strip(), entry.get("kind")
@@ -62,7 +61,7 @@ class Tables:
             for change in listed:
                 self.explained[where + change] = reason
             if kind not in KINDS or not reason:
-                self.wrong.append(f"{self.explained_file.name}: {where}needs a kind and a reason")
+                self.wrong.append(f"{name}: {where}needs a kind and a reason")
 
     def write_open(self, left: list[str]) -> None:
         """List every mutant that is left as open."""

@@ -188,7 +188,7 @@ void test_the_missing_share_is_filtered_and_at_most_a_half(void)
 }
 
 /* 4 mV of 4.096 V: 4095 times too strong is no number of 32 bits with 20 digits. */
-void test_a_flux_that_is_too_strong_lacks_nothing(void)
+void test_a_flux_that_is_too_strong_has_no_missing_share(void)
 {
     TEST_ASSERT_EQUAL_INT32(63, missing_after(64, 2 * EMF_mV));
     TEST_ASSERT_EQUAL_INT32(63, missing_after(63, 2 * EMF_mV));
@@ -198,7 +198,7 @@ void test_a_flux_that_is_too_strong_lacks_nothing(void)
 }
 
 /* A tenth of 5 mV, the least share of the flux at any temperature. */
-void test_an_expected_emf_below_a_millivolt_lacks_nothing(void)
+void test_an_expected_emf_below_a_millivolt_has_no_missing_share(void)
 {
     config.motor.flux_linkage_nWb = 5000;
     config.motor.flux_coefficient_ppm_K = -2000;

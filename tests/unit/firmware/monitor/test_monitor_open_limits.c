@@ -379,7 +379,7 @@ void test_a_missing_current_does_not_count_after_a_jump_of_the_angle(void)
     }
 }
 
-void test_a_step_without_pwm_writes_nothing_but_the_state(void)
+void test_a_step_without_pwm_writes_to_its_state_only(void)
 {
     memset(memory.before, 0x5A, sizeof memory.before);
     const monitor_open_input_t off = {.switching = false};

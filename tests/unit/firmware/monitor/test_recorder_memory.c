@@ -8,10 +8,10 @@
 
 enum { FIRST = REASON_FIRST_FAULT };
 
-/* What is behind the memory is not the recorder's. */
+/* What follows the memory is not the recorder's. */
 static struct {
     recorder_memory_t memory;
-    uint8_t behind[32];
+    uint8_t after[32];
 } board;
 #define memory board.memory
 
@@ -242,13 +242,13 @@ void test_a_start_beside_a_sealed_record_is_counted(void)
     TEST_ASSERT_EQUAL_UINT32(crc32, memory.crc32);
 }
 
-void test_a_start_writes_nothing_but_the_memory(void)
+void test_a_start_writes_to_its_memory_only(void)
 {
-    memset(board.behind, 0xA5, sizeof board.behind);
+    memset(board.after, 0xA5, sizeof board.after);
     restart(false);
     memory.magic++;
     restart(false);
-    TEST_ASSERT_EACH_EQUAL_UINT8(0xA5, board.behind, sizeof board.behind);
+    TEST_ASSERT_EACH_EQUAL_UINT8(0xA5, board.after, sizeof board.after);
     TEST_ASSERT_EQUAL_INT(REASON_NONE, recorder.fault_before);
 }
 

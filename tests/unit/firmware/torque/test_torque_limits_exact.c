@@ -225,7 +225,7 @@ void test_an_intervention_leaves_its_share_and_holds_it(void)
     assert_line(FEASIBLE_UNBOUNDED, REASON_ABS, anti_lock());
 }
 
-void test_an_intervention_without_a_demand_leaves_nothing(void)
+void test_an_intervention_without_a_demand_leaves_no_torque(void)
 {
     config.brake.abs_hold_ms = 0;
     conditions.abs_active = true;
