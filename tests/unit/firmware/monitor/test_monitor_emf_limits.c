@@ -54,17 +54,18 @@ static bool is_wrong(int32_t e_d_mV, int32_t e_q_mV)
 
 /* ---- what is measured ---- */
 
-/* Half of 100 Ohm at a milliampere are 50 mV, four of which are more than an EMF of 100 mV. */
+/* Half of 100 Ohm at a milliampere are 50 mV, four of which are more than an EMF of 100 mV; e_q is
+ * not negative. */
 void test_the_current_counts_by_its_magnitude(void)
 {
     int32_t *const currents_mA[] = {&in.i_d_mA, &in.i_q_mA};
     config.motor.flux_linkage_nWb = 100000;
     config.motor.phase_resistance_uOhm = 100000000;
-    TEST_ASSERT_TRUE(is_wrong(1000, 0));
+    TEST_ASSERT_TRUE(is_wrong(1000, 100));
     for (int k = 0; k < 2; k++) {
         for (int32_t i_mA = -1; i_mA <= 1; i_mA += 2) {
             *currents_mA[k] = i_mA;
-            TEST_ASSERT_FALSE(is_wrong(1000, 0));
+            TEST_ASSERT_FALSE(is_wrong(1000, 100));
         }
         *currents_mA[k] = 0;
     }
