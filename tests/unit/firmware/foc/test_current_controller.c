@@ -194,3 +194,50 @@ void test_voltage_reserve_leaves_at_least_17_percent_for_q(void)
     }
     TEST_ASSERT_GREATER_OR_EQUAL_INT32((int32_t)(0.17 * 32768), out.applied.q);
 }
+
+/* ---- in whole numbers ---- */
+
+/* Half of the target and half of the sampled current: of w L_d = 1/2 and w L_q = 1 a half each. */
+void test_delay_compensation_divides_the_decoupling_between_sample_and_target(void)
+{
+    current_tuning_t tuning = plain_tuning();
+    tuning.w_l_d_q10 = 512;
+    tuning.w_l_q_q10 = 1024;
+    tuning.forward_d_q25 = 100000;
+    tuning.forward_q_q25 = 200000;
+    const dq_t target = {.d = 3000, .q = -5000};
+    const current_gains_t gains = current_gains_of(&tuning, 16384, target);
+    TEST_ASSERT_EQUAL_INT32(tuning.d.proportional_q10, q_pair_x(gains.d_gain_q10));
+    TEST_ASSERT_EQUAL_INT32(-512, q_pair_y(gains.d_gain_q10));
+    TEST_ASSERT_EQUAL_INT32(256, q_pair_x(gains.q_gain_q10));
+    TEST_ASSERT_EQUAL_INT32(tuning.q.proportional_q10, q_pair_y(gains.q_gain_q10));
+    TEST_ASSERT_EQUAL_INT32(100000 + 512 * 5000, gains.forward_d_q25);
+    TEST_ASSERT_EQUAL_INT32(200000 + 256 * 3000, gains.forward_q_q25);
+}
+
+/* 2^20 of 2^30 are 32 of 2^15, in either axis. */
+void test_an_integrator_is_a_voltage(void)
+{
+    state.d.integrator_q30 = 1 << 20;
+    state.q.integrator_q30 = 3 << 20;
+    const current_tuning_t tuning = plain_tuning();
+    const voltages_t out = step(&tuning, 0, 0, 0, 0);
+    TEST_ASSERT_EQUAL_INT32(32, out.applied.d);
+    TEST_ASSERT_EQUAL_INT32(96, out.applied.q);
+}
+
+/* 36 times the circle, nearly the end of the format: what d leaves of the circle, odd and even. */
+void test_a_voltage_far_beyond_the_circle_is_applied_as_what_d_leaves(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        for (int32_t d = 0; d < 20000; d += 777) {
+            current_tuning_t tuning = plain_tuning();
+            tuning.forward_d_q25 = d * 1024;
+            tuning.forward_q_q25 = sign * 1200000000;
+            current_controller_reset(&state);
+            const voltages_t out = step(&tuning, 0, 0, 0, 0);
+            TEST_ASSERT_EQUAL_INT32(d, out.applied.d);
+            TEST_ASSERT_EQUAL_INT32(sign * circle_other_q15(d), out.applied.q);
+        }
+    }
+}

@@ -171,3 +171,13 @@ void test_correction_is_zero_without_dead_time(void)
         TEST_ASSERT_EQUAL_DOUBLE(0.0, trim_counts(slope, i));
     }
 }
+
+/* 500 ns * 20 kHz of 8450 counts are 84.5; 793 ns * 27 471 Hz of 3833 counts 83.4999 99999. */
+void test_the_correction_is_rounded_to_the_nearest_count(void)
+{
+    config.drive.dead_time_ns = 500;
+    TEST_ASSERT_EQUAL_INT32(85, modulation_dead_time_counts(&config, 2 * 20000 * 8450));
+    config.drive.dead_time_ns = 793;
+    config.drive.pwm_frequency_Hz = 27471;
+    TEST_ASSERT_EQUAL_INT32(83, modulation_dead_time_counts(&config, 2 * 27471 * 3833));
+}

@@ -163,3 +163,29 @@ void test_opposite_vectors_have_mirrored_pulses(void)
         }
     }
 }
+
+/* ---- in whole numbers ---- */
+
+/* Shortest pulse, correction and two counts of rounding on either side of the outer lines: of 16
+ * 384 counts 16 384 - 2 (100 + 50 + 2) = 16 080, less one as one is 1 - 2^-15; two units of Q15 a
+ * count. */
+void test_the_circle_leaves_pulse_correction_and_two_counts_of_rounding(void)
+{
+    const modulation_t modulation = modulation_of(16384, 100, 50, 32767);
+    TEST_ASSERT_EQUAL_INT32(16079, modulation.beta_counts);
+    TEST_ASSERT_EQUAL_INT32(2 * 16079, modulation.limit_q15);
+    TEST_ASSERT_EQUAL_INT32(100, modulation.trim_doubled_counts);
+    TEST_ASSERT_EQUAL_INT32(lround(16079 * sqrt(3.0)), modulation.alpha_counts);
+    TEST_ASSERT_EQUAL_INT32(16384 * 32768 + 32768, modulation.centre_q16);
+    TEST_ASSERT_EQUAL_INT32(16075, modulation_of(16384, 101, 51, 32767).beta_counts);
+}
+
+/* 29 491 of 900 counts of 1000: 29491.2; of 16 383 a quarter is 4095.75. */
+void test_the_circle_is_a_whole_number_of_counts(void)
+{
+    const modulation_t part = modulation_of(1000, 10, 0, 29520);
+    TEST_ASSERT_EQUAL_INT32(900, part.beta_counts);
+    TEST_ASSERT_EQUAL_INT32(29491, part.limit_q15);
+    TEST_ASSERT_EQUAL_INT32(4095, modulation_of(16383, 8000, 0, 32767).beta_counts);
+    TEST_ASSERT_EQUAL_INT32(4096, modulation_of(16384, 8000, 0, 32767).beta_counts);
+}

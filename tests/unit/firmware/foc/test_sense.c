@@ -2,6 +2,7 @@
 /* From ADC codes to currents: the reconstructed phase, the current sum, ADC saturation, offsets. */
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "sense.h"
 #include "unity.h"
@@ -9,7 +10,12 @@
 static const config_drive_t MIDDLE = {
     .offset_a_q4 = 32768, .offset_b_q4 = 32768, .offset_c_q4 = 32768};
 
-static sense_state_t state;
+/* What is before the state is not the module's. */
+static struct {
+    uint8_t before[16];
+    sense_state_t state;
+} memory;
+#define state memory.state
 
 void setUp(void)
 {
@@ -188,4 +194,78 @@ void test_samples_after_the_calibration_do_not_change_the_offsets(void)
     calibrate(2100, 2100, 2100);
     calibrate(0, 0, 0);
     TEST_ASSERT_EQUAL_INT32(2100 * 16, state.offset_q4[0]);
+}
+
+/* ---- limits ---- */
+
+void test_a_start_and_a_calibration_write_to_their_state_only(void)
+{
+    const uint16_t around[SENSE_PHASES + 2] = {4095, 2100, 2110, 2120, 4095};
+    memset(memory.before, 0x5A, sizeof memory.before);
+    sense_init(&state, &MIDDLE);
+    for (int x = 0; x < SENSE_PHASES; x++) {
+        TEST_ASSERT_EQUAL_UINT32(0, state.sum[x]);
+    }
+    for (int n = 0; n < (1 << SENSE_CALIBRATION_LOG2); n++) {
+        for (int x = 0; x < SENSE_PHASES; x++) { /* in use until it is complete */
+            TEST_ASSERT_EQUAL_INT32(32768, state.offset_q4[x]);
+        }
+        sense_calibrate_step(&state, &around[1]);
+    }
+    for (int x = 0; x < SENSE_PHASES; x++) {
+        TEST_ASSERT_EQUAL_INT32(16 * around[1 + x], state.offset_q4[x]);
+    }
+    TEST_ASSERT_EACH_EQUAL_UINT8(0x5A, memory.before, sizeof memory.before);
+}
+
+void test_a_new_calibration_begins_with_empty_sums(void)
+{
+    const uint16_t codes[SENSE_PHASES] = {2100, 2110, 2120};
+    sense_calibrate_step(&state, codes);
+    sense_calibrate_restart(&state);
+    for (int x = 0; x < SENSE_PHASES; x++) {
+        TEST_ASSERT_EQUAL_UINT32(0, state.sum[x]);
+        TEST_ASSERT_EQUAL_INT32(32768, state.offset_q4[x]);
+    }
+    TEST_ASSERT_EQUAL_UINT16(0, state.samples);
+}
+
+void test_samples_after_the_calibration_are_not_counted(void)
+{
+    calibrate(2100, 2100, 2100);
+    calibrate(0, 0, 0);
+    TEST_ASSERT_EQUAL_UINT16(1 << SENSE_CALIBRATION_LOG2, state.samples);
+}
+
+void test_a_code_of_more_than_12_bits_counts_as_the_highest(void)
+{
+    calibrate(4096, 5000, 65535);
+    for (int x = 0; x < SENSE_PHASES; x++) {
+        TEST_ASSERT_EQUAL_INT32(SENSE_CODE_MAX * 16, state.offset_q4[x]);
+    }
+}
+
+static bool saturated_at(int32_t offset_q4, int32_t i_pu)
+{
+    const int32_t offsets_q4[SENSE_PHASES] = {offset_q4, 32768, 32768};
+    const abc_t i = {i_pu, 0, 0};
+    return sense_adc_saturated(offsets_q4, i);
+}
+
+/* Half a code is 8. Code 4095 of a zero at 2048 is 32 752; of one at 2000 it is beyond the number's
+ * end, 32 767, and of one at 2100 code 0 beyond -32 768. */
+void test_the_ends_of_a_converter_s_range_are_exact(void)
+{
+    TEST_ASSERT_TRUE(saturated_at(32768, 32744));
+    TEST_ASSERT_FALSE(saturated_at(32768, 32743));
+    TEST_ASSERT_TRUE(saturated_at(32768, -32760));
+    TEST_ASSERT_FALSE(saturated_at(32768, -32759));
+    TEST_ASSERT_TRUE(saturated_at(32000, 32759));
+    TEST_ASSERT_FALSE(saturated_at(32000, 32758));
+    TEST_ASSERT_TRUE(saturated_at(32000, -31992));
+    TEST_ASSERT_FALSE(saturated_at(32000, -31991));
+    TEST_ASSERT_TRUE(saturated_at(33600, -32760));
+    TEST_ASSERT_FALSE(saturated_at(33600, -32759));
+    TEST_ASSERT_TRUE(saturated_at(33600, 31912));
+    TEST_ASSERT_FALSE(saturated_at(33600, 31911));
 }
