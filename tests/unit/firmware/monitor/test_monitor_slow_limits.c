@@ -303,24 +303,27 @@ void test_a_short_circuit_lasts_below_the_speed_at_which_it_begins(void)
 }
 
 /* No current now; but at 40 rad/s the flux that stands still in the stator becomes 119 A in the
- * next half millisecond, and 111 A fit into the bus. In an unknown frame the speed says nothing. */
+ * next half millisecond, and 111 A fit into 1 mF at the bus. In an unknown frame the speed says
+ * nothing. */
 void test_the_exit_from_a_short_circuit_is_predicted_where_the_frame_is_known(void)
 {
     for (int known = 0; known < 2; known++) {
         setUp();
         state.safe_bridge = BRIDGE_SHORT;
         in.bridge = BRIDGE_SHORT;
+        config.drive.bus_capacitance_nF = 1000000;
         in.speed_mrad_s = 40000;
         in.frame_known = known != 0;
         TEST_ASSERT_EQUAL_INT(known != 0 ? BRIDGE_SHORT : BRIDGE_OFF, step().safe_bridge);
     }
 }
 
-/* 100 A fit with the 76 uH of the d axis, not with 152 uH of the q axis. */
+/* 100 A fit into 1 mF with the 76 uH of the d axis, not with 152 uH of the q axis. */
 void test_in_an_unknown_frame_the_larger_inductance_counts(void)
 {
     for (int known = 0; known < 2; known++) {
         setUp();
+        config.drive.bus_capacitance_nF = 1000000;
         config.motor.q_inductance_nH = 2 * config.motor.d_inductance_nH;
         state.safe_bridge = BRIDGE_SHORT;
         in.bridge = BRIDGE_SHORT;
