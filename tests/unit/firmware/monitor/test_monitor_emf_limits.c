@@ -123,6 +123,62 @@ void test_a_current_counts_up_to_10_kA(void)
 
 /* ---- the angle ---- */
 
+/* An EMF of so many millivolts is below 4 U here: it is judged by the sign of e_q alone, which is
+ * opposite from U_q on, as is w psi at the least. */
+static void assert_opposite_from(int32_t emf_mV, int32_t u_q_mV)
+{
+    config.motor.flux_linkage_nWb = emf_mV * 1000;
+    TEST_ASSERT_TRUE(is_wrong(0, u_q_mV));
+    TEST_ASSERT_FALSE(is_wrong(0, u_q_mV + 1));
+    config.motor.flux_linkage_nWb = emf_mV * 1000 - 1;
+    TEST_ASSERT_FALSE(is_wrong(0, u_q_mV));
+}
+
+/* At least a millivolt; 2/3 of 1.5 % of dead time at 10 V are 100 mV. */
+void test_an_opposite_e_q_is_judged_beyond_dead_time_and_a_millivolt(void)
+{
+    assert_opposite_from(1, -1);
+    config.drive.dead_time_ns = 750;
+    config.drive.pwm_frequency_Hz = 20000;
+    in.bus_voltage_mV = 10000;
+    assert_opposite_from(100, -100);
+}
+
+/* Half of 100 Ohm at 2 mA are 100 mV, e_q is u_q - R i_q. */
+void test_an_opposite_e_q_is_judged_beyond_half_of_the_resistance(void)
+{
+    config.motor.phase_resistance_uOhm = 100000000;
+    in.i_q_mA = 2;
+    assert_opposite_from(100, -100 + 200);
+    in.i_q_mA = -2;
+    assert_opposite_from(100, -100 - 200);
+}
+
+/* A quarter of 4 Ohm at 0.1 A are 100 mV, e_q is u_q - x_d i_d. Turning backwards the EMF and e_q
+ * change their signs. */
+void test_an_opposite_e_q_is_judged_beyond_a_quarter_of_the_reactance(void)
+{
+    config.motor.d_inductance_nH = 4000000;
+    config.motor.q_inductance_nH = 4000000;
+    in.i_d_mA = 100;
+    assert_opposite_from(100, -100 + 400);
+    in.i_d_mA = -100;
+    assert_opposite_from(100, -100 - 400);
+}
+
+/* A quarter of 4 Ohm that the axes differ by, at |i|, at most the larger plus half of the smaller.
+ */
+void test_an_opposite_e_q_is_judged_beyond_a_quarter_of_the_saliency(void)
+{
+    config.motor.phase_resistance_uOhm = 1;
+    config.motor.d_inductance_nH = 1;
+    config.motor.q_inductance_nH = 4000001;
+    in.i_q_mA = 100;
+    assert_opposite_from(100, -100);
+    in.i_d_mA = -60;
+    assert_opposite_from(130, -130);
+}
+
 /* Half of the EMF across, or against it: a step of full weight. */
 void test_the_weight_of_a_step_is_exact(void)
 {

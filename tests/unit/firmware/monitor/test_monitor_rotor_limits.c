@@ -261,6 +261,27 @@ void test_a_slip_is_wrong_in_its_twelfth_step_more_than_those_without(void)
     }
 }
 
+/* Below 12 degrees, in the same step; or at any angle once the observer is not confirmed. */
+void test_a_sensor_that_is_valid_again_is_used_once_it_agrees(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        for (int16_t apart = AGREED; apart <= AGREED + 1; apart++) {
+            setUp();
+            run(20);
+            at.sensor_valid = false;
+            run(5);
+            TEST_ASSERT_TRUE(seen.observer_used);
+            at.sensor_valid = true;
+            run_at(3, (int16_t)(sign * apart));
+            TEST_ASSERT_EQUAL_INT(apart > AGREED, seen.observer_used);
+            TEST_ASSERT_TRUE(seen.valid);
+            at.flux_q14 = 0;
+            run(2);
+            TEST_ASSERT_FALSE(seen.observer_used);
+        }
+    }
+}
+
 /* Halls with less than three quarters of the observer's speed lag behind it. */
 void test_the_angle_of_halls_that_lag_is_no_slip(void)
 {
