@@ -43,6 +43,11 @@ void test_a_motor_has_its_share_of_the_management_s_limit_up_to_its_own(void)
         TEST_ASSERT_EQUAL_INT32(power_of(drawn_mA, BUS_mV), table.drawn_b);
     }
     TEST_ASSERT_NOT_EQUAL_INT32(power_of(49999, BUS_mV), power_of(50000, BUS_mV));
+    config.battery.driven_wheels = 1;
+    conditions.bms_charge_current_mA = 0;
+    (void)at_speed(SPEED_mrad_s);
+    TEST_ASSERT_EQUAL_INT32(0, table.losses.returned.power_b);
+    TEST_ASSERT_NOT_EQUAL_INT32(0, power_of(1, BUS_mV));
 }
 
 /* The line of a peak is that of a lasting limit of the same size; a peak below the lasting limit
@@ -92,6 +97,7 @@ void test_what_the_fold_back_leaves_of_the_charge_current_is_exact(void)
     const torque_limits_state_t settled = state;
     const int32_t by_voltage_mA = folded_mA(&state.charge, CHARGE_mA);
     TEST_ASSERT_INT32_WITHIN(50, CHARGE_mA / 2, by_voltage_mA);
+    int32_t lasting_mNm = 0;
     for (int32_t beyond_mA = -1; beyond_mA <= 1; beyond_mA++) {
         for (int peak = 0; peak < 2; peak++) {
             state = settled;
@@ -103,6 +109,8 @@ void test_what_the_fold_back_leaves_of_the_charge_current_is_exact(void)
                 table.braking[peak != 0 ? TORQUE_LINE_RETURNED_PEAK : TORQUE_LINE_RETURNED];
             TEST_ASSERT_EQUAL_INT(beyond_mA > 0 ? REASON_BUS_VOLTAGE_HIGH : REASON_CHARGE_CURRENT,
                                   line.reason);
+            lasting_mNm = peak == 0 ? line.torque_mNm : lasting_mNm;
+            TEST_ASSERT_EQUAL_INT32(lasting_mNm, line.torque_mNm);
             if (peak == 0) {
                 const int32_t least_mA = by_voltage_mA + (beyond_mA < 0 ? -1 : 0);
                 TEST_ASSERT_EQUAL_INT32(power_of(least_mA, middle_mV),
@@ -153,6 +161,12 @@ void test_a_current_has_the_power_of_the_lower_voltage(void)
         TEST_ASSERT_EQUAL_INT32(power_of(DISCHARGE_mA, LOWER_mV[k]), table.drawn_b);
         TEST_ASSERT_EQUAL_INT32(power_of(CHARGE_mA, LOWER_mV[k]), table.losses.returned.power_b);
     }
+    conditions.battery_voltage_mV = 0; /* up to twice the trip's voltage */
+    conditions.bus_voltage_mV = 2 * config.battery.overvoltage_trip_mV + 1000;
+    (void)at_speed(SPEED_mrad_s);
+    TEST_ASSERT_EQUAL_INT32(power_of(DISCHARGE_mA, 2 * config.battery.overvoltage_trip_mV),
+                            table.drawn_b);
+    conditions.bus_voltage_mV = BUS_mV;
     conditions.battery_voltage_mV = 1; /* empty */
     (void)at_speed(SPEED_mrad_s);
     TEST_ASSERT_EQUAL_INT32(0, table.drawn_b);

@@ -89,6 +89,27 @@ void test_torque_enable_is_a_share_of_each_side(void)
     assert_line(16384, REASON_BUS_VOLTAGE_LOW, table.braking[TORQUE_LINE_ENABLE]);
 }
 
+void test_an_invalid_rotor_angle_leaves_no_torque_and_a_valid_one_any(void)
+{
+    for (int valid = 0; valid < 2; valid++) {
+        conditions.rotor_valid = valid != 0;
+        (void)at_speed(1000);
+        const int32_t expected_mNm = valid != 0 ? FEASIBLE_UNBOUNDED : 0;
+        assert_line(expected_mNm, REASON_ROTOR_UNCERTAIN, table.driving[TORQUE_LINE_ROTOR]);
+        assert_line(expected_mNm, REASON_ROTOR_UNCERTAIN, table.braking[TORQUE_LINE_ROTOR]);
+    }
+}
+
+/* 5 V of phase voltage at an EMF of 28 V: no current of 75 A weakens the field so far. */
+void test_the_voltage_has_a_line_of_each_side(void)
+{
+    phase_mV = 5000;
+    (void)at_speed(60000);
+    TEST_ASSERT_EQUAL_INT(REASON_VOLTAGE, table.driving[TORQUE_LINE_VOLTAGE].reason);
+    TEST_ASSERT_EQUAL_INT(REASON_VOLTAGE, table.braking[TORQUE_LINE_VOLTAGE].reason);
+    TEST_ASSERT_LESS_THAN_INT32(WHOLE_mNm, table.driving[TORQUE_LINE_VOLTAGE].torque_mNm);
+}
+
 /* ---- power ---- */
 
 static void assert_power_line(int32_t expected_mNm, int32_t power_mW, int32_t speed_mrad_s)
@@ -113,6 +134,7 @@ void test_the_power_line_is_the_quotient_of_power_and_speed(void)
     assert_power_line(FEASIBLE_UNBOUNDED, 1000000, 0);
     assert_power_line(FEASIBLE_UNBOUNDED, 1000000000, 500);
     assert_power_line(1996007984, 1000000000, 501);
+    assert_power_line(1999999000, 999999500, 500);
 }
 
 /* ---- blend-out and strategy ---- */
@@ -194,7 +216,42 @@ void test_the_share_of_a_parallel_brake_is_of_the_demand(void)
     assert_line(0, REASON_ELECTRIC_SHARE, table.braking[TORQUE_LINE_ELECTRIC_SHARE]);
 }
 
-/* ---- anti-lock ---- */
+/* ---- loss braking and anti-lock ---- */
+
+static int32_t loss_braking_current_b(int32_t winding_cC, int32_t switch_cC)
+{
+    const motor_model_t model = model_at(&config, 30000, winding_cC);
+    const feasible_set_t set = feasible_set_at(&model, phase_mV);
+    conditions.switch_temperature_cC = switch_cC;
+    torque_limits_step(&state, &set, &conditions, &table);
+    return table.losses.current_b;
+}
+
+/* The current of loss braking falls with the warmer of winding and switches, half at 140 and at 90
+ * degC. */
+void test_loss_braking_is_derated_by_the_warmer_part(void)
+{
+    config.motor.derate_winding_temperature_cC = 13000;
+    config.motor.max_winding_temperature_cC = 15000;
+    config.drive.derate_switch_temperature_cC = 8000;
+    config.drive.max_switch_temperature_cC = 10000;
+    config.brake.loss_braking = 1;
+    const int32_t whole_b = loss_braking_current_b(2500, 2500);
+    TEST_ASSERT_GREATER_THAN_INT32(1000, whole_b);
+    TEST_ASSERT_EQUAL_INT32(whole_b / 2, loss_braking_current_b(14000, 2500));
+    TEST_ASSERT_EQUAL_INT32(whole_b / 2, loss_braking_current_b(2500, 9000));
+    TEST_ASSERT_EQUAL_INT32(whole_b / 4, loss_braking_current_b(14000, 9500));
+    TEST_ASSERT_EQUAL_INT32(whole_b / 4, loss_braking_current_b(14500, 9000));
+}
+
+void test_an_intervention_has_a_line_of_the_table(void)
+{
+    conditions.abs_active = true;
+    conditions.abs_share_percent = 30;
+    conditions.brake_demand_mNm = 10000;
+    (void)at_speed(30000);
+    assert_line(3000, REASON_ABS, table.braking[TORQUE_LINE_ABS]);
+}
 
 static limit_t anti_lock(void)
 {
