@@ -6,8 +6,9 @@ set(HUBFOC_STM32 "${PROJECT_SOURCE_DIR}/hal/stm32")
 set(HUBFOC_STM32_SOURCES dead_time.c flash.c gpio.c interrupts.c inverter.c memory.c ntc.c power.c
   rotor_sensor.c serial.c startup.c time.c watchdog.c)
 list(TRANSFORM HUBFOC_STM32_SOURCES PREPEND "${HUBFOC_STM32}/")
-list(APPEND HUBFOC_STM32_SOURCES "${PROJECT_SOURCE_DIR}/hal/cortex_m/crash.c"
-  "${PROJECT_SOURCE_DIR}/hal/cortex_m/fault_entry.c")
+foreach(source IN ITEMS copy.c crash.c divide64.c fault_entry.c)
+  list(APPEND HUBFOC_STM32_SOURCES "${PROJECT_SOURCE_DIR}/hal/cortex_m/${source}")
+endforeach()
 
 # The PWM interrupt's; everything else no control step executes.
 set(HUBFOC_STM32_FAST inverter.c rotor_sensor.c analog.c)

@@ -90,8 +90,14 @@ def shared_sources() -> list[Path]:
     modules = [
         path for module in MODULES for path in sorted((ROOT / "firmware" / module).glob("*.c"))
     ]
-    port = ROOT / "hal" / "qemu_mps2"
-    return [*modules, port / "semihost.c", port / "startup.c"]
+    port, core = ROOT / "hal" / "qemu_mps2", ROOT / "hal" / "cortex_m"
+    return [
+        *modules,
+        port / "semihost.c",
+        port / "startup.c",
+        core / "copy.c",
+        core / "divide64.c",
+    ]
 
 
 def optimisation() -> tuple[dict[Path, list[str]], set[Path]]:
@@ -130,7 +136,9 @@ def compile_sources(core: Core, sources: list[Path], directory: Path) -> list[st
 
     def compile_one(source: Path) -> str:
         target = directory / f"{source.parent.name}_{source.stem}.o"
-        optimise = ["-Os" if source in for_size else core.optimise, *flags.get(source.parent, [])]
+        small = source in for_size or source.parent.name == "cortex_m"
+        optimise = ["-Os" if small else core.optimise]
+        optimise += flags.get(source.parent, []) + flags.get(source, [])
         run(
             [compiler, *common, *optimise, "-c", str(source), "-o", str(target)],
             f"compiling {source.relative_to(ROOT)} for {core.name}",
