@@ -340,7 +340,7 @@ static const fault_t *fault_that_begins(const char *prefix, uint32_t number)
     uint32_t left = number;
     const fault_t *row = fault_row(0);
     for (unsigned i = 0; row != NULL; row = fault_row(++i)) {
-        if (!text_begins_with(row->name, prefix)) {
+        if (!text_begins_with(reason_name(row->reason), prefix)) {
             continue;
         }
         if (left == 0) {
@@ -383,7 +383,7 @@ bool report_faults(const boot_report_t *boot, const char *prefix, uint32_t numbe
     if (number % 2U == 0) {
         text_add_integer(line, (int32_t)row->reason);
         text_add(line, " ");
-        text_add(line, row->name);
+        text_add(line, reason_name(row->reason));
         text_add(line, ": ");
         text_add(line, reason_text(row->reason));
         text_add(line, "; ");

@@ -3,7 +3,6 @@
 
 #include <stddef.h>
 
-#include "core/fault.h"
 #include "core/reason.h"
 
 enum { HELP_COLUMN = 20, NAME_COLUMN = 4, MEANING_COLUMN = 30, CANCEL = 0x03 };
@@ -139,35 +138,18 @@ static bool answer_help(const shell_t *shell, uint32_t number, text_t *line)
     return true;
 }
 
-static void add_reason(text_t *line, reason_t reason, const char *name)
-{
-    text_add_integer(line, (int32_t)reason);
-    text_add_until(line, NAME_COLUMN);
-    text_add(line, name);
-    text_add_until(line, MEANING_COLUMN);
-    text_add(line, reason_text(reason));
-}
-
 static bool answer_reasons(uint32_t number, text_t *line)
 {
-    static const struct {
-        reason_t reason;
-        const char *name;
-    } LIMITS[] = {
-#define LIMIT_LINE(number, identifier, text) {REASON_##identifier, #identifier},
-        LIMIT_LIST(LIMIT_LINE)
-#undef LIMIT_LINE
-    };
-    const uint32_t limits = sizeof LIMITS / sizeof LIMITS[0];
-    if (number < limits) {
-        add_reason(line, LIMITS[number].reason, LIMITS[number].name);
-        return true;
+    reason_t reason;
+    if (!reason_listed(number, &reason)) {
+        return false;
     }
-    const fault_t *row = fault_row(number - limits);
-    if (row != NULL) {
-        add_reason(line, row->reason, row->name);
-    }
-    return row != NULL;
+    text_add_integer(line, (int32_t)reason);
+    text_add_until(line, NAME_COLUMN);
+    text_add(line, reason_name(reason));
+    text_add_until(line, MEANING_COLUMN);
+    text_add(line, reason_text(reason));
+    return true;
 }
 
 static bool answer_unknown(const shell_t *shell, uint32_t number, text_t *line)

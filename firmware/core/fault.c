@@ -4,8 +4,7 @@
 #include <stddef.h>
 
 #define FAULT_ROW(number, identifier, text, qualify_time, heal_time, reacts, clears, tells)        \
-    {.name = #identifier,                                                                          \
-     .qualify = (qualify_time),                                                                    \
+    {.qualify = (qualify_time),                                                                    \
      .heal = (heal_time),                                                                          \
      .reason = REASON_##identifier,                                                                \
      .reaction = FAULT_REACTION_##reacts,                                                          \
@@ -19,32 +18,32 @@ const fault_t *fault_row(unsigned number)
     return number < sizeof ROWS / sizeof ROWS[0] ? &ROWS[number] : NULL;
 }
 
-/* One more than the column, by the code's number; zero where there is no such code. */
-#define LIMIT_NO_REACTION(number, identifier, text) [number] = FAULT_REACTION_NONE + 1,
-#define LIMIT_HEALS(number, identifier, text) [number] = FAULT_CLEARING_HEALS + 1,
-#define FAULT_REACTS(number, identifier, text, qualify, heal, reaction, clearing, driver)          \
-    [number] = FAULT_REACTION_##reaction + 1,
-#define FAULT_CLEARS(number, identifier, text, qualify, heal, reaction, clearing, driver)          \
-    [number] = FAULT_CLEARING_##clearing + 1,
-static const uint8_t REACTIONS[] = {LIMIT_LIST(LIMIT_NO_REACTION) FAULT_LIST(FAULT_REACTS)};
-static const uint8_t CLEARINGS[] = {LIMIT_LIST(LIMIT_HEALS) FAULT_LIST(FAULT_CLEARS)};
-#undef LIMIT_NO_REACTION
-#undef LIMIT_HEALS
-#undef FAULT_REACTS
-#undef FAULT_CLEARS
+/* By the code's number: one more than the reaction, and CLEARING times how it ends; zero where
+ * there is no such code. */
+enum { CLEARING = 16 };
+#define LIMIT_CODE(number, identifier, text)                                                       \
+    [number] = FAULT_REACTION_NONE + 1 + CLEARING * FAULT_CLEARING_HEALS,
+#define FAULT_CODE(number, identifier, text, qualify, heal, reaction, clearing, driver)            \
+    [number] = FAULT_REACTION_##reaction + 1 + CLEARING * FAULT_CLEARING_##clearing,
+static const uint8_t CODES[] = {LIMIT_LIST(LIMIT_CODE) FAULT_LIST(FAULT_CODE)};
+#undef LIMIT_CODE
+#undef FAULT_CODE
+
+static uint32_t code_of(reason_t reason)
+{
+    return (uint32_t)reason < sizeof CODES ? CODES[reason] : 0;
+}
 
 fault_clearing_t fault_clearing(reason_t reason)
 {
-    const unsigned number = (unsigned)reason;
-    const bool listed = number < sizeof CLEARINGS && CLEARINGS[number] != 0;
-    return listed ? (fault_clearing_t)(CLEARINGS[number] - 1U) : FAULT_CLEARING_RESTART;
+    const uint32_t code = code_of(reason);
+    return code != 0 ? (fault_clearing_t)(code / CLEARING) : FAULT_CLEARING_RESTART;
 }
 
 fault_reaction_t fault_reaction(reason_t reason)
 {
-    const unsigned number = (unsigned)reason;
-    const bool listed = number < sizeof REACTIONS && REACTIONS[number] != 0;
-    return listed ? (fault_reaction_t)(REACTIONS[number] - 1U) : FAULT_REACTION_FREEWHEEL;
+    const uint32_t code = code_of(reason);
+    return code != 0 ? (fault_reaction_t)(code % CLEARING - 1U) : FAULT_REACTION_FREEWHEEL;
 }
 
 const char *fault_reaction_text(fault_reaction_t reaction)

@@ -46,7 +46,6 @@ typedef enum { FAULT_DRIVER_LIST(FAULT_DRIVER_ENUM) } fault_driver_t;
 
 /* The row of one code. */
 typedef struct {
-    const char *name;    /* the identifier */
     const char *qualify; /* configuration fields joined by " + ", or words such as "4 ms" */
     const char *heal;    /* likewise; "never" if it is latched */
     reason_t reason;

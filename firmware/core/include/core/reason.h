@@ -14,6 +14,7 @@
 #ifndef CORE_REASON_H
 #define CORE_REASON_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 /* clang-format off */
@@ -147,5 +148,12 @@ enum { REASON_FIRST_FAULT = 64 };
 /* The text of a code for shells and logs; "unknown reason" for a number not in the list. Never
  * NULL. */
 const char *reason_text(reason_t reason);
+
+/* The identifier of a code, such as "MAX_TORQUE"; "unknown reason" likewise. */
+const char *reason_name(reason_t reason);
+
+/* True, with its code, if there is a row `place`, from 0 on: limits, then faults, in the order of
+ * the lists. */
+bool reason_listed(uint32_t place, reason_t *reason);
 
 #endif

@@ -67,14 +67,15 @@ void test_what_is_latched_never_heals_and_takes_the_torque_and_a_warning_has_a_h
     for (unsigned i = 0; fault_row(i) != NULL; i++) {
         const fault_t *row = fault_row(i);
         const bool never = strcmp(row->heal, "never") == 0;
-        TEST_ASSERT_EQUAL_MESSAGE(fault_latches(row->reason), never, row->name);
+        TEST_ASSERT_EQUAL_MESSAGE(fault_latches(row->reason), never, reason_name(row->reason));
         if (never) {
             TEST_ASSERT_TRUE_MESSAGE(row->reaction == FAULT_REACTION_FREEWHEEL ||
                                          row->reaction == FAULT_REACTION_RAMP,
-                                     row->name);
-            TEST_ASSERT_TRUE_MESSAGE((int)row->reason >= (int)REASON_FIRST_FAULT, row->name);
+                                     reason_name(row->reason));
+            TEST_ASSERT_TRUE_MESSAGE((int)row->reason >= (int)REASON_FIRST_FAULT,
+                                     reason_name(row->reason));
         }
-        TEST_ASSERT_TRUE_MESSAGE(strlen(row->qualify) > 0, row->name);
+        TEST_ASSERT_TRUE_MESSAGE(strlen(row->qualify) > 0, reason_name(row->reason));
     }
 }
 

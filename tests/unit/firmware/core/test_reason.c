@@ -115,3 +115,33 @@ void test_numbers_distinguish_limits_and_faults(void)
     TEST_ASSERT_TRUE((int)REASON_HYDRAULIC_LIMIT < (int)REASON_FIRST_FAULT);
     TEST_ASSERT_EQUAL_INT((int)REASON_FIRST_FAULT, (int)REASON_CONFIG_INVALID);
 }
+
+/* The lists again, as the enumeration is made of them. */
+#define LIMIT_ROW(number, identifier, text) {number, #identifier, text},
+#define FAULT_ROW(number, identifier, text, qualify, heal, reaction, clearing, driver)             \
+    LIMIT_ROW(number, identifier, text)
+static const struct {
+    int number;
+    const char *name;
+    const char *text;
+} ROWS[] = {LIMIT_LIST(LIMIT_ROW) FAULT_LIST(FAULT_ROW)};
+enum { ROW_COUNT = sizeof(ROWS) / sizeof(ROWS[0]) };
+
+void test_every_row_has_its_number_name_and_text(void)
+{
+    for (uint32_t place = 0; place < ROW_COUNT; place++) {
+        reason_t reason = REASON_NONE;
+        TEST_ASSERT_TRUE(reason_listed(place, &reason));
+        TEST_ASSERT_EQUAL_INT(ROWS[place].number, reason);
+        TEST_ASSERT_EQUAL_STRING(ROWS[place].name, reason_name(reason));
+        TEST_ASSERT_EQUAL_STRING(ROWS[place].text, reason_text(reason));
+    }
+}
+
+void test_list_ends_behind_the_last_row(void)
+{
+    reason_t reason = REASON_NONE;
+    TEST_ASSERT_FALSE(reason_listed(ROW_COUNT, &reason));
+    TEST_ASSERT_FALSE(reason_listed(UINT32_MAX, &reason));
+    TEST_ASSERT_EQUAL_STRING("unknown reason", reason_name((reason_t)40));
+}

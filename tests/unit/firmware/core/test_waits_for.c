@@ -30,6 +30,14 @@ void test_published_numbers_are_unchanged_and_have_texts_of_their_own(void)
     }
 }
 
+void test_every_number_has_the_text_of_its_line(void)
+{
+#define TEXT_OF_LINE(number, identifier, text)                                                     \
+    TEST_ASSERT_EQUAL_STRING(text, waits_for_text(WAITS_FOR_##identifier));
+    WAITS_FOR_LIST(TEXT_OF_LINE)
+#undef TEXT_OF_LINE
+}
+
 void test_text_of_a_number_outside_the_list_is_unknown(void)
 {
     TEST_ASSERT_EQUAL_STRING("unknown", waits_for_text((waits_for_t)FROZEN_COUNT));
