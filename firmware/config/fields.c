@@ -5,23 +5,52 @@
 
 /* Ranges, names and sizes are lists of their own: in flash they are a third smaller than one
  * structure a field. */
-typedef struct {
-    int32_t lowest;
-    int32_t highest;
-} range_t;
 
-#define SCALAR(name, lowest, highest, unit, text) {(lowest), (highest)},
-#define ARRAY(name, count, lowest, highest, unit, text) {(lowest), (highest)},
+/* X(x, bound): the numbers with which the fields' ranges begin and end, in rising order. A range is
+ * stored as the places of both in this list: two bytes instead of eight. */
+/* clang-format off */
+#define BOUND_LIST(X, x)                                                                           \
+    X(x, -100000000) X(x, -3000000) X(x, -20000) X(x, -10000) X(x, -5000) X(x, 0) X(x, 1)          \
+    X(x, 2) X(x, 3) X(x, 5) X(x, 6) X(x, 10) X(x, 15) X(x, 16) X(x, 17) X(x, 20) X(x, 40)          \
+    X(x, 60) X(x, 65) X(x, 100) X(x, 128) X(x, 164) X(x, 250) X(x, 328) X(x, 500) X(x, 512)        \
+    X(x, 999) X(x, 1000) X(x, 1024) X(x, 2000) X(x, 3276) X(x, 4000) X(x, 5000) X(x, 8192)         \
+    X(x, 10000) X(x, 15000) X(x, 16384) X(x, 20000) X(x, 25000) X(x, 29998) X(x, 30000)            \
+    X(x, 32112) X(x, 32440) X(x, 32767) X(x, 32768) X(x, 60000) X(x, 65520) X(x, 65535)            \
+    X(x, 65536) X(x, 100000) X(x, 1000000) X(x, 1048576) X(x, 2000000) X(x, 3000000)               \
+    X(x, 4000000) X(x, 5000000) X(x, 16777216) X(x, 20000000) X(x, 100000000) X(x, 1000000000)     \
+    X(x, 2000000000)
 
 /* In the order of config_t. */
-static const range_t RANGES[] = {
-    CONFIG_MOTOR_FIELDS(SCALAR) CONFIG_DRIVE_FIELDS(SCALAR) CONFIG_CURRENT_LOOP_FIELDS(SCALAR)
-        CONFIG_ROTOR_FIELDS(SCALAR) CONFIG_HALL_ARRAY(ARRAY) CONFIG_BATTERY_FIELDS(SCALAR)
-            CONFIG_BRAKE_FIELDS(SCALAR) CONFIG_VEHICLE_FIELDS(SCALAR) CONFIG_DRIVER_FIELDS(SCALAR)
-                CONFIG_PEDALS_FIELDS(SCALAR) CONFIG_PEDALS_ARRAY(ARRAY) CONFIG_MODES_FIELDS(SCALAR)
-                    CONFIG_MONITOR_FIELDS(SCALAR) CONFIG_THERMAL_FIELDS(SCALAR)
-                        CONFIG_REGEN_MAP_FIELDS(SCALAR) CONFIG_REGEN_MAP_ARRAY(ARRAY)
-                            CONFIG_CURRENT_MAP_FIELDS(SCALAR) CONFIG_CURRENT_MAP_ARRAY(ARRAY)};
+#define ALL_FIELDS(X, Y)                                                                           \
+    CONFIG_MOTOR_FIELDS(X) CONFIG_DRIVE_FIELDS(X) CONFIG_CURRENT_LOOP_FIELDS(X)                    \
+    CONFIG_ROTOR_FIELDS(X) CONFIG_HALL_ARRAY(Y) CONFIG_BATTERY_FIELDS(X) CONFIG_BRAKE_FIELDS(X)    \
+    CONFIG_VEHICLE_FIELDS(X) CONFIG_DRIVER_FIELDS(X) CONFIG_PEDALS_FIELDS(X)                       \
+    CONFIG_PEDALS_ARRAY(Y) CONFIG_MODES_FIELDS(X) CONFIG_MONITOR_FIELDS(X)                         \
+    CONFIG_THERMAL_FIELDS(X) CONFIG_REGEN_MAP_FIELDS(X) CONFIG_REGEN_MAP_ARRAY(Y)                  \
+    CONFIG_CURRENT_MAP_FIELDS(X) CONFIG_CURRENT_MAP_ARRAY(Y)
+/* clang-format on */
+
+#define BOUND(x, bound) (bound),
+#define BOUND_BELOW(x, bound) +((bound) < (x))
+#define BOUND_IS(x, bound) +((bound) == (x))
+#define PLACE(x) (uint8_t)(0 BOUND_LIST(BOUND_BELOW, (x)))
+#define LISTED(x) (0 BOUND_LIST(BOUND_IS, (x)) == 1)
+
+static const int32_t BOUNDS[] = {BOUND_LIST(BOUND, 0)};
+
+typedef struct {
+    uint8_t lowest; /* places in BOUNDS */
+    uint8_t highest;
+} range_t;
+
+#define SCALAR(name, lowest, highest, unit, text) {PLACE(lowest), PLACE(highest)},
+#define ARRAY(name, count, lowest, highest, unit, text) SCALAR(name, lowest, highest, unit, text)
+#define SCALAR_LISTED(name, lowest, highest, unit, text) &&LISTED(lowest) && LISTED(highest)
+#define ARRAY_LISTED(name, count, lowest, highest, unit, text)                                     \
+    SCALAR_LISTED(name, lowest, highest, unit, text)
+
+static const range_t RANGES[] = {ALL_FIELDS(SCALAR, ARRAY)};
+_Static_assert(1 ALL_FIELDS(SCALAR_LISTED, ARRAY_LISTED), "a range ends beside BOUND_LIST");
 
 enum { FIELDS = sizeof RANGES / sizeof RANGES[0] };
 
@@ -74,8 +103,8 @@ static const section_t SECTIONS[] = {
 /* Range and size of the field with this number, and its section where one begins. */
 static void describe(config_field_t *field)
 {
-    field->lowest = RANGES[field->number].lowest;
-    field->highest = RANGES[field->number].highest;
+    field->lowest = BOUNDS[RANGES[field->number].lowest];
+    field->highest = BOUNDS[RANGES[field->number].highest];
     field->count = 1;
     for (uint32_t k = 0; k < sizeof ARRAYS / sizeof ARRAYS[0]; k++) {
         if (ARRAYS[k].offset_bytes == field->offset_bytes) {
