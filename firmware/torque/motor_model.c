@@ -1,18 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "torque/motor_model.h"
 
-#include <stdbool.h>
-
-#include "config/bases.h"
 #include "core/q15.h"
 
 enum {
-    MILLION = 1000000,
-    BILLION = 1000000000,
-    FRICTION_FULL_MRAD_S = 500, /* full Coulomb friction from here on */
-    MOST_b = 1 << 26,           /* of any coefficient: products and sums stay within 32 bits */
+    MOST_b = 1 << 26, /* of any coefficient: products and sums stay within 32 bits */
     MOST_CURRENT_b = MOTOR_MODEL_MOST_CURRENT_b,
-    SIZE_LOG2 = 22, /* the largest value of a quantity lies in [2^22, 2^23) */
     LARGEST_RISE_cK = 100000,
     LEAST_FLUX_b = 4 /* a quarter of it divides */
 };
@@ -22,100 +15,11 @@ static int32_t within_b(int32_t x)
     return q_saturate27(x);
 }
 
-/* The shift that brings x > 0 into [2^22, 2^23). */
-static int32_t shift_to_size(int64_t x)
-{
-    int32_t shift = 0;
-    for (int64_t y = x; y >= (INT64_C(2) << SIZE_LOG2); y >>= 1) {
-        shift--;
-    }
-    for (int64_t y = x; y < (INT64_C(1) << SIZE_LOG2); y <<= 1) {
-        shift++;
-    }
-    return shift;
-}
-
-static int64_t larger(int64_t a, int64_t b)
-{
-    return a > b ? a : b;
-}
-
-/* Largest voltage of the scale: EMF and reactive drop at the highest speed, and
- * the battery's. */
-static int64_t largest_voltage_mV(const config_t *config, int64_t w_most_mrad_s)
-{
-    const config_motor_t *motor = &config->motor;
-    const int64_t emf_mV = w_most_mrad_s * motor->flux_linkage_nWb / BILLION;
-    const int64_t l_nH = larger(motor->d_inductance_nH, motor->q_inductance_nH);
-    const int64_t x_uOhm = w_most_mrad_s * l_nH / MILLION;
-    const int64_t z_uOhm = larger(q_saturate64(x_uOhm), motor->phase_resistance_uOhm);
-    const int64_t drop_mV = z_uOhm * motor->max_phase_current_mA / MILLION;
-    return larger(larger(emf_mV, drop_mV), config->battery.max_voltage_mV);
-}
-
-void motor_constants_init(motor_constants_t *constants, const config_t *config)
-{
-    const config_motor_t *motor = &config->motor;
-    const int64_t w_most_mrad_s = (int64_t)motor->max_speed_mrad_s * motor->pole_pairs;
-    const int32_t c = shift_to_size(motor->max_phase_current_mA);
-    const int32_t v = shift_to_size(largest_voltage_mV(config, w_most_mrad_s));
-    const int32_t w = shift_to_size(w_most_mrad_s);
-    const int64_t resistance_ppm_K = motor->resistance_coefficient_ppm_K;
-    const int64_t flux_ppm_K = motor->flux_coefficient_ppm_K;
-    int32_t factor_shift = 0;
-    while ((3 * motor->pole_pairs) >> factor_shift > 1) {
-        factor_shift++;
-    }
-    const int32_t t = c + v - w + 1 - factor_shift;
-    const motor_constants_t out = {
-        .current_shift = c,
-        .voltage_shift = v,
-        .speed_shift = w,
-        .torque_shift = t,
-        .resistance_b =
-            within_b(scaled_constant(motor->phase_resistance_uOhm, MILLION, 24 + v - c)),
-        .resistance_rise_b = scaled_constant(motor->phase_resistance_uOhm * resistance_ppm_K,
-                                             INT64_C(100) * MILLION * MILLION, 40 + v - c),
-        .inductance_d_b =
-            scaled_constant(motor->d_inductance_nH, INT64_C(1000000000000), 48 + v - c - w),
-        .inductance_q_b =
-            scaled_constant(motor->q_inductance_nH, INT64_C(1000000000000), 48 + v - c - w),
-        .flux_b = scaled_constant(motor->flux_linkage_nWb, BILLION, 24 + v - w),
-        .flux_fall_b =
-            scaled_constant((int64_t)motor->flux_linkage_nWb * q_abs((int32_t)flux_ppm_K),
-                            INT64_C(100) * MILLION * BILLION, 40 + v - w),
-        .iron_q16_b = scaled_constant(motor->iron_loss_resistance_mOhm, 1000, 16 + v - c),
-        .iron_slope_q16_b = scaled_constant(motor->iron_loss_resistance_slope_nOhm_s,
-                                            INT64_C(1000) * BILLION, 40 + v - c - w),
-        .coulomb_step_q8_b =
-            scaled_constant(motor->friction_torque_mNm, FRICTION_FULL_MRAD_S, 8 + t),
-        .viscous_b = scaled_constant(motor->viscous_friction_uNm_s,
-                                     (int64_t)MILLION * motor->pole_pairs, 24 + t - w),
-        .torque_factor_q24 = (3 * motor->pole_pairs) << (24 - factor_shift),
-        .torque_inverse_q24 = scaled_constant(1, INT64_C(3) * motor->pole_pairs, 24 + factor_shift),
-        .current_most_b = scaled_shift(motor->max_phase_current_mA, c),
-        .weakening_most_b = q_min(
-            scaled_shift(
-                bases_current_mA(config, config->current_loop.field_weakening_current_pu_q15), c),
-            MOST_CURRENT_b),
-        .negligible_power_b = scaled_constant(INT64_C(2) * motor->max_power_mW, 3, v + c - 24),
-        .loss_b =
-            within_b(scaled_constant(INT64_C(2) * config->drive.loss_per_ampere_uW_A, 3000, v)),
-        .loss_resistance_b =
-            within_b(scaled_constant(config->drive.loss_resistance_uOhm, MILLION, 24 + v - c)),
-        .hall_angle_b =
-            config->rotor.sensor == CONFIG_ROTOR_HALL
-                ? scaled_constant(1, INT64_C(2000) * config->drive.pwm_frequency_Hz, 48 - w)
-                : 0,
-    };
-    *constants = out;
-}
-
 /* Against the rotation: Coulomb friction fades in over the first half radian a second. */
 static int32_t friction_b(const motor_constants_t *k, int32_t w_b, int32_t speed_abs_mrad_s)
 {
     const int64_t coulomb_q8_b =
-        (int64_t)k->coulomb_step_q8_b * q_min(speed_abs_mrad_s, FRICTION_FULL_MRAD_S);
+        (int64_t)k->coulomb_step_q8_b * q_min(speed_abs_mrad_s, MOTOR_MODEL_FRICTION_FULL_MRAD_S);
     return within_b(q_saturate64((coulomb_q8_b >> 8) + scaled_multiply(k->viscous_b, w_b)));
 }
 

@@ -102,6 +102,7 @@ TESTED: tuple[str, ...] = (
 SOURCES = {
     "monitor/monitor": ("monitor_fast.c", "monitor_slow.c"),
     "monitor/monitor_fast": (),
+    "torque/motor_model": ("motor_constants.c", "motor_model.c"),
     "torque/feasible_torque": ("feasible_torque.c", "feasible_circle.c", "feasible_power.c"),
 }
 # Of core, as they are, where they have no contract.

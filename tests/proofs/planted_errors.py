@@ -25,7 +25,7 @@ PLANTED = (
                  "larger(state->bound_urad_s - fall, sensor_urad_s)", "state->bound_urad_s - fall"),
     PlantedError("motor_model_x_per_d", "torque/motor_model.c",
                  "within_b(scaled_ratio(-scaled_multiply", "(scaled_ratio(-scaled_multiply"),
-    PlantedError("motor_constants_init", "torque/motor_model.c",
+    PlantedError("motor_constants_init", "torque/motor_constants.c",
                  "config->rotor.sensor == CONFIG_ROTOR_HALL", "true"),
     PlantedError("thermal_model_step", "torque/thermal_model.c",
                  "now_q16 > MOST_q16 ? MOST_q16 : ", ""),

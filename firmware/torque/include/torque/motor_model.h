@@ -18,7 +18,10 @@
 #include "config/config.h"
 #include "core/scaled.h"
 
-enum { MOTOR_MODEL_MOST_CURRENT_b = 1 << 25 };
+enum {
+    MOTOR_MODEL_MOST_CURRENT_b = 1 << 25,
+    MOTOR_MODEL_FRICTION_FULL_MRAD_S = 500 /* full Coulomb friction from here on */
+};
 
 /* Made once from the configuration: 1 unit_b = 2^-shift of the milli-unit. Values only: as part of
  * the controller's state they may be copied, saved and restored elsewhere. */

@@ -367,19 +367,3 @@ void test_friction_opposes_the_rotation_and_is_zero_at_standstill(void)
         TEST_ASSERT_DOUBLE_WITHIN(0.5, friction_mNm_at[k], model_friction_mNm(&model));
     }
 }
-
-/* A field-weakening current of many times the phase current limit is accepted: the scale of
- * currents ends at four to eight times that limit. */
-void test_weakening_current_stays_within_the_scale_of_currents(void)
-{
-    config_t config = CONFIG_LU2013;
-    config.drive.current_full_scale_mA = 4000000;
-    config.motor.max_phase_current_mA = 100;
-    config.current_loop.field_weakening_current_pu_q15 = 32767;
-    motor_constants_t constants;
-    motor_constants_init(&constants, &config);
-    TEST_ASSERT_EQUAL_INT32(MOTOR_MODEL_MOST_CURRENT_b, constants.weakening_most_b);
-    config.current_loop.field_weakening_current_pu_q15 = 0;
-    motor_constants_init(&constants, &config);
-    TEST_ASSERT_EQUAL_INT32(0, constants.weakening_most_b);
-}

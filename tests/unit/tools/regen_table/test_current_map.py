@@ -266,6 +266,7 @@ def test_power_at_every_torque_in_the_firmware_equals_that_of_the_generator(
         "torque/feasible_circle.c",
         "torque/feasible_power.c",
         "torque/feasible_torque.c",
+        "torque/motor_constants.c",
         "torque/motor_model.c",
         "core/grid.c",
         "core/scaled.c",
