@@ -101,11 +101,11 @@ def shared_sources() -> list[Path]:
 
 
 def optimisation() -> tuple[dict[Path, list[str]], set[Path]]:
-    """Return the flags of each folder of the firmware and the files compiled for size."""
+    """Return the flags of folders and files of the firmware, and the files compiled for size."""
     lines = [line.split() for line in OPTIMISE.read_text().splitlines() if not line.startswith("#")]
     flags: dict[Path, list[str]] = {}
     for kind, *words in lines:
-        if kind == "flags":
+        if kind in {"flags", "file"}:
             flags.setdefault(ROOT / "firmware" / words[0], []).extend(words[1:])
     size = {ROOT / "firmware" / words[0] for kind, *words in lines if kind == "size"}
     return flags, size
