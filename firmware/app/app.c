@@ -188,20 +188,15 @@ static void report_when_due(void)
 
 static void read_rotor_sensor(const config_t *config, fast_input_t *in)
 {
-    switch (config->rotor.sensor) {
-    case CONFIG_ROTOR_HALL:
+    if (config->rotor.sensor == CONFIG_ROTOR_HALL) {
         in->hall_state = rotor_sensor_hall_state();
-        break;
-    case CONFIG_ROTOR_ENCODER: {
+    } else if (config->rotor.sensor == CONFIG_ROTOR_ENCODER) {
         const rotor_sensor_encoder_t encoder = rotor_sensor_encoder();
         in->encoder.count = encoder.count;
         in->encoder.index_count = encoder.index_count;
         in->encoder.index = encoder.index;
-        break;
-    }
-    default: /* CONFIG_ROTOR_ANGLE; config_validate() refuses other values */
+    } else { /* CONFIG_ROTOR_ANGLE; config_validate() refuses other values */
         in->rotor_angle_turn = rotor_sensor_angle_turn();
-        break;
     }
 }
 

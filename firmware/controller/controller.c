@@ -78,9 +78,9 @@ const fast_output_t *controller_fast_step(controller_fast_t *fast, const config_
 
 void controller_fast_report_copy(const controller_fast_t *fast, fast_report_t *report)
 {
-    foc_report_copy(&fast->foc, report);
     report->trip = fast->monitor.trip;
     report->bridge = fast->output.bridge;
+    foc_report_copy(&fast->foc, report);
 }
 
 void controller_fast_report_complete(fast_report_t *report)

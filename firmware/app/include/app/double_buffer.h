@@ -32,6 +32,8 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 
+#include "core/q15.h"
+
 typedef struct {
     atomic_uchar low;  /* index of the low side's buffer, 0 or 1; written by the low side only */
     atomic_bool fresh; /* the high side has written since the last exchange */
@@ -49,8 +51,8 @@ static inline unsigned double_buffer_low(const double_buffer_t *pair)
     return atomic_load_explicit(&pair->low, memory_order_relaxed);
 }
 
-/* The high side's buffer. */
-static inline unsigned double_buffer_high(const double_buffer_t *pair)
+/* The high side's buffer. Twice in each PWM period. */
+Q_TARGET_INLINE unsigned double_buffer_high(const double_buffer_t *pair)
 {
     const unsigned index = 1U - atomic_load_explicit(&pair->low, memory_order_relaxed);
     atomic_signal_fence(memory_order_acquire);
