@@ -36,3 +36,18 @@ def test_missed_goal_is_reported() -> None:
     bounded = measure.Budget("cortex-m4", measure.FAST_STEP, 100, max_at_most=300)
     assert met(bounded, 100, 200, 300)
     assert not met(bounded, 100, 200, 301)
+
+
+def test_longest_interrupt_is_held_in_cycles_at_the_longest_refills() -> None:
+    """1 250 cycles are met, one more is not."""
+    gcc = "arm-none-eabi-gcc (15:12.2.rel1-1) 12.2.1 20221205"
+    for longest, met in ((1250, True), (1251, False)):
+        measured = {
+            "cycles": {"pwm_interrupt": {"least": {"max": 1100}, "most": {"max": longest}}},
+        }
+        outcome = measure.judge_cycles(measured, gcc)
+        assert (outcome["met"], outcome["cycles"], outcome["cycles_at_most"]) == (
+            met,
+            longest,
+            1250,
+        )
