@@ -365,3 +365,14 @@ def test_help_of_the_units_imports_no_slow_library() -> None:
 def test_names_in_the_help_equal_those_of_the_modules() -> None:
     assert cli.STRATEGIES == run.STRATEGIES
     assert set(cli.RECORDINGS) == set(recordings.WRITERS)
+
+
+def test_a_bus_capacitor_too_small_is_one_line_of_warning(hubsim: Hubsim) -> None:
+    """The default, the paper's vehicle, keeps its rating; 1 mF does not."""
+    done = hubsim("run", "stop", *QUICK, "--set", "inverter.bus_capacitance_f=1e-3")
+    assert done.returncode == 0, done.stderr
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("hubsim: warning: ")
+    assert "lu2013.toml: inverter.bus_capacitance_f: 0.001 F" in line
+    assert "above device_voltage_v = 75 V" in line
+    assert hubsim("run", "stop", *QUICK).stderr == ""
