@@ -255,7 +255,7 @@ def current_limit_share(drive: Drive, case: Case, rows: Rows) -> float:
 
 
 def unasked_limit_nm(drive: Drive) -> float:
-    """Return how much torque nobody asked for is accepted."""
+    """Return how much unasked torque is accepted."""
     return max(UNASKED_NM, UNASKED_SHARE * drive.motor.rated_torque_nm)
 
 

@@ -14,8 +14,7 @@
  *
  * A life begins with a random configuration (strategy, bridging, feedback, hold of a lost demand)
  * and is a sequence of phases: demands, limits, temperatures, voltage and acceleration are drawn at
- * the beginning of each, and now and then in between. In one phase of ten every input is any
- * number at all.
+ * the beginning of each, and at times in between. In one phase of ten every input is any number.
  *
  * HUBFOC_RANDOM_STEPS: number of steps, default 200 000. HUBFOC_RANDOM_SEED: default 1.
  */

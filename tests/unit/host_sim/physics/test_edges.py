@@ -82,7 +82,7 @@ def test_largest_torque_by_hand() -> None:
     assert edge_judges.largest_nm(drive, row, -1.0) == pytest.approx(115.0, rel=0.01)
 
 
-def test_a_vehicle_that_rolls_back_or_never_stands_is_found() -> None:
+def test_a_vehicle_that_rolls_back_or_never_stops_is_found() -> None:
     case = Case("lift_off", "lu2013", "hall", 0.2, 0.0, 20.0, 0.0, 0.0, 0.5, 53.0, 25.0)
     drive = edge_runs.drive_of(case.drive, case.sensor, case.kind)
     rows = edge_runs.simulated(case)
