@@ -6,7 +6,7 @@
  * from this file but a test of it. It is here for whoever makes one, with another split of the work
  * or a faster chip on the same board (GD32F103, 108 MHz).
  *
- * Source: EFeru/hoverboard-firmware-hack-FOC on GitHub, Inc/defines.h (commit 0527bd7) and
+ * Source: EFeru's FOC firmware for these boards on GitHub, Inc/defines.h (commit 0527bd7) and
  * Inc/config.h, for pins, divider and amperes a code. TIM1 and TIM8 are on these pins without a
  * remap (STM32F103xC data sheet, table 5).
  *

@@ -11,7 +11,7 @@ from benchmark import cortex_m3, cycles, interrupt
 
 
 @pytest.mark.parametrize(
-    ("slow_step", "share", "verdict"),
+    ("slow_step", "share", "result"),
     [("1000", "50", "fits"), ("16000", "65", "does not fit")],
 )
 def test_the_worst_millisecond_has_sixteen_pwm_interrupts_and_the_longest_slow_step(
@@ -19,7 +19,7 @@ def test_the_worst_millisecond_has_sixteen_pwm_interrupts_and_the_longest_slow_s
     capsys: pytest.CaptureFixture[str],
     slow_step: str,
     share: str,
-    verdict: str,
+    result: str,
 ) -> None:
     """16 * 1 000 + 16 000 of 64 000 cycles, or 16 * 1 000 + 16 000 * 1.6."""
 
@@ -38,7 +38,7 @@ def test_the_worst_millisecond_has_sixteen_pwm_interrupts_and_the_longest_slow_s
     assert cortex_m3.main(["image.elf", slow_step]) == 0
     text = capsys.readouterr().out
     assert f"worst {16000 + max(16000, round(1.6 * int(slow_step)))}, {share} %" in text
-    assert text.splitlines()[-1].startswith(verdict)
+    assert text.splitlines()[-1].startswith(result)
 
 
 def test_an_image_and_a_slow_step_are_needed() -> None:

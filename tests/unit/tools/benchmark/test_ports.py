@@ -53,7 +53,7 @@ def test_a_row_is_out_of_date_if_a_figure_deviates_by_more_than_2_percent() -> N
     assert ports.out_of_date(text, {"x": port(1200), "y": port(1200)}) != []
 
 
-def test_a_report_without_the_image_says_nothing_of_the_ports(
+def test_a_report_without_the_image_has_no_table_of_the_ports(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     assert ports.status({"compiler": "gcc) 12.2"}, update=False) == 0
