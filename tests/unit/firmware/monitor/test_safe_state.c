@@ -279,6 +279,7 @@ void test_a_short_circuit_ends_only_when_its_energy_fits_into_the_bus(void)
     config.drive.bus_capacitance_nF = 1000000;
     in.bridge = BRIDGE_SHORT;
     in.speed_mrad_s = 10000;
+    config.drive.bus_capacitance_nF = 1000000;
     const double margin_v2 = 70.3125 * 70.3125 - 53.0 * 53.0;
     const int32_t limit_mA = (int32_t)(0.99e3 * sqrt(margin_v2 * 1e-3 / (2.25 * 76e-6)));
     in.i_d_mA = -limit_mA / 5 * 3;
