@@ -37,8 +37,8 @@ VEHICLES = (
 SPEED_KMH, SPEED_SHARE = 40.0, 0.7  # the slower one; share of the largest
 DEMAND_SHARES = (0.8, 2.5)  # of the rated torque
 DRIVE_SHARE = 0.5
-COAST_S, BRAKE_S = 0.4, 0.8  # the driver lets go, and brakes
-BEFORE_S = (0.2, 0.6)  # while driving, while coasting
+COAST_S, BRAKE_S = 1.2, 2.8  # the driver lets go, and brakes: by then the road is known
+BEFORE_S = (1.0, 2.6)  # while driving, while coasting
 STOP_SHARES = (
     0.01,
     0.1,
@@ -47,9 +47,11 @@ STOP_SHARES = (
     0.75,
     0.9,
 )  # of the time that mass and demand alone would take
-BACK_KMH, BACK_SLOPE_PERCENT, BACK_SHARE, BACK_BRAKE_S = -8.0, 3.0, 1.2, 0.3
-BACK_BEFORE_S, BACK_STOP_SHARE = 0.1, 0.3
+BACK_KMH, BACK_SLOPE_PERCENT, BACK_SHARE, BACK_BRAKE_S = -6.3, 3.0, 1.2, 1.8
+BACK_BRAKE_KMH = 7.5  # about: what the slope makes of it until the driver brakes
+BACK_BEFORE_S, BACK_STOP_SHARE = 1.6, 0.3
 LONGEST = 1.6  # times the stop without the fault
+LONGEST_PLAIN = 6.0  # and that one, times what mass and demand alone would take: a slope pulls
 RECORD_S = 0.001
 MEAN_ROWS = 20
 WRONG_NM = 2.0
@@ -200,7 +202,8 @@ def stop_s(group: Group) -> float:
     """Return how long mass and demand alone would take to stand."""
     drive = drive_of(group.config, group.rotor_sensor)
     wheel_kg = drive.vehicle.mass_kg / drive.vehicle.driven_wheels
-    speed = abs(initial_kmh(drive, group.situation)) / 3.6
+    back = group.situation == ROLL_BACK
+    speed = (BACK_BRAKE_KMH if back else initial_kmh(drive, group.situation)) / 3.6
     return wheel_kg * speed * drive.vehicle.wheel_radius_m / group.demand_nm
 
 
@@ -275,7 +278,7 @@ class _Vehicle:
         for at_s in sorted(times):
             parts.append(self._until(at_s, math.inf))
             self.states[at_s] = self.engine.save()
-        longest_s = self.brake_s + 2.0 * stop_s(group) + 2.0
+        longest_s = self.brake_s + LONGEST_PLAIN * stop_s(group) + 2.0
         parts.append(self._until(longest_s, math.inf))
         self.rows = np.concatenate(parts)
         self.ended = self.engine.ended
