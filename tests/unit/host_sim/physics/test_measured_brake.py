@@ -55,7 +55,7 @@ def test_a_brake_that_is_dead_is_found_once(name: str, share: float) -> None:
 
 
 @pytest.mark.parametrize("name", DRIVES)
-def test_a_brake_that_makes_its_torque_again_is_believed(name: str) -> None:
+def test_the_finding_ends_when_the_brake_makes_its_torque_again(name: str) -> None:
     found = warnings_of(name, SHARES[-1], DEAD_S)
     assert found in (
         ["HYDRAULIC_WEAK", "HYDRAULIC_DEAD", ""],
