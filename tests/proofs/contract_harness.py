@@ -11,6 +11,7 @@ without a body is a failure of CBMC.
 
 import re
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 
 import contracts
@@ -37,8 +38,9 @@ GROUPS: dict[str, tuple[str, ...]] = {
 FULL = (
     "recorder", "torque", "feasible_torque", "torque_init", "motor_model", "motor_constants",
     "heat_and_brake", "loss_braking", "speed_and_emf",
-    "freewheel", "short", "safe_state", "shorted", "short_surges",
-    "feasible_points", "feasible_parts", "available_ahead", "controller_fast",
+    "freewheel", "short", "safe_state", "shorted", "short_surges", "exit_fits",
+    "feasible_points", "feasible_parts", "available_ahead",
+    "controller_init", "controller_slow", "controller_fast",
     "operating_point", "controller_ends", "black_box",
 )  # fmt: skip
 HEAVY: tuple[str, ...] = (
@@ -78,9 +80,12 @@ VALUES: dict[str, tuple[str, ...]] = {
     "safe_state": ("safe_state_step",),
     "shorted": ("safe_state_shorted",),
     "short_surges": ("safe_state_short_surges",),
-    "feasible_points": ("feasible_holds", "feasible_excess_b"),
+    "exit_fits": ("short_exit_fits",),
+    "feasible_points": ("feasible_holds", "feasible_excess_b", "feasible_point"),
     "feasible_parts": ("feasible_circle_d_b", "feasible_ellipse_root"),
     "available_ahead": ("available_ahead_step", "torque_look_ahead"),
+    "controller_init": ("controller_init",),
+    "controller_slow": ("controller_slow_step",),
     "controller_fast": ("controller_fast_step", "controller_limits"),
     "operating_point": (
         "operating_point_init", "operating_point_observer", "operating_point_speed",
@@ -179,6 +184,28 @@ def _prototype(one: Contract) -> str:
     return f"{one.result} {one.name}_by_contract({given})"
 
 
+def _copied(one: Contract) -> list[Parameter]:
+    """Return the parameters that a substitute copies, writes and copies back.
+
+    The checker takes long to follow a pointer to a member of a large object.
+    """
+    return [parameter for parameter in one.parameters if parameter.written and not parameter.count]
+
+
+def _definition(one: Contract) -> list[str]:
+    """Return the head of a substitute, with the copies of what it may write."""
+    copied = [parameter.name for parameter in _copied(one)]
+    given = ", ".join(
+        _declared(replace(parameter, name=f"to_{parameter.name}") if parameter.name in copied
+                  else parameter) for parameter in one.parameters)  # fmt: skip
+    lines = [f"{one.result} {one.name}_by_contract({given or 'void'})", "{"]
+    for parameter in _copied(one):
+        name = parameter.name
+        lines += [f"    {parameter.type} copy_{name} = *to_{name};",
+                  f"    {parameter.type} *const {name} = &copy_{name};"]  # fmt: skip
+    return lines
+
+
 class _Conditions:
     """Postconditions with what they take from before the call."""
 
@@ -251,7 +278,7 @@ def substitute(one: Contract, values: bool = False) -> str:
     values: without the preconditions of functions that are only tested.
     """
     conditions = _Conditions(one.post)
-    lines = [_prototype(one), "{"]
+    lines = _definition(one)
     if not (values and one.name in TESTED):
         lines += [f"    PROVE({line});" for line in one.pre]
     lines += [f"    PROVE({parameter.name} == &proof_config);"
@@ -276,6 +303,7 @@ def substitute(one: Contract, values: bool = False) -> str:
     if one.result != "void":
         lines += [f"    {one.result} result;", *_same_pointers(one)]
     lines += [f"    ASSUME({line});" for line in conditions.post]
+    lines += [f"    *to_{parameter.name} = copy_{parameter.name};" for parameter in _copied(one)]
     if one.result != "void":
         lines.append("    return result;")
     return "\n".join([*lines, "}", ""])

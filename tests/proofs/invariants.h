@@ -109,4 +109,18 @@
     (thermal_model_holds(&(s)->model) && temperature_sensor_holds(&(s)->winding_sensor) &&         \
      temperature_sensor_holds(&(s)->switch_sensor))
 
+/* Of copies: the checker takes long to follow pointers to members of a large object. */
+#define controller_slow_holds(s, c)                                                                \
+    ({                                                                                             \
+        const torque_state_t torque_copy = (s)->torque;                                            \
+        const monitor_slow_state_t monitor_copy = (s)->monitor;                                    \
+        const temperatures_t temperatures_copy = (s)->temperatures;                                \
+        torque_state_holds(&torque_copy, c) && monitor_state_holds(&monitor_copy, c) &&            \
+            temperatures_hold(&temperatures_copy) && (unsigned)(s)->modes.mode <= MODE_FAULT &&    \
+            ((s)->modes.mode != MODE_FAULT || (s)->modes.fault != REASON_NONE) &&                  \
+            is_within((s)->rotor.agreed_steps, 0, (c)->monitor.rotor_warning_time_ms) &&           \
+            is_within((s)->expected_current.reference_pu.d, -32768, 32767) &&                      \
+            is_within((s)->expected_current.reference_pu.q, -32768, 32767);                        \
+    })
+
 #endif

@@ -77,4 +77,15 @@ PLANTED = (
                  "return enabled && trip == REASON_NONE ?", "return enabled ?"),
     PlantedError("controller_limits", "controller/controller.c",
                  "return &slow->torque.table", "return &slow->torque.table + 1"),
+    PlantedError("controller_init", "controller/controller.c",
+                 "    modes_init(&controller->slow.modes);\n", ""),
+    PlantedError("controller_slow_step", "controller/controller.c",
+                 "&wanted) == BRIDGE_PWM", "&wanted) != BRIDGE_OFF"),
+    PlantedError("short_exit_fits", "monitor/short_exit.c",
+                 "&flux, step_turn) <= (takes", "&flux, step_turn) < (takes"),
+    PlantedError("feasible_point", "torque/feasible_torque.c",
+                 "at.d_b = feasible_circle_d_b(set, airgap_b, at.d_b);\n"
+                 "        at.x_b = motor_model_x_of_airgap_b(m, airgap_b, at.d_b)",
+                 "at.d_b = feasible_circle_d_b(set, airgap_b, at.d_b);\n"
+                 "        at.x_b = at.d_b"),
 )  # fmt: skip

@@ -219,7 +219,13 @@ bool feasible_forced(const feasible_set_t *set, motor_point_t *at);
 
 /* The point of an airgap torque within the bounds, along the rotation: the map's i_d; on the
  * current circle one between the map's and that of maximum torque per ampere; on the voltage
- * ellipse the ellipse's. */
+ * ellipse the ellipse's.
+ *
+ * @post is_within(result.x_b, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b)
+ *
+ * @post set->model->flux_b < 4 || set->model->constants->torque_inverse_q24 < 0 ||
+ * set->model->x_per_airgap_q23 < 0 || (airgap_b >= 0 ? result.x_b >= 0 : result.x_b <= 0)
+ */
 motor_point_t feasible_point(const feasible_set_t *set, int32_t airgap_b);
 
 #endif
