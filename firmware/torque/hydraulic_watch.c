@@ -166,7 +166,7 @@ static void learn_inertia(hydraulic_watch_t *watch, int32_t known_mNm, int32_t i
     if (watch->known_square > enough) {
         const int64_t one = watch->known_square >> 15;
         const int64_t by = watch->known_by_inertial;
-        weigh(watch, by <= one * (ONE_Q15 / 2)
+        weigh(watch, by <= one * (ONE_Q15 / 2) || by < ONE_Q15 /* a floor below 3 mN m */
                          ? HYDRAULIC_WATCH_HEAVIEST_Q15
                          : q_clamp(q_saturate64(watch->known_square / (by >> 15)),
                                    HYDRAULIC_WATCH_LIGHTEST_Q15, HYDRAULIC_WATCH_HEAVIEST_Q15));

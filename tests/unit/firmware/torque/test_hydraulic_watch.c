@@ -83,6 +83,20 @@ void test_drag_without_a_command_is_a_brake_that_does_not_release(void)
     TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1500));
 }
 
+/* Without a floor each change of the motor's torque is a step, however small the sums are. The
+ * speed in whole mrad/s makes an inertial torque of 160 mN m out of one of 50. */
+void test_the_inertia_is_learned_without_a_floor_within_its_limits(void)
+{
+    config.brake.hydraulic_watch_floor_mrad_s2 = 0;
+    run(COAST_ms);
+    motor_nm = 0.05;
+    for (int n = 0; n < COAST_ms; n++) {
+        millisecond();
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(HYDRAULIC_WATCH_LIGHTEST_Q15, watch.weight_q15);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(HYDRAULIC_WATCH_HEAVIEST_Q15, watch.weight_q15);
+    }
+}
+
 /* A hill that begins as fast as a road's slope may change is followed. */
 void test_a_road_that_changes_no_faster_than_configured_has_no_finding(void)
 {
