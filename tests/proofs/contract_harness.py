@@ -40,7 +40,7 @@ FULL = (
     "heat_and_brake", "loss_braking", "speed_and_emf",
     "freewheel", "short", "safe_state", "shorted", "short_surges", "exit_fits",
     "feasible_points", "feasible_parts", "available_ahead",
-    "controller_init", "controller_slow", "controller_fast",
+    "hydraulic_finding", "controller_init", "controller_slow", "controller_fast",
     "operating_point", "controller_ends", "black_box",
 )  # fmt: skip
 HEAVY: tuple[str, ...] = (
@@ -84,6 +84,7 @@ VALUES: dict[str, tuple[str, ...]] = {
     "feasible_points": ("feasible_holds", "feasible_excess_b", "feasible_point"),
     "feasible_parts": ("feasible_circle_d_b", "feasible_ellipse_root"),
     "available_ahead": ("available_ahead_step", "torque_look_ahead"),
+    "hydraulic_finding": ("hydraulic_watch_step",),
     "controller_init": ("controller_init",),
     "controller_slow": ("controller_slow_step",),
     "controller_fast": ("controller_fast_step", "controller_limits"),

@@ -51,6 +51,14 @@
      is_within((s)->blending.feedback.between_ms, 1, HYDRAULIC_FEEDBACK_PAST_ms) &&                \
      ahead_holds(&(s)->ahead))
 
+#define hydraulic_watch_holds(w)                                                                   \
+    (is_within((w)->weight_q15, HYDRAULIC_WATCH_LIGHTEST_Q15, HYDRAULIC_WATCH_HEAVIEST_Q15) &&     \
+     is_within((w)->acquired_ms, 0, HYDRAULIC_WATCH_ACQUIRE_ms) &&                                 \
+     is_within((w)->pause_ms, 0, HYDRAULIC_WATCH_PAUSE_ms) &&                                      \
+     is_within((w)->quiet_ms, 0, HYDRAULIC_WATCH_QUIET_ms) &&                                      \
+     is_within((w)->certain_ms, 0, HYDRAULIC_WATCH_AWAITS_ms) &&                                   \
+     is_within((w)->found_ms, 0, INT16_MAX))
+
 #define vectors_hold(a, b)                                                                         \
     (is_within((a).d, -65536, 65536) && is_within((a).q, -65536, 65536) &&                         \
      is_within((b).d, -65536, 65536) && is_within((b).q, -65536, 65536))

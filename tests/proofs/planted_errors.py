@@ -81,6 +81,8 @@ PLANTED = (
                  "    modes_init(&controller->slow.modes);\n", ""),
     PlantedError("controller_slow_step", "controller/controller.c",
                  "&wanted) == BRIDGE_PWM", "&wanted) != BRIDGE_OFF"),
+    PlantedError("hydraulic_watch_step", "torque/hydraulic_watch.c",
+                 " || by < ONE_Q15", ""),
     PlantedError("short_exit_fits", "monitor/short_exit.c",
                  "&flux, step_turn) <= (takes", "&flux, step_turn) < (takes"),
     PlantedError("feasible_point", "torque/feasible_torque.c",

@@ -102,15 +102,24 @@ typedef struct {
 void hydraulic_watch_init(hydraulic_watch_t *watch);
 
 /* After hydraulic_model_step() of the same millisecond. Without brake.hydraulic_watch_inertia there
- * is no finding. */
+ * is no finding.
+ *
+ * @post !old(hydraulic_watch_holds(watch)) || hydraulic_watch_holds(watch)
+ *
+ * @post watch->reason == old(watch->reason) || watch->reason == REASON_NONE ||
+ * is_within(watch->reason, REASON_HYDRAULIC_WEAK, REASON_HYDRAULIC_LATE)
+ *
+ * @post (config->brake.hydraulic_watch_inertia_g_m2 != 0 && in->trusted) || (!watch->rolls &&
+ * (old(watch->reason) != REASON_NONE || watch->reason == REASON_NONE))
+ *
+ * @post in->trusted || watch->pause_ms == HYDRAULIC_WATCH_PAUSE_ms
+ */
 void hydraulic_watch_step(hydraulic_watch_t *watch, const config_t *config,
                           const hydraulic_watch_input_t *in);
 
 /* Torque of the hydraulic brake by the model, corrected by the finding; magnitude.
  *
- * @pre modelled_mNm >= 0 && is_within(watch->gain_q15, 0, 65536)
- *
- * @post result >= 0 && result >= watch->extra_mNm
+ * @post result >= 0 && (modelled_mNm < 0 || watch->gain_q15 < 0 || result >= watch->extra_mNm)
  */
 int32_t hydraulic_watch_corrected_mNm(const hydraulic_watch_t *watch, int32_t modelled_mNm);
 
