@@ -39,6 +39,7 @@ FULL = (
     "recorder", "torque", "feasible_torque", "torque_init", "motor_model", "motor_constants",
     "heat_and_brake", "loss_braking", "speed_and_emf",
     "freewheel", "short", "safe_state", "shorted", "short_surges", "exit_fits",
+    "map_row",
     "feasible_points", "feasible_parts", "available_ahead",
     "hydraulic_finding", "controller_init", "controller_slow", "controller_fast",
     "operating_point", "controller_ends", "black_box",
@@ -81,6 +82,7 @@ VALUES: dict[str, tuple[str, ...]] = {
     "shorted": ("safe_state_shorted",),
     "short_surges": ("safe_state_short_surges",),
     "exit_fits": ("short_exit_fits",),
+    "map_row": ("loss_maps_row_rise_mA",),
     "feasible_points": ("feasible_holds", "feasible_excess_b", "feasible_point"),
     "feasible_parts": ("feasible_circle_d_b", "feasible_ellipse_root"),
     "available_ahead": ("available_ahead_step", "torque_look_ahead"),
@@ -235,6 +237,19 @@ def _pointees(kind: str, path: str, object_name: str) -> list[str]:
     return lines
 
 
+def _in_the_map(row: str) -> list[str]:
+    """Return what places a row of the current map inside it, as loss_maps_row_at() does."""
+    lines = [f"    ASSUME(row_fits({row}));"]
+    for member in ("cold_mA", "hot_mA"):
+        at = f"{row}_{member}_at"
+        lines += [
+            f"    int {at};",
+            f"    ASSUME(is_within({at}, 0, MAP_END - 2 * {row}.points));",
+            f"    {row}.{member} = &proof_config.current_map.current_d_mA[{at}];",
+        ]
+    return lines
+
+
 def _argument(parameter: Parameter) -> list[str]:
     kind, name = parameter.type, parameter.name
     if parameter.count:
@@ -245,6 +260,8 @@ def _argument(parameter: Parameter) -> list[str]:
         return [f"    const config_t *const {name} = &proof_config;"]
     lines = [f"    {kind} {name}_object;"]
     lines += _pointees(kind, f"{name}_object", f"{name}_object")
+    if kind == "loss_maps_row_t":
+        lines += _in_the_map(f"{name}_object")
     return [*lines, f"    {kind} *const {name} = &{name}_object;"]
 
 

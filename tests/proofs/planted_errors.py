@@ -83,6 +83,7 @@ PLANTED = (
                  "&wanted) == BRIDGE_PWM", "&wanted) != BRIDGE_OFF"),
     PlantedError("hydraulic_watch_step", "torque/hydraulic_watch.c",
                  " || by < ONE_Q15", ""),
+    PlantedError("loss_maps_row_rise_mA", "torque/loss_maps.c", "return 0;", "return 1;"),
     PlantedError("short_exit_fits", "monitor/short_exit.c",
                  "&flux, step_turn) <= (takes", "&flux, step_turn) < (takes"),
     PlantedError("feasible_point", "torque/feasible_torque.c",

@@ -49,7 +49,10 @@ loss_maps_row_t loss_maps_row_at(const config_t *config, int32_t speed_mrad_s,
 int32_t loss_maps_row_d_mA(const loss_maps_row_t *row, int32_t along_mNm);
 
 /* Its change over the step of torque, 2^step_log2 mN m, in which the torque lies; zero beyond the
- * ends. */
+ * ends.
+ *
+ * @post is_within(along_mNm, -row->zero_mNm, row->zero_mNm) || result == 0
+ */
 int32_t loss_maps_row_rise_mA(const loss_maps_row_t *row, int32_t along_mNm);
 
 int32_t loss_maps_d_current_mA(const config_t *config, int32_t speed_mrad_s,
