@@ -22,6 +22,8 @@ from benchmark.build import BenchError
 
 REFILL = (1, 3)
 DIVISION = (2, 12)
+AT_MOST = 1250
+"""Of the longest PWM interrupt, warm, at the longest refills: 15 % of the period at 20 kHz."""
 EXCEPTION = 12
 """Cycles from the signal to the handler's first instruction, and from its last one back."""
 
@@ -285,6 +287,12 @@ def show(console: Console, found: dict[str, Any]) -> None:
         f"Load of the core in the worst millisecond: {100 * found['load_warm']:.1f} %, from cold"
         f" flash {100 * found['load_cold']:.1f} %"
     )
+
+
+def judge(found: dict[str, Any]) -> dict[str, Any]:
+    """Compare the longest PWM interrupt of a report with its budget."""
+    longest = found["pwm_interrupt"]["most"]["max"]
+    return {"cycles": longest, "cycles_at_most": AT_MOST, "met": longest <= AT_MOST}
 
 
 def summary(costs: list[Cost]) -> dict[str, dict[str, int]]:

@@ -62,8 +62,6 @@ class Budget:
 
 
 INTERRUPT_BUDGET = Budget(IMAGE_CORE, INTERRUPT, 480, max_at_most=810)
-INTERRUPT_CYCLES_AT_MOST = 1250
-"""Of the longest one, warm, with the longest refills: 15 % of a core's period at 20 kHz."""
 """From entry to return on the linked image."""
 BUDGETS = (
     Budget("cortex-m4", CURRENT_LOOP, 161, 1.05),
@@ -303,12 +301,10 @@ def show_budgets(console: Console, budgets: list[dict[str, Any]]) -> None:
     for outcome in budgets:
         unit = next((unit for unit in ("bytes", "cycles") if unit in outcome), None)
         amount = (
-            f"{outcome[unit]} of {outcome[unit + '_at_most']} {unit}"
+            f"{outcome[unit]} of {outcome[f'{unit}_at_most']} {unit}"
             if unit
-            else (
-                f"{outcome['median']} of {outcome['median_at_most']} instructions, max/median"
-                f" {outcome['spread']}"
-            )
+            else f"{outcome['median']} of {outcome['median_at_most']} instructions, max/median"
+            f" {outcome['spread']}"
         )
         if outcome.get("p99_at_most") is not None:
             amount += f", 99 % within {outcome['p99']} of {outcome['p99_at_most']}"
@@ -338,21 +334,12 @@ def write_json(path: Path, report: dict[str, Any]) -> None:
     beside.replace(path)
 
 
-def judge_cycles(measured: dict[str, Any], compiler: str) -> dict[str, Any]:
-    """Compare the longest PWM interrupt, warm, with its budget."""
-    budget = Budget(IMAGE_CORE, INTERRUPT, INTERRUPT_CYCLES_AT_MOST)
-    most = goal_with(compiler, budget).median_at_most
-    longest = measured["cycles"]["pwm_interrupt"]["most"]["max"]
-    outcome = {"function": INTERRUPT, "cycles": longest, "cycles_at_most": most}
-    return {"core": IMAGE_CORE, **outcome, "met": longest <= most}
-
-
 def measure_interrupt(image: Path, compiler: str) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     """Measure the PWM interrupt of the linked image; returns it and its outcomes."""
     measured = interrupt.measure(image)
     goal = goal_with(compiler, INTERRUPT_BUDGET)
-    outcome = outcome_of(goal, measured["config"], measured["instructions"])
-    return measured, [outcome, judge_cycles(measured, compiler)]
+    judged = {"core": IMAGE_CORE, "function": INTERRUPT, **cycles.judge(measured["cycles"])}
+    return measured, [outcome_of(goal, measured["config"], measured["instructions"]), judged]
 
 
 def judge_memory(image: Path, compiler: str) -> list[dict[str, Any]]:

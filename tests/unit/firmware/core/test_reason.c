@@ -138,7 +138,7 @@ void test_every_row_has_its_number_name_and_text(void)
     }
 }
 
-void test_list_ends_behind_the_last_row(void)
+void test_last_row_ends_the_list(void)
 {
     reason_t reason = REASON_NONE;
     TEST_ASSERT_FALSE(reason_listed(ROW_COUNT, &reason));
