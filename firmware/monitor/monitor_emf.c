@@ -29,8 +29,14 @@ static int64_t reactance_uOhm(int64_t w_mrad_s, int32_t inductance_nH)
 typedef struct {
     int64_t across_nV, along_nV;  /* e, along: in the direction of w psi */
     int64_t emf_nV, uncertain_nV; /* |w psi| at the reference temperature, U */
-    int64_t uncertain_along_nV;   /* U_q */
 } view_t;
+
+/* Two thirds of the dead times' share: ns * Hz = 1e-9, in 1e-6 of the bus voltage. */
+static int64_t dead_time_nV(const config_t *config, const monitor_emf_input_t *in)
+{
+    const int64_t two_thirds = config->drive.dead_time_ns * config->drive.pwm_frequency_Hz / 1500;
+    return two_thirds * in->bus_voltage_mV;
+}
 
 static view_t view_of(const config_t *config, const monitor_emf_input_t *in)
 {
@@ -51,23 +57,13 @@ static view_t view_of(const config_t *config, const monitor_emf_input_t *in)
         in->u_q_mV * NV_PER_MV - (motor->phase_resistance_uOhm * i_q_mA + x_d_uOhm * i_d_mA);
     const int64_t x_uOhm = larger(magnitude(x_d_uOhm), magnitude(x_q_uOhm));
     const int64_t i_mA = magnitude(i_d_mA) + magnitude(i_q_mA);
-    /* Two thirds of the dead times' share: ns * Hz = 1e-9, in 1e-6 of the bus voltage. */
-    const int64_t dead_two_thirds =
-        config->drive.dead_time_ns * config->drive.pwm_frequency_Hz / 1500;
-    const int64_t dead_nV = dead_two_thirds * in->bus_voltage_mV;
-    const int64_t uncertain_nV = (motor->phase_resistance_uOhm / 2 + x_uOhm / 4) * i_mA + dead_nV;
-    /* |i| <= larger + smaller / 2; an angle error turns the difference of the axes' voltages. */
-    const int64_t size_mA = larger(magnitude(i_d_mA), magnitude(i_q_mA)) / 2 + i_mA / 2;
-    const int64_t along_nV = motor->phase_resistance_uOhm / 2 * magnitude(i_q_mA) +
-                             magnitude(x_d_uOhm) / 4 * magnitude(i_d_mA) +
-                             magnitude(x_q_uOhm - x_d_uOhm) / 4 * size_mA + dead_nV;
-
+    const int64_t uncertain_nV =
+        (motor->phase_resistance_uOhm / 2 + x_uOhm / 4) * i_mA + dead_time_nV(config, in);
     const view_t out = {
         .across_nV = e_d_nV,
         .along_nV = emf_nV >= 0 ? e_q_nV : -e_q_nV,
         .emf_nV = magnitude(emf_nV),
         .uncertain_nV = larger(uncertain_nV, NV_PER_MV),
-        .uncertain_along_nV = larger(along_nV, NV_PER_MV),
     };
     return out;
 }
@@ -125,27 +121,42 @@ static int32_t weight_of(const view_t *view)
 
 /* A salient motor at full current has e within U up to any speed, and with |i_d| > psi/(L_q - L_d)
  * its observer sees no half turn: the sign of e_q shows it. */
-static bool opposite(const view_t *view)
+static bool opposite(const view_t *view, const config_t *config, const monitor_emf_input_t *in)
 {
-    return view->emf_nV >= view->uncertain_along_nV && -view->along_nV >= view->uncertain_along_nV;
+    if (view->along_nV >= 0) {
+        return false;
+    }
+    const config_motor_t *motor = &config->motor;
+    const int64_t w_mrad_s = bases_electrical_mrad_s(config, in->speed_mrad_s);
+    const int64_t x_d_uOhm = magnitude(reactance_uOhm(w_mrad_s, motor->d_inductance_nH));
+    const int64_t x_q_uOhm = magnitude(reactance_uOhm(w_mrad_s, motor->q_inductance_nH));
+    const int64_t d_mA = magnitude(q_clamp(in->i_d_mA, -MOST_CURRENT_mA, MOST_CURRENT_mA));
+    const int64_t q_mA = magnitude(q_clamp(in->i_q_mA, -MOST_CURRENT_mA, MOST_CURRENT_mA));
+    /* |i| <= larger + smaller / 2; an angle error turns the difference of the axes' voltages. */
+    const int64_t size_mA = larger(d_mA, q_mA) / 2 + (d_mA + q_mA) / 2;
+    const int64_t uncertain_nV = motor->phase_resistance_uOhm / 2 * q_mA + x_d_uOhm / 4 * d_mA +
+                                 magnitude(x_q_uOhm - x_d_uOhm) / 4 * size_mA +
+                                 dead_time_nV(config, in);
+    const int64_t least_nV = larger(uncertain_nV, NV_PER_MV);
+    return view->emf_nV >= least_nV && -view->along_nV >= least_nV;
 }
 
 bool monitor_emf_step(monitor_emf_state_t *state, const config_t *config,
                       const monitor_emf_input_t *in)
 {
-    const int32_t most = MONITOR_EMF_SEEN * config->monitor.angle_fault_time_ms;
-    const view_t view = view_of(config, in);
-    const bool judged = view.emf_nV >= MARGIN * view.uncertain_nV || opposite(&view);
-    const bool wrong = magnitude(view.across_nV) >= view.along_nV;
-    if (in->switching && in->rotor_valid && judged && !wrong) {
-        watch_flux(state, config, in, &view);
-    }
     if (!in->switching || !in->rotor_valid) {
         state->level = 0;
-    } else {
-        const bool counts = judged && wrong && !in->voltage_limited;
-        const int32_t weight = counts ? weight_of(&view) : -MONITOR_EMF_SEEN;
-        state->level = (uint16_t)q_clamp(state->level + weight, 0, most);
+        return false;
     }
+    const view_t view = view_of(config, in);
+    const bool judged = view.emf_nV >= MARGIN * view.uncertain_nV || opposite(&view, config, in);
+    const bool wrong = magnitude(view.across_nV) >= view.along_nV;
+    if (judged && !wrong) {
+        watch_flux(state, config, in, &view);
+    }
+    const bool counts = judged && wrong && !in->voltage_limited;
+    const int32_t weight = counts ? weight_of(&view) : -MONITOR_EMF_SEEN;
+    const int32_t most = MONITOR_EMF_SEEN * config->monitor.angle_fault_time_ms;
+    state->level = (uint16_t)q_clamp(state->level + weight, 0, most);
     return state->level >= most;
 }

@@ -58,11 +58,15 @@ static bool stays_zero(monitor_open_state_t *state, int x, int32_t current_pu, i
         return false;
     }
     const bool none = q_abs(current_pu) < others_pu / 8 && step_turn < MONITOR_OPEN_FASTEST_TURN;
+    if (!none) {
+        state->zeros[x] = 0;
+        return false;
+    }
     const bool counts = state->unsettled == 0 && q_abs(wanted_pu) >= others_pu / 4;
     const int32_t counted_turn = counts ? step_turn : 0;
     const int32_t turned = state->zeros[x] > 0 ? state->turned[x] + counted_turn : 0;
     state->turned[x] = (uint16_t)q_min(turned, MONITOR_OPEN_TURN);
-    state->zeros[x] = (uint8_t)(none ? q_min(state->zeros[x] + 1, MONITOR_OPEN_STEPS) : 0);
+    state->zeros[x] = (uint8_t)q_min(state->zeros[x] + 1, MONITOR_OPEN_STEPS);
     return turned >= MONITOR_OPEN_TURN && state->zeros[x] >= MONITOR_OPEN_STEPS;
 }
 
