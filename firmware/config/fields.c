@@ -10,8 +10,8 @@
  * stored as the places of both in this list: two bytes instead of eight. */
 /* clang-format off */
 #define BOUND_LIST(X, x)                                                                           \
-    X(x, -100000000) X(x, -3000000) X(x, -20000) X(x, -10000) X(x, -5000) X(x, 0) X(x, 1)          \
-    X(x, 2) X(x, 3) X(x, 5) X(x, 6) X(x, 8) X(x, 10) X(x, 15) X(x, 16) X(x, 17) X(x, 20) X(x, 40)          \
+    X(x, -100000000) X(x, -3000000) X(x, -20000) X(x, -10000) X(x, -5000) X(x, 0) X(x, 1) X(x, 2)  \
+    X(x, 3) X(x, 5) X(x, 6) X(x, 8) X(x, 10) X(x, 15) X(x, 16) X(x, 17) X(x, 20) X(x, 40)          \
     X(x, 60) X(x, 65) X(x, 100) X(x, 128) X(x, 164) X(x, 250) X(x, 328) X(x, 500) X(x, 512)        \
     X(x, 999) X(x, 1000) X(x, 1024) X(x, 2000) X(x, 3276) X(x, 4000) X(x, 5000) X(x, 8192)         \
     X(x, 10000) X(x, 15000) X(x, 16384) X(x, 20000) X(x, 25000) X(x, 29998) X(x, 30000)            \

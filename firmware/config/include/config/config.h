@@ -26,11 +26,11 @@
 #include "config/pedals_fields.h"
 
 #define CONFIG_MAGIC 0x434F4648 /* "HFOC" in memory, little endian */
-#define CONFIG_FORMAT_VERSION 15
+#define CONFIG_FORMAT_VERSION 16
 #define CONFIG_NAME_LENGTH 32
-#define CONFIG_REGEN_POINTS_MAX 833 /* such as 49 speeds at 17 temperatures, or 65 at 12 */
-/* such as 33 torques and 19 speeds at 2 temperatures */
-#define CONFIG_CURRENT_MAP_POINTS_MAX 1280
+#define CONFIG_REGEN_POINTS_MAX 800 /* such as 47 speeds at 17 temperatures, or 65 at 12 */
+/* such as 31 torques and 19 speeds at 2 temperatures */
+#define CONFIG_CURRENT_MAP_POINTS_MAX 1178
 #define CONFIG_HALL_EDGES 6
 #define CONFIG_PEDAL_CHANNELS 4 /* accelerator a and b, brake pedal a and b */
 #define CONFIG_WHEELS 4         /* in the order of vehicle.wheel_position */

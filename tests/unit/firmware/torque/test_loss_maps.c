@@ -339,8 +339,8 @@ void test_d_current_map_is_clamped_to_its_edges(void)
 
 void test_largest_valid_grid_is_read_up_to_its_last_point(void)
 {
-    /* 16 torques each way, 19 speeds, 2 temperatures: 1254 of the 1280 points there are. */
-    config.current_map.torque_points = 33;
+    /* 15 torques each way, 19 speeds, 2 temperatures: all the 1178 points there are. */
+    config.current_map.torque_points = 31;
     config.current_map.torque_step_log2 = 20;
     config.current_map.speed_points = 19;
     config.current_map.speed_step_log2 = 20;
@@ -352,13 +352,13 @@ void test_largest_valid_grid_is_read_up_to_its_last_point(void)
     }
     const int32_t hot_cC = -10000 + (1 << 15);
     const int32_t top_mrad_s = 18 * (1 << 20);
-    const int32_t most_mNm = 16 * (1 << 20);
-    TEST_ASSERT_EQUAL_INT32(1253, loss_maps_d_current_mA(&config, top_mrad_s, hot_cC, most_mNm));
-    TEST_ASSERT_EQUAL_INT32(1253 - 32,
+    const int32_t most_mNm = 15 * (1 << 20);
+    TEST_ASSERT_EQUAL_INT32(1177, loss_maps_d_current_mA(&config, top_mrad_s, hot_cC, most_mNm));
+    TEST_ASSERT_EQUAL_INT32(1177 - 30,
                             loss_maps_d_current_mA(&config, top_mrad_s, hot_cC, -most_mNm));
-    TEST_ASSERT_EQUAL_INT32(626, loss_maps_d_current_mA(&config, top_mrad_s, -10000, most_mNm));
-    TEST_ASSERT_EQUAL_INT32(16, loss_maps_d_current_mA(&config, 0, -10000, 0));
-    TEST_ASSERT_EQUAL_INT32(33, loss_maps_d_current_mA(&config, 1 << 20, -10000, -most_mNm));
+    TEST_ASSERT_EQUAL_INT32(588, loss_maps_d_current_mA(&config, top_mrad_s, -10000, most_mNm));
+    TEST_ASSERT_EQUAL_INT32(15, loss_maps_d_current_mA(&config, 0, -10000, 0));
+    TEST_ASSERT_EQUAL_INT32(31, loss_maps_d_current_mA(&config, 1 << 20, -10000, -most_mNm));
 }
 
 void test_d_current_of_the_paper_s_vehicle_is_that_of_least_iron_and_copper_loss(void)

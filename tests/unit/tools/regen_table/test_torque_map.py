@@ -172,7 +172,7 @@ def test_a_grid_beyond_array_size_or_resolution_is_refused_with_its_keys(
     for changes, expected in (
         (
             {"table.speed_points": 65, "table.temperature_points": 17},
-            "65 x 17, accepted: at most 833",
+            "65 x 17, accepted: at most 800",
         ),
         (
             {"table.temperature_range_c": [-50.0, 290.0], "table.temperature_points": 2},
