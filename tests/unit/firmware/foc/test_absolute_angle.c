@@ -107,7 +107,7 @@ void test_a_sensor_that_comes_back_is_valid_after_as_many_samples(void)
 /* 3.6 degrees a period: the sensor is within 45 degrees of the rotor for a quarter of the time, so
  * that the count grows by one in two periods: invalid after 64 and what the loop follows of it. At
  * 1/18 turn a period, the fastest motor here, likewise. */
-void test_a_sensor_that_stands_is_invalid_within_90_periods(void)
+void test_a_frozen_sensor_is_invalid_within_90_periods(void)
 {
     static const double SPEEDS[] = {0.01, -0.01, 1.0 / 18.0};
     for (int s = 0; s < 3; s++) {
@@ -128,7 +128,7 @@ void test_a_sensor_that_stands_is_invalid_within_90_periods(void)
 }
 
 /* A controller that starts on a rolling wheel: 1/16 turn a period, the largest speed there is. */
-void test_a_start_at_any_speed_skips_nothing(void)
+void test_a_start_at_any_speed_skips_no_sample(void)
 {
     static const double SPEEDS[] = {0.0, 0.01, 0.03, 0.0625, -0.0625};
     for (int s = 0; s < 5; s++) {
