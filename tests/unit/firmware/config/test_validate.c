@@ -451,7 +451,7 @@ void test_d_current_map_must_have_a_point_at_zero_torque(void)
 
 void test_maps_must_fit_their_arrays(void)
 {
-    config.current_map.torque_points = 33;
+    config.current_map.torque_points = 31;
     config.current_map.speed_points = 19;
     config.current_map.temperature_points = 2;
     TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
@@ -459,10 +459,10 @@ void test_maps_must_fit_their_arrays(void)
     assert_relation(
         "current_map.torque_points * speed_points * temperature_points within the table");
     config.current_map.temperature_points = 2;
-    config.regen_map.speed_points = 49;
+    config.regen_map.speed_points = 47;
     config.regen_map.temperature_points = 17;
     TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
-    config.regen_map.speed_points = 50;
+    config.regen_map.speed_points = 48;
     assert_relation("regen_map.speed_points * regen_map.temperature_points within the table");
 }
 
