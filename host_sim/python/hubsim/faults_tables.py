@@ -4,8 +4,10 @@
 ``python -m hubsim.faults_tables`` replaces what is between the marks of the README.
 """
 
+import tomllib
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from hubsim import cases, faults
@@ -15,6 +17,7 @@ from hubsim.faults_sweep import Outcome
 FOLDER = ROOT / "host_sim" / "faults"
 BEGINS, ENDS = "<!-- from faults.csv: {} -->\n", "<!-- end -->\n"
 LIMITS = ("distance", "wrong sign", "excess", "current", "bus")
+EXCEPTIONS = Path(__file__).with_name("fault_exceptions.toml")
 OTHERS_BELOW = 5  # faults with fewer runs without a right reason share a line
 
 
@@ -74,9 +77,58 @@ def unnamed(outcomes: Sequence[Outcome]) -> str:
     return "\n".join(lines) + "\n"
 
 
+@dataclass(frozen=True)
+class Explained:
+    """Why faults miss limits: a table of ``fault_exceptions.toml``."""
+
+    faults: tuple[str, ...]
+    limits: tuple[str, ...]
+    physics: str
+    hardware: str
+
+
+def explained() -> list[Explained]:
+    """Return the reasons of the limits that are missed, in the order of the file."""
+    data = tomllib.loads(EXCEPTIONS.read_text(encoding="utf-8"))["exception"]
+    return [
+        Explained(tuple(e["faults"]), tuple(e["limits"]), e["physics"], e["hardware"]) for e in data
+    ]
+
+
+def missed(outcomes: Sequence[Outcome]) -> Counter[tuple[str, str]]:
+    """Return how many runs of each fault miss each limit."""
+    return Counter((o.fault, limit) for o in outcomes for limit in o.misses())
+
+
+def exceptions(outcomes: Sequence[Outcome]) -> str:
+    """Return a line for each reason why limits are missed, with the runs that miss them."""
+    runs = missed(outcomes)
+    lines = [
+        "| fault | runs that miss | physics | what would close it |",
+        "| --- | --- | --- | --- |",
+    ]
+    for why in explained():
+        names = [f for f in why.faults if any(runs[f, limit] for limit in why.limits)]
+        sums = {limit: sum(runs[f, limit] for f in names) for limit in why.limits}
+        cells = [
+            ", ".join(f"`{name}`" for name in names),
+            ", ".join(f"{limit} {number}" for limit, number in sums.items() if number),
+            why.physics,
+            why.hardware,
+        ]
+        if names:
+            lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines) + "\n"
+
+
 def replaced(text: str, outcomes: Sequence[Outcome]) -> str:
     """Return the README with the tables of these runs."""
-    for name, table in (("groups", by_group(outcomes)), ("unnamed", unnamed(outcomes))):
+    tables = {
+        "groups": by_group(outcomes),
+        "unnamed": unnamed(outcomes),
+        "exceptions": exceptions(outcomes),
+    }
+    for name, table in tables.items():
         before, rest = text.split(BEGINS.format(name), 1)
         after = rest.split(ENDS, 1)[1]
         text = before + BEGINS.format(name) + "\n" + table + "\n" + ENDS + after

@@ -13,7 +13,6 @@ from hubsim import (
     events,
     faults,
     faults_sweep,
-    faults_tables,
     reasons,
     run,
     stops,
@@ -282,15 +281,3 @@ def test_an_open_phase_carries_no_current() -> None:
     wheel = _Wheel("phase_b_open")
     for _ in range(20):
         assert wheel.after(0.0005, "phase_b_a")[0] == pytest.approx(0.0, abs=0.2)
-
-
-def test_the_tables_of_the_readme_are_those_of_the_stored_sweep() -> None:
-    readme = (faults_tables.FOLDER / "README.md").read_text(encoding="utf-8")
-    assert faults_tables.replaced(readme, faults_tables.stored()) == readme
-
-
-def test_the_table_of_unnamed_runs_sums_up_to_all_of_them() -> None:
-    stored = faults_tables.stored()
-    cells = [line.split("|") for line in faults_tables.unnamed(stored).splitlines()[2:]]
-    numbers = [int(cell[2]) for cell in cells]
-    assert sum(numbers[:-1]) == numbers[-1] == sum("reason" in o.misses() for o in stored)
