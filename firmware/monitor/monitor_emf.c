@@ -123,10 +123,10 @@ static int32_t weight_of(const view_t *view)
  * its observer sees no half turn: the sign of e_q shows it. */
 static bool opposite(const view_t *view, const config_t *config, const monitor_emf_input_t *in)
 {
-    if (view->along_nV >= 0) {
+    const config_motor_t *motor = &config->motor;
+    if (view->along_nV >= 0 || motor->q_inductance_nH <= motor->d_inductance_nH) {
         return false;
     }
-    const config_motor_t *motor = &config->motor;
     const int64_t w_mrad_s = bases_electrical_mrad_s(config, in->speed_mrad_s);
     const int64_t x_d_uOhm = magnitude(reactance_uOhm(w_mrad_s, motor->d_inductance_nH));
     const int64_t x_q_uOhm = magnitude(reactance_uOhm(w_mrad_s, motor->q_inductance_nH));

@@ -124,9 +124,12 @@ void test_a_current_counts_up_to_10_kA(void)
 /* ---- the angle ---- */
 
 /* An EMF of so many millivolts is below 4 U here: it is judged by the sign of e_q alone, which is
- * opposite from U_q on, as is w psi at the least. */
+ * opposite from U_q on, as is w psi at the least; in a salient motor, by 1 nH here. */
 static void assert_opposite_from(int32_t emf_mV, int32_t u_q_mV)
 {
+    if (config.motor.q_inductance_nH == config.motor.d_inductance_nH) {
+        config.motor.q_inductance_nH++;
+    }
     config.motor.flux_linkage_nWb = emf_mV * 1000;
     TEST_ASSERT_TRUE(is_wrong(0, u_q_mV));
     TEST_ASSERT_FALSE(is_wrong(0, u_q_mV + 1));
@@ -177,6 +180,21 @@ void test_an_opposite_e_q_is_judged_beyond_a_quarter_of_the_saliency(void)
     assert_opposite_from(100, -100);
     in.i_d_mA = -60;
     assert_opposite_from(130, -130);
+}
+
+/* L_q = L_d, or below: a current up to psi/L leaves w psi above 4 U, which decides alone. A wheel
+ * that rolls back while its halls still show the way forward is below that. */
+void test_an_opposite_e_q_alone_is_not_judged_without_saliency(void)
+{
+    config.motor.flux_linkage_nWb = 100000;
+    config.drive.dead_time_ns = 750;
+    config.drive.pwm_frequency_Hz = 20000;
+    in.bus_voltage_mV = 10000;
+    for (int32_t q_nH = 999; q_nH <= 1001; q_nH++) {
+        config.motor.d_inductance_nH = 1000;
+        config.motor.q_inductance_nH = q_nH;
+        TEST_ASSERT_EQUAL_INT(q_nH > 1000, is_wrong(0, -100));
+    }
 }
 
 /* Half of the EMF across, or against it: a step of full weight. */
