@@ -104,7 +104,7 @@ static int32_t measured_speed_q32(const hall_t *hall)
     uint32_t periods = hall->timed_periods;
     if (periods > UINT16_MAX) {
         turn_q31 /= 4U;
-        periods = periods / 4U < UINT16_MAX ? periods / 4U : UINT16_MAX;
+        periods /= 4U;
     }
     const uint32_t speed_q31 = reciprocal_scale(turn_q31, (uint16_t)periods);
     const int32_t magnitude_q31 =
@@ -135,6 +135,7 @@ static void start_ride_through(hall_t *hall)
     hall->faults++;
     hall->valid = false;
     hall->plausible_edges = 0;
+    hall->invalid_periods = 0;
     hall->speed_q32 = hall->edge_speed_q32;
     hall->direction = (int8_t)(hall->speed_q32 > 0 ? 1 : (hall->speed_q32 < 0 ? -1 : 0));
     hall->theta_q32 =
@@ -239,10 +240,9 @@ static void check_speed(hall_t *hall)
     const int32_t measured_q32 = measured_speed_q32(hall);
     const int32_t measured_q16 = measured_q32 / 65536;
     const int32_t period_q32 = measured_q16 * measured_q16;
-    const int32_t speed_q32 =
-        q_clamp(hall->speed_q32, measured_q32 - period_q32, measured_q32 + period_q32);
     hall->theta_q32 += (uint32_t)hall->speed_q32;
-    hall->speed_q32 = q_limit(speed_q32, 2 * HALL_FASTEST_Q31);
+    hall->speed_q32 =
+        q_clamp(hall->speed_q32, measured_q32 - period_q32, measured_q32 + period_q32);
 }
 
 /* High speed and an observed angle: a critically damped tracking loop over the edges. */
@@ -359,7 +359,7 @@ static void process_same_sector(hall_t *hall)
 static void process_impossible_state(hall_t *hall)
 {
     hall->theta_q32 += (uint32_t)hall->speed_q32;
-    hall->invalid_periods = q_min(hall->invalid_periods + 1, UINT16_MAX);
+    hall->invalid_periods++;
     if (hall->invalid_periods >= HALL_INVALID_PERIODS) {
         start_ride_through(hall);
     }
