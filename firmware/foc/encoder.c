@@ -77,7 +77,7 @@ static void process_missing_index(encoder_t *encoder)
 
 /* The first period, or a jump that no rotor can make. After a jump the angle continues from its
  * predicted value until the next index. */
-static void restart(encoder_t *encoder, uint16_t count)
+static void restart(encoder_t *encoder)
 {
     if (encoder->started) {
         encoder->faults++;
@@ -86,7 +86,6 @@ static void restart(encoder_t *encoder, uint16_t count)
     encoder->started = true;
     encoder->referenced = false;
     encoder->valid = false;
-    encoder->last_count = count;
     encoder->position_counts = 0;
 }
 
@@ -94,7 +93,7 @@ void encoder_step(encoder_t *encoder, const config_t *config, const encoder_inpu
 {
     int32_t moved_counts = encoder->sign * difference(in->count, encoder->last_count);
     if (!encoder->started || q_abs(moved_counts) > encoder->max_counts) {
-        restart(encoder, in->count);
+        restart(encoder);
         moved_counts = 0;
     }
     encoder->last_count = in->count;

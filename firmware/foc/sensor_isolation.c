@@ -142,7 +142,6 @@ static void count(sensor_isolation_t *state, uint8_t answer)
         state->unknown++;
         state->undetermined =
             state->undetermined || state->unknown >= SENSOR_ISOLATION_UNKNOWN_PERIODS;
-        state->unknown = (uint16_t)q_min(state->unknown, SENSOR_ISOLATION_UNKNOWN_PERIODS);
     } else {
         state->agreeing = (uint16_t)(answer == state->answer ? state->agreeing + 1 : 1);
         state->unknown = 0;

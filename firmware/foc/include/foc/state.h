@@ -130,7 +130,7 @@ typedef struct {
     uint32_t last_step;   /* step_count of the latest examined sample */
     uint16_t periods;     /* since the prediction began; 0: none */
     uint16_t agreeing;    /* consecutive implausible sums with the same answer */
-    uint16_t unknown;     /* consecutive implausible sums without */
+    uint16_t unknown;     /* consecutive implausible sums without, wrapping */
     uint8_t answer;       /* the latest: phase, or SENSE_PHASES */
     uint8_t phase;     /* whose sensor is named, reconstructed at all times; SENSE_PHASES: none */
     bool undetermined; /* an implausible sum that no single sensor explains */

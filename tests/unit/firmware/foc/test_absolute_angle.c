@@ -162,3 +162,28 @@ void test_the_hardest_stop_of_a_wheel_is_followed(void)
     TEST_ASSERT_TRUE(angle.valid);
     TEST_ASSERT_DOUBLE_WITHIN(0.7, 13.4, most_deg);
 }
+
+void test_sample_of_exactly_an_eighth_turn_from_its_prediction_is_used(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        setUp();
+        angle.tracker.theta_q32 = 0;
+        angle.tracker.speed_q32 = 0;
+        absolute_angle_step(&angle, &config, (uint16_t)(sign * 8192));
+        TEST_ASSERT_EQUAL_UINT8(0, angle.apart);
+        angle.tracker.theta_q32 = 0;
+        angle.tracker.speed_q32 = 0;
+        absolute_angle_step(&angle, &config, (uint16_t)(sign * 8193));
+        TEST_ASSERT_EQUAL_UINT8(1, angle.apart);
+    }
+}
+
+void test_sensor_taken_as_it_is_has_no_wrong_samples_counted(void)
+{
+    for (int n = 1; n < ABSOLUTE_ANGLE_GIVEN_UP; n++) {
+        step(90.0);
+        TEST_ASSERT_EQUAL_UINT8(n, angle.apart);
+    }
+    step(90.0);
+    TEST_ASSERT_EQUAL_UINT8(0, angle.apart);
+}

@@ -130,3 +130,27 @@ void test_half_a_turn_of_error_in_every_period_does_not_overflow(void)
     step(0.0);
     TEST_ASSERT_TRUE(tracker.started);
 }
+
+void test_speed_saturates_and_the_angle_wraps(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        tracker.started = true;
+        tracker.theta_q32 = 0;
+        tracker.speed_q32 = sign > 0 ? 1 << 30 : -(1 << 30);
+        config.rotor.pll_proportional_q16 = 65536;
+        config.rotor.pll_integral_q24 = 1 << 24;
+        const uint16_t angle = (uint16_t)(sign * (16384 + 32000));
+        angle_tracker_step(&tracker, &config, angle);
+        TEST_ASSERT_EQUAL_INT32(sign > 0 ? INT32_MAX : INT32_MIN, tracker.speed_q32);
+        TEST_ASSERT_EQUAL_HEX32((uint32_t)angle << 16, tracker.theta_q32);
+    }
+}
+
+/* The largest error, half a turn backward, times the largest gain. */
+void test_largest_correction_is_half_a_turn(void)
+{
+    tracker.started = true;
+    config.rotor.pll_proportional_q16 = 65536;
+    angle_tracker_step(&tracker, &config, 32768);
+    TEST_ASSERT_EQUAL_HEX32(UINT32_C(1) << 31, tracker.theta_q32);
+}

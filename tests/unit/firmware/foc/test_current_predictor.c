@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Current predictor against the designed response. */
+#include "design_response.h"
 #include "prefilter_rig.h"
 
 void setUp(void)
@@ -150,5 +151,33 @@ void test_the_predicted_current_stays_in_the_unit_circle_for_references_inside_i
             const dq_t expected = dq_of(current_predictor_step(&predictor));
             TEST_ASSERT_TRUE(hypot(expected.d, expected.q) <= 32768.0 + 24.0);
         }
+    }
+}
+
+static int32_t nearest_q15(double x_q24)
+{
+    return (int32_t)floor((x_q24 + 256.0) / 512.0);
+}
+
+/* README, Current predictor: a = b^2, m = 1 - a (1 + a)/2, the shares of the first two periods; in
+ * whole steps of Q24, rounded down. */
+void test_shares_are_exact_to_the_last_unit(void)
+{
+    const double one = 16777216.0;
+    for (int32_t bandwidth_Hz = 10; bandwidth_Hz <= 1600; bandwidth_Hz++) {
+        config.current_loop.bandwidth_Hz = bandwidth_Hz;
+        start();
+        const double b = (double)design_half_period_q24(&config);
+        const double a = floor(b * b / one);
+        const double second = one - floor(b * (one + a) / (2.0 * one));
+        const double weight = one - floor(a * (one + a) / (2.0 * one));
+        TEST_ASSERT_EQUAL_INT32(2 * (int32_t)fmax(nearest_q15(one - a), 2048.0), predictor.lag_q16);
+        TEST_ASSERT_EQUAL_INT32(nearest_q15(floor((one - b) / 2.0)), predictor.first_q15);
+        TEST_ASSERT_EQUAL_INT32(nearest_q15(floor((b - a) / 2.0)), predictor.second_q15);
+        TEST_ASSERT_EQUAL_INT32(nearest_q15(weight), predictor.weight_q15);
+        TEST_ASSERT_EQUAL_INT32(nearest_q15(one - floor((one - b) * (one / 2.0) / weight)),
+                                predictor.target_first_q15);
+        TEST_ASSERT_EQUAL_INT32(nearest_q15(one - floor(second * one / weight)),
+                                predictor.target_second_q15);
     }
 }

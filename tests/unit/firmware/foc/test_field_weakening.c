@@ -116,3 +116,26 @@ void test_voltage_is_regulated_to_the_configured_target(void)
     TEST_ASSERT_TRUE(after(&state, 10, 0, 26542, 500, 8000) < 0);
     TEST_ASSERT_INT32_WITHIN(1, 0, field_weakening_margin_q15(&state, 26214, 0));
 }
+
+void test_square_of_the_target_is_rounded_to_nearest(void)
+{
+    for (int32_t target = 30000; target < 30300; target++) {
+        field_weakening_t state;
+        config.current_loop.modulation_target_pu_q15 = target;
+        field_weakening_init(&state, &config);
+        TEST_ASSERT_EQUAL_INT32((target * (int64_t)target * 2 / 32768 + 1) / 2,
+                                state.target_square_q15);
+    }
+}
+
+void test_current_is_limited_to_exactly_its_limit_and_to_zero(void)
+{
+    field_weakening_t state;
+    field_weakening_init(&state, &config);
+    state.current_q28 = -8000 * 8192 + 1;
+    field_weakening_step(&state, -1, 2, 8000);
+    TEST_ASSERT_EQUAL_INT32(-8000 * 8192, state.current_q28);
+    state.current_q28 = -1;
+    field_weakening_step(&state, 1, 2, 8000);
+    TEST_ASSERT_EQUAL_INT32(0, state.current_q28);
+}

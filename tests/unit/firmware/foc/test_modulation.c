@@ -189,3 +189,25 @@ void test_the_circle_is_a_whole_number_of_counts(void)
     TEST_ASSERT_EQUAL_INT32(4095, modulation_of(16383, 8000, 0, 32767).beta_counts);
     TEST_ASSERT_EQUAL_INT32(4096, modulation_of(16384, 8000, 0, 32767).beta_counts);
 }
+
+/* A margin of 8 192 counts on both sides of 32 767: 16 384.50 of 32 768, rounded down, less than
+ * the largest radius, and then to whole counts. */
+void test_circle_keeps_the_shortest_pulse_to_the_last_unit(void)
+{
+    const modulation_t modulation = modulation_of(32767, 8190, 0, 32767);
+    TEST_ASSERT_EQUAL_INT32(16382, modulation.beta_counts); /* 32 767 * 16 383/32 768 */
+}
+
+/* With one count for a unit of voltage: a is 2 and its half 1, so on_a is 1 above the middle. What
+ * it is beyond half a count comes off the others, half of what b is beyond it off c. */
+void test_rounding_of_a_leg_is_passed_on_to_the_last_fraction(void)
+{
+    const modulation_t modulation = {
+        .centre_q16 = (1000 << 16) + 0x8000, .alpha_counts = 1, .beta_counts = 1};
+    const ab_t u = {.alpha = 2, .beta = 0};
+    int32_t on_q16[3];
+    modulation_step(&modulation, u, NO_TRIM, on_q16);
+    TEST_ASSERT_EQUAL_HEX32((1000 << 16) + 0x8001, on_q16[0]);
+    TEST_ASSERT_EQUAL_HEX32((1000 << 16) + 0x7FFE, on_q16[1]); /* - 1 - 1 */
+    TEST_ASSERT_EQUAL_HEX32((1000 << 16) + 0x7FFF, on_q16[2]); /* - 2 + 2/2 */
+}

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Reference prefilter against the designed response. */
+#include "design_response.h"
 #include "prefilter_rig.h"
 
 void setUp(void)
@@ -77,4 +78,45 @@ void test_output_settles_in_the_third_period_after_a_step(void)
             TEST_ASSERT_TRUE(n == 0 ? given.q > reference.q : given.q < reference.q);
         }
     }
+}
+
+static int32_t nearest_q15(double x_q24)
+{
+    return (int32_t)floor((x_q24 + 256.0) / 512.0);
+}
+
+/* b0 = 1/(b^2 (1 + b)) and b2 = 1 - 1/b in whole steps of Q24, rounded down. */
+void test_coefficients_are_exact_to_the_last_unit(void)
+{
+    const double one = 16777216.0;
+    for (int32_t bandwidth_Hz = 10; bandwidth_Hz <= 1600; bandwidth_Hz++) {
+        config.current_loop.bandwidth_Hz = bandwidth_Hz;
+        start();
+        const double b = (double)design_half_period_q24(&config);
+        const double inverse = floor(floor(b * b / one) * (one + b) / one);
+        TEST_ASSERT_EQUAL_INT32(nearest_q15(one - floor(one * one / inverse)),
+                                prefilter.one_minus_b0_q15);
+        TEST_ASSERT_EQUAL_INT32(nearest_q15(floor(one * one / b) - one), prefilter.minus_b2_q15);
+    }
+}
+
+void test_changes_below_the_threshold_are_not_shaped(void)
+{
+    TEST_ASSERT_EQUAL_INT32(128, reference_prefilter_threshold(128));
+    TEST_ASSERT_EQUAL_INT32(0, reference_prefilter_threshold(127));
+    TEST_ASSERT_EQUAL_INT32(0, reference_prefilter_threshold(0));
+    TEST_ASSERT_EQUAL_INT32(0, reference_prefilter_threshold(-127));
+    TEST_ASSERT_EQUAL_INT32(-128, reference_prefilter_threshold(-128));
+}
+
+void test_reset_forgets_the_reference_and_its_change(void)
+{
+    start();
+    const dq_t reference = {.d = -9000, .q = 20000};
+    (void)apply(reference);
+    reference_prefilter_reset(&prefilter);
+    TEST_ASSERT_EQUAL_INT32(0, prefilter.reference_pu.d);
+    TEST_ASSERT_EQUAL_INT32(0, prefilter.reference_pu.q);
+    TEST_ASSERT_EQUAL_INT32(0, prefilter.change_pu.d);
+    TEST_ASSERT_EQUAL_INT32(0, prefilter.change_pu.q);
 }

@@ -126,3 +126,51 @@ void test_init_resets_the_hall_estimate(void)
     TEST_ASSERT_FALSE(look(0, 7, &NO_ENCODER).valid); /* an impossible state gives no angle */
     TEST_ASSERT_EQUAL_UINT16(0, out.faults);
 }
+
+/* A turn in 192 periods, a sector in 32, seen at an edge together with the observer's angle: once
+ * by the rotor, once by its hall sensors alone. */
+static void assert_observed(uint32_t periods, bool known)
+{
+    config.rotor.sensor = CONFIG_ROTOR_HALL;
+    for (int k = 0; k < 6; k++) {
+        config.rotor.edge_turn[k] = 10923 * k;
+    }
+    rotor_init(&rotor, &config);
+    static const uint8_t FORWARD[6] = {5, 1, 3, 2, 6, 4};
+    for (int n = 0; n < 10 * 32; n++) {
+        (void)look(0, FORWARD[n / 32 % 6], &NO_ENCODER);
+    }
+    hall_t expected = rotor.hall;
+    const uint8_t sensors = FORWARD[4];
+    const foc_input_t in = {.hall_state = sensors};
+    const emf_observer_t observer = {
+        .theta_q32 = (44500U << 16) + 65535U, .periods = periods, .acquisition_periods = 66};
+    rotor_step(&rotor, &config, &in, &observer, 900, &out);
+    const hall_observed_t observed = {.theta_turn = 43600, .known = known};
+    TEST_ASSERT_FALSE(hall_extrapolate(&expected, sensors));
+    hall_process_event(&expected, &config, sensors, observed);
+    TEST_ASSERT_EQUAL_HEX32(expected.theta_q32, rotor.hall.theta_q32);
+    TEST_ASSERT_EQUAL_INT32(expected.speed_q32, rotor.hall.speed_q32);
+    TEST_ASSERT_EQUAL_HEX32(expected.observer_lead_q32, rotor.hall.observer_lead_q32);
+    TEST_ASSERT_EQUAL_INT(known, rotor.hall.observer_lead_q32 != 0);
+    TEST_ASSERT_EQUAL_INT32(expected.speed_q32, out.speed_q32);
+    TEST_ASSERT_EQUAL_UINT16(expected.theta_q32 >> 16, out.theta_turn);
+}
+
+void test_hall_edge_meets_the_observed_angle_less_its_lead_once_acquired(void)
+{
+    assert_observed(65, false);
+    assert_observed(66, true);
+    assert_observed(67, true);
+}
+
+void test_hall_faults_are_reported(void)
+{
+    config.rotor.sensor = CONFIG_ROTOR_HALL;
+    rotor_init(&rotor, &config);
+    (void)look(0, 5, &NO_ENCODER);
+    TEST_ASSERT_EQUAL_UINT16(0, out.faults);
+    (void)look(0, 3, &NO_ENCODER); /* a skipped sector */
+    TEST_ASSERT_EQUAL_UINT16(1, out.faults);
+    TEST_ASSERT_FALSE(out.valid);
+}

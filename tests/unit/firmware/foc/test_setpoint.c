@@ -171,3 +171,55 @@ void test_setpoint_in_the_period_of_a_hall_edge_is_applied_one_period_later(void
     run_periods(1);
     TEST_ASSERT_NOT_EQUAL(0, dq_of(period->i_reference_pu).q);
 }
+
+/* Currents of the delay compensation: the mean is the sampled reference and the correction. */
+void test_sampling_correction_moves_the_predicted_current_by_at_most_200(void)
+{
+    static const int32_t CORRECTIONS[][2] = {{150, 150}, {-150, -150}, {200, 200},
+                                             {201, 200}, {-200, -200}, {-201, -200}};
+    for (int k = 0; k < 6; k++) {
+        setpoint.sequence++;
+        setpoint.i_reference_pu.d = -100;
+        setpoint.i_reference_pu.q = 50; /* too small to be shaped */
+        setpoint.i_d_sampling_correction_pu = CORRECTIONS[k][0];
+        run_periods(1);
+        TEST_ASSERT_EQUAL_INT32(setpoint.sequence, foc.sequence);
+        TEST_ASSERT_EQUAL_INT32(-100 + CORRECTIONS[k][1],
+                                q_pair_x(foc.current.predictor.settled_pu.v));
+        TEST_ASSERT_EQUAL_INT32(50, q_pair_y(foc.current.predictor.settled_pu.v));
+    }
+}
+
+void test_setpoint_is_applied_again_until_a_change_has_settled(void)
+{
+    setpoint.sequence = 7;
+    run_periods(3);
+    TEST_ASSERT_EQUAL_INT32(7, foc.sequence);
+    setpoint.sequence = 8;
+    setpoint.i_reference_pu.q = 5000;
+    run_periods(1);
+    TEST_ASSERT_EQUAL_INT32(FOC_NO_SETPOINT, foc.sequence);
+    run_periods(2);
+    TEST_ASSERT_EQUAL_INT32(8, foc.sequence);
+}
+
+/* The decoupling's feed-forward takes the share of the target that has come in the first period. */
+void test_first_period_of_a_change_decouples_for_its_target(void)
+{
+    setpoint.tuning.w_l_d_q10 = 2048;
+    setpoint.tuning.w_l_q_q10 = 1024;
+    setpoint.tuning.forward_d_q25 = 11;
+    setpoint.tuning.forward_q_q25 = 22;
+    setpoint.i_reference_pu.d = -4096;
+    setpoint.i_reference_pu.q = 8192;
+    setpoint.sequence++;
+    run_periods(1);
+    const current_predictor_t *predictor = &foc.current.predictor;
+    const int32_t share_d = (2048 * predictor->weight_q15) >> 15;
+    const int32_t share_q = (1024 * predictor->weight_q15) >> 15;
+    const int32_t d = -4096 - ((predictor->target_first_q15 * -4096) >> 15);
+    const int32_t q = 8192 - ((predictor->target_first_q15 * 8192) >> 15);
+    TEST_ASSERT_EQUAL_INT32(11 - share_q * q, foc.current.gains.forward_d_q25);
+    TEST_ASSERT_EQUAL_INT32(22 + share_d * d, foc.current.gains.forward_q_q25);
+    TEST_ASSERT_TRUE(d > -1024 && d < 0);
+}

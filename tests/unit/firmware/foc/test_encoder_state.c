@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The encoder estimate's constants and its index, jump and missing index from chosen states. */
+#include "encoder.c" /* its functions are private */
+#include "unity.h"
+
+extern const config_t CONFIG_LU2013;
+
+static config_t config;
+static encoder_t encoder;
+
+static void configure(int32_t counts, int32_t pole_pairs)
+{
+    config = CONFIG_LU2013;
+    config.motor.pole_pairs = pole_pairs;
+    config.rotor.sensor = CONFIG_ROTOR_ENCODER;
+    config.rotor.encoder_counts = counts;
+    config.rotor.encoder_index_turn = 12345;
+    config.rotor.encoder_index_tolerance_counts = 4;
+    config.rotor.encoder_reversed = 0;
+    encoder_init(&encoder, &config);
+}
+
+void setUp(void)
+{
+    configure(1000, 1);
+}
+
+void tearDown(void) {}
+
+void test_constants_of_1000_counts_and_one_pole_pair(void)
+{
+    TEST_ASSERT_EQUAL_INT32(1000, encoder.counts);
+    TEST_ASSERT_EQUAL_INT32(4, encoder.tolerance_counts);
+    TEST_ASSERT_EQUAL_INT32(1125, encoder.overdue_counts);
+    TEST_ASSERT_EQUAL_INT32(126, encoder.max_counts);
+    TEST_ASSERT_EQUAL_UINT32(4294967, encoder.turn_per_count_q32); /* 4 294 967.296 */
+    TEST_ASSERT_EQUAL_INT32(66, encoder.count_turn);               /* 65.5, and no less */
+    TEST_ASSERT_EQUAL_HEX32((12345U << 16) + 2147483U, encoder.origin_q32);
+    TEST_ASSERT_EQUAL_HEX32(encoder.origin_q32, encoder.base_q32);
+    TEST_ASSERT_FALSE(encoder.started);
+}
+
+void test_angle_of_a_count_is_rounded_to_nearest(void)
+{
+    configure(7, 1);
+    TEST_ASSERT_EQUAL_UINT32(613566757, encoder.turn_per_count_q32); /* 613 566 756.57 */
+    configure(600, 1);
+    TEST_ASSERT_EQUAL_UINT32(7158279, encoder.turn_per_count_q32); /* 7 158 278.83 */
+}
+
+void test_an_encoder_without_counts_has_one(void)
+{
+    configure(0, 1);
+    TEST_ASSERT_EQUAL_INT32(1, encoder.counts);
+}
+
+/* After a jump position zero lies at the predicted angle. */
+void test_first_index_moves_the_tracked_angle_with_the_origin(void)
+{
+    encoder.base_q32 = encoder.origin_q32 - 5000U;
+    encoder.position_counts = 3;
+    encoder.tracker.theta_q32 = 100000;
+    process_index(&encoder, 2);
+    TEST_ASSERT_EQUAL_HEX32(100000U + 5000U - 2U * 4294967U, encoder.tracker.theta_q32);
+    TEST_ASSERT_EQUAL_HEX32(encoder.origin_q32, encoder.base_q32);
+    TEST_ASSERT_EQUAL_INT32(1, encoder.position_counts);
+    TEST_ASSERT_TRUE(encoder.valid);
+}
+
+void test_first_period_starts_from_any_count(void)
+{
+    const encoder_input_t at_zero = {.count = 0};
+    encoder_step(&encoder, &config, &at_zero);
+    TEST_ASSERT_TRUE(encoder.started);
+    TEST_ASSERT_EQUAL_UINT16(0, encoder.faults);
+    const encoder_input_t next = {.count = 126};
+    encoder_step(&encoder, &config, &next);
+    TEST_ASSERT_EQUAL_INT32(126, encoder.position_counts);
+    TEST_ASSERT_EQUAL_UINT16(0, encoder.faults);
+}
+
+void test_index_is_missing_more_than_an_eighth_beyond_a_turn(void)
+{
+    for (int direction = -1; direction <= 1; direction += 2) {
+        setUp();
+        encoder_input_t in = {.count = 0};
+        encoder_step(&encoder, &config, &in);
+        encoder.referenced = true;
+        encoder.position_counts = direction * 1124;
+        in.count = (uint16_t)direction;
+        encoder_step(&encoder, &config, &in);
+        TEST_ASSERT_EQUAL_UINT16(0, encoder.faults);
+        TEST_ASSERT_EQUAL_INT32(direction * 1125, encoder.position_counts);
+        in.count = (uint16_t)(2 * direction);
+        encoder_step(&encoder, &config, &in);
+        TEST_ASSERT_EQUAL_UINT16(1, encoder.faults);
+        TEST_ASSERT_EQUAL_INT32(direction * 126, encoder.position_counts);
+    }
+}
