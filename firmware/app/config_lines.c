@@ -7,12 +7,11 @@
 
 static void add(const config_t *config, const config_field_t *field, text_t *line)
 {
-    const int32_t *value = config_field_values(config, field);
     text_add(line, field->section);
     text_add(line, field->name);
     for (uint32_t i = 0; i < field->count; i++) {
         text_add(line, " ");
-        text_add_integer(line, value[i]);
+        text_add_integer(line, config_field_value(config, field, i));
     }
 }
 

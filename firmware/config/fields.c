@@ -10,7 +10,7 @@
  * stored as the places of both in this list: two bytes instead of eight. */
 /* clang-format off */
 #define BOUND_LIST(X, x)                                                                           \
-    X(x, -100000000) X(x, -3000000) X(x, -20000) X(x, -10000) X(x, -5000) X(x, 0) X(x, 1) X(x, 2)  \
+    X(x, -32767) X(x, -20000) X(x, -10000) X(x, -5000) X(x, 0) X(x, 1) X(x, 2)  \
     X(x, 3) X(x, 5) X(x, 6) X(x, 8) X(x, 10) X(x, 15) X(x, 16) X(x, 17) X(x, 20) X(x, 40)          \
     X(x, 60) X(x, 65) X(x, 100) X(x, 128) X(x, 164) X(x, 250) X(x, 328) X(x, 500) X(x, 512)        \
     X(x, 999) X(x, 1000) X(x, 1024) X(x, 2000) X(x, 3276) X(x, 4000) X(x, 5000) X(x, 8192)         \
@@ -130,6 +130,11 @@ config_field_t config_field_first(void)
     return field;
 }
 
+static uint32_t value_bytes(const config_field_t *field)
+{
+    return field->count > CONFIG_FIELD_VALUES_MAX ? sizeof(int16_t) : sizeof(int32_t);
+}
+
 bool config_field_next(config_field_t *field)
 {
     if (field->number + 1U >= FIELDS) {
@@ -139,7 +144,7 @@ bool config_field_next(config_field_t *field)
         field->name++;
     }
     field->name++;
-    field->offset_bytes += field->count * (uint32_t)sizeof(int32_t);
+    field->offset_bytes += field->count * value_bytes(field);
     field->number++;
     describe(field);
     return true;
@@ -153,7 +158,10 @@ config_field_t config_field_at(uint32_t offset_bytes)
     return field;
 }
 
-const int32_t *config_field_values(const config_t *config, const config_field_t *field)
+int32_t config_field_value(const config_t *config, const config_field_t *field, uint32_t place)
 {
-    return (const int32_t *)(const void *)config + field->offset_bytes / sizeof(int32_t);
+    const void *image = config;
+    const uint32_t bytes = value_bytes(field);
+    const uint32_t at = field->offset_bytes / bytes + place;
+    return bytes == sizeof(int16_t) ? ((const int16_t *)image)[at] : ((const int32_t *)image)[at];
 }

@@ -54,12 +54,12 @@ static bool ranges_hold(const config_t *config, config_result_t *refusal)
 {
     config_field_t field = config_field_first();
     do {
-        const int32_t *value = config_field_values(config, &field);
         for (uint32_t i = 0; i < field.count; i++) {
-            if (value[i] < field.lowest || value[i] > field.highest) {
+            const int32_t value = config_field_value(config, &field, i);
+            if (value < field.lowest || value > field.highest) {
                 refuse(refusal, CONFIG_RESULT_RANGE, field.name);
                 refusal->section = field.section;
-                refusal->value = value[i];
+                refusal->value = value;
                 refusal->lowest = field.lowest;
                 refusal->highest = field.highest;
                 return false;
@@ -217,10 +217,11 @@ static int32_t square_q15(int32_t x_q15)
 static bool flux_left_everywhere(const config_t *c)
 {
     const int64_t saliency_nH = (int64_t)c->motor.d_inductance_nH - c->motor.q_inductance_nH;
+    const int64_t flux_pWb_lsb = saliency_nH * (int64_t)(UINT32_C(1) << c->current_map.lsb_log2);
     bool good = true;
     for (int i = 0; i < CONFIG_CURRENT_MAP_POINTS_MAX; i++) {
         const int64_t flux_nWb =
-            c->motor.flux_linkage_nWb + saliency_nH * c->current_map.current_d_mA[i] / 1000;
+            c->motor.flux_linkage_nWb + flux_pWb_lsb * c->current_map.current_d_lsb[i] / 1000;
         good = good && flux_nWb >= c->motor.flux_linkage_nWb / 4;
     }
     return good;
@@ -342,7 +343,7 @@ static const char *broken_in_vehicle(const config_t *c)
                 CONFIG_CURRENT_MAP_POINTS_MAX,
             "current_map.torque_points * speed_points * temperature_points within the table");
     REQUIRE(flux_left_everywhere(c),
-            "current_map.current_d_mA leaves a quarter of motor.flux_linkage_nWb");
+            "current_map.current_d_lsb leaves a quarter of motor.flux_linkage_nWb");
     return NULL;
 }
 

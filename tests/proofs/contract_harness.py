@@ -240,12 +240,12 @@ def _pointees(kind: str, path: str, object_name: str) -> list[str]:
 def _in_the_map(row: str) -> list[str]:
     """Return what places a row of the current map inside it, as loss_maps_row_at() does."""
     lines = [f"    ASSUME(row_fits({row}));"]
-    for member in ("cold_mA", "hot_mA"):
+    for member in ("cold_lsb", "hot_lsb"):
         at = f"{row}_{member}_at"
         lines += [
             f"    int {at};",
             f"    ASSUME(is_within({at}, 0, MAP_END - 2 * {row}.points));",
-            f"    {row}.{member} = &proof_config.current_map.current_d_mA[{at}];",
+            f"    {row}.{member} = &proof_config.current_map.current_d_lsb[{at}];",
         ]
     return lines
 

@@ -61,11 +61,10 @@
 
 /* What loss_maps_row_at() makes: a row and the next one of the current map. */
 #define MAP_END                                                                                    \
-    ((int)(sizeof proof_config.current_map.current_d_mA /                                          \
-           sizeof proof_config.current_map.current_d_mA[0]))
+    ((int)(sizeof proof_config.current_map.current_d_lsb /                                         \
+           sizeof proof_config.current_map.current_d_lsb[0]))
 #define row_fits(row)                                                                              \
-    (is_within((row).points, 2, 65) && (row).next_speed == (row).points &&                         \
-     is_within((row).step_log2, 0, 20) &&                                                          \
+    (is_within((row).points, 2, 65) && is_within((row).step_log2, 0, 20) &&                        \
      (row).zero_mNm == (row).points / 2 * (int32_t)(UINT32_C(1) << (row).step_log2))
 
 #define vectors_hold(a, b)                                                                         \

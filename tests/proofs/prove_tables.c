@@ -10,33 +10,30 @@
 #include "core/grid.h"
 #include "proof.h"
 
-static const int32_t *table;
+static const int16_t *table;
 static int32_t used;
-static int32_t largest; /* magnitude of an entry that the validator accepts */
+static int32_t largest; /* magnitude of what a table can say: the largest entry, the widest LSB */
 static bool values;     /* also checks the values of local variables */
 
-/* Interpolations between what has been interpolated are not reads. Their values take the checker
- * most of its time, because it considers the table as well. */
-static void check_read(const int32_t *at)
+static void check_read(const int16_t *at)
 {
-    if (__CPROVER_same_object(at, table)) {
-        const int32_t beyond_bytes =
-            (int32_t)(__CPROVER_POINTER_OFFSET(at) - __CPROVER_POINTER_OFFSET(table));
-        PROVE(beyond_bytes >= 0 && beyond_bytes < used * (int32_t)sizeof(int32_t));
-    } else if (values) {
-        PROVE(*at >= -largest && *at <= largest);
-    }
+    PROVE(__CPROVER_same_object(at, table));
+    const int32_t beyond_bytes =
+        (int32_t)(__CPROVER_POINTER_OFFSET(at) - __CPROVER_POINTER_OFFSET(table));
+    PROVE(beyond_bytes >= 0 && beyond_bytes < used * (int32_t)sizeof(int16_t));
 }
 
-/* Entries are within +-largest, and so is what lies between two such values. */
-static int32_t any_interpolation(const int32_t *a, const int32_t *b)
+/* Entries are within +-largest, and so is what lies between two such values. These take the checker
+ * most of its time. */
+static int32_t any_interpolation(int32_t a, int32_t b)
 {
-    check_read(a);
-    check_read(b);
+    if (values) {
+        PROVE(a >= -largest && a <= largest && b >= -largest && b <= largest);
+    }
     return any_within(-largest, largest);
 }
 
-static int32_t any_weighted(const int32_t *a, const int32_t *b, const int32_t *c, const int32_t *d)
+static int32_t any_weighted(const int16_t *a, const int16_t *b, const int16_t *c, const int16_t *d)
 {
     check_read(a);
     check_read(b);
@@ -55,7 +52,7 @@ static grid_position_t any_position(int32_t x, int32_t points, int32_t step_log2
 }
 
 #define grid_locate any_position
-#define grid_interpolate(a, b, fraction_q20) any_interpolation(&(a), &(b))
+#define grid_interpolate(a, b, fraction_q20) any_interpolation(a, b)
 #define grid_weighted(weights, a, b, c, d) any_weighted(&(a), &(b), &(c), &(d))
 #include "loss_maps.c"
 #undef grid_weighted
@@ -65,14 +62,15 @@ static grid_position_t any_position(int32_t x, int32_t points, int32_t step_log2
 #define LOWEST(name, count, lowest, highest, unit, text) lowest
 #define HIGHEST(name, count, lowest, highest, unit, text) highest
 enum {
-    LARGEST_CURRENT_MA = CONFIG_CURRENT_MAP_ARRAY(HIGHEST),
-    LARGEST_TORQUE_MNM = CONFIG_REGEN_MAP_ARRAY(HIGHEST),
+    LARGEST_ENTRY = CONFIG_CURRENT_MAP_ARRAY(HIGHEST),
+    CURRENT_LSB_LOG2 = 6,
+    TORQUE_LSB_LOG2 = 10,
 };
-_Static_assert(CONFIG_CURRENT_MAP_ARRAY(LOWEST) == -LARGEST_CURRENT_MA &&
-                   CONFIG_REGEN_MAP_ARRAY(LOWEST) == -LARGEST_TORQUE_MNM,
+_Static_assert(CONFIG_CURRENT_MAP_ARRAY(LOWEST) == -LARGEST_ENTRY &&
+                   CONFIG_REGEN_MAP_ARRAY(LOWEST) == -LARGEST_ENTRY &&
+                   CONFIG_REGEN_MAP_ARRAY(HIGHEST) == LARGEST_ENTRY,
                "the entries' bounds are symmetrical");
-_Static_assert(LARGEST_CURRENT_MA < 1 << 30 && LARGEST_TORQUE_MNM < 1 << 30,
-               "grid_interpolate() takes the entries");
+_Static_assert(LARGEST_ENTRY << TORQUE_LSB_LOG2 < 1 << 30, "grid_interpolate() takes the values");
 
 static void check_current_map(int32_t layers)
 {
@@ -86,8 +84,9 @@ static void check_current_map(int32_t layers)
     map->temperature_step_log2 = any_within(6, 15);
     map->temperature_origin_cC = any_within(-10000, 20000);
     ASSUME(map->torque_points % 2 == 1);
-    table = map->current_d_mA;
-    largest = LARGEST_CURRENT_MA;
+    map->lsb_log2 = any_within(0, CURRENT_LSB_LOG2);
+    table = map->current_d_lsb;
+    largest = LARGEST_ENTRY << CURRENT_LSB_LOG2;
     used = map->torque_points * map->speed_points * map->temperature_points;
     ASSUME(used <= CONFIG_CURRENT_MAP_POINTS_MAX);
     values = layers == 2; /* these take every path */
@@ -134,9 +133,9 @@ void prove_regen_map(void)
     map->temperature_points = any_within(2, 17);
     map->temperature_step_log2 = any_within(6, 15);
     map->temperature_origin_cC = any_within(-10000, 20000);
-    table = map->torque_mNm;
-    largest = LARGEST_TORQUE_MNM;
-    values = true;
+    map->lsb_log2 = any_within(0, TORQUE_LSB_LOG2);
+    table = map->torque_lsb;
+    largest = LARGEST_ENTRY << TORQUE_LSB_LOG2;
     used = map->speed_points * map->temperature_points;
     ASSUME(used <= CONFIG_REGEN_POINTS_MAX);
     PROVE(loss_maps_torque_mNm(&config, nondet_int32(), nondet_int32()) >= 0);

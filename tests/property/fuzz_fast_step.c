@@ -94,15 +94,14 @@ static void check_configuration(config_t *config)
 }
 
 /* One entry of a stored map, or all of them, with alternating signs or not. */
-static void change_map(int32_t *values, uint32_t count, int32_t lowest, int32_t highest,
-                       bytes_t *bytes)
+static void change_map(int16_t *values, uint32_t count, bytes_t *bytes)
 {
     const uint8_t how = take8(bytes);
     const uint32_t first = take16(bytes) % count;
-    const int32_t value = take_within(bytes, lowest, highest);
+    const int32_t value = take_within(bytes, -INT16_MAX, INT16_MAX);
     const uint32_t changed = (how & 1U) != 0 ? count : 1U;
     for (uint32_t i = 0; i < changed; i++) {
-        values[(first + i) % count] = (how & i & 2U) != 0 ? -value : value;
+        values[(first + i) % count] = (int16_t)((how & i & 2U) != 0 ? -value : value);
     }
 }
 
@@ -112,15 +111,24 @@ static void change_maps(config_t *config, bytes_t *bytes)
     for (int changes = take8(bytes) % 4; changes > 0; changes--) {
         before = *config;
         if ((take8(bytes) & 1U) != 0) {
-            change_map(config->regen_map.torque_mNm, CONFIG_REGEN_POINTS_MAX, -100000000, 100000000,
-                       bytes);
+            change_map(config->regen_map.torque_lsb, CONFIG_REGEN_POINTS_MAX, bytes);
         } else {
-            change_map(config->current_map.current_d_mA, CONFIG_CURRENT_MAP_POINTS_MAX, -3000000,
-                       3000000, bytes);
+            change_map(config->current_map.current_d_lsb, CONFIG_CURRENT_MAP_POINTS_MAX, bytes);
         }
         if (!accepted(config)) {
             *config = before;
         }
+    }
+}
+
+/* One value of a field, as wide as it is. */
+static void store(config_t *config, const config_field_t *field, uint32_t place, int32_t value)
+{
+    void *const image = config;
+    if (field->count > CONFIG_FIELD_VALUES_MAX) {
+        ((int16_t *)image)[field->offset_bytes / sizeof(int16_t) + place] = (int16_t)value;
+    } else {
+        ((int32_t *)image)[field->offset_bytes / sizeof(int32_t) + place] = value;
     }
 }
 
@@ -133,12 +141,11 @@ static void change_configuration(config_t *config, bytes_t *bytes)
                 field = config_field_first();
             }
         }
-        const size_t element = field.count > 1 ? take16(bytes) % field.count : 0U;
-        int32_t *value = (int32_t *)(void *)config + field.offset_bytes / sizeof(int32_t) + element;
-        const int32_t before = *value;
-        *value = take_within(bytes, field.lowest, field.highest);
+        const uint32_t place = field.count > 1 ? take16(bytes) % field.count : 0U;
+        const int32_t before = config_field_value(config, &field, place);
+        store(config, &field, place, take_within(bytes, field.lowest, field.highest));
         if (!accepted(config)) {
-            *value = before;
+            store(config, &field, place, before);
         }
     }
     change_maps(config, bytes);

@@ -45,9 +45,9 @@ static void require_accepted(const config_t *config)
     require(config->name[0] != '\0');
     config_field_t field = config_field_first();
     do {
-        const int32_t *value = config_field_values(config, &field);
         for (uint32_t k = 0; k < field.count; k++) {
-            require(value[k] >= field.lowest && value[k] <= field.highest);
+            const int32_t value = config_field_value(config, &field, k);
+            require(value >= field.lowest && value <= field.highest);
         }
     } while (config_field_next(&field));
     text_t line;

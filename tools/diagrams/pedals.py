@@ -30,13 +30,14 @@ def _optimum_nm(row: int) -> tuple[float, float]:
     text = (ROOT / "firmware/config/generated/lu2013.c").read_text(encoding="utf-8")
     grid = text[text.index(".regen_map = {") :]
     step = re.search(r"\.speed_step_log2\s*=\s*(\d+)", grid)
-    entries = re.search(r"\.torque_mNm = \{(.*?)\n        \}", grid, flags=re.DOTALL)
-    assert step is not None and entries is not None
+    entries = re.search(r"\.torque_lsb = \{(.*?)\n        \}", grid, flags=re.DOTALL)
+    lsb = re.search(r"\.lsb_log2\s*=\s*(\d+)", grid)
+    assert step is not None and entries is not None and lsb is not None
     rows = re.sub(r"/\*.*?\*/", "", entries[1], flags=re.DOTALL).split(",")
     points = re.search(r"\.speed_points\s*=\s*(\d+)", grid)
     assert points is not None
     speed_rad_s = (row << int(step[1])) / 1000.0
-    return speed_rad_s * 30.0 / math.pi, int(rows[int(points[1]) + row]) / 1000.0
+    return speed_rad_s * 30.0 / math.pi, (int(rows[int(points[1]) + row]) << int(lsb[1])) / 1000.0
 
 
 def _panel(sheet: Sheet, left: float, title: str, splits: list[tuple[str, Split]]) -> None:

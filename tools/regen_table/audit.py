@@ -50,10 +50,15 @@ def read(table: RegenMap, speed_mrad_s: ArrayLike, temperature_cc: ArrayLike) ->
     s, s_part = locate(np.abs(speed_mrad_s), table.torque_mNm.shape[1], table.speed_step_log2)
     origin = np.asarray(temperature_cc) - table.temperature_origin_cC
     t, t_part = locate(origin, table.torque_mNm.shape[0], table.temperature_step_log2)
-    entries = table.torque_mNm.astype(np.int64)
-    cold = between(entries[t, s], entries[t, s + 1], s_part, table.speed_step_log2)
-    hot = between(entries[t + 1, s], entries[t + 1, s + 1], s_part, table.speed_step_log2)
-    return np.maximum(between(cold, hot, t_part, table.temperature_step_log2), 0)
+    entries = table.torque_mNm.astype(np.int64) >> table.lsb_log2
+    found = weighted(
+        s_part << (20 - table.speed_step_log2),
+        t_part << (20 - table.temperature_step_log2),
+        table.lsb_log2,
+        (entries[t, s], entries[t, s + 1]),
+        (entries[t + 1, s], entries[t + 1, s + 1]),
+    )
+    return np.maximum(found, 0)
 
 
 def locate(x: ArrayLike, points: int, step_log2: int) -> tuple[Whole, Whole]:
@@ -66,6 +71,21 @@ def locate(x: ArrayLike, points: int, step_log2: int) -> tuple[Whole, Whole]:
 def between(a: Whole, b: Whole, fraction: Whole, step_log2: int) -> Whole:
     """Mirror grid_interpolate(): rounded to nearest."""
     return np.asarray(a + (((b - a) * fraction + ((1 << step_log2) >> 1)) >> step_log2))
+
+
+def weighted(
+    x_q20: Whole, y_q20: Whole, lsb_log2: int, cold: tuple[Whole, Whole], hot: tuple[Whole, Whole]
+) -> Whole:
+    """Mirror grid_weights() and grid_weighted(): bilinear, rounded to nearest."""
+    x, y = x_q20 >> 4, y_q20 >> 4
+    both = (x * y + (1 << 15)) >> 16
+    sum_q16 = (
+        ((1 << 16) - x - y + both) * cold[0]
+        + (x - both) * cold[1]
+        + (y - both) * hot[0]
+        + both * hot[1]
+    )
+    return np.asarray((sum_q16 + ((1 << 15) >> lsb_log2)) >> (16 - lsb_log2))
 
 
 def table_capability_nm(

@@ -37,7 +37,7 @@ _BLOCK = 1000  # points searched at a time, so that their candidates stay in the
 class CurrentMap:
     """``current_d_mA`` has the shape (temperature, speed, torque points).
 
-    The middle torque point is zero.
+    The middle torque point is zero. Entries are whole multiples of 2^``lsb_log2``.
     """
 
     torque_step_log2: int
@@ -45,6 +45,7 @@ class CurrentMap:
     temperature_step_log2: int
     temperature_origin_cC: int  # noqa: N815, units keep their letters
     current_d_mA: npt.NDArray[np.int32]  # noqa: N815
+    lsb_log2: int = 0
 
     @property
     def torques_nm(self) -> Array:
@@ -133,14 +134,10 @@ def compute(drive: Drive, torque_step_log2: int, speed_step_log2: int, layers: i
     bent = exact[:, :-1, :-2] - 2.0 * exact[:, :-1, 1:-1] + exact[:, :-1, 2:]
     bent[:, 1:] += exact[:, :-2, 1:-1] - 2.0 * exact[:, 1:-1, 1:-1] + exact[:, 2:, 1:-1]
     bent[:, :, torque_points // 2] = 0.0
-    current = exact[:, :-1, 1:-1] - bent / 16.0
-    return CurrentMap(
-        torque_step_log2,
-        speed_step_log2,
-        temperature_step,
-        origin,
-        np.rint(current * 1000.0).astype(np.int32),
+    current, lsb_log2 = torque_map.resolved(
+        "current_map", 1000.0 * (exact[:, :-1, 1:-1] - bent / 16.0)
     )
+    return replace(empty, current_d_mA=current, lsb_log2=lsb_log2)
 
 
 def read(
@@ -161,7 +158,7 @@ def read(
     )
     s, s_part = audit.locate(np.abs(speed_rad_s) * 1000.0, rows, table.speed_step_log2)
     t, t_part = audit.locate(from_edge, columns, table.torque_step_log2)
-    entries = table.current_d_mA.astype(np.int64).ravel()
+    entries = table.current_d_mA.astype(np.int64).ravel() >> table.lsb_log2
     corner = s * columns + t
     speed_q20, warm_q20, hotter = s_part << (20 - table.speed_step_log2), np.zeros_like(t_part), 0
     if layers > 1:
@@ -171,33 +168,16 @@ def read(
         corner = corner + w * hotter
 
     def at_torque(first: audit.Whole) -> audit.Whole:
-        return _weighted(
+        return audit.weighted(
             speed_q20,
             warm_q20,
+            table.lsb_log2,
             (entries[first], entries[first + columns]),
             (entries[first + hotter], entries[first + hotter + columns]),
         )
 
     found = audit.between(at_torque(corner), at_torque(corner + 1), t_part, table.torque_step_log2)
     return np.asarray(found / 1000.0)
-
-
-def _weighted(
-    x_q20: audit.Whole,
-    y_q20: audit.Whole,
-    cold: tuple[audit.Whole, audit.Whole],
-    hot: tuple[audit.Whole, audit.Whole],
-) -> audit.Whole:
-    """Mirror grid_weights() and grid_weighted(): bilinear, rounded to nearest."""
-    both = (x_q20 * y_q20) >> 10
-    x, y = x_q20 << 10, y_q20 << 10
-    sum_q30 = (
-        ((1 << 30) - x - y + both) * cold[0]
-        + (x - both) * cold[1]
-        + (y - both) * hot[0]
-        + both * hot[1]
-    )
-    return np.asarray((sum_q30 + (1 << 29)) >> 30)
 
 
 def state(
@@ -328,6 +308,7 @@ def _filled(
     )
     strongest = np.maximum(TORQUE_RANGE * drive.motor.max_torque_nm, BEYOND_CLOSED_FORM * without)
     best = best_torque_nm(motor, inverter, currents, speeds, strongest)
-    torque = np.rint(best * 1000.0).astype(np.int32)
-    torque[:, 0] = plain.torque_mNm[:, 0]
-    return replace(plain, speed_step_log2=step_log2, torque_mNm=torque)
+    torque = best * 1000.0
+    grid = replace(plain, speed_step_log2=step_log2)
+    torque[:, 0] = torque_map.closed_form_mnm(drive, grid)[:, 0]
+    return torque_map.filled(grid, torque)

@@ -165,7 +165,7 @@ def _array(name: str, values: list[int], packed: Any) -> list[str]:  # noqa: ANN
 
     Trailing zeros are implied.
     """
-    if name == "torque_mNm":
+    if name == "torque_lsb":
         grid = packed.regen_map
         temperatures = [
             (grid.temperature_origin_cC + (row << grid.temperature_step_log2)) / 100
@@ -176,10 +176,10 @@ def _array(name: str, values: list[int], packed: Any) -> list[str]:  # noqa: ANN
             name,
             values,
             grid.speed_points,
-            f"a column every {step:g} rad/s, mechanical",
+            f"a column every {step:g} rad/s, mechanical; in {1 << grid.lsb_log2} mN m",
             [f"{t:g} degC" for t in temperatures],
         )
-    if name == "current_d_mA":
+    if name == "current_d_lsb":
         grid = packed.current_map
         speeds = [(row << grid.speed_step_log2) / 1000 for row in range(grid.speed_points)]
         layers = [
@@ -190,7 +190,7 @@ def _array(name: str, values: list[int], packed: Any) -> list[str]:  # noqa: ANN
             -(grid.torque_points // 2 << grid.torque_step_log2) / 1000,
             (1 << grid.torque_step_log2) / 1000,
         )
-        head = f"a column every {step:g} N m from {first:g} N m on"
+        head = f"a column every {step:g} N m from {first:g} N m on; in {1 << grid.lsb_log2} mA"
         return _rows(
             name,
             values,

@@ -123,7 +123,8 @@ def fields(drive: Drive) -> Values:
             "temperature_points": table.torque_mNm.shape[0],
             "temperature_step_log2": table.temperature_step_log2,
             "temperature_origin_cC": table.temperature_origin_cC,
-            "torque_mNm": [int(value) for value in table.torque_mNm.ravel()],
+            "lsb_log2": table.lsb_log2,
+            "torque_lsb": [int(value) >> table.lsb_log2 for value in table.torque_mNm.ravel()],
         },
         "current_map": {
             "torque_points": currents.current_d_mA.shape[2],
@@ -133,7 +134,10 @@ def fields(drive: Drive) -> Values:
             "temperature_points": currents.current_d_mA.shape[0],
             "temperature_step_log2": currents.temperature_step_log2,
             "temperature_origin_cC": currents.temperature_origin_cC,
-            "current_d_mA": [int(value) for value in currents.current_d_mA.ravel()],
+            "lsb_log2": currents.lsb_log2,
+            "current_d_lsb": [
+                int(value) >> currents.lsb_log2 for value in currents.current_d_mA.ravel()
+            ],
         },
     }
 

@@ -26,13 +26,15 @@ TEMPERATURE_STEP_LOG2 = (6, 15)
 class RegenMap:
     """The table as the firmware keeps it.
 
-    ``torque_mNm`` has the shape (temperature points, speed points).
+    ``torque_mNm`` has the shape (temperature points, speed points); its entries are whole multiples
+    of 2^``lsb_log2``.
     """
 
     speed_step_log2: int
     temperature_step_log2: int
     temperature_origin_cC: int  # noqa: N815, units keep their letters
     torque_mNm: npt.NDArray[np.int32]  # noqa: N815
+    lsb_log2: int = 0
 
     @property
     def speeds_rad_s(self) -> models.Array:
@@ -63,14 +65,47 @@ def regen_map(drive: Drive, points: tuple[int, int] | None = None) -> RegenMap:
     speeds, temperatures = points or (drive.table.speed_points, drive.table.temperature_points)
     assert speeds != "auto" and temperatures != "auto"
     empty = _grid(drive, speeds, temperatures)
-    motor = models.machine(drive, empty.temperatures_c[:, np.newaxis])
+    return filled(empty, closed_form_mnm(drive, empty))
+
+
+def closed_form_mnm(drive: Drive, grid: RegenMap) -> models.Array:
+    """Return the closed form's torque in mN m at every point of a grid."""
+    motor = models.machine(drive, grid.temperatures_c[:, np.newaxis])
     best = optimum.closed_form(
-        motor, models.bridge(drive), empty.speeds_rad_s * drive.motor.pole_pairs
+        motor, models.bridge(drive), grid.speeds_rad_s * drive.motor.pole_pairs
     )
     torque = -optimum.torque_at_zero_d_current(
-        motor, empty.speeds_rad_s * drive.motor.pole_pairs, best.current_extended_a
+        motor, grid.speeds_rad_s * drive.motor.pole_pairs, best.current_extended_a
     )
-    return replace(empty, torque_mNm=np.rint(torque * 1000.0).astype(np.int32))
+    return np.asarray(torque * 1000.0)
+
+
+def filled(grid: RegenMap, torque_mnm: models.Array) -> RegenMap:
+    """Return a table with these torques, as far as its entries resolve them."""
+    torque, lsb_log2 = resolved("regen_map", torque_mnm)
+    return replace(grid, torque_mNm=torque, lsb_log2=lsb_log2)
+
+
+def resolved(section: str, values: models.Array) -> tuple[npt.NDArray[np.int32], int]:
+    """Round the values of a map to what its 16-bit entries can say, all in one power of two.
+
+    It is the smallest in which the largest value fits. What is beyond the largest of them becomes
+    the end of the range.
+
+    Returns
+    -------
+    tuple
+        The values as whole multiples of the power of two, and its exponent.
+    """
+    known = layout.load().sections[section]
+    largest = next(info.highest for info in known.values() if info.count > 0)
+    lsb_log2 = 0
+    while np.max(np.abs(values)) >= (largest + 0.5) * 2.0**lsb_log2:
+        if lsb_log2 == known["lsb_log2"].highest:
+            break
+        lsb_log2 += 1
+    entries = np.clip(np.rint(values / 2.0**lsb_log2), -largest, largest)
+    return entries.astype(np.int32) << lsb_log2, lsb_log2
 
 
 def _grid(drive: Drive, speed_points: int, temperature_points: int) -> RegenMap:

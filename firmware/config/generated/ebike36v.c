@@ -16,7 +16,7 @@ extern const config_t CONFIG_EBIKE36V;
 
 CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 16,
+    .format_version = 17,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "ebike36v",
@@ -388,8 +388,10 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
         .temperature_points    = 5, /* points along winding temperature */
         .temperature_step_log2 = 12, /* distance of the points is 2^this hundredths of a degree */
         .temperature_origin_cC = -2000, /* [cC] winding temperature of the first point */
-        .torque_mNm = {
-            /* a column every 4.096 rad/s, mechanical */
+        /* the entries count in 2^this mNm, the finest in which the largest fits */
+        .lsb_log2              = 0,
+        .torque_lsb = {
+            /* a column every 4.096 rad/s, mechanical; in 1 mN m */
             /* -20 degC */
             -130, 2273, 4667, 7052, 9432, 11807, 14177, 16542, 18904, 21262, 23616, 25967,
             /* 20.96 degC */
@@ -413,13 +415,15 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
         .temperature_points    = 1,
         .temperature_step_log2 = 6, /* distance of the points is 2^this hundredths of a degree */
         .temperature_origin_cC = 5500, /* [cC] winding temperature of the first point */
-        .current_d_mA = {
-            /* a column every 8.192 N m from -16.384 N m on */
+        /* the entries count in 2^this mA, the finest in which the largest fits */
+        .lsb_log2              = 0,
+        .current_d_lsb = {
+            /* a column every 8.192 N m from -16.384 N m on; in 1 mA */
             /* 0 rad/s, 55 degC */
             0, 0, 0, 0, 0,
             /* 65.536 rad/s, 55 degC */
             -282, -352, -283, -480, -539,
         },
     },
-    .crc32 = 0x09C42F30,
+    .crc32 = 0xCDDE916B,
 };

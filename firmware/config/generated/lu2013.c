@@ -16,7 +16,7 @@ extern const config_t CONFIG_LU2013;
 
 CONFIG_SECTION const config_t CONFIG_LU2013 = {
     .magic = CONFIG_MAGIC,
-    .format_version = 16,
+    .format_version = 17,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "lu2013",
@@ -389,17 +389,19 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
         .temperature_points    = 3, /* points along winding temperature */
         .temperature_step_log2 = 13, /* distance of the points is 2^this hundredths of a degree */
         .temperature_origin_cC = -2000, /* [cC] winding temperature of the first point */
-        .torque_mNm = {
-            /* a column every 4.096 rad/s, mechanical */
+        /* the entries count in 2^this mNm, the finest in which the largest fits */
+        .lsb_log2              = 4,
+        .torque_lsb = {
+            /* a column every 4.096 rad/s, mechanical; in 16 mN m */
             /* -20 degC */
-            -2047, 22001, 45681, 69111, 92339, 115386, 138267, 160991, 183564, 205989, 228270,
-            250411, 272412, 294276, 316005, 337600, 359064, 380397,
+            -128, 1375, 2855, 4319, 5771, 7212, 8642, 10062, 11473, 12874, 14267, 15651, 17026,
+            18392, 19750, 21100, 22442, 23775,
             /* 61.92 degC */
-            -1522, 16523, 34237, 51755, 69128, 86379, 103525, 120575, 137533, 154404, 171191,
-            187895, 204518, 221062, 237528, 253917, 270230, 286467,
+            -95, 1033, 2140, 3235, 4320, 5399, 6470, 7536, 8596, 9650, 10699, 11743, 12782, 13816,
+            14846, 15870, 16889, 17904,
             /* 143.84 degC */
-            -1211, 13282, 27463, 41470, 55359, 69155, 82873, 96522, 110108, 123633, 137102, 150516,
-            163876, 177184, 190440, 203645, 216801, 229907,
+            -76, 830, 1716, 2592, 3460, 4322, 5180, 6033, 6882, 7727, 8569, 9407, 10242, 11074,
+            11902, 12728, 13550, 14369,
         },
     },
     .current_map = {
@@ -413,8 +415,10 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
         .temperature_points    = 2,
         .temperature_step_log2 = 14, /* distance of the points is 2^this hundredths of a degree */
         .temperature_origin_cC = -2000, /* [cC] winding temperature of the first point */
-        .current_d_mA = {
-            /* a column every 32.768 N m from -65.536 N m on */
+        /* the entries count in 2^this mA, the finest in which the largest fits */
+        .lsb_log2              = 0,
+        .current_d_lsb = {
+            /* a column every 32.768 N m from -65.536 N m on; in 1 mA */
             /* 0 rad/s, -20 degC */
             0, 0, 0, 0, 0,
             /* 16.384 rad/s, -20 degC */
@@ -441,5 +445,5 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
             -7364, -7790, -7021, -8871, -9455,
         },
     },
-    .crc32 = 0x7D9E01E8,
+    .crc32 = 0x8125AA76,
 };

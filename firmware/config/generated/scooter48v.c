@@ -16,7 +16,7 @@ extern const config_t CONFIG_SCOOTER48V;
 
 CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 16,
+    .format_version = 17,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "scooter48v",
@@ -387,23 +387,22 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
         .temperature_points    = 3, /* points along winding temperature */
         .temperature_step_log2 = 13, /* distance of the points is 2^this hundredths of a degree */
         .temperature_origin_cC = -2000, /* [cC] winding temperature of the first point */
-        .torque_mNm = {
-            /* a column every 2.048 rad/s, mechanical */
+        /* the entries count in 2^this mNm, the finest in which the largest fits */
+        .lsb_log2              = 3,
+        .torque_lsb = {
+            /* a column every 2.048 rad/s, mechanical; in 8 mN m */
             /* -20 degC */
-            -1392, 3905, 9312, 14969, 21014, 26606, 32197, 37785, 43368, 48946, 54519, 60086, 65646,
-            71200, 76747, 82286, 87819, 93392, 98965, 104534, 110102, 115669, 121233, 126794,
-            132353, 137911, 143466, 149018, 154569, 160116, 165661, 171204, 176744, 182298, 187853,
-            193404, 198955,
+            -174, 488, 1164, 1871, 2627, 3326, 4025, 4723, 5421, 6118, 6815, 7511, 8206, 8900, 9593,
+            10286, 10977, 11674, 12371, 13067, 13763, 14459, 15154, 15849, 16544, 17239, 17933,
+            18627, 19321, 20015, 20708, 21401, 22093, 22787, 23482, 24176, 24869,
             /* 61.92 degC */
-            -1057, 2968, 7040, 11223, 15580, 20194, 24504, 28756, 33006, 37254, 41499, 45741, 49979,
-            54214, 58445, 62672, 66897, 71153, 75411, 79669, 83927, 88186, 92445, 96704, 100963,
-            105223, 109483, 113743, 118004, 122264, 126524, 130786, 135046, 139321, 143597, 147873,
-            152151,
+            -132, 371, 880, 1403, 1948, 2524, 3063, 3595, 4126, 4657, 5187, 5718, 6247, 6777, 7306,
+            7834, 8362, 8894, 9426, 9959, 10491, 11023, 11556, 12088, 12620, 13153, 13685, 14218,
+            14750, 15283, 15816, 16348, 16881, 17415, 17950, 18484, 19019,
             /* 143.84 degC */
-            -852, 2400, 5675, 8999, 12415, 15959, 19671, 23227, 26658, 30089, 33518, 36945, 40370,
-            43793, 47214, 50633, 54050, 57494, 60939, 64386, 67834, 71283, 74733, 78184, 81637,
-            85091, 88546, 92002, 95459, 98918, 102377, 105838, 109300, 112773, 116249, 119726,
-            123206,
+            -107, 300, 709, 1125, 1552, 1995, 2459, 2903, 3332, 3761, 4190, 4618, 5046, 5474, 5902,
+            6329, 6756, 7187, 7617, 8048, 8479, 8910, 9342, 9773, 10205, 10636, 11068, 11500, 11932,
+            12365, 12797, 13230, 13662, 14097, 14531, 14966, 15401,
         },
     },
     .current_map = {
@@ -417,8 +416,10 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
         .temperature_points    = 1,
         .temperature_step_log2 = 6, /* distance of the points is 2^this hundredths of a degree */
         .temperature_origin_cC = 5000, /* [cC] winding temperature of the first point */
-        .current_d_mA = {
-            /* a column every 2.048 N m from -20.48 N m on */
+        /* the entries count in 2^this mA, the finest in which the largest fits */
+        .lsb_log2              = 0,
+        .current_d_lsb = {
+            /* a column every 2.048 N m from -20.48 N m on; in 1 mA */
             /* 0 rad/s, 50 degC */
             -8432, -6937, -5559, -4311, -3202, -2243, -1444, -813, -357, -81, 0, -81, -357, -813,
             -1444, -2243, -3202, -4311, -5559, -6937, -8432,
@@ -433,5 +434,5 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
             -5218, -5966, -6796, -7744, -8823, -10033, -11370, -12827, -14396,
         },
     },
-    .crc32 = 0x3D3A9FC4,
+    .crc32 = 0x4878FA91,
 };

@@ -16,7 +16,7 @@ extern const config_t CONFIG_WHEEL24V;
 
 CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 16,
+    .format_version = 17,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "wheel24v",
@@ -387,8 +387,10 @@ CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
         .temperature_points    = 3, /* points along winding temperature */
         .temperature_step_log2 = 13, /* distance of the points is 2^this hundredths of a degree */
         .temperature_origin_cC = 0, /* [cC] winding temperature of the first point */
-        .torque_mNm = {
-            /* a column every 4.096 rad/s, mechanical */
+        /* the entries count in 2^this mNm, the finest in which the largest fits */
+        .lsb_log2              = 0,
+        .torque_lsb = {
+            /* a column every 4.096 rad/s, mechanical; in 1 mN m */
             /* 0 degC */
             -72, 2180, 4422, 6656, 8885, 11109, 13329,
             /* 81.92 degC */
@@ -408,8 +410,10 @@ CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
         .temperature_points    = 1,
         .temperature_step_log2 = 6, /* distance of the points is 2^this hundredths of a degree */
         .temperature_origin_cC = 6000, /* [cC] winding temperature of the first point */
-        .current_d_mA = {
-            /* a column every 4.096 N m from -8.192 N m on */
+        /* the entries count in 2^this mA, the finest in which the largest fits */
+        .lsb_log2              = 0,
+        .current_d_lsb = {
+            /* a column every 4.096 N m from -8.192 N m on; in 1 mA */
             /* 0 rad/s, 60 degC */
             0, 0, 0, 0, 0,
             /* 2.048 rad/s, 60 degC */
@@ -438,5 +442,5 @@ CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
             -69, -93, -74, -137, -157,
         },
     },
-    .crc32 = 0xFBFA441A,
+    .crc32 = 0xF06A40CF,
 };

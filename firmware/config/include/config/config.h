@@ -10,7 +10,8 @@
  *     X(name, smallest accepted value, largest accepted value, "unit",
  *       "meaning, meaning of zero, effect of raising")
  *
- * Every scalar is an int32_t, so there is no padding on any machine. The unit is part of the name:
+ * Every scalar is an int32_t and every map an even number of int16_t, so there is no padding on any
+ * machine. The unit is part of the name:
  * _mNm, _mA, _mV, _mW, _uOhm, _nH, _nWb, _cC (hundredths of a degree Celsius), _mJ_K, _mK_W,
  * _mrad_s (mechanical), _turn (65 536 = one electrical turn), _pu_qN (per unit, fixed point with N
  * fraction bits). Per-unit bases: firmware/config/include/config/bases.h.
@@ -23,14 +24,12 @@
 
 #include <stdint.h>
 
+#include "config/map_fields.h"
 #include "config/pedals_fields.h"
 
 #define CONFIG_MAGIC 0x434F4648 /* "HFOC" in memory, little endian */
-#define CONFIG_FORMAT_VERSION 16
+#define CONFIG_FORMAT_VERSION 17
 #define CONFIG_NAME_LENGTH 32
-#define CONFIG_REGEN_POINTS_MAX 800 /* such as 47 speeds at 17 temperatures, or 65 at 12 */
-/* such as 31 torques and 19 speeds at 2 temperatures */
-#define CONFIG_CURRENT_MAP_POINTS_MAX 1178
 #define CONFIG_HALL_EDGES 6
 #define CONFIG_PEDAL_CHANNELS 4 /* accelerator a and b, brake pedal a and b */
 #define CONFIG_WHEELS 4         /* in the order of vehicle.wheel_position */
@@ -379,49 +378,9 @@
     X(heatsink_thermal_resistance_mK_W,      0,         1000000,    "mK/W", \
       "heat sink to ambient; 0: insulated")
 
-#define CONFIG_REGEN_MAP_FIELDS(X) \
-    X(speed_points,                          2,         65,         "1", \
-      "points along speed, from standstill") \
-    X(speed_step_log2,                       6,         20,         "", \
-      "distance of the points is 2^this mrad/s, mechanical") \
-    X(temperature_points,                    2,         17,         "1", \
-      "points along winding temperature") \
-    X(temperature_step_log2,                 6,         15,         "", \
-      "distance of the points is 2^this hundredths of a degree") \
-    X(temperature_origin_cC,                 -10000,    20000,      "cC", \
-      "winding temperature of the first point")
-
-/* Row after row of equal temperature: torque[t * speed_points + s]; unused entries are 0. */
-#define CONFIG_REGEN_MAP_ARRAY(Y) \
-    Y(torque_mNm, CONFIG_REGEN_POINTS_MAX,   -100000000, 100000000, "mNm", \
-      "unclamped braking torque that returns the most energy with the i_d of current_map, " \
-      "magnitude; near standstill negative by extrapolation, which counts as 0")
-
-#define CONFIG_CURRENT_MAP_FIELDS(X) \
-    X(torque_points,                         3,         65,         "1", \
-      "odd: points along torque in the direction of rotation, braking first; the middle " \
-      "one is zero torque") \
-    X(torque_step_log2,                      0,         20,         "", \
-      "distance of the points is 2^this mNm at the airgap") \
-    X(speed_points,                          2,         65,         "1", \
-      "points along speed, from standstill") \
-    X(speed_step_log2,                       6,         20,         "", \
-      "distance of the points is 2^this mrad/s, mechanical") \
-    X(temperature_points,                    1,         5,          "1", \
-      "points along winding temperature; 1: the map does not depend on it") \
-    X(temperature_step_log2,                 6,         15,         "", \
-      "distance of the points is 2^this hundredths of a degree") \
-    X(temperature_origin_cC,                 -10000,    20000,      "cC", \
-      "winding temperature of the first point")
-
-/* Layer after layer of equal temperature, row after row of equal speed:
- * current_d[(w * speed_points + s) * torque_points + t]; unused entries at the end are 0. */
-#define CONFIG_CURRENT_MAP_ARRAY(Y) \
-    Y(current_d_mA, CONFIG_CURRENT_MAP_POINTS_MAX, -3000000, 3000000, "mA", \
-      "terminal i_d of least loss, before field weakening; all 0: i_d = 0")
-
 #define CONFIG_SCALAR_MEMBER(name, lowest, highest, unit, text) int32_t name;
 #define CONFIG_ARRAY_MEMBER(name, count, lowest, highest, unit, text) int32_t name[count];
+#define CONFIG_MAP_MEMBER(name, count, lowest, highest, unit, text) int16_t name[count];
 
 typedef struct { CONFIG_MOTOR_FIELDS(CONFIG_SCALAR_MEMBER) } config_motor_t;
 typedef struct { CONFIG_DRIVE_FIELDS(CONFIG_SCALAR_MEMBER) } config_drive_t;
@@ -443,11 +402,11 @@ typedef struct { CONFIG_MONITOR_FIELDS(CONFIG_SCALAR_MEMBER) } config_monitor_t;
 typedef struct { CONFIG_THERMAL_FIELDS(CONFIG_SCALAR_MEMBER) } config_thermal_t;
 typedef struct {
     CONFIG_REGEN_MAP_FIELDS(CONFIG_SCALAR_MEMBER)
-    CONFIG_REGEN_MAP_ARRAY(CONFIG_ARRAY_MEMBER)
+    CONFIG_REGEN_MAP_ARRAY(CONFIG_MAP_MEMBER)
 } config_regen_map_t;
 typedef struct {
     CONFIG_CURRENT_MAP_FIELDS(CONFIG_SCALAR_MEMBER)
-    CONFIG_CURRENT_MAP_ARRAY(CONFIG_ARRAY_MEMBER)
+    CONFIG_CURRENT_MAP_ARRAY(CONFIG_MAP_MEMBER)
 } config_current_map_t;
 /* clang-format on */
 

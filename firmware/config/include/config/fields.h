@@ -11,7 +11,7 @@
 
 #include "config/config.h"
 
-/* A field of config_t: one value or several, each an int32_t. */
+/* A field of config_t: one value or several, each an int32_t, or a map of int16_t. */
 typedef struct {
     const char *section; /* with its dot: "motor." */
     const char *name;    /* "pole_pairs" */
@@ -35,8 +35,8 @@ bool config_field_next(config_field_t *field);
  * where none does, the last one behind it. */
 config_field_t config_field_at(uint32_t offset_bytes);
 
-/* The field's values in a configuration. Every field is an int32_t at a multiple of four bytes, so
- * the image may be read as an array of words. */
-const int32_t *config_field_values(const config_t *config, const config_field_t *field);
+/* One of the field's values in a configuration, 0 <= place < field->count. Every field begins at a
+ * multiple of four bytes, so the image may be read as an array of words or of half-words. */
+int32_t config_field_value(const config_t *config, const config_field_t *field, uint32_t place);
 
 #endif

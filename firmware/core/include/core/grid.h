@@ -3,8 +3,8 @@
  * grid.h: linear interpolation in a table on a uniform grid whose step is a power of two, so that
  * the index is a shift. Slow loop.
  *
- * Values are of either sign, below 2^30 in magnitude; the interpolated value never leaves the range
- * of the neighbouring points.
+ * Values are of either sign; the interpolated value never leaves the range of the neighbouring
+ * points.
  */
 #ifndef CORE_GRID_H
 #define CORE_GRID_H
@@ -32,29 +32,36 @@ static inline int32_t grid_interpolate(int32_t a, int32_t b, int32_t fraction_q2
     return a + (int32_t)(((int64_t)(b - a) * fraction_q20 + GRID_WHOLE_Q20 / 2) >> 20);
 }
 
-/* Weights of the four corners of a cell, 30 fraction bits: none negative, sum one. */
+/* Weights of the four corners of a cell of 16-bit entries, which count in 2^lsb_log2 of the unit:
+ * none negative, sum one. */
 typedef struct {
-    int32_t at_00, at_10, at_01, at_11;
+    int32_t at_00, at_10, at_01, at_11; /* 16 fraction bits */
+    int32_t shift;                      /* from the sum to half a unit */
 } grid_weights_t;
 
-static inline grid_weights_t grid_weights(int32_t x_q20, int32_t y_q20)
+/* 0 <= x_q20, y_q20 <= 2^20; 0 <= lsb_log2 <= 15. */
+static inline grid_weights_t grid_weights(int32_t x_q20, int32_t y_q20, int32_t lsb_log2)
 {
-    const int32_t both = (int32_t)(((int64_t)x_q20 * y_q20) >> 10);
-    const int32_t x = x_q20 * (1 << 10);
-    const int32_t y = y_q20 * (1 << 10);
-    const grid_weights_t out = {
-        .at_00 = (1 << 30) - x - y + both, .at_10 = x - both, .at_01 = y - both, .at_11 = both};
+    const int32_t x = x_q20 >> 4;
+    const int32_t y = y_q20 >> 4;
+    const int32_t both = (int32_t)(((int64_t)x * y + (1 << 15)) >> 16);
+    const grid_weights_t out = {.at_00 = (1 << 16) - x - y + both,
+                                .at_10 = x - both,
+                                .at_01 = y - both,
+                                .at_11 = both,
+                                .shift = 15 - lsb_log2};
     return out;
 }
 
-/* Bilinear interpolation, rounded to nearest (halves upwards). The result lies between the smallest
- * and the largest corner. */
-static inline int32_t grid_weighted(const grid_weights_t *weights, int32_t at_00, int32_t at_10,
-                                    int32_t at_01, int32_t at_11)
+/* Bilinear interpolation of entries, in the unit, rounded to nearest (halves upwards). The result
+ * lies between the smallest and the largest corner. Entries above -2^15 keep the sum within 32
+ * bits: 2^16 (2^15 - 1). */
+static inline int32_t grid_weighted(const grid_weights_t *weights, int16_t at_00, int16_t at_10,
+                                    int16_t at_01, int16_t at_11)
 {
-    const int64_t sum_q30 = (int64_t)weights->at_00 * at_00 + (int64_t)weights->at_10 * at_10 +
-                            (int64_t)weights->at_01 * at_01 + (int64_t)weights->at_11 * at_11;
-    return (int32_t)((sum_q30 + (1 << 29)) >> 30);
+    const int32_t sum_q16 = weights->at_00 * at_00 + weights->at_10 * at_10 +
+                            weights->at_01 * at_01 + weights->at_11 * at_11;
+    return ((sum_q16 >> weights->shift) + 1) >> 1;
 }
 
 #endif

@@ -28,19 +28,18 @@ int32_t loss_maps_torque_mNm(const config_t *config, int32_t speed_mrad_s,
  * entries zero: i_d = 0 control.
  */
 typedef struct {
-    const int32_t *cold_mA, *hot_mA; /* next lower speed, from the first torque on */
-    int32_t next_speed;              /* entries between two of them */
-    grid_weights_t weights;          /* over speed (10) and temperature (01) */
-    int32_t points, step_log2;       /* along torque */
-    int32_t zero_mNm;                /* from the first point to zero torque */
+    const int16_t *cold_lsb, *hot_lsb; /* next lower speed, from the first torque on */
+    grid_weights_t weights;            /* over speed (10) and temperature (01) */
+    int32_t points, step_log2;         /* along torque; from one speed to the next */
+    int32_t zero_mNm;                  /* from the first point to zero torque */
 } loss_maps_row_t;
 
 /* Position in the map for a speed and a winding temperature. Once per slow step.
  *
  * @post result.points == config->current_map.torque_points && result.step_log2 ==
- * config->current_map.torque_step_log2 && result.next_speed == config->current_map.torque_points
+ * config->current_map.torque_step_log2
  *
- * @post config->current_map.temperature_points > 1 || result.hot_mA == result.cold_mA
+ * @post config->current_map.temperature_points > 1 || result.hot_lsb == result.cold_lsb
  */
 loss_maps_row_t loss_maps_row_at(const config_t *config, int32_t speed_mrad_s,
                                  int32_t winding_temperature_cC);

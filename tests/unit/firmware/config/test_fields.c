@@ -22,8 +22,10 @@ typedef struct {
 } expected_t;
 
 #define FIELD(section, name, lowest, highest)                                                      \
+    FIELD_OF(section, name, sizeof(int32_t), lowest, highest)
+#define FIELD_OF(section, name, bytes, lowest, highest)                                            \
     {#section "." #name, offsetof(config_t, section.name),                                         \
-     sizeof(((config_t *)0)->section.name) / sizeof(int32_t), (lowest), (highest)},
+     sizeof(((config_t *)0)->section.name) / (bytes), (lowest), (highest)},
 #define MOTOR(name, lowest, highest, unit, text) FIELD(motor, name, lowest, highest)
 #define ROTOR(name, lowest, highest, unit, text) FIELD(rotor, name, lowest, highest)
 #define HALL(name, count, lowest, highest, unit, text) FIELD(rotor, name, lowest, highest)
@@ -31,7 +33,8 @@ typedef struct {
 #define CHANNEL(name, count, lowest, highest, unit, text) FIELD(pedals, name, lowest, highest)
 #define MONITOR(name, lowest, highest, unit, text) FIELD(monitor, name, lowest, highest)
 #define CURRENT(name, lowest, highest, unit, text) FIELD(current_map, name, lowest, highest)
-#define CURRENTS(name, count, lowest, highest, unit, text) FIELD(current_map, name, lowest, highest)
+#define CURRENTS(name, count, lowest, highest, unit, text)                                         \
+    FIELD_OF(current_map, name, sizeof(int16_t), lowest, highest)
 
 static const expected_t EXPECTED[] = {
     CONFIG_MOTOR_FIELDS(MOTOR) CONFIG_ROTOR_FIELDS(ROTOR) CONFIG_HALL_ARRAY(HALL)
@@ -69,7 +72,8 @@ void test_fields_cover_everything_between_header_and_checksum(void)
         TEST_ASSERT_EQUAL_UINT32(end_bytes, field.offset_bytes);
         TEST_ASSERT_GREATER_THAN(0, strlen(field.name));
         TEST_ASSERT_GREATER_THAN_UINT32(0, field.count);
-        end_bytes += field.count * (uint32_t)sizeof(int32_t);
+        /* A map is of half-words. */
+        end_bytes += field.count * (field.count > CONFIG_FIELD_VALUES_MAX ? 2U : 4U);
         number++;
     } while (config_field_next(&field));
     TEST_ASSERT_EQUAL(offsetof(config_t, crc32), end_bytes);
@@ -81,7 +85,7 @@ void test_last_field_stays_the_last(void)
     const config_field_t before = last;
     TEST_ASSERT_FALSE(config_field_next(&last));
     TEST_ASSERT_EQUAL_STRING("current_map.", last.section);
-    TEST_ASSERT_EQUAL_STRING("current_d_mA", last.name);
+    TEST_ASSERT_EQUAL_STRING("current_d_lsb", last.name);
     TEST_ASSERT_EQUAL_UINT32(before.number, last.number);
     TEST_ASSERT_EQUAL_UINT32(before.offset_bytes, last.offset_bytes);
 }
@@ -100,6 +104,11 @@ void test_values_of_a_field_are_those_of_the_structure(void)
     config.rotor.edge_turn[0] = 7;
     config.rotor.edge_turn[5] = 9;
     const config_field_t field = config_field_at((uint32_t)offsetof(config_t, rotor.edge_turn));
-    TEST_ASSERT_EQUAL_PTR(config.rotor.edge_turn, config_field_values(&config, &field));
-    TEST_ASSERT_EQUAL_INT32(9, config_field_values(&config, &field)[5]);
+    TEST_ASSERT_EQUAL_INT32(7, config_field_value(&config, &field, 0));
+    TEST_ASSERT_EQUAL_INT32(9, config_field_value(&config, &field, 5));
+    config.regen_map.torque_lsb[0] = -32767;
+    config.regen_map.torque_lsb[799] = 1234;
+    const config_field_t map = config_field_at((uint32_t)offsetof(config_t, regen_map.torque_lsb));
+    TEST_ASSERT_EQUAL_INT32(-32767, config_field_value(&config, &map, 0));
+    TEST_ASSERT_EQUAL_INT32(1234, config_field_value(&config, &map, 799));
 }

@@ -152,13 +152,6 @@ static void assert_range(const char *field, int32_t *value, int32_t lowest, int3
 #define CHECK_MODES(name, lowest, highest, unit, text) CHECK_SCALAR(modes, name, lowest, highest)
 #define CHECK_MONITOR(name, lowest, highest, unit, text)                                           \
     CHECK_SCALAR(monitor, name, lowest, highest)
-#define CHECK_MAP(name, lowest, highest, unit, text) CHECK_SCALAR(regen_map, name, lowest, highest)
-#define CHECK_MAP_ARRAY(name, count, lowest, highest, unit, text)                                  \
-    CHECK_ARRAY(regen_map, name, count, lowest, highest)
-#define CHECK_CURRENT(name, lowest, highest, unit, text)                                           \
-    CHECK_SCALAR(current_map, name, lowest, highest)
-#define CHECK_CURRENT_ARRAY(name, count, lowest, highest, unit, text)                              \
-    CHECK_ARRAY(current_map, name, count, lowest, highest)
 
 void test_every_field_is_checked_against_the_range_of_the_header(void)
 {
@@ -175,10 +168,6 @@ void test_every_field_is_checked_against_the_range_of_the_header(void)
     CONFIG_PEDALS_ARRAY(CHECK_PEDALS_ARRAY)
     CONFIG_MODES_FIELDS(CHECK_MODES)
     CONFIG_MONITOR_FIELDS(CHECK_MONITOR)
-    CONFIG_REGEN_MAP_FIELDS(CHECK_MAP)
-    CONFIG_REGEN_MAP_ARRAY(CHECK_MAP_ARRAY)
-    CONFIG_CURRENT_MAP_FIELDS(CHECK_CURRENT)
-    CONFIG_CURRENT_MAP_ARRAY(CHECK_CURRENT_ARRAY)
 }
 
 static void assert_relation(const char *fields)
@@ -441,38 +430,4 @@ void test_blend_out_must_end_above_the_lowest_hall_speed(void)
     config.brake.blend_out_end_mrad_s = 0;
     config.rotor.sensor = CONFIG_ROTOR_ANGLE;
     TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
-}
-
-void test_d_current_map_must_have_a_point_at_zero_torque(void)
-{
-    config.current_map.torque_points = 4;
-    assert_relation("current_map.torque_points odd");
-}
-
-void test_maps_must_fit_their_arrays(void)
-{
-    config.current_map.torque_points = 31;
-    config.current_map.speed_points = 19;
-    config.current_map.temperature_points = 2;
-    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
-    config.current_map.temperature_points = 3;
-    assert_relation(
-        "current_map.torque_points * speed_points * temperature_points within the table");
-    config.current_map.temperature_points = 2;
-    config.regen_map.speed_points = 47;
-    config.regen_map.temperature_points = 17;
-    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
-    config.regen_map.speed_points = 48;
-    assert_relation("regen_map.speed_points * regen_map.temperature_points within the table");
-}
-
-void test_d_currents_of_the_map_must_leave_a_quarter_of_the_flux(void)
-{
-    /* psi = 20.4 mWb: with L_q - L_d = 0.1 mH, i_d = 153 A cancels three quarters of it. */
-    config.motor.type = CONFIG_MOTOR_IPMSM;
-    config.motor.q_inductance_nH = config.motor.d_inductance_nH + 100000;
-    config.current_map.current_d_mA[CONFIG_CURRENT_MAP_POINTS_MAX - 1] = 152999;
-    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
-    config.current_map.current_d_mA[CONFIG_CURRENT_MAP_POINTS_MAX - 1] = 153001;
-    assert_relation("current_map.current_d_mA leaves a quarter of motor.flux_linkage_nWb");
 }

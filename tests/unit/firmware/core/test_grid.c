@@ -75,26 +75,28 @@ void test_weights_of_a_cell_are_none_negative_and_add_up_to_one(void)
     /* 2^20 - 1 = 1023 * 1025: the last x is the whole, the last y zero. */
     for (int32_t x_q20 = 1; x_q20 <= GRID_WHOLE_Q20; x_q20 += 1025) {
         for (int32_t y_q20 = GRID_WHOLE_Q20 - 1; y_q20 >= 0; y_q20 -= 1023) {
-            const grid_weights_t w = grid_weights(x_q20, y_q20);
+            const grid_weights_t w = grid_weights(x_q20, y_q20, 0);
             TEST_ASSERT_TRUE(w.at_00 >= 0 && w.at_10 >= 0 && w.at_01 >= 0 && w.at_11 >= 0);
-            TEST_ASSERT_TRUE((int64_t)w.at_00 + w.at_10 + w.at_01 + w.at_11 == 1 << 30);
+            TEST_ASSERT_TRUE(w.at_00 + w.at_10 + w.at_01 + w.at_11 == 1 << 16);
         }
     }
 }
 
 void test_weighted_corners_are_the_bilinear_surface_rounded_to_nearest(void)
 {
-    static const int32_t CORNERS[][4] = {
-        {0, 1000, -1000, 17}, {5, 5, 5, 5}, {3000000, -3000000, -3000000, 3000000}};
+    static const int16_t CORNERS[][4] = {
+        {0, 1000, -1000, 17}, {5, 5, 5, 5}, {32767, -32767, -32767, 32767}, {1, 0, 0, -1}};
     for (unsigned i = 0; i < sizeof(CORNERS) / sizeof(CORNERS[0]); i++) {
-        const int32_t *c = CORNERS[i];
+        const int16_t *c = CORNERS[i];
+        const int32_t lsb_log2 = i == 3 ? 10 : (int32_t)(5 * i);
         for (int32_t x_q20 = 0; x_q20 <= GRID_WHOLE_Q20; x_q20 += 4096) {
             for (int32_t y_q20 = 0; y_q20 <= GRID_WHOLE_Q20; y_q20 += 4096) {
                 const double x = (double)x_q20 / GRID_WHOLE_Q20;
                 const double y = (double)y_q20 / GRID_WHOLE_Q20;
-                const double exact = (1.0 - x) * (1.0 - y) * c[0] + x * (1.0 - y) * c[1] +
-                                     (1.0 - x) * y * c[2] + x * y * c[3];
-                const grid_weights_t w = grid_weights(x_q20, y_q20);
+                const double exact =
+                    (1 << lsb_log2) * ((1.0 - x) * (1.0 - y) * c[0] + x * (1.0 - y) * c[1] +
+                                       (1.0 - x) * y * c[2] + x * y * c[3]);
+                const grid_weights_t w = grid_weights(x_q20, y_q20, lsb_log2);
                 const int32_t got = grid_weighted(&w, c[0], c[1], c[2], c[3]);
                 TEST_ASSERT_TRUE(fabs(got - exact) <= 0.5);
             }

@@ -30,7 +30,7 @@ static inline config_t paper_vehicle(void)
 static inline config_t paper_vehicle_without_i_d(void)
 {
     config_t config = paper_vehicle();
-    memset(config.current_map.current_d_mA, 0, sizeof config.current_map.current_d_mA);
+    memset(config.current_map.current_d_lsb, 0, sizeof config.current_map.current_d_lsb);
     return config;
 }
 
@@ -64,10 +64,11 @@ static inline void fill_with_best_angle(config_t *config)
     map->speed_step_log2 = 18;
     map->temperature_points = 1;
     map->temperature_step_log2 = 6;
+    map->lsb_log2 = 4; /* 16 mA: up to 524 A */
     for (int t = 0; t < 17; t++) {
         const double i_d_a = best_angle_d_a(&config->motor, (t - 8) * 32.768);
         for (int s = 0; s < 5; s++) {
-            map->current_d_mA[s * 17 + t] = (int32_t)lround(i_d_a * 1e3);
+            map->current_d_lsb[s * 17 + t] = (int16_t)lround(i_d_a * 1e3 / 16.0);
         }
     }
 }
@@ -97,8 +98,9 @@ static inline config_t salient_vehicle(void)
     config.drive.current_full_scale_mA = 500000;
     fill_with_best_angle(&config);
     /* The optimum of such a motor is beyond its largest torque at any speed worth braking from. */
+    config.regen_map.lsb_log2 = 10;
     for (int k = 0; k < CONFIG_REGEN_POINTS_MAX; k++) {
-        config.regen_map.torque_mNm[k] = 100000000;
+        config.regen_map.torque_lsb[k] = INT16_MAX;
     }
     return config;
 }

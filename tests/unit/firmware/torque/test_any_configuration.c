@@ -86,8 +86,8 @@ static bool random_configuration(random_t *random, double changed, config_t *con
     config->driver.hold_torque_mNm =
         q_min(config->driver.hold_torque_mNm, config->brake.max_hydraulic_torque_mNm);
     for (int k = 0; k < CONFIG_CURRENT_MAP_POINTS_MAX && random_chance(random, 0.999); k++) {
-        config->current_map.current_d_mA[k] =
-            (int32_t)(random_between(random, -1000, 1000) * exp(random_real(random, 0.0, 8.0)));
+        config->current_map.current_d_lsb[k] =
+            (int16_t)(random_between(random, -1000, 1000) * exp(random_real(random, 0.0, 3.48)));
     }
     config->crc32 = config_crc32(config, (uint32_t)offsetof(config_t, crc32));
     return config_validate(config, sizeof *config).code == CONFIG_RESULT_OK;

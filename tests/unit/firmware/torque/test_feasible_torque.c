@@ -246,8 +246,9 @@ void test_bounds_of_an_extreme_reactance_are_magnitudes(void)
     config.motor.max_phase_current_mA = 200000;
     config.motor.max_speed_mrad_s = 1151917;
     config.battery.max_voltage_mV = 403000;
+    config.current_map.lsb_log2 = 6; /* the most negative i_d that a map can have */
     for (int k = 0; k < CONFIG_CURRENT_MAP_POINTS_MAX; k++) {
-        config.current_map.current_d_mA[k] = -3000000;
+        config.current_map.current_d_lsb[k] = -32767;
     }
     random_t random = random_seeded(7);
     for (int n = 0; n < 20000; n++) {

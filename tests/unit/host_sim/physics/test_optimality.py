@@ -19,11 +19,11 @@ def returned(
     reference = configuration.image_of
 
     def scaled(drive: Drive) -> bytes:
-        stored = image.fields(drive)["regen_map"]["torque_mNm"]
+        stored = image.fields(drive)["regen_map"]["torque_lsb"]
         assert isinstance(stored, list)
         return configuration.changed_image(
             reference(drive),
-            {("regen_map", "torque_mNm"): [round(torque * factor) for torque in stored]},
+            {("regen_map", "torque_lsb"): [round(torque * factor) for torque in stored]},
         )
 
     with monkeypatch.context() as patch:

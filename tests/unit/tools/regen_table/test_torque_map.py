@@ -122,8 +122,26 @@ def test_without_i_d_the_table_is_the_closed_form_at_its_points(paper: schema.Dr
         best = optimum.closed_form(
             models.machine(paper, float(warm)), models.bridge(paper), table.speeds_rad_s * 23
         )
-        assert np.all(np.abs(-1000.0 * best.torque_optimal_nm - table.torque_mNm[row])[1:] <= 0.5)
+        beside = np.abs(-1000.0 * best.torque_optimal_nm - table.torque_mNm[row])
+        assert np.all(beside[1:] <= 0.5 * 2.0**table.lsb_log2)
     assert np.all(table.torque_mNm[:, 0] < 0)  # the line goes on below zero at standstill
+
+
+@pytest.mark.parametrize(("section", "coarsest_log2"), [("regen_map", 10), ("current_map", 6)])
+def test_entries_count_in_the_finest_power_of_two_in_which_the_largest_fits(
+    section: str, coarsest_log2: int
+) -> None:
+    rng = np.random.default_rng(11)
+    for decade in range(8):
+        exact = 10.0**decade * rng.uniform(-1.0, 1.0, 50)
+        stored, lsb_log2 = torque_map.resolved(section, exact)
+        assert 0 <= lsb_log2 <= coarsest_log2
+        assert np.all(stored % 2**lsb_log2 == 0)
+        end = 32767.0 * 2.0**lsb_log2
+        assert np.all(np.abs(stored - np.clip(exact, -end, end)) <= 0.5 * 2.0**lsb_log2)
+        largest = np.max(np.abs(exact))
+        assert lsb_log2 == coarsest_log2 or largest < 32767.5 * 2.0**lsb_log2
+        assert lsb_log2 == 0 or largest >= 32767.5 * 2.0 ** (lsb_log2 - 1)
 
 
 def test_a_grid_is_refused_according_to_its_energy_loss(paper: schema.Drive) -> None:
