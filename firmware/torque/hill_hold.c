@@ -27,8 +27,8 @@ static int32_t beside_motor_mNm(const config_t *config, int32_t along_mNm)
 
 static int32_t by_time_mNm(const config_driver_t *driver, int32_t release_ms)
 {
-    const int32_t left_ms = q_max(driver->hold_release_ms - release_ms, 0);
-    return q_scale(driver->hold_torque_mNm, left_ms, driver->hold_release_ms);
+    return q_scale(driver->hold_torque_mNm, driver->hold_release_ms - release_ms,
+                   driver->hold_release_ms);
 }
 
 static void release(hill_hold_state_t *state, const config_t *config, const hill_hold_input_t *in)
@@ -63,12 +63,11 @@ int32_t hill_hold_step(hill_hold_state_t *state, const config_t *config,
                        const hill_hold_input_t *in)
 {
     const bool neutral = in->engaged == DRIVE_DIRECTION_NEUTRAL;
-    if (!state->holds && config->driver.hold_torque_mNm > 0 && in->standstill &&
-        in->demand_mNm > 0 && !neutral) {
+    if (!state->holds && in->standstill && in->demand_mNm > 0 && !neutral) {
         const hill_hold_state_t begun = {.holds = true};
         *state = begun;
     }
-    if (!state->holds && !neutral && config->driver.hold_torque_mNm > 0 && is_ahead(state, in)) {
+    if (!state->holds && !neutral && is_ahead(state, in)) {
         state->torque_mNm = config->driver.hold_torque_mNm;
     } else if (!state->holds || neutral) {
         state->holds = false;

@@ -193,6 +193,207 @@ void test_neutral_releases_at_the_torque_rate_and_does_not_hold(void)
     TEST_ASSERT_EQUAL_INT32(HOLD - 1200, step());
 }
 
+/* ---- exact limits ---- */
+
+/* Any braking, however little, begins it; a driving demand, however little, does not. */
+void test_a_millinewton_metre_of_braking_at_standstill_is_enough(void)
+{
+    in.standstill = true;
+    in.demand_mNm = 1;
+    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+}
+
+void test_before_standstill_any_braking_is_enough_and_any_driving_too_much(void)
+{
+    in.demand_mNm = 1;
+    in.road_mNm = 2;
+    in.speed_mrad_s = 1; /* as slow as it can be seen */
+    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+    hill_hold_init(&state);
+    stop_uphill();
+    in.drive_mNm = 1;
+    TEST_ASSERT_EQUAL_INT32(0, step());
+    hill_hold_init(&state);
+    in.drive_mNm = -1;
+    TEST_ASSERT_EQUAL_INT32(0, step());
+}
+
+/* An eighth of 10 N m less: more than 8.75 N m. */
+void test_the_road_counts_from_seven_eighths_of_the_demand_on(void)
+{
+    stop_uphill();
+    in.road_mNm = 8750;
+    TEST_ASSERT_EQUAL_INT32(0, step());
+    in.road_mNm = 8751;
+    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+}
+
+/* At 1000 mrad/s what is left when the hydraulic brake has followed is at most 333. */
+void test_hold_begins_when_a_third_of_the_speed_is_left(void)
+{
+    stop_uphill();
+    in.slower_mrad_s = 334;
+    TEST_ASSERT_EQUAL_INT32(0, step());
+    in.slower_mrad_s = 333;
+    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+}
+
+void test_hold_before_standstill_is_the_same_in_reverse(void)
+{
+    stop_uphill();
+    in.engaged = DRIVE_DIRECTION_REVERSE;
+    in.speed_mrad_s = -1000;
+    in.slower_mrad_s = 333;
+    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+}
+
+/* It began at 1000 mrad/s: up to 2001, halves rounded down, it stays. */
+void test_hold_before_standstill_stays_up_to_twice_the_speed_at_which_it_began(void)
+{
+    stop_uphill();
+    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+    in.speed_mrad_s = 2001;
+    in.slower_mrad_s = 2001;
+    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+    in.speed_mrad_s = 2002;
+    TEST_ASSERT_EQUAL_INT32(HOLD - 400, step());
+}
+
+void test_the_speed_at_which_it_began_stays_that_of_the_beginning(void)
+{
+    stop_uphill();
+    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+    in.speed_mrad_s = 1900;
+    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+    in.speed_mrad_s = 2100; /* more than twice 1000, less than twice 1900 */
+    in.slower_mrad_s = 2100;
+    TEST_ASSERT_EQUAL_INT32(HOLD - 400, step());
+}
+
+/* Held and rolling back at 1 rad/s: what the motor's torque alone leaves of the hold. */
+static int32_t caught(int32_t command_mNm)
+{
+    hill_hold_init(&state);
+    in.speed_mrad_s = 0;
+    in.drive_mNm = 0;
+    hold();
+    in.speed_mrad_s = BACK;
+    return drive(1, command_mNm);
+}
+
+/* T_r = min(30, 3/4 of the largest torque) N m; half of it leaves half of the hold. */
+void test_the_torque_that_releases_is_the_hold_s_or_three_quarters_of_the_motor_s(void)
+{
+    config.motor.max_torque_mNm = 20000;
+    TEST_ASSERT_EQUAL_INT32(HOLD, caught(0));
+    TEST_ASSERT_EQUAL_INT32(HOLD / 2, caught(7500));
+    TEST_ASSERT_EQUAL_INT32(2, caught(14999)); /* 30 N m / 15 N m of the last mN m */
+    TEST_ASSERT_EQUAL_INT32(0, caught(15000));
+    config.motor.max_torque_mNm = 80000;
+    TEST_ASSERT_EQUAL_INT32(HOLD / 2, caught(15000));
+    TEST_ASSERT_EQUAL_INT32(1, caught(29999));
+    TEST_ASSERT_EQUAL_INT32(HOLD, caught(-15000)); /* a torque backward holds no slope */
+}
+
+void test_a_hold_of_one_millinewton_metre_is_a_hold(void)
+{
+    config.driver.hold_torque_mNm = 1;
+    in.standstill = true;
+    in.demand_mNm = 1;
+    TEST_ASSERT_EQUAL_INT32(1, step());
+    in.demand_mNm = 0;
+    in.speed_mrad_s = BACK;
+    TEST_ASSERT_EQUAL_INT32(1, drive(1, 0));
+    TEST_ASSERT_EQUAL_INT32(1, drive(1, 0));
+    TEST_ASSERT_EQUAL_INT32(0, drive(1, 1));
+}
+
+void test_without_a_hold_torque_driving_off_is_possible_at_once(void)
+{
+    config.driver.hold_torque_mNm = 0;
+    in.standstill = true;
+    in.demand_mNm = 10000;
+    TEST_ASSERT_EQUAL_INT32(0, step());
+    in.demand_mNm = 0;
+    TEST_ASSERT_EQUAL_INT32(0, drive(1, 0));
+}
+
+/* Standstill is up to 300 mrad/s either way. */
+void test_the_wheel_rolls_back_or_drives_off_beyond_the_speed_of_standstill(void)
+{
+    static const int32_t EDGES_mrad_s[] = {-300, -301, 300, 301};
+    for (int k = 0; k < 4; k++) {
+        hill_hold_init(&state);
+        in.speed_mrad_s = 0;
+        in.drive_mNm = 0;
+        hold();
+        in.speed_mrad_s = EDGES_mrad_s[k];
+        drive(1, 0);
+        TEST_ASSERT_EQUAL_INT(k == 1, state.caught);
+        TEST_ASSERT_EQUAL_INT32(k == 3 ? HOLD - HOLD / RELEASE - 400 : HOLD, drive(0, 0));
+    }
+}
+
+/* ---- what a step forgets ---- */
+
+void test_a_release_that_is_interrupted_begins_again_with_its_whole_time(void)
+{
+    static const bool AHEAD[] = {false, true};
+    for (int k = 0; k < 2; k++) {
+        hill_hold_init(&state);
+        in.drive_mNm = in.road_mNm = in.speed_mrad_s = 0;
+        hold();
+        in.standstill = false;
+        in.speed_mrad_s = BACK;
+        drive(1000, 1000);
+        in.speed_mrad_s = 0;
+        for (int n = 1; n < RELEASE / 2; n++) {
+            drive(1000, 1000);
+        }
+        TEST_ASSERT_TRUE(state.caught);
+        in.demand_mNm = AHEAD[k] ? 10000 : 0; /* on a slope that the demand does not hold */
+        in.road_mNm = AHEAD[k] ? 12000 : 0;
+        in.speed_mrad_s = AHEAD[k] ? 100 : 0;
+        in.slower_mrad_s = 0;
+        TEST_ASSERT_EQUAL_INT32(HOLD, drive(0, 600));
+        TEST_ASSERT_FALSE(state.caught);
+        in.demand_mNm = 0;
+        for (int n = 1; n < RELEASE; n++) {
+            TEST_ASSERT_GREATER_THAN_INT32(0, drive(1000, 0));
+        }
+        TEST_ASSERT_EQUAL_INT32(0, drive(1000, 0));
+    }
+}
+
+void test_the_time_of_a_release_ends_with_it(void)
+{
+    (void)caught(1000);
+    for (int n = 0; n < 2 * RELEASE; n++) {
+        drive(1000, 1000);
+    }
+    TEST_ASSERT_EQUAL_INT32(RELEASE, state.release_ms);
+}
+
+void test_braking_at_standstill_does_not_begin_a_release_again(void)
+{
+    hold();
+    in.demand_mNm = 1;
+    for (int n = 1; n < RELEASE; n++) {
+        TEST_ASSERT_GREATER_THAN_INT32(0, drive(1000, 0));
+    }
+    TEST_ASSERT_EQUAL_INT32(0, drive(1000, 0));
+}
+
+void test_a_hold_that_neutral_has_ended_does_not_come_back(void)
+{
+    hold();
+    in.standstill = false;
+    in.engaged = DRIVE_DIRECTION_NEUTRAL;
+    TEST_ASSERT_EQUAL_INT32(HOLD - 400, step());
+    in.engaged = DRIVE_DIRECTION_FORWARD;
+    TEST_ASSERT_EQUAL_INT32(HOLD - 800, step());
+}
+
 void test_hold_is_between_zero_and_its_torque_for_any_input(void)
 {
     random_t random = random_seeded(4);
