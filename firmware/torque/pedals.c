@@ -8,7 +8,7 @@ enum { ONE_q15 = 32768, ACCELERATOR = 0, BRAKE = 2 };
 
 /* Of the valid channels of one pedal. */
 typedef struct {
-    int32_t smaller_q15, larger_q15; /* travel; 0 without a valid channel */
+    int32_t smaller_q15, larger_q15; /* travel; whole and 0 without a valid channel */
     int valid;
     bool plausible; /* all wired channels are valid and agree */
 } travel_t;
@@ -23,8 +23,8 @@ void pedals_init(pedals_state_t *state)
 static int32_t channel_travel_q15(const config_pedals_t *pedals, int channel, int32_t ratio_q15)
 {
     const int32_t released_q15 = pedals->released_q15[channel];
-    const int32_t travel_q15 = q_clamp(
-        q_scale(ratio_q15 - released_q15, ONE_q15, pedals->pressed_q15[channel] - released_q15), 0,
+    const int32_t travel_q15 = q_min(
+        q_scale(ratio_q15 - released_q15, ONE_q15, pedals->pressed_q15[channel] - released_q15),
         ONE_q15);
     return q_max(
         q_scale(travel_q15 - pedals->dead_band_q15, ONE_q15, ONE_q15 - pedals->dead_band_q15), 0);
@@ -45,7 +45,6 @@ static travel_t read_pedal(const config_pedals_t *pedals, const pedals_input_t *
         out.larger_q15 = q_max(out.larger_q15, travel_q15);
         out.valid++;
     }
-    out.smaller_q15 = q_min(out.smaller_q15, out.larger_q15);
     out.plausible =
         out.valid == wired && out.larger_q15 - out.smaller_q15 <= pedals->difference_q15;
     return out;

@@ -408,3 +408,11 @@ void test_the_rate_of_a_step_is_a_thousandth_of_the_rate_of_a_second(void)
     config.brake.torque_rate_mNm_s = 999999;
     TEST_ASSERT_EQUAL_INT32(999, demand_rate_mNm_per_step(&config));
 }
+
+/* Two kilonewton-metres a millisecond, without a lag. */
+void test_the_rate_of_the_hydraulic_brake_is_of_a_second(void)
+{
+    config.brake.hydraulic_rate_mNm_s = 2000000000;
+    config.brake.hydraulic_time_constant_ms = 0;
+    TEST_ASSERT_EQUAL_INT32(2000000, demand_handed_over_mNm(&config, 100000000));
+}

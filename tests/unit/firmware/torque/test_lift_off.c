@@ -48,6 +48,15 @@ void test_lines_of_the_braking_strategy_do_not_bound_it(void)
     assert_split(20000, 0, REASON_NONE, lift_off_split(&limits, 20000, 0));
 }
 
+void test_every_other_line_bounds_it_alone(void)
+{
+    for (torque_line_t line = 0; line < TORQUE_LINE_LOSS_OPTIMUM; line++) {
+        setUp();
+        limits.braking[line] = limit_init(1000, REASON_VOLTAGE);
+        assert_split(1000, 0, REASON_VOLTAGE, lift_off_split(&limits, 20000, 0));
+    }
+}
+
 void test_charge_limit_and_anti_lock_take_it_away_without_the_hydraulic_brake(void)
 {
     limits.braking[TORQUE_LINE_RETURNED] = limit_init(5000, REASON_CHARGE_CURRENT);
