@@ -18,7 +18,7 @@ enum {
 int32_t foldback_step(foldback_state_t *state, const foldback_t *foldback, int32_t inside_mV,
                       int32_t flowing_mA)
 {
-    const int32_t most_mA = q_clamp(foldback->most_mA, 1, INT32_MAX / FLOWING_MOST);
+    const int32_t most_mA = q_max(foldback->most_mA, 1);
     const int32_t flowing_q24 = scaled_ratio(q_limit(flowing_mA, FLOWING_MOST * most_mA), most_mA);
     const int32_t within_mV = q_limit(inside_mV, 4 * foldback->span_mV);
     /* Distance from the line of the voltage with the whole limit flowing, as a share of the range.
@@ -27,7 +27,7 @@ int32_t foldback_step(foldback_state_t *state, const foldback_t *foldback, int32
     const int32_t line_mV = scaled_multiply(foldback->width_mV, state->allowed_q24);
     const int32_t error_mV = within_mV - unused_mV - line_mV;
     int32_t from_q24 = state->allowed_q24;
-    if (error_mV < 0 && inside_mV < 0) {
+    if (inside_mV < 0) { /* lowers it only with an error below zero: else more flows than that */
         from_q24 = q_min(from_q24, q_max(flowing_q24, 0) + LITTLE_q24);
     }
     /* A limit that no current uses moves no voltage: it falls at a gain that does not fall with it.
@@ -42,5 +42,5 @@ int32_t foldback_step(foldback_state_t *state, const foldback_t *foldback, int32
     state->allowed_q24 = q_clamp(from_q24 + change_q24, 0, SCALED_ONE);
     return inside_mV <= -foldback->width_mV
                ? 0
-               : scaled_multiply(q_max(foldback->most_mA, 0), state->allowed_q24);
+               : scaled_multiply(foldback->most_mA, state->allowed_q24);
 }

@@ -23,8 +23,8 @@ void pedals_init(pedals_state_t *state)
 static int32_t channel_travel_q15(const config_pedals_t *pedals, int channel, int32_t ratio_q15)
 {
     const int32_t released_q15 = pedals->released_q15[channel];
-    const int32_t travel_q15 = q_min(
-        q_scale(ratio_q15 - released_q15, ONE_q15, pedals->pressed_q15[channel] - released_q15),
+    const int32_t travel_q15 = q_clamp(
+        q_scale(ratio_q15 - released_q15, ONE_q15, pedals->pressed_q15[channel] - released_q15), 0,
         ONE_q15);
     return q_max(
         q_scale(travel_q15 - pedals->dead_band_q15, ONE_q15, ONE_q15 - pedals->dead_band_q15), 0);
