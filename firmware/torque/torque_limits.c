@@ -293,20 +293,14 @@ static void feasible_lines(torque_limits_state_t *state, torque_limits_t *out,
         const side_t sign = SIDES[k];
         limit_t *line = sign == SIDE_DRIVING ? out->driving : out->braking;
         const solved_t solved = solved_of(turn, sign, demanded);
-        feasible_side_t side = {.set = set,
-                                .sign = (int32_t)sign,
-                                .cap_mNm = turn->cap_mNm,
-                                .cap = turn->cap,
-                                .cap_has_voltage = turn->cap_has_voltage};
+        feasible_side_t side = {.set = set, .sign = (int32_t)sign, .cap = turn->cap};
         if (solved.ends) {
             side = feasible_side_at(set, sign, cap_mNm);
             solve_ends(line, &side, &circle);
         }
         if (solved.ends && !solved.battery) {
             turn->side = sign;
-            turn->cap_mNm = side.cap_mNm;
             turn->cap = side.cap;
-            turn->cap_has_voltage = side.cap_has_voltage;
         }
         if (solved.battery) {
             line[TORQUE_LINE_DRAWN] =

@@ -66,9 +66,7 @@ enum { TORQUE_LIMITS_TURN_steps = 8 };
 typedef struct {
     uint32_t step; /* of the turn */
     side_t side;   /* of the cap; SIDE_BOTH: none */
-    int32_t cap_mNm;
     motor_point_t cap;
-    bool cap_has_voltage;
 } torque_limits_turn_t;
 
 typedef struct {

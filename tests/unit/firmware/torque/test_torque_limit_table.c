@@ -39,6 +39,7 @@ void test_every_line_has_its_class(void)
         TEST_ASSERT_EQUAL_INT(!is_hard(k), torque_limits_deferrable((torque_line_t)k));
     }
     TEST_ASSERT_FALSE(torque_limits_deferrable(TORQUE_LINE_COUNT));
+    TEST_ASSERT_FALSE(torque_limits_deferrable((torque_line_t)(1 << 30)));
 }
 
 /* One bound at a time; the share of a parallel brake follows the demand and is in no class. */

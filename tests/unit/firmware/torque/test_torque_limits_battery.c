@@ -234,3 +234,90 @@ void test_a_current_of_any_size_is_one(void)
     TEST_ASSERT_EQUAL_INT32(shares_q24[0], shares_q24[1]);
     TEST_ASSERT_TRUE(shares_q24[0] > SCALED_ONE / 2);
 }
+
+/* ---- the range of the fold-back ---- */
+
+/* A step from half of the limit, by the table and by foldback.h: the span is the battery's whole
+ * range, and a resistance of 100 Ohm moves the voltage by four times that. */
+static void assert_folds_back_over_the_range(int32_t resistance_uOhm)
+{
+    const config_battery_t *b = &config.battery;
+    config.battery.resistance_uOhm = resistance_uOhm;
+    const int32_t span_mV = b->max_voltage_mV - b->min_voltage_mV;
+    const int32_t rise_mV = resistance_uOhm > 0 ? 4 * span_mV : 0;
+    const foldback_t charge = {.most_mA = CHARGE_mA,
+                               .width_mV = b->max_voltage_mV - b->foldback_voltage_mV,
+                               .span_mV = span_mV,
+                               .rise_mV = rise_mV};
+    const foldback_t discharge = {.most_mA = DISCHARGE_mA,
+                                  .width_mV = b->discharge_foldback_voltage_mV - b->min_voltage_mV,
+                                  .span_mV = span_mV,
+                                  .rise_mV = rise_mV};
+    foldback_state_t expected[] = {{.allowed_q24 = SCALED_ONE / 2},
+                                   {.allowed_q24 = SCALED_ONE / 2}};
+    state.charge = state.discharge = expected[0];
+    conditions.bus_current_mA = -CHARGE_mA * 2 / 5;
+    const int32_t flowing_mA = conditions.bus_current_mA;
+    foldback_step(&expected[0], &charge, b->max_voltage_mV - BUS_mV, -flowing_mA);
+    foldback_step(&expected[1], &discharge, BUS_mV - b->min_voltage_mV, flowing_mA);
+    (void)folded_mA(&state.charge, CHARGE_mA);
+    TEST_ASSERT_EQUAL_INT32(expected[0].allowed_q24, state.charge.allowed_q24);
+    TEST_ASSERT_EQUAL_INT32(expected[1].allowed_q24, state.discharge.allowed_q24);
+}
+
+void test_the_fold_back_spans_the_battery_s_range_and_counts_four_of_it_as_rise(void)
+{
+    assert_folds_back_over_the_range(0);
+    assert_folds_back_over_the_range(100000000);
+}
+
+/* ---- the peak of the charge current ---- */
+
+static limit_t returned_line(int32_t pack_mA, bool as_peak, const torque_limits_state_t *from)
+{
+    state = *from;
+    conditions.bms_charge_current_mA = as_peak ? 4000 : pack_mA;
+    conditions.bms_charge_peak_mA = as_peak ? pack_mA : 0;
+    (void)folded_mA(&state.charge, CHARGE_mA);
+    return table.braking[as_peak ? TORQUE_LINE_RETURNED_PEAK : TORQUE_LINE_RETURNED];
+}
+
+/* With hall sensors and 20 A of i_d: the uncertain angle of 690 rad/s at 20 kHz, 17 mrad of 14 V
+ * and 20 A, counts beyond the margin. A milliampere of 54 V at 30 rad/s is 1.8 mN m. */
+void test_a_peak_beyond_the_fold_back_has_its_torque_and_margin(void)
+{
+    static const int32_t BEYOND_mA[] = {-1000, 0, 1, 20};
+    for (int k = 0; k < CONFIG_CURRENT_MAP_POINTS_MAX; k++) {
+        config.current_map.current_d_mA[k] = -20000;
+    }
+    config.battery.max_charge_current_mA = 8000;
+    config.brake.loss_braking = 0;
+    config.rotor.sensor = CONFIG_ROTOR_HALL;
+    conditions.bus_voltage_mV =
+        (config.battery.foldback_voltage_mV + config.battery.max_voltage_mV) / 2;
+    settle_foldback(20000);
+    const torque_limits_state_t settled = state;
+    const int32_t by_voltage_mA = folded_mA(&state.charge, 8000);
+    int32_t before_mNm = 0;
+    for (int k = 0; k < 4; k++) {
+        const int32_t pack_mA = 4 * (by_voltage_mA + BEYOND_mA[k]);
+        const limit_t lasting = returned_line(pack_mA, false, &settled);
+        const limit_t peak = returned_line(pack_mA, true, &settled);
+        TEST_ASSERT_EQUAL_INT32(lasting.torque_mNm, peak.torque_mNm);
+        TEST_ASSERT_EQUAL_INT(lasting.reason, peak.reason);
+        TEST_ASSERT_GREATER_THAN_INT32(before_mNm, peak.torque_mNm);
+        before_mNm = peak.torque_mNm;
+    }
+}
+
+/* Loss braking makes more torque of the lasting limit than the map does of a peak beside it. */
+void test_a_peak_has_no_less_torque_than_the_lasting_limit(void)
+{
+    config.brake.loss_braking = 1;
+    conditions.bms_charge_current_mA = 4000;
+    conditions.bms_charge_peak_mA = 4004;
+    (void)folded_mA(&state.charge, CHARGE_mA);
+    const int32_t lasting_mNm = table.braking[TORQUE_LINE_RETURNED].torque_mNm;
+    TEST_ASSERT_GREATER_THAN_INT32(table.losses.by_map_mNm + 1000, lasting_mNm);
+    TEST_ASSERT_EQUAL_INT32(lasting_mNm, table.braking[TORQUE_LINE_RETURNED_PEAK].torque_mNm);
+}

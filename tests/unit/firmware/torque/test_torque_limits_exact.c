@@ -161,6 +161,16 @@ void test_the_blend_out_scales_what_the_strategy_has(void)
     }
 }
 
+/* Over 32 768 mrad/s: two below the start are a share of 1 - 2^-14, one is as good as whole. */
+void test_a_blend_out_of_less_than_the_whole_is_a_bound(void)
+{
+    config.brake.strategy = CONFIG_STRATEGY_SERIES_OPTIMAL;
+    config.brake.blend_out_start_mrad_s = 34768;
+    config.brake.blend_out_end_mrad_s = 2000;
+    assert_line(WHOLE_mNm - 2, REASON_BLEND_OUT, torque_limits_blend_out(&config, 34766));
+    assert_line(FEASIBLE_UNBOUNDED, REASON_BLEND_OUT, torque_limits_blend_out(&config, 34767));
+}
+
 /* Zero up to the end speed and whole from the next one on. */
 void test_a_blend_out_without_width_is_a_step(void)
 {
