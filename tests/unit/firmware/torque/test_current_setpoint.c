@@ -243,3 +243,181 @@ void test_trim_does_not_take_the_braking_current_that_lowers_the_voltage(void)
     const current_setpoint_t drives = weakened(speed_mrad_s, 12000, -60000);
     TEST_ASSERT_TRUE(drives.limited);
 }
+
+/* ---- the trim ---- */
+
+void test_a_trim_of_a_milliampere_is_one(void)
+{
+    TEST_ASSERT_EQUAL_INT32(0, weakened(30000, 30000, -1).i_d_mA);
+}
+
+/* With a hot winding down to 121.2 A; the map's i_d for 200 N m is lower and stays. */
+void test_the_trim_does_not_raise_a_map_s_current_below_that_of_field_weakening(void)
+{
+    config = salient_vehicle();
+    config.motor.derate_winding_temperature_cC = 2400;
+    config.motor.max_winding_temperature_cC = 2500;
+    const int32_t map_mA = reference(100000, 200000).i_d_mA;
+    TEST_ASSERT_LESS_THAN_INT32(-130000, map_mA);
+    TEST_ASSERT_EQUAL_INT32(map_mA + 40000, weakened(100000, 200000, -40000).i_d_mA);
+}
+
+/* The whole i_d and i_q of a trim at 61.85 rad/s, where atan(R/(w L_q)) leaves 75 A times R/(w L_q)
+ * of braking current; field weakening may use the whole circle. */
+static double trimmed_d_a(int32_t torque_mNm, int32_t trim_mA)
+{
+    config.current_loop.field_weakening_current_pu_q15 = 32767;
+    return 1e-3 * (weakened(61850, torque_mNm, trim_mA).i_d_mA + trim_mA);
+}
+
+static double braking_a(int32_t torque_mNm)
+{
+    return -1e-3 * reference(61850, torque_mNm).i_q_mA;
+}
+
+/* A trim to the end of field weakening, 74.7 of 75 A, leaves the current of 8 N m, and of that of
+ * 30 N m what is within the angle. */
+void test_the_trim_leaves_the_braking_current_up_to_the_angle_of_least_voltage(void)
+{
+    const reference_motor_t motor = reference_motor(&config, 61850, 2500);
+    const double most_a = 1e-3 * config.motor.max_phase_current_mA;
+    const double kept_a = most_a * motor.resistance_ohm / (motor.w_rad_s * motor.l_q_h);
+    TEST_ASSERT_TRUE(braking_a(-8000) > 7.0 && braking_a(-8000) < 0.5 * kept_a);
+    TEST_ASSERT_TRUE(braking_a(-30000) > 1.5 * kept_a);
+    const double little_a = -sqrt(most_a * most_a - braking_a(-8000) * braking_a(-8000));
+    TEST_ASSERT_DOUBLE_WITHIN(0.05, little_a, trimmed_d_a(-8000, -74990));
+    const double much_a = -sqrt(most_a * most_a - kept_a * kept_a);
+    TEST_ASSERT_DOUBLE_WITHIN(0.05, much_a, trimmed_d_a(-30000, -74990));
+    /* Less than that is the trim's, also where the current then is beyond the circle. */
+    TEST_ASSERT_DOUBLE_WITHIN(0.002, -70.0, trimmed_d_a(-30000, -70000));
+    TEST_ASSERT_DOUBLE_WITHIN(0.002, -50.0, trimmed_d_a(-30000, -50000));
+    TEST_ASSERT_DOUBLE_WITHIN(0.002, -74.0, trimmed_d_a(30000, -74000)); /* driving: the trim's */
+}
+
+/* At rest R/(w L_q) has no end: all of the braking current stays. */
+void test_at_rest_the_trim_leaves_all_of_the_braking_current(void)
+{
+    config.motor.max_phase_current_mA = 41000;
+    const double q_a = -1e-3 * reference(0, -12000).i_q_mA;
+    const double d_a = 1e-3 * (weakened(0, -12000, -40000).i_d_mA - 40000);
+    TEST_ASSERT_DOUBLE_WITHIN(0.02, 12.0 / 0.7038, q_a);
+    TEST_ASSERT_DOUBLE_WITHIN(0.05, -sqrt(41.0 * 41.0 - q_a * q_a), d_a);
+}
+
+/* Where the voltage takes i_d to the end of field weakening, the trim does not take it back. */
+void test_the_trim_does_not_raise_the_current_of_the_voltage_limit(void)
+{
+    config = CONFIG_LU2013;
+    config.motor.iron_loss_resistance_mOhm = 0;
+    const reference_motor_t motor = reference_motor(&config, 61850, 2500);
+    phase_mV = (int32_t)(0.97e3 * voltage_of(&motor, -75.0, 0.0));
+    const current_setpoint_t alone = reference(61850, -8000);
+    TEST_ASSERT_LESS_THAN_INT32(-74600, alone.i_d_mA);
+    TEST_ASSERT_EQUAL_INT32(alone.i_d_mA + 20000, weakened(61850, -8000, -20000).i_d_mA);
+}
+
+/* ---- signs and limits ---- */
+
+void test_the_current_has_the_torque_s_sign_at_the_smallest_speed(void)
+{
+    for (int32_t speed_mrad_s = -1; speed_mrad_s <= 1; speed_mrad_s++) {
+        TEST_ASSERT_INT32_WITHIN(5, 42626, reference(speed_mrad_s, 30000).i_q_mA);
+        TEST_ASSERT_INT32_WITHIN(5, -42626, reference(speed_mrad_s, -30000).i_q_mA);
+    }
+}
+
+/* i_q before its limit, of a model at rest without i_d. */
+static int32_t wanted_q_mA(int32_t torque_mNm)
+{
+    const motor_model_t model = model_at(&config, 0, 2500);
+    return motor_model_current_q_mA(&model, torque_mNm, 0);
+}
+
+/* 65.28 A: a 256th is 255 mA, a 16th 4080 mA. The flux is varied to meet every milliampere. */
+void test_limited_and_feasible_begin_at_a_256th_and_a_16th_beyond_the_circle(void)
+{
+    bool met[4] = {false, false, false, false};
+    config.motor.max_phase_current_mA = 65280;
+    const int32_t flux_nWb = config.motor.flux_linkage_nWb;
+    for (int32_t part = 0; part < 40; part++) {
+        config.motor.flux_linkage_nWb = flux_nWb + part * 1000;
+        for (int32_t edge = 0; edge < 2; edge++) {
+            const int32_t edge_mA = 65280 + (edge == 0 ? 255 : 4080);
+            const int32_t near_mNm = (int32_t)(edge_mA * 1.5e-9 * config.motor.pole_pairs *
+                                               config.motor.flux_linkage_nWb);
+            for (int32_t torque_mNm = near_mNm - 4; torque_mNm <= near_mNm + 4; torque_mNm++) {
+                const int32_t q_mA = wanted_q_mA(torque_mNm);
+                const current_setpoint_t driving = reference(0, torque_mNm);
+                TEST_ASSERT_EQUAL_INT(q_mA > 65280 + 255, driving.limited);
+                TEST_ASSERT_EQUAL_INT(q_mA <= 65280 + 4080, driving.feasible);
+                met[2 * edge] |= q_mA == edge_mA;
+                met[2 * edge + 1] |= q_mA == edge_mA + 1;
+            }
+        }
+        TEST_ASSERT_FALSE(reference(0, -51000).feasible);
+        TEST_ASSERT_TRUE(reference(0, -48000).feasible);
+    }
+    TEST_ASSERT_TRUE(met[0] && met[1] && met[2] && met[3]);
+}
+
+/* A root has an error of 2^-14; the limit itself has none. */
+void test_a_current_of_exactly_the_limit_is_within_it(void)
+{
+    int met = 0;
+    for (int32_t most_mA = 1000003; most_mA < 1100000; most_mA += 1237) {
+        config.motor.max_phase_current_mA = most_mA;
+        const int32_t near_mNm = (int32_t)(most_mA * 0.7038);
+        for (int32_t torque_mNm = near_mNm - 100; torque_mNm <= near_mNm + 100; torque_mNm++) {
+            if (wanted_q_mA(torque_mNm) == most_mA) {
+                met++;
+                TEST_ASSERT_EQUAL_INT32(most_mA, reference(0, torque_mNm).i_q_mA);
+            }
+        }
+    }
+    TEST_ASSERT_GREATER_THAN_INT(10, met);
+}
+
+/* ---- voltage ---- */
+
+/* R i: 1.32 V of 42.6 A, 1.81 V with 40 A of i_d. */
+void test_a_trim_that_the_voltage_does_not_suffice_for_is_not_feasible(void)
+{
+    phase_mV = 1400;
+    TEST_ASSERT_TRUE(reference(0, 30000).feasible);
+    TEST_ASSERT_FALSE(weakened(0, 30000, -40000).feasible);
+    phase_mV = 1900;
+    TEST_ASSERT_TRUE(weakened(0, 30000, -40000).feasible);
+    phase_mV = 1200;
+    TEST_ASSERT_FALSE(reference(0, 30000).feasible);
+}
+
+/* Zero torque at the lowest i_d needs u V; 3 % more is left to the fast loop. */
+void test_torque_is_forced_only_where_the_voltage_suffices_for_none(void)
+{
+    config = CONFIG_LU2013;
+    config.motor.iron_loss_resistance_mOhm = 0;
+    const reference_motor_t motor = reference_motor(&config, 80000, 2500);
+    const motor_model_t model = model_at(&config, 80000, 2500);
+    const double weakest_a =
+        1e-3 * model_current_mA(&model, feasible_set_at(&model, 20000).weakest_d_b);
+    const double needed_v = voltage_of(&motor, weakest_a, 0.0);
+    phase_mV = (int32_t)(1e3 * needed_v);
+    TEST_ASSERT_EQUAL_INT32(0, reference(80000, -20000).forced_mNm);
+    for (int32_t torque_mNm = 0; torque_mNm <= 20000; torque_mNm += 20000) {
+        TEST_ASSERT_EQUAL_INT32(0, reference(80000, torque_mNm).forced_mNm);
+        TEST_ASSERT_INT32_WITHIN(1, (int32_t)floor(1e3 * weakest_a),
+                                 reference(80000, torque_mNm).i_d_mA);
+    }
+    TEST_ASSERT_FALSE(reference(80000, 20000).feasible);
+    phase_mV = (int32_t)(0.9e3 * needed_v);
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        const current_setpoint_t out = reference(sign * 80000, 0);
+        const double found_mNm = torque_of(&motor, 1e-3 * out.i_d_mA, sign * 1e-3 * out.i_q_mA) +
+                                 -model_friction_mNm(&model);
+        TEST_ASSERT_GREATER_THAN_INT32(500, out.forced_mNm);
+        TEST_ASSERT_DOUBLE_WITHIN(50.0, -found_mNm, out.forced_mNm);
+        /* The trim changes no forced point. */
+        TEST_ASSERT_EQUAL_INT32(out.i_d_mA + 20000, weakened(sign * 80000, 0, -20000).i_d_mA);
+        TEST_ASSERT_EQUAL_INT32(out.i_q_mA, weakened(sign * 80000, 0, -20000).i_q_mA);
+    }
+}
