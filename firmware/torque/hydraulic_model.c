@@ -11,10 +11,11 @@ void hydraulic_model_init(hydraulic_model_t *model)
     *model = at_rest;
 }
 
-/* The command of some milliseconds ago; 0: the one of this step. */
+/* The command of some milliseconds ago, 0 (the one of this step) .. HYDRAULIC_MODEL_COMMANDS - 1:
+ * the ranges of dead time and report delay permit no more. */
 static int32_t command_mNm_ago(const hydraulic_model_t *model, int32_t ago_ms)
 {
-    const int32_t at = model->next - q_clamp(ago_ms, 0, HYDRAULIC_MODEL_COMMANDS - 1);
+    const int32_t at = model->next - ago_ms;
     return model->commands_mNm[at >= 0 ? at : at + HYDRAULIC_MODEL_COMMANDS];
 }
 
@@ -31,10 +32,9 @@ void hydraulic_model_step(hydraulic_model_t *model, const config_t *config, int3
     const int32_t dead_ms = brake->hydraulic_dead_time_ms;
     const int32_t lag_ms = brake->hydraulic_time_constant_ms;
     const int32_t report_ms = brake->hydraulic_report_delay_ms;
-    const int32_t largest_q6 =
-        q_max(brake->hydraulic_rate_mNm_s / STEPS_PER_S * ONE_Q6 +
-                  brake->hydraulic_rate_mNm_s % STEPS_PER_S * ONE_Q6 / STEPS_PER_S,
-              1);
+    /* Of the lowest rate, 100 mN m/s, it is 6. */
+    const int32_t largest_q6 = brake->hydraulic_rate_mNm_s / STEPS_PER_S * ONE_Q6 +
+                               brake->hydraulic_rate_mNm_s % STEPS_PER_S * ONE_Q6 / STEPS_PER_S;
     model->next = model->next + 1 < HYDRAULIC_MODEL_COMMANDS ? model->next + 1 : 0;
     model->commands_mNm[model->next] = q_clamp(command_mNm, 0, brake->max_hydraulic_torque_mNm);
     model->torque_q6_mNm =

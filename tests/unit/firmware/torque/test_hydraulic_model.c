@@ -89,3 +89,71 @@ void test_torque_stays_between_zero_and_max_hydraulic_torque(void)
         }
     }
 }
+
+/* ---- to the unit ---- */
+
+/* Without lag and limit of the rate the three models are the command of some time ago: of the dead
+ * time, of half of it and of twice of it, the latter two as a report shows them. Longest delays:
+ * the oldest command of all, over two rounds of the memory. */
+static void assert_delays(int dead_ms, int report_ms)
+{
+    enum { STEPS = 3 * HYDRAULIC_MODEL_COMMANDS };
+    static int32_t commands_mNm[STEPS];
+    config.brake.hydraulic_dead_time_ms = dead_ms;
+    config.brake.hydraulic_time_constant_ms = 0;
+    config.brake.hydraulic_rate_mNm_s = 2000000000;
+    config.brake.hydraulic_report_delay_ms = report_ms;
+    hydraulic_model_init(&model);
+    TEST_ASSERT_EQUAL_INT32(0, model.next);
+    random_t random = random_seeded(5);
+    for (int n = 0; n < STEPS; n++) {
+        const int32_t command_mNm = random_between(&random, -10000, 300000);
+        const int early = n - dead_ms / 2 - report_ms;
+        const int late = n - 2 * dead_ms - report_ms;
+        commands_mNm[n] = command_mNm > 0 ? command_mNm : 0;
+        hydraulic_model_step(&model, &config, command_mNm);
+        TEST_ASSERT_EQUAL_INT32(n < dead_ms ? 0 : 64 * commands_mNm[n - dead_ms],
+                                model.torque_q6_mNm);
+        TEST_ASSERT_EQUAL_INT32(early < 0 ? 0 : 64 * commands_mNm[early], model.early_q6_mNm);
+        TEST_ASSERT_EQUAL_INT32(late < 0 ? 0 : 64 * commands_mNm[late], model.late_q6_mNm);
+    }
+}
+
+void test_without_lag_each_model_is_the_command_of_its_delay_before(void)
+{
+    assert_delays(40, 10);
+    assert_delays(0, 0);
+    assert_delays(HYDRAULIC_MODEL_DEAD_TIME_MOST_ms, HYDRAULIC_MODEL_REPORT_DELAY_MOST_ms);
+}
+
+void test_early_and_late_model_have_half_and_twice_the_lag(void)
+{
+    config.brake.hydraulic_dead_time_ms = 0;
+    config.brake.hydraulic_report_delay_ms = 0;
+    for (int n = 1; n <= 300; n++) {
+        (void)after(1, 50000);
+        /* half a step of 1 ms of 30 and of 120 ms */
+        TEST_ASSERT_DOUBLE_WITHIN(1000.0, 50000.0 * (1.0 - exp(-n / 30.0)),
+                                  hydraulic_model_early_mNm(&model));
+        TEST_ASSERT_DOUBLE_WITHIN(250.0, 50000.0 * (1.0 - exp(-n / 120.0)),
+                                  hydraulic_model_late_mNm(&model));
+    }
+}
+
+/* A rate is cut to 64ths of 1 mN m in a millisecond, 15.6 mN m/s; one of a multiple of that is
+ * exact. */
+void test_any_rate_is_kept_within_a_64th_of_1_mNm_in_a_millisecond(void)
+{
+    static const int32_t RATES_mNm_s[] = {125, 250, 1000, 1125, 999, 1999, 123457};
+    for (int n = 0; n < 7; n++) {
+        const int32_t rate_mNm_s = RATES_mNm_s[n];
+        config.brake.hydraulic_dead_time_ms = 0;
+        config.brake.hydraulic_time_constant_ms = 0;
+        config.brake.hydraulic_rate_mNm_s = rate_mNm_s;
+        hydraulic_model_init(&model);
+        const int32_t torque_mNm = after(1000, 300000);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(rate_mNm_s, torque_mNm);
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(rate_mNm_s - (rate_mNm_s % 125 == 0 ? 0 : 16),
+                                           torque_mNm);
+    }
+}
