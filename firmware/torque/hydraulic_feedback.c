@@ -21,9 +21,8 @@ static void forget_gain(hydraulic_feedback_state_t *state, const config_t *confi
 
 void hydraulic_feedback_init(hydraulic_feedback_state_t *state, const config_t *config)
 {
-    const hydraulic_feedback_state_t zero = {.between_ms = 0};
-    *state = zero;
-    state->between_ms = 1;
+    const hydraulic_feedback_state_t fresh = {.between_ms = 1};
+    *state = fresh;
     forget_gain(state, config);
 }
 
@@ -32,11 +31,11 @@ static int32_t times_q15(int32_t torque_mNm, int32_t gain_q15)
     return (int32_t)(((int64_t)torque_mNm * gain_q15) >> 15);
 }
 
-/* a / b in Q15, both >= 0, b > 0; up to 2.0. */
+/* a / b in Q15, both >= 0. */
 static int32_t ratio_q15(int32_t a, int32_t b)
 {
-    uint32_t over = (uint32_t)q_min(a, MOST_mNm);
-    uint32_t under = (uint32_t)q_min(b, MOST_mNm);
+    uint32_t over = (uint32_t)a;
+    uint32_t under = (uint32_t)b;
     while (over >= (UINT32_C(1) << 17)) {
         over >>= 1;
         under >>= 1;
@@ -153,8 +152,8 @@ static int32_t since_report_mNm(const hydraulic_feedback_state_t *state, int32_t
 {
     const int32_t modelled_mNm =
         times_q15(modelled_ago_mNm(state, 0) - modelled_ago_mNm(state, ago_ms), state->gain_q15);
-    const int32_t straight_mNm =
-        q_saturate64((int64_t)state->change_mNm * ago_ms) / state->between_ms;
+    /* 2^25 times 63 is within 32 bits. */
+    const int32_t straight_mNm = state->change_mNm * ago_ms / state->between_ms;
     if (modelled_mNm > 0) {
         return q_clamp(straight_mNm, 0, modelled_mNm);
     }
@@ -210,8 +209,7 @@ hydraulic_feedback_out_t hydraulic_feedback_step(hydraulic_feedback_state_t *sta
     };
     out.lost = state->seen && !out.used;
     if (out.used) {
-        const int32_t ago_ms =
-            q_min(state->since_ms, HYDRAULIC_FEEDBACK_PAST_ms) + brake->hydraulic_report_delay_ms;
+        const int32_t ago_ms = state->since_ms + brake->hydraulic_report_delay_ms;
         const int32_t change_mNm =
             since_report_mNm(state, q_min(ago_ms, HYDRAULIC_FEEDBACK_PAST_ms));
         out.torque_mNm = q_max(state->report_mNm + change_mNm, 0);

@@ -106,9 +106,8 @@ static int32_t warmed_q16(int32_t from_q16, int32_t power_mW, int32_t per_mW_q16
 /* The inner lump first, implicitly; the outer one takes what flows with its new temperature. */
 static void advance(thermal_lumps_t *row, int32_t inner_mW, int32_t outer_mW)
 {
-    const bool has_outer = row->outer_per_mW_q16 > 0;
     const int32_t inner_q16 = row->inner_q16;
-    const int32_t outer_q16 = has_outer ? row->outer_q16 : row->ambient_q16;
+    const int32_t outer_q16 = row->outer_q16; /* without an outer lump the ambient */
     row->inner_q16 = warmed_q16(inner_q16, inner_mW, row->inner_per_mW_q16,
                                 -levelled_q16(inner_q16, outer_q16, row->inner_share_q30));
     row->outer_q16 =
@@ -121,7 +120,7 @@ static void advance(thermal_lumps_t *row, int32_t inner_mW, int32_t outer_mW)
 static int32_t heat_mW(int64_t square, int32_t resistance_uOhm)
 {
     const int32_t part = q_saturate64((square * resistance_uOhm) >> 16);
-    return q_saturate64(((int64_t)part * THREE_HALVES_NANO_q16) >> 16);
+    return (int32_t)(((int64_t)part * THREE_HALVES_NANO_q16) >> 16); /* less than the part */
 }
 
 static int32_t copper_mW(const config_t *config, int64_t square, int32_t winding_cC)

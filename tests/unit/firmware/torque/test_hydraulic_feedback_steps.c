@@ -1,0 +1,384 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Single reports beside single states of the model of the hydraulic brake: what each leaves of the
+ * interval of gains, and every limit of the bookkeeping. Whole stops: test_hydraulic_feedback.c. */
+#include "paper_vehicle.h"
+#include "torque/hydraulic_feedback.h"
+#include "unity.h"
+
+/* Noise of the sensor, a 512th of the brake: 100 mN m. A torque says something from a 64th on. */
+enum { MOST_mNm = 51200, NOISE_mNm = 100, SIGNIFICANT_mNm = 800, TIMEOUT_ms = 20 };
+enum { LOWEST_q15 = 24576, ONE_q15 = 32768, HIGHEST_q15 = 40960 }; /* a band of a quarter */
+
+static config_t config;
+static hydraulic_model_t model;
+static hydraulic_feedback_state_t state;
+static hydraulic_feedback_t report;
+static hydraulic_feedback_out_t out;
+
+static void begin(void)
+{
+    report.valid = false;
+    report.age_ms = 0;
+    hydraulic_feedback_init(&state, &config);
+}
+
+void setUp(void)
+{
+    config = paper_vehicle();
+    config.brake.max_hydraulic_torque_mNm = MOST_mNm;
+    config.brake.hydraulic_timeout_ms = TIMEOUT_ms;
+    config.brake.hydraulic_report_delay_ms = 0;
+    config.brake.hydraulic_gain_band_q15 = 8192;
+    config.brake.hydraulic_tolerance_mNm = 20000;
+    hydraulic_model_init(&model);
+    begin();
+}
+
+void tearDown(void) {}
+
+static void modelled(int32_t torque_mNm, int32_t early_mNm, int32_t late_mNm)
+{
+    model.torque_q6_mNm = torque_mNm * 64;
+    model.early_q6_mNm = early_mNm * 64;
+    model.late_q6_mNm = late_mNm * 64;
+}
+
+static void step(void)
+{
+    out = hydraulic_feedback_step(&state, &config, &model, &report);
+}
+
+/* A millisecond without a report, and one with a report that is so old. */
+static void silent(void)
+{
+    report.valid = false;
+    step();
+}
+
+static void reported(int32_t torque_mNm, uint32_t age_ms)
+{
+    report.valid = true;
+    report.torque_mNm = torque_mNm;
+    report.age_ms = age_ms;
+    step();
+}
+
+static void settled(int32_t torque_mNm, int32_t report_mNm, int reports)
+{
+    modelled(torque_mNm, torque_mNm, torque_mNm);
+    for (int n = 0; n < reports; n++) {
+        reported(report_mNm, 0);
+        TEST_ASSERT_TRUE(state.least_q15 <= state.gain_q15 && state.gain_q15 <= state.most_q15);
+    }
+}
+
+static void assert_interval(int32_t least_q15, int32_t most_q15)
+{
+    TEST_ASSERT_EQUAL_INT32(least_q15, state.least_q15);
+    TEST_ASSERT_EQUAL_INT32(most_q15, state.most_q15);
+}
+
+/* ---- the interval of gains ---- */
+
+void test_the_gain_begins_with_one_in_the_whole_band(void)
+{
+    assert_interval(LOWEST_q15, HIGHEST_q15);
+    TEST_ASSERT_EQUAL_INT32(ONE_q15, state.gain_q15);
+    TEST_ASSERT_EQUAL_INT32(1, state.between_ms);
+}
+
+/* 9900/10000 is 32440, 10100/10000 33095: a quarter of the way from 24576, and from 40960. */
+void test_a_report_moves_the_interval_a_quarter_of_the_way_to_what_it_permits(void)
+{
+    settled(10000, 10000, 1);
+    assert_interval(24576 + (32440 - 24576) / 4, 40960 - (40960 - 33095) / 4);
+    TEST_ASSERT_EQUAL_INT32(ONE_q15, state.gain_q15);
+}
+
+/* Models 1600 mN m apart add a 16th of that to the noise: 8800/10000 is 28835, 9200/8400 35888. */
+void test_models_that_differ_permit_more(void)
+{
+    for (int way = 0; way < 2; way++) {
+        begin();
+        modelled(9000, way == 0 ? 10000 : 8400, way == 0 ? 8400 : 10000);
+        reported(9000, 0);
+        assert_interval(24576 + (28835 - 24576) / 4, 40960 - (40960 - 35888) / 4);
+    }
+}
+
+void test_a_torque_below_a_64th_of_the_largest_changes_no_gain(void)
+{
+    settled(SIGNIFICANT_mNm - 1, SIGNIFICANT_mNm - 1, 10);
+    assert_interval(LOWEST_q15, HIGHEST_q15);
+    /* 700/800 is 28672, 900/800 36864. */
+    settled(SIGNIFICANT_mNm, SIGNIFICANT_mNm, 1);
+    assert_interval(24576 + (28672 - 24576) / 4, 40960 - (40960 - 36864) / 4);
+}
+
+/* The last steps of a quarter are whole numbers: three units before the end they are zero. An end
+ * that passes the other one takes it along. */
+void test_lasting_reports_close_the_interval_and_leave_the_band_never(void)
+{
+    settled(10000, 10000, 60);
+    assert_interval(32440 - 3, 33095 + 3);
+    settled(10000, 0, 60);
+    assert_interval(LOWEST_q15 + 3, LOWEST_q15 + 3);
+    settled(10000, 20000, 60);
+    assert_interval(HIGHEST_q15 - 3, HIGHEST_q15 - 3);
+}
+
+/* The gain follows an end of the interval that passes it, and takes the other end along:
+ * 8100/10000 is 26542, 11900/10000 38993. */
+void test_a_gain_that_changes_moves_both_ends(void)
+{
+    settled(10000, 10000, 60);
+    settled(10000, 8000, 60);
+    TEST_ASSERT_EQUAL_INT32(26542 + 3, state.most_q15);
+    TEST_ASSERT_EQUAL_INT32(26542 + 3, state.gain_q15);
+    settled(10000, 12000, 60);
+    TEST_ASSERT_EQUAL_INT32(38993 - 3, state.least_q15);
+    TEST_ASSERT_EQUAL_INT32(38993 - 3, state.gain_q15);
+}
+
+/* From 2^17 mN m on both sides of a ratio lose bits: 131071 and 131072 of 140000 are 30678. */
+void test_ratios_keep_17_bits(void)
+{
+    config.brake.max_hydraulic_torque_mNm = 300000; /* noise 585 */
+    for (int32_t above = 131071; above <= 131072; above++) {
+        begin();
+        settled(140000, above + 585, 60);
+        TEST_ASSERT_EQUAL_INT32(30678 - 3, state.least_q15);
+    }
+    begin(); /* less than the noise is zero */
+    config.brake.hydraulic_tolerance_mNm = 200000;
+    settled(140000, 584, 60);
+    TEST_ASSERT_EQUAL_INT32(LOWEST_q15, state.least_q15);
+}
+
+/* A brake of 64 mN m, whose noise is zero: the least a ratio is made of. */
+void test_ratios_of_single_units_are_whole(void)
+{
+    config.brake.max_hydraulic_torque_mNm = 64;
+    settled(1, 0, 1); /* no torque of 1 mN m: the lowest gain */
+    assert_interval(LOWEST_q15, HIGHEST_q15 - (HIGHEST_q15 - LOWEST_q15) / 4);
+    begin();
+    modelled(0, 1, 0); /* of a model that may be zero it says nothing */
+    reported(0, 0);
+    assert_interval(LOWEST_q15, HIGHEST_q15);
+    config.brake.max_hydraulic_torque_mNm = 0;
+    begin();
+    settled(0, 1, 1); /* a ratio to zero counts as one to 1 mN m */
+    assert_interval(LOWEST_q15 + (ONE_q15 - LOWEST_q15) / 4, HIGHEST_q15);
+}
+
+/* ---- plausibility ---- */
+
+/* 64 * 2^15 mN m: gains of 3/4 and 5/4 explain 64 * 24576 to 64 * 40960. */
+void test_what_no_gain_in_the_band_explains_contradicts_beyond_the_tolerance(void)
+{
+    config.brake.max_hydraulic_torque_mNm = 20000000;
+    const int32_t least_mNm = 64 * LOWEST_q15 - config.brake.hydraulic_tolerance_mNm;
+    const int32_t most_mNm = 64 * HIGHEST_q15 + config.brake.hydraulic_tolerance_mNm;
+    const int32_t cases[][2] = {{least_mNm, 0},
+                                {least_mNm - 5, -5},
+                                {most_mNm, 0},
+                                {most_mNm + 7, 7},
+                                {INT32_MIN, INT32_MIN}};
+    for (int n = 0; n < 5; n++) {
+        settled(64 * ONE_q15, cases[n][0], 1);
+        TEST_ASSERT_EQUAL_INT32(cases[n][1], state.contradicts_mNm);
+        TEST_ASSERT_TRUE(state.good == (cases[n][1] == 0));
+    }
+}
+
+/* A quarter of the tolerance, 5 N m, is what a gain outside the band has to exceed. */
+void test_the_time_outside_the_band_is_counted_to_either_side(void)
+{
+    const int32_t most_mNm = 12500 + 5000;
+    const int32_t least_mNm = 7500 - 5000;
+    settled(10000, most_mNm, 3);
+    TEST_ASSERT_EQUAL_INT32(0, state.outside_ms);
+    settled(10000, most_mNm + 1, 3);
+    TEST_ASSERT_EQUAL_INT32(3, state.outside_ms);
+    settled(10000, least_mNm - 1, 5);
+    TEST_ASSERT_EQUAL_INT32(-5, state.outside_ms);
+    settled(10000, most_mNm + 1, 1);
+    TEST_ASSERT_EQUAL_INT32(1, state.outside_ms);
+    settled(10000, least_mNm, 1);
+    TEST_ASSERT_EQUAL_INT32(0, state.outside_ms);
+    settled(10000, most_mNm + 1, INT16_MAX + 10);
+    TEST_ASSERT_EQUAL_INT32(INT16_MAX, state.outside_ms);
+    settled(10000, least_mNm - 1, INT16_MAX + 10);
+    TEST_ASSERT_EQUAL_INT32(-INT16_MAX, state.outside_ms);
+}
+
+/* ---- the age of reports ---- */
+
+void test_the_time_between_two_reports_is_that_between_their_measurements(void)
+{
+    reported(1000, 5); /* it is older than the controller */
+    TEST_ASSERT_EQUAL_INT32(1, state.between_ms);
+    TEST_ASSERT_EQUAL_INT32(5, state.since_ms);
+    TEST_ASSERT_EQUAL_INT32(0, state.change_mNm);
+    for (int n = 0; n < 7; n++) {
+        silent();
+    }
+    TEST_ASSERT_EQUAL_INT32(12, state.since_ms);
+    reported(3000, 3); /* 13 ms later the one before would be 13 ms old */
+    TEST_ASSERT_EQUAL_INT32(10, state.between_ms);
+    TEST_ASSERT_EQUAL_INT32(2000, state.change_mNm);
+    reported(2500, 3); /* a new one, of the next millisecond */
+    TEST_ASSERT_EQUAL_INT32(1, state.between_ms);
+    TEST_ASSERT_EQUAL_INT32(-500, state.change_mNm);
+    reported(2000, 4); /* the one before */
+    TEST_ASSERT_EQUAL_INT32(2500, state.report_mNm);
+    for (int n = 0; n < 100; n++) {
+        silent();
+    }
+    reported(2500, 0);
+    TEST_ASSERT_EQUAL_INT32(HYDRAULIC_FEEDBACK_PAST_ms, state.between_ms);
+}
+
+void test_the_age_of_a_report_ends_at_the_largest_number(void)
+{
+    reported(0, INT32_MAX - 1U);
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX - 1, state.since_ms);
+    silent();
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, state.since_ms);
+    silent();
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, state.since_ms);
+    reported(0, 0);
+    TEST_ASSERT_EQUAL_INT32(HYDRAULIC_FEEDBACK_PAST_ms, state.between_ms);
+}
+
+void test_reported_torque_counts_from_zero_to_33_kNm(void)
+{
+    reported(-5, 0);
+    TEST_ASSERT_EQUAL_INT32(0, state.report_mNm);
+    reported(1, 0);
+    TEST_ASSERT_EQUAL_INT32(1, state.report_mNm);
+    reported(INT32_MAX, 0);
+    TEST_ASSERT_EQUAL_INT32(1 << 25, state.report_mNm);
+}
+
+void test_reports_are_ignored_without_a_timeout(void)
+{
+    config.brake.hydraulic_timeout_ms = 0;
+    reported(1000, 0);
+    TEST_ASSERT_FALSE(state.seen);
+    TEST_ASSERT_FALSE(out.used || out.lost);
+    config.brake.hydraulic_timeout_ms = 1;
+    reported(1000, 0);
+    TEST_ASSERT_TRUE(state.seen);
+}
+
+/* ---- qualify and heal time ---- */
+
+void test_reports_may_be_missing_for_the_timeout(void)
+{
+    settled(10000, 10000, 1);
+    TEST_ASSERT_TRUE(out.used && !out.lost);
+    for (int n = 0; n < TIMEOUT_ms; n++) {
+        silent();
+        TEST_ASSERT_TRUE(out.used);
+    }
+    silent();
+    TEST_ASSERT_TRUE(out.lost && !out.used);
+    /* What the brake made before says something of it still. */
+    TEST_ASSERT_EQUAL_INT32(24576 + (32440 - 24576) / 4, state.least_q15);
+}
+
+enum { IMPLAUSIBLE_mNm = 100000 };
+
+void test_reports_may_be_implausible_for_the_timeout_as_often_as_a_good_one_comes_between(void)
+{
+    for (int n = 0; n < 3; n++) {
+        settled(10000, 10000, 1);
+        settled(10000, IMPLAUSIBLE_mNm, TIMEOUT_ms);
+        TEST_ASSERT_TRUE(out.used);
+    }
+    settled(10000, IMPLAUSIBLE_mNm, 1);
+    TEST_ASSERT_TRUE(out.lost);
+    assert_interval(LOWEST_q15, HIGHEST_q15); /* the gain is forgotten */
+    TEST_ASSERT_EQUAL_INT32(10000, out.torque_mNm);
+    state.bad_ms = INT32_MAX - 1; /* 24 days later */
+    settled(10000, IMPLAUSIBLE_mNm, 2);
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX - 1, state.bad_ms);
+}
+
+void test_an_implausible_report_begins_the_heal_time_anew_to_its_last_millisecond(void)
+{
+    settled(10000, IMPLAUSIBLE_mNm, TIMEOUT_ms + 1);
+    settled(10000, 10000, HYDRAULIC_FEEDBACK_HEAL_ms - 1);
+    TEST_ASSERT_FALSE(out.used);
+    settled(10000, IMPLAUSIBLE_mNm, 1);
+    settled(10000, 10000, HYDRAULIC_FEEDBACK_HEAL_ms - 1);
+    TEST_ASSERT_FALSE(out.used);
+    settled(10000, 10000, 1);
+    TEST_ASSERT_TRUE(out.used);
+}
+
+/* ---- the torque since the report ---- */
+
+/* A torque of the model that changes each millisecond, gain one; two reports at the given slope,
+ * and the torque some milliseconds after the second. */
+static int32_t carried_mNm(int32_t model_slope, int32_t report_mNm, int32_t report_slope,
+                           int32_t later_ms)
+{
+    const int32_t first_mNm = 20000;
+    config.brake.hydraulic_timeout_ms = 200;
+    config.brake.hydraulic_gain_band_q15 = 0;
+    config.brake.hydraulic_tolerance_mNm = 1000000;
+    begin();
+    for (int32_t ms = 0; ms <= 70 + later_ms; ms++) {
+        const int32_t now_mNm = first_mNm + model_slope * ms;
+        modelled(now_mNm, now_mNm, now_mNm);
+        if (ms == 60) {
+            reported(report_mNm - 10 * report_slope, 0);
+        } else if (ms == 70) {
+            reported(report_mNm, 0);
+        } else {
+            silent();
+        }
+    }
+    TEST_ASSERT_TRUE(out.used);
+    return out.torque_mNm;
+}
+
+void test_torque_since_the_report_follows_the_smaller_of_both_slopes(void)
+{
+    for (int32_t later_ms = 0; later_ms <= 63; later_ms++) {
+        TEST_ASSERT_EQUAL_INT32(20000 + 50 * later_ms, carried_mNm(100, 20000, 50, later_ms));
+        TEST_ASSERT_EQUAL_INT32(20000 + 100 * later_ms, carried_mNm(100, 20000, 250, later_ms));
+        TEST_ASSERT_EQUAL_INT32(20000 - 50 * later_ms, carried_mNm(-100, 20000, -50, later_ms));
+        TEST_ASSERT_EQUAL_INT32(20000 - 100 * later_ms, carried_mNm(-100, 20000, -250, later_ms));
+    }
+}
+
+void test_torque_since_the_report_stays_where_the_slopes_disagree(void)
+{
+    TEST_ASSERT_EQUAL_INT32(20000, carried_mNm(100, 20000, -50, 10));
+    TEST_ASSERT_EQUAL_INT32(20000, carried_mNm(100, 20000, 0, 10));
+    TEST_ASSERT_EQUAL_INT32(20000, carried_mNm(-100, 20000, 50, 10));
+    TEST_ASSERT_EQUAL_INT32(20000, carried_mNm(0, 20000, 50, 10));
+    TEST_ASSERT_EQUAL_INT32(20000, carried_mNm(0, 20000, -50, 10));
+    TEST_ASSERT_EQUAL_INT32(20001, carried_mNm(1, 20000, 50, 1));
+    TEST_ASSERT_EQUAL_INT32(19999, carried_mNm(-1, 20000, -50, 1));
+}
+
+void test_torque_is_carried_forward_for_63_ms_at_most_and_not_below_zero(void)
+{
+    TEST_ASSERT_EQUAL_INT32(20000 + 63 * 50, carried_mNm(100, 20000, 50, 64));
+    TEST_ASSERT_EQUAL_INT32(20000 + 63 * 50, carried_mNm(100, 20000, 50, 150));
+    TEST_ASSERT_EQUAL_INT32(20000 + 63 * 100, carried_mNm(100, 20000, 150, 150));
+    TEST_ASSERT_EQUAL_INT32(0, carried_mNm(-100, 400, -100, 10));
+    TEST_ASSERT_EQUAL_INT32(0, carried_mNm(0, 0, 0, 10));
+}
+
+/* A report that is made 20 ms after its measurement is that much older. */
+void test_the_delay_of_the_reports_is_part_of_their_age(void)
+{
+    config.brake.hydraulic_report_delay_ms = 20;
+    TEST_ASSERT_EQUAL_INT32(20000 + 50 * 30, carried_mNm(100, 20000, 50, 10));
+    TEST_ASSERT_EQUAL_INT32(20000 + 50 * 63, carried_mNm(100, 20000, 50, 50));
+}
