@@ -113,7 +113,7 @@ static int32_t bridged_mNm(brake_blending_state_t *state, const config_brake_t *
     if (state->bridging_ms == 0) {
         state->bridged_q6_mNm = q_min(state->bridged_q6_mNm, made_mNm * ONE_Q6);
     }
-    if (within_q6 >= state->bridged_q6_mNm || brake->bridging_time_ms == 0) {
+    if (within_q6 >= state->bridged_q6_mNm) {
         state->bridged_q6_mNm = within_q6;
         state->bridging_ms = 0;
         return limit_mNm;
@@ -167,7 +167,7 @@ static int32_t beside_hydraulic_mNm(const config_t *config, const brake_blending
         return demand_mNm - taken_mNm;
     }
     const int32_t made_mNm = braking_part(in->motor_command_mNm, in->speed_mrad_s);
-    return q_max(made_mNm - demand_handed_over_mNm(config, made_mNm), 0);
+    return made_mNm - demand_handed_over_mNm(config, made_mNm);
 }
 
 /* The hydraulic torque of this step, measured or modelled, and what is found of it. */
@@ -278,7 +278,7 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
         makes_up ? beyond_strategy(config, limits, in->speed_mrad_s) : bounds;
     int32_t bound_mNm = q_min(makes_up ? most.hard_mNm : q_min(most.hard_mNm, share_mNm),
                               bridged_mNm(state, brake, most.deferrable_mNm, in, now.used));
-    if (now.used && !makes_up) {
+    if (now.used) { /* a motor that makes up is beyond this already */
         bound_mNm =
             raised_mNm(state, bound_mNm, faded_mNm(config, beyond_mNm, q_abs(in->speed_mrad_s)));
     }

@@ -12,6 +12,7 @@
 #include "unity.h"
 
 enum { FAST_mrad_s = 30000 }; /* well above the blend-out speeds, 2.618 and 0.838 rad/s */
+enum { ONE_q15 = 32768 };
 
 static config_t config;
 static brake_blending_state_t state;
@@ -112,6 +113,36 @@ static inline void random_conditions(random_t *random)
     in.torque_enable.brake_q15 =
         (int16_t)(random_chance(random, 0.2) ? random_between(random, 0, Q15_ONE) : Q15_ONE);
     in.torque_enable.reason = REASON_TORQUE_ENABLE;
+}
+
+/* A brake whose torque does not move within a step. */
+static inline void slow_brake(int32_t torque_mNm)
+{
+    config.brake.hydraulic_dead_time_ms = 40;
+    config.brake.hydraulic_time_constant_ms = 60;
+    config.brake.hydraulic_rate_mNm_s = 100;
+    state.hydraulic.torque_q6_mNm = torque_mNm * 64 + 32;
+    state.hydraulic.early_q6_mNm = torque_mNm * 64 + 32;
+    state.hydraulic.late_q6_mNm = torque_mNm * 64 + 32;
+}
+
+/* Reports of a torque, in use, and an interval of gains. */
+static inline void measured(int32_t report_mNm, int32_t least_q15, int32_t gain_q15,
+                            int32_t most_q15)
+{
+    config.brake.hydraulic_timeout_ms = 50;
+    config.brake.hydraulic_gain_band_q15 = 16384;
+    config.brake.hydraulic_tolerance_mNm = 20000000;
+    state.feedback.seen = true;
+    state.feedback.good = true;
+    state.feedback.heal_ms = 0;
+    state.feedback.report_mNm = report_mNm;
+    state.feedback.least_q15 = least_q15;
+    state.feedback.gain_q15 = gain_q15;
+    state.feedback.most_q15 = most_q15;
+    in.hydraulic.torque_mNm = report_mNm;
+    in.hydraulic.age_ms = 1000; /* that of the last step stands */
+    in.hydraulic.valid = true;
 }
 
 #endif

@@ -74,13 +74,13 @@ static void assert_row(const thermal_lumps_t *row, double c1, double r1, double 
     const double per_mW = per_mW_q16(c1) * (1.0 - share * 0x1p-30);
     TEST_ASSERT_TRUE(row->known);
     TEST_ASSERT_DOUBLE_WITHIN(1.0, share, row->inner_share_q30);
-    TEST_ASSERT_TRUE((row->inner_share_q30 > 0) == (share > 0.0));
+    TEST_ASSERT_TRUE((row->inner_share_q30 != 0) == (share > 0.0));
     /* 6.4 2^16 is taken as 419430, 1e-6 less. */
     TEST_ASSERT_DOUBLE_WITHIN(2.0 + 1.1e-6 * per_mW, per_mW, row->inner_per_mW_q16);
     if (c2 > 0.0) {
         const double gain = r1 > 0.0 ? fmin(0x1p30 * 64e3 / (c2 * r1), 0x1p30) : 0.0;
         TEST_ASSERT_DOUBLE_WITHIN(1.0, gain, row->outer_gain_q30);
-        TEST_ASSERT_TRUE((row->outer_gain_q30 > 0) == (gain > 0.0));
+        TEST_ASSERT_TRUE((row->outer_gain_q30 != 0) == (gain > 0.0));
         TEST_ASSERT_DOUBLE_WITHIN(1.0, share_q30(c2, r2), row->ambient_share_q30);
         TEST_ASSERT_DOUBLE_WITHIN(1.0 + 1.1e-6 * per_mW_q16(c2), per_mW_q16(c2),
                                   row->outer_per_mW_q16);
