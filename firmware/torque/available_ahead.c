@@ -79,7 +79,7 @@ static int32_t slope_sample(available_slope_t *slope, int32_t value, int32_t ste
 static void slope_begin(available_slope_t *slope, int32_t value, int32_t expected)
 {
     /* The low-pass is about to move by an eighth of its distance: 8/7 32/92 = 512/161 eighths. */
-    const int32_t rise = q_limit(expected, MOST_VALUE) - value;
+    const int32_t rise = expected - value;
     slope->known = true;
     slope->value = value;
     slope->low_passed_q3 = value * (1 << FILTER_LOG2) - rise / 161 * 512;
@@ -114,10 +114,11 @@ static void expect_inputs(available_ahead_state_t *state, const config_t *config
                           const torque_limits_t *limits, const available_ahead_input_t *in)
 {
     const int32_t speed_mrad_s = slope_sample(&state->speed, in->speed_mrad_s, INT32_MAX);
-    const bool stops = (speed_mrad_s > 0) != (in->speed_mrad_s > 0);
+    const bool rolls_on =
+        in->speed_mrad_s > 0 ? speed_mrad_s > 0 : in->speed_mrad_s < 0 && speed_mrad_s < 0;
     const int32_t fastest_mrad_s =
         q_max(config->motor.max_speed_mrad_s / 4 * 5, q_limit(q_abs(in->speed_mrad_s), MOST_VALUE));
-    state->expected.speed_mrad_s = stops ? 0 : q_limit(speed_mrad_s, fastest_mrad_s);
+    state->expected.speed_mrad_s = rolls_on ? q_limit(speed_mrad_s, fastest_mrad_s) : 0;
     state->expected.phase_voltage_mV =
         q_clamp(slope_sample(&state->voltage, in->phase_voltage_mV, INT32_MAX), 0, MOST_VALUE);
     state->expected.winding_temperature_cC =
@@ -171,9 +172,8 @@ static void solve(available_ahead_state_t *state, const motor_constants_t *motor
     int32_t cap_mNm =
         q_min(config->motor.max_torque_mNm, expected[TORQUE_LINE_MAX_POWER].torque_mNm);
     if (bounded) {
-        cap_mNm = q_clamp(q_min(expected[TORQUE_LINE_PHASE_CURRENT].torque_mNm,
-                                expected[TORQUE_LINE_VOLTAGE].torque_mNm),
-                          0, cap_mNm);
+        cap_mNm = q_min(cap_mNm, q_min(expected[TORQUE_LINE_PHASE_CURRENT].torque_mNm,
+                                       expected[TORQUE_LINE_VOLTAGE].torque_mNm));
     }
     feasible_side_t side = feasible_side_at(&set, sign, cap_mNm);
     if (!bounded) {
