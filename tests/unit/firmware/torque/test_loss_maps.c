@@ -353,6 +353,36 @@ void test_d_current_map_is_clamped_to_its_edges(void)
                             loss_maps_d_current_mA(&config, INT32_MIN, INT32_MAX, INT32_MAX));
 }
 
+/* The rise over the step in which the torque lies, the last point's as that of the step before it,
+ * and none beyond the ends. */
+void test_rise_over_a_step_of_torque_is_the_difference_of_its_points(void)
+{
+    random_d_map(9, LAYERS);
+    for (int32_t w = 0; w < LAYERS; w++) {
+        const loss_maps_row_t row =
+            loss_maps_row_at(&config, SPEED_STEP_mrad_s, ORIGIN_cC + w * TEMPERATURE_STEP_cC);
+        for (int32_t t = 0; t + 1 < TORQUE_POINTS; t++) {
+            const int32_t from_mNm = (t - TORQUE_POINTS / 2) * TORQUE_STEP_mNm;
+            const int32_t rise_mA = entry(w, 1, t + 1) - entry(w, 1, t);
+            TEST_ASSERT_EQUAL_INT32(rise_mA, loss_maps_row_rise_mA(&row, from_mNm));
+            TEST_ASSERT_EQUAL_INT32(rise_mA,
+                                    loss_maps_row_rise_mA(&row, from_mNm + TORQUE_STEP_mNm - 1));
+        }
+        TEST_ASSERT_EQUAL_INT32(entry(w, 1, 6) - entry(w, 1, 5),
+                                loss_maps_row_rise_mA(&row, 3 * TORQUE_STEP_mNm));
+        TEST_ASSERT_EQUAL_INT32(0, loss_maps_row_rise_mA(&row, 3 * TORQUE_STEP_mNm + 1));
+        TEST_ASSERT_EQUAL_INT32(0, loss_maps_row_rise_mA(&row, -3 * TORQUE_STEP_mNm - 1));
+    }
+}
+
+void test_single_layer_is_the_coldest_and_the_hottest_one(void)
+{
+    random_d_map(10, 1);
+    const loss_maps_row_t row = loss_maps_row_at(&config, SPEED_STEP_mrad_s, 5000);
+    TEST_ASSERT_EQUAL_PTR(&config.current_map.current_d_mA[TORQUE_POINTS], row.cold_mA);
+    TEST_ASSERT_EQUAL_PTR(row.cold_mA, row.hot_mA);
+}
+
 void test_largest_valid_grid_is_read_up_to_its_last_point(void)
 {
     /* 15 torques each way, 19 speeds, 2 temperatures: all the 1178 points there are. */
