@@ -35,8 +35,7 @@ loss_braking_t loss_braking_at(const feasible_set_t *set, feasible_returned_t re
 /* The i_d on the circle beside an i_q, <= 0. */
 static int32_t on_circle_d_b(const motor_model_t *m, int32_t current_b, motor_point_t at)
 {
-    const int64_t left = square(current_b) - square(motor_model_i_q_b(m, at));
-    return left > 0 ? -scaled_root(left) : 0;
+    return -scaled_root(square(current_b) - square(motor_model_i_q_b(m, at)));
 }
 
 int32_t loss_braking_torque_mNm(const feasible_side_t *side, loss_braking_t *losses,
