@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * plain_motor.h: a motor model of powers of two for tests: a flux of one, so that torque and torque
+ * current are the same number of units and of millinewton-metres; no saliency, losses or friction.
+ */
+#ifndef PLAIN_MOTOR_H
+#define PLAIN_MOTOR_H
+
+#include <string.h>
+
+#include "config/config.h"
+#include "torque/feasible_torque.h"
+
+typedef struct {
+    config_t config;
+    motor_constants_t constants;
+    motor_model_t model;
+    feasible_set_t set;
+    int32_t map_mA[3]; /* i_d at a torque of -2^20, 0 and 2^20 mN m: zero */
+} plain_motor_t;
+
+/* Any voltage suffices; a phase current limit of 2^22. */
+static inline void plain_motor_init(plain_motor_t *motor)
+{
+    memset(motor, 0, sizeof *motor);
+    motor->constants = (motor_constants_t){
+        .current_shift = 1,
+        .torque_factor_q24 = SCALED_ONE,
+        .torque_inverse_q24 = SCALED_ONE,
+        .current_most_b = 1 << 22,
+    };
+    motor->model = (motor_model_t){
+        .constants = &motor->constants,
+        .config = &motor->config,
+        .flux_b = SCALED_ONE,
+        .x_per_airgap_q23 = 1 << 23,
+        .one_plus_a2 = SCALED_ONE,
+        .inverse_one_plus_a2 = SCALED_ONE,
+    };
+    motor->set = (feasible_set_t){
+        .model = &motor->model,
+        .row = {.cold_mA = motor->map_mA,
+                .hot_mA = motor->map_mA,
+                .weights = {.at_00 = 1 << 30},
+                .points = 3,
+                .step_log2 = 20,
+                .zero_mNm = 1 << 20},
+        .voltage_squared = INT64_C(1) << 60,
+    };
+}
+
+/* Up to a torque current, with an i_d of zero. */
+static inline feasible_side_t plain_side(const plain_motor_t *motor, side_t sign, int32_t cap_b)
+{
+    const feasible_side_t out = {
+        .set = &motor->set,
+        .sign = (int32_t)sign,
+        .cap_mNm = cap_b,
+        .cap = {.d_b = 0, .x_b = (int32_t)sign * cap_b},
+        .cap_has_voltage = true,
+    };
+    return out;
+}
+
+#endif

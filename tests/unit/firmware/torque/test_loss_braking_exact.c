@@ -1,0 +1,338 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Loss braking of a motor of powers of two: each condition at its limit, and the passes along the
+ * current circle and over i_d in double precision. A unit is 2^20 of the binary scale, and 2^16 of
+ * power.
+ */
+#include "torque/loss_braking.h"
+
+#include <math.h>
+
+#include "core/q15.h"
+#include "plain_motor.h"
+#include "random_values.h"
+#include "unity.h"
+
+enum { UNIT_LOG2 = 20, POWER_LOG2 = 16, ROUNDS = 3000, MOST_b = 1 << 22, WHOLE_b = 255 << 14 };
+
+static plain_motor_t motor;
+static const feasible_returned_t NO_POWER = {.power_b = 0, .margin_b = 0};
+
+void setUp(void)
+{
+    plain_motor_init(&motor);
+    motor.config.brake.loss_braking = 1;
+    motor.config.motor.max_torque_mNm = 256 * 100; /* a band of 100 mN m beyond the map's torque */
+    motor.config.motor.max_phase_current_mA = MOST_b / 2;
+}
+
+void tearDown(void) {}
+
+/* ---- current ---- */
+
+void test_losses_may_take_the_phase_current_less_a_256th_and_the_derating(void)
+{
+    TEST_ASSERT_EQUAL_INT32(WHOLE_b, loss_braking_at(&motor.set, NO_POWER, Q15_ONE).current_b);
+    TEST_ASSERT_EQUAL_INT32(255 * 32766 / 2,
+                            loss_braking_at(&motor.set, NO_POWER, 32766).current_b);
+    TEST_ASSERT_EQUAL_INT32(WHOLE_b / 2, loss_braking_at(&motor.set, NO_POWER, 1 << 14).current_b);
+    motor.config.brake.loss_braking = 0;
+    TEST_ASSERT_EQUAL_INT32(0, loss_braking_at(&motor.set, NO_POWER, Q15_ONE).current_b);
+    TEST_ASSERT_EQUAL_INT32(FEASIBLE_UNBOUNDED,
+                            loss_braking_at(&motor.set, NO_POWER, Q15_ONE).by_map_mNm);
+}
+
+/* ---- torque without a returned power ---- */
+
+static int32_t torque_mNm(loss_braking_t *losses, int32_t by_map_mNm)
+{
+    const feasible_side_t side = plain_side(&motor, SIDE_BRAKING, MOST_b);
+    return loss_braking_torque_mNm(&side, losses, by_map_mNm);
+}
+
+/* I = 2^22: R I^2 of 1/4 is 2^18, the bridge of 2^16 V 2^14 W. */
+void test_the_circle_is_not_used_where_the_battery_takes_more_than_it_loses(void)
+{
+    motor.model.resistance_b = SCALED_ONE / 4;
+    motor.model.emf_b = 1 << 23;
+    motor.set.power = (feasible_power_t){.b = 1 << 23, .c_dd = SCALED_ONE / 4};
+    motor.constants.loss_b = 1 << 16;
+    const int32_t loss_b = (1 << 18) + (1 << 14);
+    loss_braking_t losses = {.current_b = MOST_b, .returned = {.power_b = loss_b}};
+    TEST_ASSERT_GREATER_THAN_INT32(1000, torque_mNm(&losses, 1000));
+    TEST_ASSERT_GREATER_THAN_INT32(1000, losses.torque_mNm);
+    losses.returned.power_b++;
+    TEST_ASSERT_EQUAL_INT32(1000, torque_mNm(&losses, 1000));
+    TEST_ASSERT_EQUAL_INT32(0, losses.torque_mNm);
+    losses = (loss_braking_t){.current_b = MOST_b, .torque_mNm = 12345};
+    TEST_ASSERT_EQUAL_INT32(FEASIBLE_UNBOUNDED, torque_mNm(&losses, FEASIBLE_UNBOUNDED));
+    TEST_ASSERT_EQUAL_INT32(0, losses.torque_mNm);
+}
+
+/* The friction, 100 units, brakes at no current of torque. */
+void test_a_circle_that_returns_power_at_zero_torque_leaves_the_friction(void)
+{
+    motor.model.friction_b = 100;
+    motor.model.emf_b = 1 << 23;
+    motor.set.power = (feasible_power_t){.c = -1000, .b = 1 << 23};
+    loss_braking_t losses = {.current_b = MOST_b};
+    TEST_ASSERT_EQUAL_INT32(100, torque_mNm(&losses, 0));
+}
+
+void test_losses_at_standstill_make_all_torque_that_the_current_makes(void)
+{
+    motor.set.power = (feasible_power_t){.c = 10};
+    loss_braking_t losses = {.current_b = MOST_b};
+    TEST_ASSERT_EQUAL_INT32(MOST_b, torque_mNm(&losses, 0));
+}
+
+/* The header's magnitude of a current, at most 3 % too large. */
+static double magnitude(double i_d, double i_q)
+{
+    const double large = fmax(fabs(i_d), fabs(i_q));
+    const double small = fmin(fabs(i_d), fabs(i_q));
+    return fmax(large, 0.875 * large + 0.5 * small);
+}
+
+typedef struct {
+    double a, b, b_d, c, c_d, c_dd, loss; /* power of x and i_d; of an ampere */
+    double emf, x_d, x_q, iron, cross;    /* w psi, w L_d, w L_q; i_q = x + iron + cross i_d */
+    double current, taken;
+} drive_t;
+
+static double excess(const drive_t *d, double i_d, double x, double taken)
+{
+    const double i_q = x + d->iron + d->cross * i_d;
+    return d->a * x * x + (d->b + d->b_d * i_d) * x + d->c + d->c_d * i_d + d->c_dd * i_d * i_d +
+           d->loss * magnitude(i_d, i_q) + taken;
+}
+
+static double on_circle(const drive_t *d, double i_d, double x)
+{
+    const double i_q = x + d->iron + d->cross * i_d;
+    return -sqrt(fmax(d->current * d->current - i_q * i_q, 0.0));
+}
+
+static int32_t units(double x)
+{
+    return (int32_t)lround(ldexp(x, UNIT_LOG2));
+}
+
+static int32_t ratio(double x)
+{
+    return (int32_t)lround(ldexp(x, 24));
+}
+
+static int32_t powers(double x)
+{
+    return (int32_t)lround(ldexp(x, POWER_LOG2));
+}
+
+static void apply(const drive_t *d)
+{
+    motor.set.power = (feasible_power_t){.a = ratio(d->a),
+                                         .b = units(d->b),
+                                         .b_d = ratio(d->b_d),
+                                         .c = powers(d->c),
+                                         .c_d = units(d->c_d),
+                                         .c_dd = ratio(d->c_dd)};
+    motor.constants.loss_b = units(d->loss);
+    motor.model.emf_b = units(d->emf);
+    motor.model.reactance_d_b = ratio(d->x_d);
+    motor.model.reactance_q_b = ratio(d->x_q);
+    motor.model.iron_current_b = units(d->iron);
+    motor.model.cross_d = ratio(d->cross);
+}
+
+static drive_t any(random_t *random)
+{
+    const drive_t out = {
+        .a = random_real(random, 0.1, 0.4),
+        .b = random_real(random, 0.5, 2.0),
+        .b_d = random_real(random, -0.1, 0.1),
+        .c = random_real(random, -0.1, 0.3),
+        .c_d = random_real(random, -0.2, 0.2),
+        .c_dd = random_real(random, 0.05, 0.4),
+        .loss = random_real(random, 0.0, 0.3),
+        .emf = random_real(random, 0.5, 2.0),
+        .x_d = random_real(random, 0.1, 0.3),
+        .x_q = random_real(random, 0.1, 0.3),
+        .iron = random_real(random, 0.0, 0.2),
+        .cross = random_real(random, 0.0, 0.2),
+        .current = random_real(random, 0.5, 3.9),
+        .taken = random_real(random, 0.0, 0.5),
+    };
+    return out;
+}
+
+/* Two steps of Newton's method with the slope of the EMF, i_d on the circle beside the last x. */
+void test_the_torque_on_the_circle_is_that_of_two_steps_of_newton_s_method(void)
+{
+    random_t random = random_seeded(51);
+    for (int n = 0; n < ROUNDS; n++) {
+        const drive_t d = any(&random);
+        apply(&d);
+        double i_d = -d.current;
+        double x = 0.0;
+        for (int pass = 0; pass < 2; pass++) {
+            i_d = on_circle(&d, i_d, x);
+            const double slope = d.emf + (d.x_d - d.x_q) * i_d;
+            x = fmin(fmax(x - excess(&d, i_d, x, 0.0) / slope, -d.current), 0.0);
+        }
+        loss_braking_t losses = {.current_b = units(d.current)};
+        const int32_t found_mNm = torque_mNm(&losses, 0);
+        TEST_ASSERT_DOUBLE_WITHIN(3e-3, -x, ldexp(found_mNm, -UNIT_LOG2));
+    }
+}
+
+/* ---- setpoint ---- */
+
+static const current_setpoint_t GIVEN = {.i_d_mA = -100, .i_q_mA = -7};
+
+static current_setpoint_t setpoint(const loss_braking_t *losses, int32_t shaft_mNm)
+{
+    return loss_braking_setpoint(&motor.set, losses, shaft_mNm, GIVEN);
+}
+
+static bool stays(const loss_braking_t *losses, int32_t shaft_mNm)
+{
+    const current_setpoint_t out = setpoint(losses, shaft_mNm);
+    return out.i_d_mA == GIVEN.i_d_mA && out.i_q_mA == GIVEN.i_q_mA;
+}
+
+/* Power is i_d^2 / 4 less a constant: always more than the battery takes. */
+static void return_too_much(void)
+{
+    motor.set.power = (feasible_power_t){.c = -(1 << 12), .c_dd = SCALED_ONE / 4};
+}
+
+void test_a_setpoint_stays_up_to_the_torque_of_the_map_and_a_256th_of_the_largest_torque(void)
+{
+    return_too_much();
+    const loss_braking_t losses = {.current_b = MOST_b, .by_map_mNm = 1000};
+    TEST_ASSERT_TRUE(stays(&losses, -1000));
+    TEST_ASSERT_TRUE(stays(&losses, -1099));
+    TEST_ASSERT_FALSE(stays(&losses, -1100));
+    motor.config.motor.max_torque_mNm = 100; /* a band of none */
+    TEST_ASSERT_TRUE(stays(&losses, -1000));
+    TEST_ASSERT_FALSE(stays(&losses, -1001));
+}
+
+void test_a_setpoint_stays_without_a_current_for_losses(void)
+{
+    return_too_much();
+    loss_braking_t losses = {.current_b = 0, .by_map_mNm = 0};
+    TEST_ASSERT_TRUE(stays(&losses, -1000));
+    losses.current_b = 1;
+    TEST_ASSERT_FALSE(stays(&losses, -1000));
+}
+
+void test_a_setpoint_stays_where_friction_makes_the_torque(void)
+{
+    return_too_much();
+    motor.model.friction_b = 1000;
+    const loss_braking_t losses = {.current_b = MOST_b, .by_map_mNm = 0};
+    TEST_ASSERT_TRUE(stays(&losses, -999));
+    TEST_ASSERT_TRUE(stays(&losses, -1000));
+    TEST_ASSERT_FALSE(stays(&losses, -1001));
+}
+
+/* i_q -7 mA are 14 units; u i of 2^20 a unit 14 2^-4, rounded down -1. */
+void test_a_setpoint_stays_where_it_returns_no_more_than_the_battery_takes(void)
+{
+    motor.set.power = (feasible_power_t){.c = -1};
+    loss_braking_t losses = {.current_b = MOST_b, .returned = {.power_b = 1}};
+    TEST_ASSERT_TRUE(stays(&losses, -1000));
+    losses.returned.power_b = 0;
+    TEST_ASSERT_FALSE(stays(&losses, -1000));
+}
+
+/* Without resistance no i_d loses the power. */
+void test_without_resistance_the_setpoint_is_on_the_circle(void)
+{
+    motor.set.power = (feasible_power_t){.c = -100};
+    const loss_braking_t losses = {.current_b = MOST_b};
+    TEST_ASSERT_INT32_WITHIN(MOST_b >> 14, -MOST_b / 2, setpoint(&losses, -1000).i_d_mA);
+}
+
+/* i_d 3/5 of the phase current leaves 4/5 of it. */
+void test_i_q_is_what_i_d_leaves_of_the_phase_current(void)
+{
+    motor.config.motor.max_phase_current_mA = 100000;
+    motor.set.power = (feasible_power_t){.c = -1000000};
+    const loss_braking_t losses = {.current_b = 120000};
+    motor.model.iron_current_b = 1000000; /* of a torque of 10^6 no i_q is left */
+    const current_setpoint_t out = setpoint(&losses, -1000000 - 200000);
+    TEST_ASSERT_EQUAL_INT32(-100, out.i_d_mA);
+    motor.model.iron_current_b = 0;
+    const current_setpoint_t more = loss_braking_setpoint(
+        &motor.set, &losses, -400000, (current_setpoint_t){.i_d_mA = -60000, .i_q_mA = -80000});
+    TEST_ASSERT_EQUAL_INT32(-60000, more.i_d_mA);
+    TEST_ASSERT_INT32_WITHIN(8, -80000, more.i_q_mA);
+}
+
+void test_i_q_counts_forward_in_either_direction_of_rotation(void)
+{
+    return_too_much();
+    const loss_braking_t losses = {.current_b = MOST_b};
+    TEST_ASSERT_EQUAL_INT32(-500, setpoint(&losses, -1000).i_q_mA);
+    motor.model.speed_mrad_s = -1;
+    TEST_ASSERT_EQUAL_INT32(500, setpoint(&losses, 1000).i_q_mA);
+}
+
+/* Two passes, three with an uncertain angle: the root of q d^2 + e d + excess from the last i_d,
+ * down to the circle. */
+static void compare_setpoints(int passes, uint64_t seed)
+{
+    random_t random = random_seeded(seed);
+    int changed = 0;
+    for (int n = 0; n < ROUNDS; n++) {
+        const drive_t d = any(&random);
+        apply(&d);
+        const double x = random_real(&random, -1.5, -0.1);
+        const double highest = random_real(&random, -0.3, 0.0);
+        const current_setpoint_t map = {
+            .i_d_mA = units(highest) / 2,
+            .i_q_mA = units(x + d.iron + d.cross * highest) / 2,
+        };
+        double i_d = highest;
+        bool clear = fabs(excess(&d, i_d, x, d.taken)) > 0.02;
+        for (int pass = 0; pass < passes; pass++) {
+            const double more = excess(&d, i_d, x, d.taken);
+            if (pass == 0 && more >= 0.0) {
+                break;
+            }
+            const double e = d.c_d + d.b_d * x + 2.0 * d.c_dd * i_d;
+            const double under_root = e * e - 4.0 * d.c_dd * more;
+            clear = clear && under_root > 0.01;
+            i_d -= (e + sqrt(fmax(under_root, 0.0))) / (2.0 * d.c_dd);
+            i_d = fmin(fmax(i_d, fmin(on_circle(&d, i_d, x), highest)), highest);
+        }
+        if (!clear) {
+            continue;
+        }
+        const loss_braking_t losses = {
+            .current_b = units(d.current),
+            .returned = {.power_b = powers(d.taken), .margin_b = INT32_MAX},
+        };
+        const current_setpoint_t out = loss_braking_setpoint(&motor.set, &losses, units(x), map);
+        changed += i_d < highest;
+        TEST_ASSERT_DOUBLE_WITHIN(4e-3, i_d, ldexp(out.i_d_mA, 1 - UNIT_LOG2));
+        if (hypot(i_d, x + d.iron + d.cross * i_d) < 3.9) {
+            TEST_ASSERT_DOUBLE_WITHIN(4e-3, x + d.iron + d.cross * i_d,
+                                      ldexp(out.i_q_mA, 1 - UNIT_LOG2));
+        }
+    }
+    TEST_ASSERT_GREATER_THAN_INT(ROUNDS / 10, changed);
+}
+
+void test_the_setpoint_that_returns_what_the_battery_takes_is_found_in_two_passes(void)
+{
+    compare_setpoints(2, 52);
+}
+
+void test_an_uncertain_angle_takes_a_third_pass(void)
+{
+    motor.constants.hall_angle_b = 1;
+    compare_setpoints(3, 53);
+}
