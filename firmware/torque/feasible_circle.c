@@ -18,18 +18,14 @@ static motor_point_t on_circle(const motor_model_t *m, int32_t sign, int32_t d_b
     return out;
 }
 
-/* Maximum torque per ampere on the circle: the i_d at which (psi + (L_d - L_q) i_d) i_q is
- * largest. */
+/* Maximum torque per ampere on the circle: the i_d at which (psi + (L_d - L_q) i_d) i_q is largest.
+ * Written without a difference of two nearly equal numbers, for a small saliency. */
 static int32_t best_d_b(const motor_model_t *m)
 {
-    if (m->saliency_b == 0) {
-        return 0;
-    }
     const int32_t per_flux_b = scaled_multiply(m->saliency_b, m->constants->current_most_b);
     const int32_t root_b = scaled_root(square(m->flux_b) + 8 * square(per_flux_b));
-    const int32_t d_of_most = scaled_ratio(root_b - m->flux_b, q_max(q_abs(4 * per_flux_b), 1));
-    const int32_t d_b = scaled_multiply(d_of_most, m->constants->current_most_b);
-    return m->saliency_b < 0 ? -d_b : d_b;
+    const int32_t d_of_most = scaled_ratio(2 * per_flux_b, q_max(root_b + m->flux_b, 1));
+    return scaled_multiply(d_of_most, m->constants->current_most_b);
 }
 
 /* README, Phase current: the quadratic of both sides, and its change by the resistive power. */
