@@ -16,7 +16,7 @@ typedef struct {
     motor_constants_t constants;
     motor_model_t model;
     feasible_set_t set;
-    int32_t map_mA[3]; /* i_d at a torque of -2^20, 0 and 2^20 mN m: zero */
+    int32_t map_mA[9]; /* i_d at a torque of -2^20, 0 and 2^20 mN m, and room for more: zero */
 } plain_motor_t;
 
 /* Any voltage suffices; a phase current limit of 2^22. */
