@@ -21,7 +21,7 @@ static int64_t magnitude(int64_t x)
 }
 
 /* mrad/s * nH = 1e-6 uOhm, with the sign of the speed. */
-static int64_t reactance_uOhm(int64_t w_mrad_s, int32_t inductance_nH)
+static int32_t reactance_uOhm(int64_t w_mrad_s, int32_t inductance_nH)
 {
     return q_saturate64(divide_by_million(w_mrad_s * inductance_nH));
 }
@@ -29,6 +29,8 @@ static int64_t reactance_uOhm(int64_t w_mrad_s, int32_t inductance_nH)
 typedef struct {
     int64_t across_nV, along_nV;  /* e, along: in the direction of w psi */
     int64_t emf_nV, uncertain_nV; /* |w psi| at the reference temperature, U */
+    int32_t x_d_uOhm, x_q_uOhm;   /* magnitudes, as the currents */
+    int32_t d_mA, q_mA;
 } view_t;
 
 /* Two thirds of the dead times' share: ns * Hz = 1e-9, in 1e-6 of the bus voltage. */
@@ -43,29 +45,44 @@ static view_t view_of(const config_t *config, const monitor_emf_input_t *in)
     const config_motor_t *motor = &config->motor;
     const int64_t w_mrad_s = bases_electrical_mrad_s(config, in->speed_mrad_s);
     const int64_t emf_nV = divide_by_thousand(w_mrad_s * motor->flux_linkage_nWb);
-    const int64_t x_d_uOhm = reactance_uOhm(w_mrad_s, motor->d_inductance_nH);
-    const int64_t x_q_uOhm = motor->q_inductance_nH == motor->d_inductance_nH
+    const int32_t x_d_uOhm = reactance_uOhm(w_mrad_s, motor->d_inductance_nH);
+    const int32_t x_q_uOhm = motor->q_inductance_nH == motor->d_inductance_nH
                                  ? x_d_uOhm
                                  : reactance_uOhm(w_mrad_s, motor->q_inductance_nH);
-    const int64_t i_d_mA = q_clamp(in->i_d_mA, -MOST_CURRENT_mA, MOST_CURRENT_mA);
-    const int64_t i_q_mA = q_clamp(in->i_q_mA, -MOST_CURRENT_mA, MOST_CURRENT_mA);
+    const int32_t i_d_mA = q_limit(in->i_d_mA, MOST_CURRENT_mA);
+    const int32_t i_q_mA = q_limit(in->i_q_mA, MOST_CURRENT_mA);
 
     /* uOhm * mA = nV. |i_d| + |i_q| is never less than |i|. */
-    const int64_t e_d_nV =
-        in->u_d_mV * NV_PER_MV - (motor->phase_resistance_uOhm * i_d_mA - x_q_uOhm * i_q_mA);
-    const int64_t e_q_nV =
-        in->u_q_mV * NV_PER_MV - (motor->phase_resistance_uOhm * i_q_mA + x_d_uOhm * i_d_mA);
-    const int64_t x_uOhm = larger(magnitude(x_d_uOhm), magnitude(x_q_uOhm));
-    const int64_t i_mA = magnitude(i_d_mA) + magnitude(i_q_mA);
-    const int64_t uncertain_nV =
-        (motor->phase_resistance_uOhm / 2 + x_uOhm / 4) * i_mA + dead_time_nV(config, in);
+    const int64_t r_uOhm = motor->phase_resistance_uOhm;
+    const int64_t e_d_nV = in->u_d_mV * NV_PER_MV - (r_uOhm * i_d_mA - (int64_t)x_q_uOhm * i_q_mA);
+    const int64_t e_q_nV = in->u_q_mV * NV_PER_MV - (r_uOhm * i_q_mA + (int64_t)x_d_uOhm * i_d_mA);
+    const int32_t x_uOhm = q_max(q_abs(x_d_uOhm), q_abs(x_q_uOhm));
+    const int32_t i_mA = q_abs(i_d_mA) + q_abs(i_q_mA);
+    const int64_t uncertain_nV = (r_uOhm / 2 + x_uOhm / 4) * i_mA + dead_time_nV(config, in);
     const view_t out = {
         .across_nV = e_d_nV,
         .along_nV = emf_nV >= 0 ? e_q_nV : -e_q_nV,
         .emf_nV = magnitude(emf_nV),
         .uncertain_nV = larger(uncertain_nV, NV_PER_MV),
+        .x_d_uOhm = q_abs(x_d_uOhm),
+        .x_q_uOhm = q_abs(x_q_uOhm),
+        .d_mA = q_abs(i_d_mA),
+        .q_mA = q_abs(i_q_mA),
     };
     return out;
+}
+
+/* U_q, of the component along the q axis alone: README, Angle check. */
+static int64_t uncertain_along_nV(const view_t *view, const config_t *config,
+                                  const monitor_emf_input_t *in)
+{
+    /* |i| <= larger + smaller / 2; an angle error turns the difference of the axes' voltages. */
+    const int32_t size_mA = (q_max(view->d_mA, view->q_mA) + view->d_mA + view->q_mA) / 2;
+    const int64_t uncertain_nV = (int64_t)(config->motor.phase_resistance_uOhm / 2) * view->q_mA +
+                                 (int64_t)(view->x_d_uOhm / 4) * view->d_mA +
+                                 (int64_t)(q_abs(view->x_q_uOhm - view->x_d_uOhm) / 4) * size_mA +
+                                 dead_time_nV(config, in);
+    return larger(uncertain_nV, NV_PER_MV);
 }
 
 /* Share of the expected EMF, at most a half; of millivolts. */
@@ -87,7 +104,7 @@ static void watch_flux(monitor_emf_state_t *state, const config_t *config,
     const int64_t tolerance_nV =
         divide_by_thousand(expected_nV) * config->monitor.flux_tolerance_permille;
     const int64_t apart_nV = view->along_nV - expected_nV;
-    const bool beyond = magnitude(apart_nV) > tolerance_nV + view->uncertain_nV;
+    const bool beyond = magnitude(apart_nV) > tolerance_nV + uncertain_along_nV(view, config, in);
     if (beyond) {
         const int32_t step = apart_nV < 0 ? -1 : 1;
         state->flux_level = (int16_t)q_limit(state->flux_level + step, MONITOR_EMF_FLUX_STEPS);
@@ -127,17 +144,7 @@ static bool opposite(const view_t *view, const config_t *config, const monitor_e
     if (view->along_nV >= 0 || motor->q_inductance_nH <= motor->d_inductance_nH) {
         return false;
     }
-    const int64_t w_mrad_s = bases_electrical_mrad_s(config, in->speed_mrad_s);
-    const int64_t x_d_uOhm = magnitude(reactance_uOhm(w_mrad_s, motor->d_inductance_nH));
-    const int64_t x_q_uOhm = magnitude(reactance_uOhm(w_mrad_s, motor->q_inductance_nH));
-    const int64_t d_mA = magnitude(q_clamp(in->i_d_mA, -MOST_CURRENT_mA, MOST_CURRENT_mA));
-    const int64_t q_mA = magnitude(q_clamp(in->i_q_mA, -MOST_CURRENT_mA, MOST_CURRENT_mA));
-    /* |i| <= larger + smaller / 2; an angle error turns the difference of the axes' voltages. */
-    const int64_t size_mA = larger(d_mA, q_mA) / 2 + (d_mA + q_mA) / 2;
-    const int64_t uncertain_nV = motor->phase_resistance_uOhm / 2 * q_mA + x_d_uOhm / 4 * d_mA +
-                                 magnitude(x_q_uOhm - x_d_uOhm) / 4 * size_mA +
-                                 dead_time_nV(config, in);
-    const int64_t least_nV = larger(uncertain_nV, NV_PER_MV);
+    const int64_t least_nV = uncertain_along_nV(view, config, in);
     return view->emf_nV >= least_nV && -view->along_nV >= least_nV;
 }
 

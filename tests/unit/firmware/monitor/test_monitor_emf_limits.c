@@ -123,6 +123,32 @@ void test_a_current_counts_up_to_10_kA(void)
 
 /* ---- the angle ---- */
 
+/* 1 uOhm at 1 mA across the axis, and 1 nV less than 1 mV along it. */
+void test_a_nanovolt_across_the_axis_is_no_less_than_one_along_it(void)
+{
+    config.motor.phase_resistance_uOhm = 1;
+    config.motor.d_inductance_nH = 999999;
+    config.motor.q_inductance_nH = 999999;
+    in.i_d_mA = 1;
+    TEST_ASSERT_TRUE(is_wrong(0, 1));
+}
+
+/* A quarter of 4 Ohm at 0.1 A, of the larger reactance and in both directions. */
+void test_the_angle_is_judged_beyond_four_times_the_larger_reactance(void)
+{
+    for (int side = -1; side <= 1; side += 2) {
+        config.motor.phase_resistance_uOhm = 0;
+        config.motor.d_inductance_nH = 4000000;
+        config.motor.q_inductance_nH = 100;
+        in.speed_mrad_s = side * 1000000;
+        in.i_q_mA = 100;
+        config.motor.flux_linkage_nWb = 400000;
+        TEST_ASSERT_TRUE(is_wrong(-400, 0));
+        config.motor.flux_linkage_nWb = 400000 - 1;
+        TEST_ASSERT_FALSE(is_wrong(-400, 0));
+    }
+}
+
 /* An EMF of so many millivolts is below 4 U here: it is judged by the sign of e_q alone, which is
  * opposite from U_q on, as is w psi at the least; in a salient motor, by 1 nH here. */
 static void assert_opposite_from(int32_t emf_mV, int32_t u_q_mV)
@@ -235,6 +261,45 @@ void test_a_flux_between_tolerance_and_uncertainty_heals_only_what_is_not_qualif
     TEST_ASSERT_EQUAL_INT(-3, state.flux_level);
     step_with(0, EMF_mV - TOLERANCE_mV);
     TEST_ASSERT_EQUAL_INT(-2, state.flux_level);
+}
+
+/* The largest loss of e_q that is not yet judged as weak, beyond the tolerance. */
+static int32_t uncertain_mV(int32_t i_d_mA, int32_t i_q_mA)
+{
+    const config_motor_t *motor = &config.motor;
+    in.i_d_mA = i_d_mA;
+    in.i_q_mA = i_q_mA;
+    const int32_t r_uOhm = motor->phase_resistance_uOhm;
+    int32_t lost_mV = 0;
+    do {
+        lost_mV++;
+        state.flux_level = 0;
+        /* 1000 rad/s make an uOhm of a nH. */
+        step_with(r_uOhm / 1000 * i_d_mA / 1000 - motor->q_inductance_nH / 1000 * i_q_mA / 1000,
+                  EMF_mV - TOLERANCE_mV - lost_mV + r_uOhm / 1000 * i_q_mA / 1000 +
+                      motor->d_inductance_nH / 1000 * i_d_mA / 1000);
+    } while (state.flux_level == 0 && lost_mV < 10000);
+    return lost_mV - 1;
+}
+
+/* R/2 |i_q| + x_d/4 |i_d| + |x_q - x_d|/4 times 10 + 4/2 A, with 0.4, 0.8 and 1.2 Ohm. */
+void test_the_uncertainty_of_the_flux_is_that_along_the_q_axis(void)
+{
+    config.motor.phase_resistance_uOhm = 0;
+    config.motor.d_inductance_nH = 800000;
+    config.motor.q_inductance_nH = 800000;
+    TEST_ASSERT_EQUAL_INT32(UNCERTAIN_mV, uncertain_mV(0, 10000));
+    TEST_ASSERT_EQUAL_INT32(2000, uncertain_mV(10000, 0));
+    TEST_ASSERT_EQUAL_INT32(2000, uncertain_mV(-10000, 0));
+    config.motor.phase_resistance_uOhm = 400000;
+    TEST_ASSERT_EQUAL_INT32(2000, uncertain_mV(0, 10000));
+    TEST_ASSERT_EQUAL_INT32(2000, uncertain_mV(0, -10000));
+    config.motor.q_inductance_nH = 1200000;
+    TEST_ASSERT_EQUAL_INT32(2000 + 800 + 1200, uncertain_mV(-4000, 10000));
+    TEST_ASSERT_EQUAL_INT32(800 + 2000 + 1200, uncertain_mV(10000, -4000));
+    config.motor.d_inductance_nH = 1200000;
+    config.motor.q_inductance_nH = 800000;
+    TEST_ASSERT_EQUAL_INT32(800 + 3000 + 1200, uncertain_mV(10000, -4000));
 }
 
 void test_only_a_weak_flux_has_a_missing_share(void)
