@@ -20,7 +20,7 @@
 #define MONITOR_GAIN_NOT_GIVEN INT32_MIN
 
 enum {
-    MONITOR_GAIN_LEAST_SHARE = 8,
+    MONITOR_GAIN_LEAST_SHARE = 16,
     MONITOR_GAIN_TOLERANCE_SHARE = 8, /* of the current: sensors of motor and battery */
     MONITOR_GAIN_EXTRA_SHARE = 64     /* of that power: losses of the bridge, other loads */
 };
