@@ -108,6 +108,8 @@ static monitor_rotor_output_t judge_rotor(controller_slow_t *slow, const config_
         .flux_q14 = (int16_t)observer.flux_q14.d,
         .across_q14 = (int16_t)observer.flux_q14.q,
         .expected_q14 = observer.expected_q14,
+        .i_pu = dq_of(report->i_pu),
+        .gain_suspected = slow->monitor.gain.level > 0,
         .acquired = report->observer.acquired,
         .sensor_valid = report->rotor_valid,
         .switching = report->bridge == BRIDGE_PWM,
@@ -201,7 +203,10 @@ static modes_output_t decide_mode(controller_slow_t *slow, const config_t *confi
                report->bridge == BRIDGE_PWM) {
         warning = REASON_ROTOR_UNCERTAIN;
     }
-    if (warning == REASON_NONE) {
+    if (warning == REASON_ROTOR_UNCERTAIN && slow->monitor.flow_level > 0) {
+        warning = REASON_NONE; /* steps out of order contradict any rotor sensor */
+    }
+    if (warning == REASON_NONE && !slow->rotor.sensor_wrong && slow->monitor.gain.level == 0) {
         warning = slow->torque.blending.watch.reason;
     }
     warning = warning == REASON_NONE ? demand_warning : warning;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "monitor/monitor_rotor.h"
 
+#include "config/bases.h"
 #include "core/q15.h"
 
 /* Geometry: the observer's error is below 10 degrees, a hall sensor's below 5. */
@@ -11,6 +12,9 @@ enum {
     OPPOSED_STEPS = 2,
     OPPOSED_SLOW_STEPS = 5, /* below the observer's speed */
     NAME_STEPS = 12,        /* until a sensor's speed has followed its angle */
+    GAIN_STEPS = UINT8_MAX, /* until a message of the battery tells a gain error from a slip */
+    HALF_GAIN_TURN = 3260,  /* 5/16 of a radian: sensors that show from 8/13 of the current on */
+    LENGTH_SHARE = 9,       /* a slip of 16 degrees changes the flux by more */
     SLIPPED_STEPS = 12,
     CONFIRM_STEPS = 2,
     LOSE_STEPS = 2,
@@ -132,16 +136,43 @@ static reason_t name_of(const monitor_rotor_input_t *in)
     return along_mrad_s > -half_mrad_s ? REASON_ROTOR_FROZEN : REASON_ROTOR_REVERSED;
 }
 
+/* L i, of the magnets' flux. */
+static int32_t linked_permille(const config_t *config, int32_t inductance_nH, int32_t current_pu)
+{
+    const int64_t linked_pWb = (int64_t)inductance_nH * bases_current_mA(config, current_pu);
+    return q_saturate16(q_saturate64(linked_pWb / config->motor.flux_linkage_nWb));
+}
+
+/* Currents that read too small leave a part of L_q i_q, at most 5/8 of it here, across the flux,
+ * which keeps its length; a slip changes that where the current is large (README, Rotor). */
+static bool explained_by_gain(const config_t *config, const monitor_rotor_input_t *in)
+{
+    const config_motor_t *motor = &config->motor;
+    const int32_t saliency_nH = motor->q_inductance_nH - motor->d_inductance_nH;
+    const int32_t along = 1000 - linked_permille(config, saliency_nH, in->i_pu.d);
+    const int32_t across = linked_permille(config, motor->q_inductance_nH, in->i_pu.q);
+    const int32_t flux = q_saturate16(in->flux_q14 * 1000 / q_max(in->expected_q14, 1));
+    const int32_t ahead = -in->difference_turn * flux;
+    const int32_t half = across * HALF_GAIN_TURN; /* the part of L_q i_q is 0 to twice this */
+    return q_abs(flux - along) * LENGTH_SHARE <= along && q_abs(ahead - half) <= q_abs(half);
+}
+
 /* Once, for as long as the sensor is wrong. */
 static void name_sensor(monitor_rotor_state_t *state, const config_t *config,
                         const monitor_rotor_input_t *in)
 {
     state->wrong_steps = counted(state->wrong_steps, state->sensor_wrong);
+    const bool slips = state->wrong_steps == 1 && state->slipped >= SLIPPED_STEPS;
+    if (state->wrong_steps == 1) {
+        state->gain_explains = slips && explained_by_gain(config, in);
+    }
+    const int32_t waits_steps = state->gain_explains ? GAIN_STEPS : NAME_STEPS;
     if (!state->sensor_wrong) {
         state->name = REASON_NONE;
-    } else if (state->wrong_steps == 1 && state->slipped >= SLIPPED_STEPS) {
+    } else if (slips && !state->gain_explains && !in->gain_suspected) {
         state->name = REASON_ROTOR_SLIPPED; /* so near for so long: it turns as fast */
-    } else if (state->name == REASON_NONE && state->wrong_steps >= NAME_STEPS) {
+    } else if (state->name == REASON_NONE && state->wrong_steps >= waits_steps &&
+               !in->gain_suspected) {
         /* An observer that is gone by then was wrong itself, as in a wheel that locks. */
         state->name = watches(state, config, in) ? name_of(in) : REASON_ROTOR_UNCERTAIN;
     }

@@ -15,7 +15,9 @@
  * A sensor that was invalid is used again once it is within 12 degrees of a confirmed observer.
  *
  * 12 ms after 60 degrees a wrong sensor gets its name, by its speed: frozen below half the
- * observer's, reversed against it, else slipped.
+ * observer's, reversed against it, else slipped. At 16 degrees it has slipped at once, but 255 ms
+ * later where a gain error of all current sensors would turn the observer's flux likewise, and not
+ * while the battery's current contradicts theirs.
  *
  * Without rotor.observer_takeover the sensor alone decides.
  *
@@ -29,6 +31,7 @@
 #include <stdint.h>
 
 #include "config/config.h"
+#include "core/frames.h"
 #include "core/reason.h"
 
 typedef struct {
@@ -41,6 +44,7 @@ typedef struct {
     uint8_t opposed_steps; /* at 60 degrees and more */
     uint8_t slipped;       /* steps with 16 degrees and more, less steps without */
     uint8_t wrong_steps;   /* until it has its name */
+    bool gain_explains;    /* a slip, by a gain error of the current sensors as well */
     bool confirmed;
     bool sensor_wrong;
     bool observer_used;
@@ -55,6 +59,8 @@ typedef struct {
     int16_t flux_q14;        /* of the observer along its angle */
     int16_t across_q14;      /* and across it */
     int32_t expected_q14;    /* of the magnets at its speed */
+    dq_t i_pu;               /* latest sample, in the frame of the angle in use */
+    bool gain_suspected;     /* the battery's current contradicts the loop's: monitor_gain.h */
     bool acquired;           /* the observer's start is over */
     bool sensor_valid;       /* by the sensor's own plausibility */
     bool switching;
@@ -71,6 +77,9 @@ typedef struct {
 /* 1 kHz. Any speed, angle and flux; magnitudes of the speed fit 32 bits.
  *
  * @pre config->rotor.observer_speed_mrad_s >= 0 && in->observer_mrad_s > INT32_MIN
+ *
+ * @pre config->motor.flux_linkage_nWb > 0 && config->motor.d_inductance_nH > 0 &&
+ * config->motor.q_inductance_nH > 0
  *
  * @pre config->monitor.rotor_warning_time_ms > 0 && config->monitor.rotor_warning_time_ms <= 60000
  *
