@@ -2,6 +2,7 @@
 #include "torque/hydraulic_watch.h"
 
 #include "core/q15.h"
+#include "hydraulic_tolerance.h"
 
 enum {
     ONE_Q15 = 1 << 15,
@@ -232,12 +233,6 @@ static int32_t follow_road(hydraulic_watch_t *watch, int32_t floor_mNm, int32_t 
     return watch->stale ? rest_mNm : 0;
 }
 
-/* Sum of what exceeds the tolerance, from zero up to the end. */
-static int32_t summed(int32_t sum_mNm_ms, int32_t beyond_mNm, int32_t end_mNm_ms)
-{
-    return q_clamp(q_saturate64((int64_t)sum_mNm_ms + beyond_mNm), 0, end_mNm_ms);
-}
-
 static void name(hydraulic_watch_t *watch, reason_t reason)
 {
     watch->reason = reason;
@@ -450,30 +445,35 @@ void hydraulic_watch_step(hydraulic_watch_t *watch, const config_t *config,
     const int32_t motor_mNm =
         filter_step(&watch->motor_lp_mNm, q_limit(in->motor_mNm, MOST_mNm) / 16, MOTOR_LOG2) * 16;
     const int32_t share_q15 = brake->hydraulic_watch_share_q15;
-    const int32_t tolerated_mNm =
-        floor_mNm + unlike_mNm + in->uncertain_mNm +
-        times_q15(hydraulic_watch_corrected_mNm(watch, in->modelled_mNm), share_q15) +
-        times_q15(q_abs(in->motor_mNm - motor_mNm), share_q15) / 2;
+    const int32_t expected_mNm =
+        q_min(hydraulic_watch_corrected_mNm(watch, in->modelled_mNm), MOST_mNm);
+    const int32_t shares_mNm = times_q15(expected_mNm, share_q15) +
+                               times_q15(q_abs(in->motor_mNm - motor_mNm), share_q15) / 2;
+    const int32_t parts_mNm = hydraulic_unfollowed_mNm(
+        watch, expected_mNm, watch->known_lp_mNm.accumulator >> FILTER_LOG2, change_q8);
+    const int32_t tolerated_mNm = floor_mNm + unlike_mNm + hydraulic_late_mNm(in->uncertain_mNm) +
+                                  (in->reported ? shares_mNm : q_min(shares_mNm, parts_mNm));
     /* Without a command an excess may be a hill, sand, a heavier or lighter load, or a brake that
      * is not commanded here. */
     const int32_t excess_mNm =
         commanded ? -lacking_mNm - tolerated_mNm
                   : -lacking_mNm - unlike_mNm - QUIET_SHARE * floor_mNm -
                         QUIET_SHARE * times_q15(q_abs(in->motor_mNm - motor_mNm), share_q15);
+    const int32_t end_mNm_ms = hydraulic_end_mNm_ms(enough_mNm_ms);
     watch->missing_mNm_ms =
         commanded || watch->extra_mNm > 0
-            ? summed(watch->missing_mNm_ms, lacking_mNm - tolerated_mNm, enough_mNm_ms)
+            ? hydraulic_summed(watch->missing_mNm_ms, lacking_mNm - tolerated_mNm, end_mNm_ms)
             : 0;
     watch->excess_mNm_ms =
-        watch->provisional ? 0 : summed(watch->excess_mNm_ms, excess_mNm, enough_mNm_ms);
+        watch->provisional ? 0 : hydraulic_summed(watch->excess_mNm_ms, excess_mNm, end_mNm_ms);
     if (in->reported && in->contradicts_mNm != 0) {
         decide_report(watch, in, lacking_mNm, enough_mNm_ms);
     } else {
         watch->report_mNm_ms = 0;
     }
-    if (watch->missing_mNm_ms >= enough_mNm_ms && !hidden) {
+    if (watch->missing_mNm_ms >= end_mNm_ms && !hidden) {
         found_missing(watch, in->modelled_mNm, lacking_mNm);
-    } else if (watch->excess_mNm_ms >= enough_mNm_ms) {
+    } else if (watch->excess_mNm_ms >= end_mNm_ms) {
         found_excess(watch, in->modelled_mNm, -lacking_mNm, commanded);
     }
 }

@@ -11,8 +11,10 @@
  * with torques along the rotation, all filtered alike (64 ms). `road`, slope and rolling
  * resistance, follows no faster than brake.hydraulic_watch_road allows for the distance rolled, and
  * waits for up to HYDRAULIC_WATCH_AWAITS_ms while the brake answers a new command.
- * What is missing, or in excess, beyond the tolerance (floor, and a share of both torques) is
- * summed. The inertia is learned from steps of the motor torque without the hydraulic brake, within
+ * What is missing, or in excess, beyond the tolerance is summed: floor, three quarters of what the
+ * brake's times leave open, and a share of both torques, without reports for no longer than the
+ * road takes to follow a fifth of the brake's torque and a tenth of all known. The inertia is
+ * learned from steps of the motor torque without the hydraulic brake, within
  * HYDRAULIC_WATCH_LIGHTEST and _HEAVIEST. A sum of brake.hydraulic_watch_speed times the inertia is
  * a finding:
  *
@@ -46,8 +48,8 @@ enum {
     HYDRAULIC_WATCH_SETTLE_ms = 256,  /* of the filters, after a finding has corrected the torque */
     HYDRAULIC_WATCH_PAUSE_ms = 300,   /* after a wheel that slipped */
     HYDRAULIC_WATCH_AWAITS_ms = 512,  /* longest change of the brake for which the road waits */
-    HYDRAULIC_WATCH_ENDS_ms = 256,    /* before standstill, where halls say little */
-    HYDRAULIC_WATCH_ROLLS_ON_ms = 320,
+    HYDRAULIC_WATCH_ENDS_ms = 384,    /* before standstill, where halls say little */
+    HYDRAULIC_WATCH_ROLLS_ON_ms = 448,
     HYDRAULIC_WATCH_DEAD_ms = 1000,
     HYDRAULIC_WATCH_LATE_ms = 1500
 };
@@ -75,6 +77,7 @@ typedef struct {
     int32_t road_q8_mNm;         /* all but motor and hydraulic brake, along the rotation */
     int32_t inertial_mNm;        /* along the rotation, with the configured inertia */
     int32_t quarter_q8_mNm; /* of the inertial torque in which it was followed; as configured */
+    int32_t hydraulic_q4_mNm, known_q4_mNm; /* of which the road has followed an error */
     int32_t beside_mNm; /* of this step, or when the wheel last rolled: road and what is missing */
     int32_t speed_lp_q8_mrad_s;
     filter_t known_lp_mNm, motor_lp_mNm;

@@ -244,3 +244,69 @@ void test_standstill_and_a_road_not_known_yet_have_no_finding(void)
     speed_rad_s = 0.0;
     TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(80.0, 0.0, MINUTE_ms));
 }
+
+/* A fifth of 60 N m is 12 N m, which the road follows by 5.2 N m/s at 50 rad/s: after 2.3 s no
+ * error of a gain is left. A loss or gain of 0.28, 16.8 N m, is then 12.7 N m beyond the floor
+ * of 4.1, less what the road follows: 12.7 t - 2.6 t^2 are 5.25 N m s after 0.46 s, and 64 ms of
+ * the filter. Just commanded, 15 % and then the rest of the fifth are tolerated: 3.7^2 / 10.3 + 0.7
+ * * 1.7 = 2.5 N m s.
+ */
+void test_a_brake_that_changes_is_found_by_less_than_one_that_has_just_been_commanded(void)
+{
+    for (double change = -0.28; change < 0.3; change += 0.56) {
+        setUp();
+        run(COAST_ms);
+        motor_nm = 60.0; /* holds the speed */
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(60.0, 1.0 + change, 4000));
+        setUp();
+        run(COAST_ms);
+        motor_nm = 60.0;
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(60.0, 1.0, 3000));
+        TEST_ASSERT_EQUAL_INT(change < 0.0 ? REASON_HYDRAULIC_WEAK : REASON_HYDRAULIC_STRONG,
+                              brake(60.0, 1.0 + change, 1000));
+        TEST_ASSERT_DOUBLE_WITHIN(60.0, 520.0, found_after_ms);
+    }
+}
+
+/* The next command makes its fifth tolerable again: an error of the gain of 0.2 was the road's at
+ * 60 N m, and is 8 N m more at 100. */
+void test_a_healthy_gain_stays_without_a_finding_when_the_command_changes(void)
+{
+    for (double gain = 0.8; gain < 1.3; gain += 0.4) {
+        setUp();
+        run(COAST_ms);
+        motor_nm = 60.0;
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(60.0, gain, 4000));
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(100.0, gain, 2500));
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(40.0, gain, 2000));
+    }
+}
+
+/* A step of the motor by 120 N m beside a brake whose torque the road has followed: 15 % of them
+ * come from an inertia of 0.87, 18 N m, of which a tenth of the torque and the floor leave 2. */
+void test_an_inertia_that_is_not_learned_is_no_brake_when_the_motor_steps(void)
+{
+    mass_factor = 0.87;
+    run(COAST_ms);
+    motor_nm = 60.0;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, brake(60.0, 1.0, 3000));
+    motor_nm = -60.0;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(2000));
+    TEST_ASSERT_EQUAL_INT(32768, watch.weight_q15);
+}
+
+/* 60 N m of which 40 lie between a brake that is twice as early and one twice as late: 30 of them,
+ * the floor of 4.1 and 15 % of 60 are tolerated, 43.1 N m. Of 50 that are missing 6.9 are summed,
+ * 3.5 N m s while the road waits and 2.3 until it has followed; of 40, nothing. */
+void test_three_quarters_of_what_early_and_late_leave_open_are_tolerated(void)
+{
+    for (int n = 0; n < 2; n++) {
+        setUp();
+        run(COAST_ms);
+        motor_nm = 60.0;
+        run(2000);
+        in.uncertain_mNm = 40000;
+        TEST_ASSERT_EQUAL_INT(n == 0 ? REASON_NONE : REASON_HYDRAULIC_WEAK,
+                              brake(60.0, n == 0 ? 20.0 / 60.0 : 10.0 / 60.0, 2000));
+    }
+}
