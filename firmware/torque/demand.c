@@ -80,6 +80,7 @@ static demand_t valid_demand(demand_state_t *state, const config_t *config,
     const int32_t along_mNm = wanted_mNm * sign;
     state->lost_ms = 0;
     state->brake_mNm = q_clamp(in->brake_mNm, 0, LARGEST_DEMAND_mNm);
+    state->asked_mNm = state->brake_mNm;
     state->lift_off_mNm = in->abs_active ? 0 : q_max(-along_mNm, 0);
     const bool withdrawn = state->brake_mNm > 0 || sign == 0;
     demand_t out = {

@@ -170,7 +170,9 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
     };
     const int32_t hold_mNm = hill_hold_step(&state->hold, config, &standing);
     const int32_t hydraulic_mNm = hydraulic_command_mNm(config, &split, &lift_off, hold_mNm);
-    brake_blending_sent(&state->blending, &split, hydraulic_mNm);
+    /* On its own path the brake makes what was asked for, and has to let go of it afterwards. */
+    const int32_t own_path_mNm = demand.hydraulic_valid ? 0 : state->demand.asked_mNm;
+    brake_blending_sent(&state->blending, &split, q_max(hydraulic_mNm, own_path_mNm));
 
     const torque_output_t out = {
         .current = current,

@@ -37,7 +37,8 @@
 
 #define torque_state_holds(s, c)                                                                   \
     (motor_constants_hold(&(s)->motor) && is_within((s)->demand.lift_off_mNm, 0, 100000000) &&     \
-     is_within((s)->demand.brake_mNm, 0, 100000000) && (s)->demand.lost_ms >= 0 &&                 \
+     is_within((s)->demand.brake_mNm, 0, 100000000) &&                                             \
+     is_within((s)->demand.asked_mNm, 0, 100000000) && (s)->demand.lost_ms >= 0 &&                 \
      is_within((s)->limits.abs_share_percent, 0, 100) && (s)->limits.abs_hold_steps >= 0 &&        \
      is_within((s)->limits.charge.allowed_q24, 0, SCALED_ONE) &&                                   \
      is_within((s)->limits.discharge.allowed_q24, 0, SCALED_ONE) &&                                \

@@ -35,7 +35,8 @@ typedef struct {
 typedef struct {
     int32_t lift_off_mNm; /* of the last valid demand, falling after its loss */
     int32_t brake_mNm;
-    int32_t lost_ms; /* slow steps since the loss, saturating */
+    int32_t asked_mNm; /* brake_mNm of the last valid demand: what the own path makes */
+    int32_t lost_ms;   /* slow steps since the loss, saturating */
     drive_direction_t engaged;
 } demand_state_t;
 
@@ -59,7 +60,9 @@ void demand_init(demand_state_t *state);
 
 /* @pre is_within(state->lift_off_mNm, 0, 100000000) && is_within(state->brake_mNm, 0, 100000000)
  *
- * @pre state->lost_ms >= 0
+ * @pre is_within(state->asked_mNm, 0, 100000000) && state->lost_ms >= 0
+ *
+ * @post is_within(state->asked_mNm, 0, 100000000)
  *
  * @post is_within(state->lift_off_mNm, 0, 100000000) && is_within(state->brake_mNm, 0, 100000000)
  *

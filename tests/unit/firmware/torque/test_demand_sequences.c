@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Properties of the whole slow loop in random sequences of demands, ages, directions and flags. */
+/* Properties of the whole slow loop in random sequences of demands, ages, directions and flags, and
+ * its return after a lost demand. */
 
 #include <math.h>
 
@@ -99,4 +100,29 @@ void test_motor_and_the_path_that_takes_over_make_the_lost_demand_together(void)
         const double taken_mNm = 20000.0 * (1.0 - exp(-n / (double)lag_ms));
         TEST_ASSERT_DOUBLE_WITHIN(250.0, 20000.0, taken_mNm - out.command_mNm);
     }
+}
+
+static torque_output_t run(int milliseconds)
+{
+    for (int n = 1; n < milliseconds; n++) {
+        step();
+    }
+    return step();
+}
+
+/* The brake system made all of it meanwhile; exp(-1) of that is left a time constant after its dead
+ * time. */
+void test_motor_returns_after_a_loss_only_as_the_brake_system_leaves_its_own_path(void)
+{
+    in.brake_torque_mNm = 20000;
+    run(200);
+    in.demand_age_ms = 1000;
+    run(config.driver.lost_hold_ms + 1000);
+    in.demand_age_ms = 0;
+    const torque_output_t waiting = run(config.brake.hydraulic_dead_time_ms);
+    TEST_ASSERT_INT32_WITHIN(100, 0, waiting.command_mNm);
+    TEST_ASSERT_EQUAL_INT32(0, waiting.hydraulic_mNm);
+    const torque_output_t later = run(config.brake.hydraulic_time_constant_ms);
+    TEST_ASSERT_DOUBLE_WITHIN(400.0, (exp(-1.0) - 1.0) * 20000.0, later.command_mNm);
+    TEST_ASSERT_EQUAL_INT32(-20000, run(600).command_mNm);
 }
