@@ -6,6 +6,7 @@
 #ifndef PLAIN_MOTOR_H
 #define PLAIN_MOTOR_H
 
+#include <math.h>
 #include <string.h>
 
 #include "config/config.h"
@@ -16,7 +17,7 @@ typedef struct {
     motor_constants_t constants;
     motor_model_t model;
     feasible_set_t set;
-    int32_t map_mA[9]; /* i_d at a torque of -2^20, 0 and 2^20 mN m, and room for more: zero */
+    int16_t map_lsb[9]; /* i_d at a torque of -2^20, 0 and 2^20 mN m, and room for more: zero */
 } plain_motor_t;
 
 /* Any voltage suffices; a phase current limit of 2^22. */
@@ -39,14 +40,28 @@ static inline void plain_motor_init(plain_motor_t *motor)
     };
     motor->set = (feasible_set_t){
         .model = &motor->model,
-        .row = {.cold_mA = motor->map_mA,
-                .hot_mA = motor->map_mA,
-                .weights = {.at_00 = 1 << 30},
+        .row = {.cold_lsb = motor->map_lsb,
+                .hot_lsb = motor->map_lsb,
+                .weights = {.at_00 = 1 << 16, .shift = 15},
                 .points = 3,
                 .step_log2 = 20,
                 .zero_mNm = 1 << 20},
         .voltage_squared = INT64_C(1) << 60,
     };
+}
+
+/* An entry of the map: an i_d between -8 and 8, to 2^-12. One is 2^unit_log2 units, and half as
+ * many milliamperes (current_shift). */
+static inline int16_t plain_entry(plain_motor_t *motor, int32_t unit_log2, double i_d)
+{
+    motor->set.row.weights.shift = 15 - (unit_log2 - 1 - 12);
+    return (int16_t)lround(ldexp(i_d, 12));
+}
+
+/* The nearest i_d that an entry has. */
+static inline double plain_entry_value(double i_d)
+{
+    return ldexp(round(ldexp(i_d, 12)), -12);
 }
 
 /* Up to a torque current, with an i_d of zero. */

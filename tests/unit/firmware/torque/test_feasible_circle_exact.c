@@ -60,7 +60,7 @@ static void apply(const drive_t *d)
     motor.set.voltage_squared = (int64_t)ldexp(d->u * d->u, 2 * UNIT_LOG2);
     motor.set.weakest_d_b = units(d->lowest);
     for (int k = 0; k < 3; k++) {
-        motor.map_mA[k] = units(d->map) / 2;
+        motor.map_lsb[k] = plain_entry(&motor, UNIT_LOG2, d->map);
     }
 }
 
@@ -74,7 +74,7 @@ static drive_t any(random_t *random)
         .emf = random_real(random, 0.5, 3.0),
         .u = random_real(random, 0.5, 3.0),
         .lowest = random_real(random, -3.9, 0.0),
-        .map = random_real(random, -2.0, 0.0),
+        .map = plain_entry_value(random_real(random, -2.0, 0.0)),
     };
     out.x_q = out.x_d * random_real(random, 1.0, 2.0);
     return out;

@@ -52,9 +52,9 @@ static void apply(const drive_t *drive)
         .c_d = units(drive->c_d),
         .c_dd = ratio(drive->c_dd),
     };
-    motor.map_mA[0] = units(-drive->fall) / 2;
-    motor.map_mA[1] = 0;
-    motor.map_mA[2] = motor.map_mA[0];
+    motor.map_lsb[0] = plain_entry(&motor, UNIT_LOG2, -drive->fall);
+    motor.map_lsb[1] = 0;
+    motor.map_lsb[2] = motor.map_lsb[0];
     motor.model.reactance_q_b = ratio(drive->reactance);
     motor.model.voltage_q_b = units(drive->emf);
     motor.model.voltage_q_per_d = ratio(drive->per_d);
@@ -184,7 +184,7 @@ static drive_t any(random_t *random, bound_t bound)
         .c = random_real(random, -0.05, 0.1),
         .c_d = random_real(random, -0.2, 0.2),
         .c_dd = random_real(random, 0.0, 0.2),
-        .fall = random_chance(random, 0.5) ? 0.0 : random_real(random, 0.0, 0.8),
+        .fall = random_chance(random, 0.5) ? 0.0 : plain_entry_value(random_real(random, 0.0, 0.8)),
         .reactance = random_real(random, 0.1, 0.7),
         .emf = random_real(random, 0.5, 1.5),
         .per_d = random_real(random, 0.3, 1.0),

@@ -244,7 +244,7 @@ void test_a_point_on_the_circle_keeps_the_i_d_of_the_map(void)
 {
     motor.constants.current_most_b = 5 << 18;
     for (int k = 0; k < 3; k++) {
-        motor.map_mA[k] = -(3 << 17);
+        motor.map_lsb[k] = plain_entry(&motor, 18, -3.0);
     }
     TEST_ASSERT_EQUAL_INT32(-(3 << 18), feasible_point(&motor.set, 4 << 18).d_b);
     TEST_ASSERT_GREATER_THAN_INT32(-(3 << 18), feasible_point(&motor.set, (4 << 18) + 1).d_b);

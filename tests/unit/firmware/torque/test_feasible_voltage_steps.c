@@ -65,8 +65,8 @@ static void apply(const drive_t *d, int torque_shift)
     motor.set.row.points = 9;
     motor.set.row.zero_mNm = units(LAST) >> torque_shift;
     for (int k = 1; k <= 4; k++) {
-        motor.map_mA[4 - k] = units(-d->fall[0] * k) / 2;
-        motor.map_mA[4 + k] = units(-d->fall[1] * k) / 2;
+        motor.map_lsb[4 - k] = plain_entry(&motor, UNIT_LOG2, -d->fall[0] * k);
+        motor.map_lsb[4 + k] = plain_entry(&motor, UNIT_LOG2, -d->fall[1] * k);
     }
 }
 
@@ -167,7 +167,8 @@ static drive_t any(random_t *random)
         .per_x = random_real(random, 0.0, 0.5),
         .per_d = random_real(random, 0.3, 1.5),
         .u = random_real(random, 0.5, 2.0),
-        .fall = {random_real(random, 0.0, 1.5), random_real(random, 0.0, 1.5)},
+        .fall = {plain_entry_value(random_real(random, 0.0, 1.5)),
+                 plain_entry_value(random_real(random, 0.0, 1.5))},
         .lowest = random_real(random, -3.0, 0.0),
     };
     return out;

@@ -379,8 +379,8 @@ void test_single_layer_is_the_coldest_and_the_hottest_one(void)
 {
     random_d_map(10, 1);
     const loss_maps_row_t row = loss_maps_row_at(&config, SPEED_STEP_mrad_s, 5000);
-    TEST_ASSERT_EQUAL_PTR(&config.current_map.current_d_mA[TORQUE_POINTS], row.cold_mA);
-    TEST_ASSERT_EQUAL_PTR(row.cold_mA, row.hot_mA);
+    TEST_ASSERT_EQUAL_PTR(&config.current_map.current_d_lsb[TORQUE_POINTS], row.cold_lsb);
+    TEST_ASSERT_EQUAL_PTR(row.cold_lsb, row.hot_lsb);
 }
 
 void test_largest_valid_grid_is_read_up_to_its_last_point(void)

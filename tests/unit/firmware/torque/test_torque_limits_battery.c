@@ -288,7 +288,7 @@ void test_a_peak_beyond_the_fold_back_has_its_torque_and_margin(void)
 {
     static const int32_t BEYOND_mA[] = {-1000, 0, 1, 20};
     for (int k = 0; k < CONFIG_CURRENT_MAP_POINTS_MAX; k++) {
-        config.current_map.current_d_mA[k] = -20000;
+        config.current_map.current_d_lsb[k] = -20000;
     }
     config.battery.max_charge_current_mA = 8000;
     config.brake.loss_braking = 0;
