@@ -144,8 +144,9 @@ bool chip_drives_low(chip_t *chip, char port, unsigned pin);
 bool chip_in_interrupt(const chip_t *chip);
 /* The timer's outputs are enabled. */
 bool chip_outputs_on(const chip_t *chip);
-/* Whether a leg's low side is on at this count, or all gates are off and its diode may conduct. */
-bool chip_low_side_may_conduct(chip_t *chip, unsigned leg);
+/* Whether a leg's low side, its diode included, carries the phase's current from so long before the
+ * converters' next sampling to its end; all gates off: its diode may. */
+bool chip_low_side_conducts(chip_t *chip, unsigned leg, bool into_motor, int64_t before_ticks);
 chip_ticks_t chip_now(const chip_t *chip);
 
 /* CAN: a frame for the chip, at the end of the bus's queue; a frame from it, oldest first. */

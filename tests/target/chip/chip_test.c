@@ -2,13 +2,17 @@
 /*
  * The flashable image on the model of its chip, braking the paper's vehicle.
  *
- *     chip_test ELF stop           boots, brakes to standstill as the bench's own controller does
- *     chip_test ELF stops          brakes to standstill by other torques, and rolls back on a slope
- *     chip_test ELF faults         a fault of a peripheral each, and what comes of it
- *     chip_test ELF driver         the gate driver's protection, from its settings to its report
- *     chip_test ELF planted_driver the same with an error planted: must be caught
- *     chip_test ELF planted        an image with an error planted in its driver: must be caught
- *     chip_test ELF configuration  replaces the configuration by the serial line
+ *     chip_test ELF MODE [BOARD [CONFIGURATION.bin]]
+ *
+ * BOARD: the wiring, without it that of the chip's first board. CONFIGURATION: in the place of the
+ * image's own. MODE:
+ *
+ *     stop            boots, brakes to standstill as the bench's own controller does
+ *     stops           brakes to standstill by other torques, and rolls back on a slope
+ *     faults          a fault of a peripheral each, and what comes of it
+ *     driver          the gate driver's protection, from its settings to its report
+ *     planted_driver  the same with an error planted: must be caught
+ *     planted         an image with an error planted in its driver: must be caught
  *
  * Exit code 0: as expected.
  */
@@ -18,6 +22,7 @@
 #include <string.h>
 
 #include "rig.h"
+#include "wiring.h"
 
 static const double SPEED_M_PER_S = IMAGE_SPEED_M_PER_S;
 static const double BRAKE_NM = IMAGE_BRAKE_NM;
@@ -53,6 +58,13 @@ static bool driver_fault_works(void)
         return false;
     }
     rig.drive.driver_fails = true;
+    if (IMAGE_HAS_FAULT_LINE) {
+        chip_faults(rig.chip)->gate_driver_fault = true;
+        chip_run(rig.chip, CHIP_TICKS_PER_US);
+        if (!expect(!chip_outputs_on(rig.chip), "the fault line takes all gates within 1 us")) {
+            return false;
+        }
+    }
     run(0.02);
     rig.drive.driver_fails = false;
     run(0.02);
@@ -71,6 +83,7 @@ static bool boots(void)
     boot();
     return expect(says("configuration accepted"), "boots and accepts its configuration") &&
            expect(!says("fault") && !says("FAILED"), "boots without a fault") &&
+           expect(wiring_outputs_hold(rig.chip), "drives the outputs that its board needs") &&
            obeys_the_manuals() && expect(drive_off(&rig.coupling), "comes to RUN") &&
            obeys_the_manuals();
 }
@@ -181,12 +194,6 @@ static bool trips_at_once(void)
     return off;
 }
 
-/* PC5 keeps the board's supply on, PD2 its amplifiers' filters. */
-static bool keeps_its_supply(void)
-{
-    return chip_drives_high(rig.chip, 'C', 5) && chip_drives_high(rig.chip, 'D', 2);
-}
-
 static bool driver_protects(void)
 {
     if (!boots()) {
@@ -209,7 +216,8 @@ static bool driver_protects(void)
     run(0.02);
     chip_type(rig.chip, "status\roff\r");
     run(0.1);
-    if (!expect(says("refused: only with the wheel known to be at rest") && keeps_its_supply(),
+    if (!expect(says("refused: only with the wheel known to be at rest") &&
+                    wiring_outputs_hold(rig.chip),
                 "keeps its supply while the wheel turns")) {
         return false;
     }
@@ -226,7 +234,7 @@ static bool refuses_a_silent_driver(void)
 {
     chip_faults(rig.chip)->driver_silent = true;
     boot();
-    if (!expect(keeps_its_supply(), "keeps its supply on, and the filters")) {
+    if (!expect(wiring_outputs_hold(rig.chip), "keeps its supply on, and the filters")) {
         return false;
     }
     chip_type(rig.chip, "off\r");
@@ -390,9 +398,13 @@ static bool answers_faults(const char *elf)
 
 int main(int argc, char **argv)
 {
-    if (argc != 3) {
-        (void)fprintf(stderr,
-                      "usage: chip_test ELF stop|stops|faults|driver|planted|planted_driver\n");
+    if (argc < 3 || argc > 5) {
+        (void)fprintf(stderr, "usage: chip_test ELF stop|stops|faults|driver|planted|"
+                              "planted_driver [BOARD [CONFIGURATION.bin]]\n");
+        return 2;
+    }
+    if (!use_board(argc > 3 ? argv[3] : NULL, argc > 4 ? argv[4] : NULL)) {
+        (void)fprintf(stderr, "%s\n", rig.why);
         return 2;
     }
     bool good = false;

@@ -10,16 +10,29 @@
 enum { NO_CURRENT_CODE = 2048, BOOT_ms = 120 };
 static const int64_t HOLD_TICKS = CHIP_TICKS_PER_US / 20;
 
+/* A low-side shunt carries the current of its leg only while the low side conducts; what its
+ * amplifier has not settled to is taken as zero. */
+static bool shunt_shows_current(drive_t *drive, unsigned phase, uint16_t code)
+{
+    const wiring_shunts_t shunts = wiring_shunts();
+    const int64_t settling = llround(shunts.settling_s * (double)CHIP_TICKS_PER_SECOND);
+    if (!shunts.low_side || !shunts.at[phase] ||
+        chip_low_side_conducts(drive->chip, phase, code > NO_CURRENT_CODE, settling)) {
+        return true;
+    }
+    drive->lost_currents++;
+    return false;
+}
+
 static void set_pins(drive_t *drive, const fast_input_t *sensed)
 {
     chip_inputs_t *in = chip_inputs(drive->chip);
     uint16_t code[3];
     for (unsigned x = 0; x < 3; x++) {
-        /* A low-side shunt carries the current of its leg only while the low side is on. */
-        code[x] = chip_low_side_may_conduct(drive->chip, x) ? sensed->phase_current_code[x]
-                                                            : (uint16_t)NO_CURRENT_CODE;
+        const uint16_t flows = sensed->phase_current_code[x];
+        code[x] = shunt_shows_current(drive, x, flows) ? flows : (uint16_t)NO_CURRENT_CODE;
     }
-    wiring_currents(in, code);
+    wiring_currents(drive->chip, code);
     wiring_bus_voltage(in, sensed->bus_voltage_code);
     wiring_halls(in, sensed->hall_state);
     in->encoder_count = sensed->encoder.count;

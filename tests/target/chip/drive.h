@@ -28,7 +28,8 @@ typedef struct drive {
     uint32_t dead_time_ns; /* that the gates must keep, at least */
     bool driver_fails;     /* the gate driver reports a fault */
     unsigned periods_without_sample, switching_periods;
-    bool reported; /* a violation of its own is noted once */
+    unsigned lost_currents; /* sampled while the low side did not conduct for long enough */
+    bool reported;          /* a violation of its own is noted once */
 } drive_t;
 
 /* Connects a chip with the pins at rest and lets it boot. `drive` has to stay where it is. */

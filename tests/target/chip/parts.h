@@ -41,6 +41,7 @@ typedef struct {
     chip_ticks_t injected_end, regular_end[2];
     bool is_triggered; /* chip_sample() is due */
     int64_t trigger_from_top, hold_from_top;
+    int64_t sampling;                                   /* that ends with the hold */
     chip_ticks_t regulated[2], calibrated[2], ready[2]; /* STM32G431 */
 } chip_converters_t;
 

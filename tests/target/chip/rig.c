@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "unity.h"
+#include "wiring.h"
 
 static const double SPEED_M_PER_S = IMAGE_SPEED_M_PER_S;
 enum { READY_PERIODS = 8000 };
@@ -41,14 +42,36 @@ bool says(const char *text)
     return strstr(chip_text(rig.chip), text) != NULL;
 }
 
+static config_t configuration;
+static bool has_configuration;
+
+bool use_board(const char *board, const char *path)
+{
+    if (board != NULL && !wiring_choose(board)) {
+        return wrong("there is no such board");
+    }
+    if (path == NULL) {
+        return true;
+    }
+    FILE *file = fopen(path, "rb");
+    has_configuration = file != NULL && fread(&configuration, 1, sizeof configuration, file) ==
+                                            sizeof configuration;
+    if (file != NULL) {
+        (void)fclose(file);
+    }
+    return has_configuration ? true : wrong("the configuration cannot be read");
+}
+
 bool open_rig(const char *elf)
 {
     chip_close(rig.chip);
     memset(&rig, 0, sizeof rig);
     rig.elf = elf;
-    rig.config = image_config();
+    rig.config = has_configuration ? configuration : image_config();
     rig.chip = chip_open(elf);
-    return rig.chip != NULL;
+    return rig.chip != NULL &&
+           (!has_configuration ||
+            chip_write(rig.chip, IMAGE_CONFIGURATION_BEGINS, &configuration, sizeof configuration));
 }
 
 void boot(void)
@@ -59,8 +82,13 @@ void boot(void)
 
 bool drive_off(const wheel_coupling_t *coupling)
 {
+    return drive_off_to(coupling, SPEED_M_PER_S);
+}
+
+bool drive_off_to(const wheel_coupling_t *coupling, double speed_m_per_s)
+{
     bench_params_t params = image_vehicle();
-    params.run.initial_speed_m_per_s = SPEED_M_PER_S;
+    params.run.initial_speed_m_per_s = speed_m_per_s;
     const driver_trace_t none = {.points = 0};
     bench_init(&rig.bench, &params, &rig.config, &none);
     rig.bench.wheel[0].coupling = coupling;

@@ -31,6 +31,10 @@ bool obeys_the_manuals(void);
 /* The serial line has shown this text. */
 bool says(const char *text);
 
+/* The board, and the configuration that is written into the chip beside its image; NULL: the first
+ * board, the image's own. False and a reason: one of them cannot be used. */
+bool use_board(const char *board, const char *configuration);
+
 /* A chip as it leaves the programmer, before its first instruction. */
 bool open_rig(const char *elf);
 void boot(void);
@@ -38,6 +42,7 @@ void boot(void);
 /* At rest until the controller runs, or long enough for it: calibration takes 0.1 s. Then brought
  * to speed. coupling NULL: the bench's own controller. */
 bool drive_off(const wheel_coupling_t *coupling);
+bool drive_off_to(const wheel_coupling_t *coupling, double speed_m_per_s);
 
 void run(double duration_s);
 

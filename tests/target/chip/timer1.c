@@ -324,17 +324,24 @@ bool chip_timer1_drives(const chip_t *chip)
     return chip->timer1.runs && (chip_get(chip, CHIP_TIM1_BDTR) & CHIP_TIM1_BDTR_MOE) != 0;
 }
 
-bool chip_low_side_may_conduct(chip_t *chip, unsigned leg)
+/* About the top of the count, at which compare values are updated: on the way up the active one
+ * counts, on the way down the one that is written. Until the switch of the other side is on the
+ * diode has a current into the motor; a current out of it waits for the low side's own switch. */
+bool chip_low_side_conducts(chip_t *chip, unsigned leg, bool into_motor, int64_t before_ticks)
 {
     const chip_timer1_t *timer = &chip->timer1;
-    if ((chip_get(chip, CHIP_TIM1_BDTR) & CHIP_TIM1_BDTR_MOE) == 0 || !timer->runs) {
+    const uint32_t settings = chip_get(chip, CHIP_TIM1_BDTR);
+    if ((settings & CHIP_TIM1_BDTR_MOE) == 0 || !timer->runs) {
         return true;
     }
-    const chip_ticks_t left = timer->next_end > chip->now ? timer->next_end - chip->now : 0;
-    const uint32_t to_end = (uint32_t)(left / clock_ticks(chip));
-    const uint32_t count = timer->down ? to_end : timer->active_top - to_end;
-    const bool high = count < timer->active_compare[leg];
-    return (compare_mode(chip, (int)leg) == PWM_1) != high;
+    const int64_t ticks = clock_ticks(chip);
+    const int64_t top = timer->active_top;
+    const int64_t dead = (int64_t)dead_time_clocks(settings & CHIP_TIM1_BDTR_DTG) * ticks;
+    const int64_t low_from = (timer->active_compare[leg] - top) * ticks + (into_motor ? 0 : dead);
+    const int64_t low_to =
+        (top - (int64_t)chip_get(chip, COMPARE[leg])) * ticks + (into_motor ? dead : 0);
+    const int64_t hold = chip_hold_from_top_ticks(chip);
+    return hold - chip->adc.sampling - before_ticks >= low_from && hold <= low_to;
 }
 
 bool chip_outputs_on(const chip_t *chip)

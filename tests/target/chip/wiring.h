@@ -6,10 +6,24 @@
 
 #include "chip.h"
 
-void wiring_currents(chip_inputs_t *in, const uint16_t code[3]);
+/* The board of every chip from here on; without a call the first of the chip's. False: there is
+ * none of this name. */
+bool wiring_choose(const char *board);
+
+typedef struct {
+    bool low_side;     /* else in the phases, which carry the current all the time */
+    bool at[3];        /* phases a, b, c */
+    double settling_s; /* of their amplifiers, before the converters begin to sample */
+} wiring_shunts_t;
+wiring_shunts_t wiring_shunts(void);
+
+void wiring_currents(chip_t *chip, const uint16_t code[3]);
 void wiring_bus_voltage(chip_inputs_t *in, uint16_t code);
 void wiring_halls(chip_inputs_t *in, uint8_t state);
 void wiring_temperatures(chip_inputs_t *in, int32_t winding_cC, int32_t switch_cC);
+
+/* The program drives the outputs that the board needs from the start on, its supply included. */
+bool wiring_outputs_hold(chip_t *chip);
 
 /* These pins of a port, 0 = A, at these levels. */
 static inline void wiring_pins(chip_inputs_t *in, int port, unsigned pins, unsigned level)

@@ -47,10 +47,13 @@ static uint32_t sampling_cycles(const chip_t *chip, uint32_t converter, uint32_t
     return CYCLES[chip_get(chip, at) >> 3U * (channel % 10U) & 7U];
 }
 
-/* Pins of the inputs that the converters have in common, and of ADC12_IN4 to 9 (data sheet,
- * table 7). */
-static bool input_is_analog(const chip_t *chip, uint32_t channel)
+/* Pins of the inputs that the converters have in common, and of ADC12_IN4 to 9, 14 and 15, whose
+ * numbers are pins of port F at ADC3 (data sheet, table 7). */
+static bool input_is_analog(const chip_t *chip, uint32_t converter, uint32_t channel)
 {
+    if (converter == 2 && ((channel >= 4 && channel <= 9) || channel >= 14)) {
+        return false;
+    }
     if (channel < 8) {
         return chip_pin_is_analog(chip, 'A', channel);
     }
@@ -64,7 +67,7 @@ static uint32_t convert(chip_t *chip, uint32_t converter, uint32_t channel)
         chip_note(chip, "ADC%u: channel %u", converter + 1U, channel);
         return 0;
     }
-    if (!input_is_analog(chip, channel)) {
+    if (!input_is_analog(chip, converter, channel)) {
         chip_note(chip, "ADC%u: the pin of channel %u is not analogue", converter + 1U, channel);
         return 0;
     }
@@ -107,6 +110,7 @@ static chip_ticks_t inject(chip_t *chip, uint32_t converter)
         if (i == 0) {
             const int64_t ticks = (int64_t)(LATENCY_CYCLES + sampling) * clock_ticks(chip);
             chip->adc.hold_from_top = chip->adc.trigger_from_top + ticks;
+            chip->adc.sampling = (int64_t)sampling * clock_ticks(chip);
         }
         cycles += sampling + CONVERSION_CYCLES;
         *chip_at(chip, of(converter, CHIP_ADC1_JDR1) + 4U * i) = convert(chip, converter, channel);

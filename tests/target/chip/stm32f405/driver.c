@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The gate driver on the board, a DRV8301 (data sheet SLOS719, section numbers are its): enabled by
- * PB5, fault line PB7, SDI PB4, SDO PB3, SCLK PC10, nSCS PC9.
+ * The gate driver on the board, a DRV8301 (data sheet SLOS719, section numbers are its), or a
+ * DRV8302, which starts and reports a fault alike and has no bus: its threshold is not modelled.
  */
 #include <string.h>
 
+#include "boards.h"
 #include "parts.h"
 
 enum {
@@ -35,6 +36,16 @@ static bool takes_commands(const chip_t *chip)
     return chip->now >= chip->driver.ready;
 }
 
+static bool has_bus(void)
+{
+    return boards_chosen()->nscs.port != 0;
+}
+
+static bool drives_high(chip_t *chip, wire_t wire)
+{
+    return chip_drives_high(chip, wire.port, wire.pin);
+}
+
 static void full_reset(chip_driver_t *driver)
 {
     driver->control[0] = 0;
@@ -52,7 +63,7 @@ void chip_driver_reset(chip_t *chip)
 static void look_at_enable(chip_t *chip)
 {
     chip_driver_t *driver = &chip->driver;
-    const bool enabled = chip_drives_high(chip, 'B', 5);
+    const bool enabled = drives_high(chip, boards_chosen()->enable);
     if (enabled == driver->enabled) {
         return;
     }
@@ -162,7 +173,7 @@ static void clock_edge(chip_t *chip, bool high)
         driver->data_out = (driver->out >> 15 & 1U) != 0;
         driver->out <<= 1;
     } else {
-        driver->in = driver->in << 1 | (chip_drives_high(chip, 'B', 4) ? 1U : 0U);
+        driver->in = driver->in << 1 | (drives_high(chip, boards_chosen()->sdi) ? 1U : 0U);
         driver->bits++;
     }
 }
@@ -170,9 +181,13 @@ static void clock_edge(chip_t *chip, bool high)
 void chip_driver_pins(chip_t *chip)
 {
     look_at_enable(chip);
-    const bool clock = chip_drives_high(chip, 'C', 10);
+    if (!has_bus()) {
+        return;
+    }
+    const wire_t nscs = boards_chosen()->nscs;
+    const bool clock = drives_high(chip, boards_chosen()->sclk);
     /* Floating, its pull-up holds nSCS. */
-    const bool high = !chip_pin_is_output(chip, 'C', 9) || chip_pin_level(chip, 'C', 9);
+    const bool high = !chip_drives_low(chip, nscs.port, nscs.pin);
     if (high != chip->driver.select) {
         select_frame(chip, high, clock);
     }
@@ -185,7 +200,8 @@ void chip_driver_watch(chip_t *chip)
 {
     chip_driver_t *driver = &chip->driver;
     const uint32_t control = driver->control[0];
-    const bool over = takes_commands(chip) && chip->fault.low_side_a_mV >= V_DS_mV[control >> 6];
+    const bool over =
+        has_bus() && takes_commands(chip) && chip->fault.low_side_a_mV >= V_DS_mV[control >> 6];
     if (over && (control >> 4 & 3U) == LATCH_SHUTDOWN) {
         driver->latched |= FETLA_OC;
     }

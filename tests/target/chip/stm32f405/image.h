@@ -14,6 +14,9 @@
     }
 #define IMAGE_SLOPE 0.12 /* 49 N m at the wheel */
 #define IMAGE_DRIVE_NM 10.0
+/* Where the voltage is the largest and the low pulses the shortest: a back-EMF of 31 V. */
+#define IMAGE_FAST_M_PER_S 16.5
+#define IMAGE_HAS_FAULT_LINE true
 #define IMAGE_SPEED_RAD_S 9.0 /* at that speed, rounded up */
 #define IMAGE_MODE MODE_RUN
 #define IMAGE_REPORTS_BROWN_OUT true
@@ -22,6 +25,7 @@
 #define IMAGE_OPTION_BYTES_RESET false
 #define IMAGE_BEGINS 0x08020000U /* of the program, hal/stm32f405/link.ld */
 #define IMAGE_BYTES 0xE0000U
+#define IMAGE_CONFIGURATION_BEGINS 0x08004000U
 #define IMAGE_HOLDS_SUPPLY true /* by PC5 */
 
 static inline bench_params_t image_vehicle(void)

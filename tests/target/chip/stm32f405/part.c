@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the STM32F405 has of parts, and the board of the outer signals: a VESC 6 MK3. */
+/* What the STM32F405 has of parts, and the gate driver's signals of its board. */
+#include "boards.h"
 #include "parts.h"
 
 const chip_route_t CHIP_ROUTES[] = {
@@ -72,12 +73,12 @@ void chip_part_pins_written(chip_t *chip)
 
 bool chip_part_level(const chip_t *chip, char port, unsigned pin, bool *level)
 {
-    enum { DRIVER_DATA = 3, DRIVER_FAULT = 7 };
-    if (port == 'B' && pin == DRIVER_FAULT && chip_driver_pulls_fault(chip)) {
+    const board_t *board = boards_chosen();
+    if (wire_is(board->fault, port, pin) && chip_driver_pulls_fault(chip)) {
         *level = false;
         return true;
     }
-    if (port == 'B' && pin == DRIVER_DATA && !chip_pin_is_output(chip, port, pin)) {
+    if (wire_is(board->sdo, port, pin) && !chip_pin_is_output(chip, port, pin)) {
         *level = chip_driver_data(chip);
         return true;
     }

@@ -1,52 +1,77 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/*
- * VESC 6 MK3 (hal/stm32f405/boards): shunt amplifiers a, b, c at channels 10, 11, 12, falling with
- * current into the motor; bus voltage at 13; switch thermistor at 3, from the supply; winding
- * thermistor at 14, to ground; halls at PC6 to PC8.
- */
+/* The plant's signals at the pins of the chosen board (boards.h). */
 #include "wiring.h"
 
 #include <math.h>
 
-enum {
-    CHANNEL_CURRENT_A = 10,
-    CHANNEL_BUS = 13,
-    CHANNEL_WINDING = 14,
-    CHANNEL_SWITCH = 3,
-    CODES = 4096,
-    CODE_MOST = CODES - 1,
-    PORT_C = 2,
-    HALL_PINS = 7 << 6
-};
+#include "boards.h"
 
-void wiring_currents(chip_inputs_t *in, const uint16_t code[3])
+enum { CODES = 4096, CODE_MOST = CODES - 1 };
+static const double REFERENCE_V = 3.3;
+/* Full scales of the codes that the plant gives, of the image's configuration. */
+static const double FULL_SCALE_A = 165.0, FULL_SCALE_V = 61.8;
+
+static uint16_t code_of(double share)
 {
+    return (uint16_t)fmin(fmax(round(share), 0.0), CODE_MOST);
+}
+
+wiring_shunts_t wiring_shunts(void)
+{
+    const board_t *board = boards_chosen();
+    wiring_shunts_t shunts = {.low_side = board->low_side_shunts, .settling_s = board->settling_s};
     for (int x = 0; x < 3; x++) {
-        in->analog_code[CHANNEL_CURRENT_A + x] = (uint16_t)(CODE_MOST - code[x]);
+        shunts.at[x] = board->current_channel[x] != BOARDS_NO_CHANNEL;
+    }
+    return shunts;
+}
+
+void wiring_currents(chip_t *chip, const uint16_t code[3])
+{
+    const board_t *board = boards_chosen();
+    const double middle = CODE_MOST / 2.0;
+    const double scale =
+        board->shunt_ohm * board->gain / (REFERENCE_V / CODES) * FULL_SCALE_A / (CODES / 2.0);
+    const wire_t calibrate = board->calibrate;
+    const bool shorted =
+        calibrate.port != 0 && chip_drives_high(chip, calibrate.port, calibrate.pin);
+    for (int x = 0; x < 3; x++) {
+        if (board->current_channel[x] != BOARDS_NO_CHANNEL) {
+            chip_inputs(chip)->analog_code[board->current_channel[x]] =
+                code_of(shorted ? middle : middle - (code[x] - middle) * scale);
+        }
     }
 }
 
 void wiring_bus_voltage(chip_inputs_t *in, uint16_t code)
 {
-    in->analog_code[CHANNEL_BUS] = code;
+    const board_t *board = boards_chosen();
+    const double volt = code * FULL_SCALE_V / CODES;
+    const double share = board->lower_ohm / (board->upper_ohm + board->lower_ohm);
+    in->analog_code[board->bus_channel] = code_of(volt * share / REFERENCE_V * CODES);
 }
 
 void wiring_halls(chip_inputs_t *in, uint8_t state)
 {
-    wiring_pins(in, PORT_C, HALL_PINS, (unsigned)state << 6);
+    for (int x = 0; x < 3; x++) {
+        const wire_t hall = boards_chosen()->hall[x];
+        const unsigned high = (state >> x & 1U) != 0 ? 0xFFFFU : 0U;
+        wiring_pins(in, hall.port - 'A', 1U << hall.pin, high);
+    }
 }
 
-/* 10 kOhm at 25 degC, B = 3380 K, in a divider with 10 kOhm. */
-static uint16_t thermistor_code(int32_t temperature_cC, bool to_ground)
+/* 10 kOhm at 25 degC in a divider with 10 kOhm. */
+static uint16_t thermistor_code(int32_t temperature_cC, double beta_k, bool to_ground)
 {
     const double kelvin = temperature_cC / 100.0 + 273.15;
-    const double ratio = exp(3380.0 * (1.0 / kelvin - 1.0 / 298.15));
-    const double share = to_ground ? ratio / (ratio + 1.0) : 1.0 / (ratio + 1.0);
-    return (uint16_t)lround(fmin(CODES * share, CODE_MOST));
+    const double ratio = exp(beta_k * (1.0 / kelvin - 1.0 / 298.15));
+    return code_of(CODES * (to_ground ? ratio / (ratio + 1.0) : 1.0 / (ratio + 1.0)));
 }
 
 void wiring_temperatures(chip_inputs_t *in, int32_t winding_cC, int32_t switch_cC)
 {
-    in->analog_code[CHANNEL_WINDING] = thermistor_code(winding_cC, true);
-    in->analog_code[CHANNEL_SWITCH] = thermistor_code(switch_cC, false);
+    const board_t *board = boards_chosen();
+    in->analog_code[board->winding_channel] = thermistor_code(winding_cC, 3380.0, true);
+    in->analog_code[board->switch_channel] =
+        thermistor_code(switch_cC, board->switch_beta_k, false);
 }

@@ -141,6 +141,7 @@ static chip_ticks_t inject(chip_t *chip, uint32_t converter)
         if (i == 0) {
             const int64_t until_hold = (int64_t)(latency + sampling * clock_ticks(chip) / 2U);
             chip->adc.hold_from_top = chip->adc.trigger_from_top + until_hold;
+            chip->adc.sampling = (int64_t)(sampling * clock_ticks(chip) / 2U);
         }
         halves += sampling + CONVERSION_HALVES;
         *chip_at(chip, of(converter, CHIP_ADC1_JDR1) + 4U * i) =

@@ -15,6 +15,7 @@
     }
 #define IMAGE_SLOPE 0.5 /* 4 N m at the wheel */
 #define IMAGE_DRIVE_NM 1.5
+#define IMAGE_HAS_FAULT_LINE false
 #define IMAGE_SPEED_RAD_S 23.1 /* at that speed, rounded up */
 #define IMAGE_MODE MODE_LIMP
 #define IMAGE_REPORTS_BROWN_OUT false /* its flash can be read down to its own reset */
@@ -23,6 +24,7 @@
 #define IMAGE_OPTION_BYTES_RESET true
 #define IMAGE_BEGINS 0x08000000U /* of the program, hal/stm32g431/link.ld */
 #define IMAGE_BYTES 0x1A000U
+#define IMAGE_CONFIGURATION_BEGINS 0x0801A000U
 #define IMAGE_HOLDS_SUPPLY false
 
 static inline bench_params_t image_vehicle(void)

@@ -8,19 +8,40 @@
 #include "wiring.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "analog.h"
 
 enum { PORT_B = 1, HALL_PINS = 7 << 6, CODES = ANALOG_CODES, MIDDLE_CODE = 2048 };
 /* Full scale of the codes that the plant gives, of the image's configuration (60.16 A). */
 static const double FULL_SCALE_A = 60.16;
+/* Of the amplifiers, as FOC-Stim measured it on the board. */
+static const double SETTLING_S = 1.3e-6;
 /* By the conductances in mS of the three resistors. */
 static const double TO_SHUNT = 1.0 / 1.5, TO_GROUND = 1.0 / 2.2, TO_REFERENCE = 1.0 / 22.0;
 
-void wiring_currents(chip_inputs_t *in, const uint16_t code[3])
+bool wiring_choose(const char *board)
+{
+    return strcmp(board, "b_g431b_esc1") == 0;
+}
+
+wiring_shunts_t wiring_shunts(void)
+{
+    const wiring_shunts_t shunts = {true, {true, true, true}, SETTLING_S};
+    return shunts;
+}
+
+/* The transceiver's are looked at by can.c. */
+bool wiring_outputs_hold(chip_t *chip)
+{
+    (void)chip;
+    return true;
+}
+
+void wiring_currents(chip_t *chip, const uint16_t code[3])
 {
     for (int x = 0; x < 3; x++) {
-        in->current_a[x] = (code[x] - MIDDLE_CODE) * FULL_SCALE_A / MIDDLE_CODE;
+        chip_inputs(chip)->current_a[x] = (code[x] - MIDDLE_CODE) * FULL_SCALE_A / MIDDLE_CODE;
     }
 }
 
