@@ -31,6 +31,7 @@ find_program(HUBFOC_PYTHON python3 HINTS "${PROJECT_SOURCE_DIR}/.dev/venv/bin"
 list(GET HUBFOC_BOARDS_stm32f405 0 first_board)
 if(HUBFOC_CONFIG STREQUAL "lu2013" AND HUBFOC_BOARD_HEADER STREQUAL "boards/${first_board}.h")
   include(chip.cmake)
+  include(chip_boards.cmake)
 endif()
 
 # The other STM32's image on the model of its chip.

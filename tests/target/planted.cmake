@@ -2,8 +2,15 @@
 # Images with an error planted in their driver (chip/README.md).
 
 # planted_image(NAME CHIP FOLDER FILE OLD NEW [SOURCE]): the image with OLD replaced by NEW in one
-# file of the port or of the application; SOURCE includes it, if it is a header.
+# file of the port or of the application; SOURCE includes it, if it is a header. With PLANTED_BOARD
+# the image is for this board instead of the build's.
 function(planted_image name chip folder file old new)
+  set(port_objects "hubfoc_port_${chip}")
+  set(board_header "${HUBFOC_BOARD_HEADER}")
+  if(PLANTED_BOARD)
+    set(port_objects "board_${PLANTED_BOARD}")
+    set(board_header "boards/${PLANTED_BOARD}.h")
+  endif()
   set(port "${PROJECT_SOURCE_DIR}/hal/${chip}")
   set(folder "${PROJECT_SOURCE_DIR}/${folder}")
   file(READ "${folder}/${file}" text)
@@ -27,9 +34,10 @@ function(planted_image name chip folder file old new)
     set(stack_bytes 2816)
   endif()
   add_executable(${target} "${copy}"
-    "$<FILTER:$<TARGET_OBJECTS:hubfoc_port_${chip}>,EXCLUDE,/${stem}[.]c[.]obj$>")
+    "$<FILTER:$<TARGET_OBJECTS:${port_objects}>,EXCLUDE,/${stem}[.]c[.]obj$>")
   set_source_files_properties("${copy}" PROPERTIES GENERATED TRUE)
   target_include_directories(${target} PRIVATE "${port}" "${PROJECT_SOURCE_DIR}/hal/stm32")
+  target_compile_definitions(${target} PRIVATE "HUBFOC_BOARD_HEADER=\"${board_header}\"")
   target_link_libraries(${target} PRIVATE hubfoc_app_main hubfoc_app hubfoc_hal
     hubfoc_config_image)
   target_link_options(${target} PRIVATE -nostartfiles --specs=nano.specs "-T${port}/link.ld"

@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+# The flashable images of the other boards with an STM32F405 on the model of the chip
+# (chip/README.md, chip/stm32f405/boards.c).
+if(NOT HUBFOC_PYTHON) # pwm_interrupt_budget says so
+  return()
+endif()
+set(boards_programs "${PROJECT_SOURCE_DIR}/build/host/tests/target/chip")
+set(boards_shipped "${PROJECT_SOURCE_DIR}/firmware/config/generated/lu2013.bin")
+
+# board_image(BOARD LABELS): as tools/dev firmware --board builds it, with its own build folder.
+function(board_image board labels)
+  set(folder "${CMAKE_CURRENT_BINARY_DIR}/${board}")
+  add_test(NAME ${board}_image_fits
+    COMMAND "${CMAKE_CTEST_COMMAND}" --build-and-test "${PROJECT_SOURCE_DIR}" "${folder}"
+      --build-generator Ninja --build-target hubfoc_stm32f405 --build-options
+      -DHUBFOC_PORT=stm32f405 -DHUBFOC_BOARD=${board} -DHUBFOC_CONFIG=lu2013 -DHUBFOC_TESTS=OFF
+      "-DCMAKE_TOOLCHAIN_FILE=${CMAKE_TOOLCHAIN_FILE}" -DCMAKE_BUILD_TYPE=Release
+      --test-command "${CMAKE_COMMAND}" "-DNM=${CMAKE_NM}"
+      "-DELF=${folder}/hubfoc_stm32f405.elf" -DCONFIG=CONFIG_LU2013 -DCHIP=stm32f405
+      -P "${CMAKE_CURRENT_LIST_DIR}/check_layout.cmake")
+  set_tests_properties(${board}_image_fits PROPERTIES LABELS "${labels}" TIMEOUT 600
+    FIXTURES_SETUP ${board}_image)
+endfunction()
+
+# board_test(NAME BOARD LABELS PROGRAM ARGUMENT...): PROGRAM with the board's image.
+function(board_test name board labels program)
+  add_test(NAME ${name} COMMAND "${boards_programs}/${program}"
+    "${CMAKE_CURRENT_BINARY_DIR}/${board}/hubfoc_stm32f405.elf" ${ARGN})
+  set_tests_properties(${name} PROPERTIES LABELS "${labels}" TIMEOUT 120
+    FIXTURES_REQUIRED "${board}_image;vesc4_configuration")
+endfunction()
+
+# The paper's vehicle with pulses that the shunts of a VESC 4 need (hal/stm32f405/README.md, The
+# window it costs).
+set(boards_folder "${CMAKE_CURRENT_BINARY_DIR}/vesc4")
+set(boards_long_pulses "${boards_folder}/vesc4.bin")
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS
+  "${PROJECT_SOURCE_DIR}/tools/motors/lu2013.toml")
+file(READ "${PROJECT_SOURCE_DIR}/tools/motors/lu2013.toml" boards_toml)
+string(REGEX REPLACE "\nmin_pulse_s = [^ \n]+" "\nmin_pulse_s = 1.52e-6" boards_own
+  "${boards_toml}")
+if(boards_own STREQUAL boards_toml)
+  message(FATAL_ERROR "tools/motors/lu2013.toml has no min_pulse_s")
+endif()
+file(CONFIGURE OUTPUT "${boards_folder}/vesc4.toml" CONTENT "${boards_own}" @ONLY)
+add_test(NAME vesc4_configuration_is_generated
+  COMMAND "${HUBFOC_PYTHON}" -m regen_table generate "${boards_folder}/vesc4.toml"
+    -o "${boards_folder}" WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}/tools")
+set_tests_properties(vesc4_configuration_is_generated PROPERTIES LABELS target TIMEOUT 120
+  FIXTURES_SETUP vesc4_configuration ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+
+set(board_vesc4 vesc4_10 "${boards_long_pulses}")
+board_image(vesc4_10 target)
+board_test(chip_vesc4_boots_and_brakes vesc4_10 target chip_test stop ${board_vesc4})
+board_test(chip_vesc4_brakes_at_the_largest_voltage vesc4_10 target chip_window fast
+  ${board_vesc4})
+board_test(chip_vesc4_refuses_short_pulses vesc4_10 target chip_window refused vesc4_10
+  "${boards_shipped}")
+
+board_image(vesc6_mk6 "target;full")
+board_test(chip_vesc6_mk6_boots_and_brakes vesc6_mk6 "target;full" chip_test stop vesc6_mk6)
+board_test(chip_vesc6_mk6_gate_driver_protects vesc6_mk6 "target;full" chip_test driver vesc6_mk6)
+
+# Errors planted in what only the VESC 4 uses.
+set(PLANTED_BOARD vesc4_10)
+
+# planted_vesc4(NAME FOLDER FILE OLD NEW PROGRAM CONFIGURATION)
+function(planted_vesc4 name folder file old new program configuration)
+  planted_image(vesc4_${name} stm32f405 ${folder} ${file} "${old}" "${new}")
+  add_test(NAME chip_vesc4_finds_${name} COMMAND "${boards_programs}/${program}"
+    "$<TARGET_FILE:planted_vesc4_${name}>" planted vesc4_10 "${configuration}")
+  set_tests_properties(chip_vesc4_finds_${name} PROPERTIES LABELS "target;full" TIMEOUT 120
+    FIXTURES_REQUIRED vesc4_configuration)
+endfunction()
+planted_vesc4(short_pulses_that_are_accepted firmware/app boot.c "if (least_ns == 0 ||"
+  "if (least_ns >= 0 ||" chip_window "${boards_shipped}")
+planted_vesc4(a_trigger_at_the_bottom hal/stm32 inverter.c ": top_counts + trigger_counts" ": 1"
+  chip_test "${boards_long_pulses}")
+planted_vesc4(amplifiers_that_do_not_measure hal/stm32 power.c "(pin_t){port, number}, level)"
+  "(pin_t){port, number}, true)" chip_test "${boards_long_pulses}")
+planted_vesc4(one_shunt_for_two_currents hal/stm32f405 analog.c
+  "configure(ADC1, BOARD_CHANNEL_CURRENT_A" "configure(ADC1, BOARD_CHANNEL_CURRENT_C" chip_test
+  "${boards_long_pulses}")
+planted_vesc4(a_driver_fault_at_another_interrupt hal/stm32f405 gate_driver.c
+  ": INTERRUPT_PINS_10_TO_15" ": INTERRUPT_PINS_5_TO_9" chip_test "${boards_long_pulses}")
+unset(PLANTED_BOARD)
