@@ -56,8 +56,16 @@ board_test(chip_vesc4_brakes_at_the_largest_voltage vesc4_10 target chip_window 
   ${board_vesc4})
 board_test(chip_vesc4_refuses_short_pulses vesc4_10 target chip_window refused vesc4_10
   "${boards_shipped}")
+board_test(chip_vesc4_reads_its_sensors vesc4_10 target chip_sensors ${board_vesc4})
+
+# The first board's image is the build's own.
+add_test(NAME chip_vesc6_mk3_reads_its_sensors COMMAND "${boards_programs}/chip_sensors"
+  "$<TARGET_FILE:hubfoc_stm32f405>" vesc6_mk3 "${boards_shipped}")
+set_tests_properties(chip_vesc6_mk3_reads_its_sensors PROPERTIES LABELS target TIMEOUT 120)
 
 board_image(vesc6_mk6 "target;full")
+board_test(chip_vesc6_mk6_reads_its_sensors vesc6_mk6 "target;full" chip_sensors vesc6_mk6
+  "${boards_shipped}")
 board_test(chip_vesc6_mk6_boots_and_brakes vesc6_mk6 "target;full" chip_test stop vesc6_mk6)
 board_test(chip_vesc6_mk6_gate_driver_protects vesc6_mk6 "target;full" chip_test driver vesc6_mk6)
 

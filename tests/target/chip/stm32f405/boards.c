@@ -10,7 +10,7 @@
     .bus_channel = 13, .winding_channel = 14, .switch_channel = 3, .upper_ohm = 39e3,              \
     .lower_ohm = 2.2e3, .switch_beta_k = 3380.0, .hall = {{'C', 6}, {'C', 7}, {'C', 8}},           \
     .enable = {'B', 5}, .fault = {'B', 7}, .sdi = {'B', 4}, .sdo = {'B', 3}, .sclk = {'C', 10},    \
-    .nscs = {'C', 9}, .power_hold = {'C', 5}
+    .nscs = {'C', 9}, .power_hold = {'C', 5}, .encoder_at_tim3 = true
 
 static const board_t BOARDS[] = {
     {.name = "vesc6_mk3", VESC_6, .outputs = {{{'D', 2}, true}}}, /* filters of the amplifiers */

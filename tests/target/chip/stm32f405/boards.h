@@ -30,11 +30,12 @@ typedef struct {
     uint8_t bus_channel, winding_channel, switch_channel;
     double upper_ohm, lower_ohm; /* divider of the bus voltage */
     double switch_beta_k;        /* its thermistor goes to the supply, the winding's to ground */
-    wire_t hall[3];
-    wire_t enable, fault;                  /* of the gate driver */
-    wire_t sdi, sdo, sclk, nscs;           /* its bus; the DRV8302 has none */
-    wire_t calibrate;                      /* high: its amplifiers measure no current */
-    wire_t power_hold;                     /* high: keeps the supply on */
+    wire_t hall[3];              /* or A, B and index of an encoder */
+    bool encoder_at_tim3;        /* else at a timer that is not used */
+    wire_t enable, fault;        /* of the gate driver */
+    wire_t sdi, sdo, sclk, nscs; /* its bus; the DRV8302 has none */
+    wire_t calibrate;            /* high: its amplifiers measure no current */
+    wire_t power_hold;           /* high: keeps the supply on */
     output_t outputs[BOARDS_OUTPUTS_MOST]; /* levels that the board needs from the start on */
 } board_t;
 
