@@ -17,7 +17,7 @@ typedef struct {
     motor_constants_t constants;
     motor_model_t model;
     feasible_set_t set;
-    int16_t map_lsb[9]; /* i_d at a torque of -2^20, 0 and 2^20 mN m, and room for more: zero */
+    int16_t map_lsb[18]; /* i_d at a torque of -2^20, 0 and 2^20 mN m; two speeds, up to 9 points */
 } plain_motor_t;
 
 /* Any voltage suffices; a phase current limit of 2^22. */
