@@ -26,8 +26,8 @@ static int32_t largest(const phases_t *x)
 
 typedef enum { FLOWS, NEITHER, MISSING } evidence_t;
 
-/* One phase whose reference is at least half of the largest; a healthy vector of whatever length
- * has as much of its own there. */
+/* One phase whose reference is at least half of the largest. A healthy vector of whatever length
+ * within 21 degrees of its reference has a sixth of the others there. */
 static evidence_t evidence(int32_t current_pu, int32_t wanted_pu, int32_t others_pu)
 {
     const int32_t along_pu = wanted_pu > 0 ? current_pu : -current_pu;
@@ -36,10 +36,8 @@ static evidence_t evidence(int32_t current_pu, int32_t wanted_pu, int32_t others
         return FLOWS;
     }
     const int32_t size_pu = q_abs(current_pu);
-    const bool beside_long = others_pu > reference_pu / 4 && size_pu < others_pu / 8 * 3;
-    const bool beside_short = size_pu < others_pu / 8;
-    return size_pu < reference_pu / 4 && others_pu > MONITOR_OPEN_OTHERS_PU &&
-                   (beside_long || beside_short)
+    return size_pu < reference_pu / 4 && size_pu < others_pu / 6 &&
+                   others_pu > MONITOR_OPEN_OTHERS_PU
                ? MISSING
                : NEITHER;
 }

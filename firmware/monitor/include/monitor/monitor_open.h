@@ -3,13 +3,14 @@
  * monitor_open.h: a phase wire, or one switch of a leg, that is open. Slow loop, 1 kHz, from the
  * currents of one PWM period.
  *
- * The reference wants current in this phase, its measurement has less than a quarter of it, and the
- * other two phases carry opposite currents: in MONITOR_OPEN_STEPS samples of the same sign of the
- * reference, without one in between that has half of it. Or, of a slow rotor: a phase stays at zero
- * beside the others' current in MONITOR_OPEN_STEPS samples, while the rotor turns through
- * MONITOR_OPEN_TURN and the reference wants a quarter of that current in it. Samples after a jump
- * of the angle, ahead of the currents, do not count. A dead current sensor does not look like that:
- * the three readings no longer add up, and its sample is replaced. README, Open phase.
+ * The reference wants current in this phase, its measurement has less than a quarter of it and less
+ * than a sixth of the other two phases', opposite currents: in MONITOR_OPEN_STEPS samples of the
+ * same sign of the reference, without one in between that has half of it. Or, of a slow rotor: a
+ * phase stays at zero beside the others' current in MONITOR_OPEN_STEPS samples, while the rotor
+ * turns through MONITOR_OPEN_TURN and the reference wants a quarter of that current in it. Samples
+ * after a jump of the angle, ahead of the currents, do not count. A dead current sensor does not
+ * look like that: the three readings no longer add up, and its sample is replaced. README, Open
+ * phase.
  */
 #ifndef MONITOR_MONITOR_OPEN_H
 #define MONITOR_MONITOR_OPEN_H

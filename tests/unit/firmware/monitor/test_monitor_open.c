@@ -39,6 +39,14 @@ static star_t wire_b_open(star_t i)
     return out;
 }
 
+/* Shunts in legs a and c only, whose gains differ by a tenth; b is what they do not add up to. */
+static star_t wire_b_open_beside_wrong_gains(star_t i)
+{
+    const star_t out = wire_b_open(i);
+    const star_t read = {1.05 * out.a, 0.95 * out.a - 1.05 * out.a, 0.95 * out.c};
+    return read;
+}
+
 /* No current into the motor from leg a. */
 static star_t high_switch_a_open(star_t i)
 {
@@ -112,6 +120,15 @@ void test_open_wire_is_named_within_a_turn_from_any_angle(void)
     }
 }
 
+void test_open_wire_is_named_beside_gains_that_differ_by_a_tenth(void)
+{
+    for (int k = 0; k < 24; k++) {
+        const int ms = time_to_name(wire_b_open_beside_wrong_gains, k / 24.0, 0.1, 20);
+        TEST_ASSERT_GREATER_OR_EQUAL_INT(3, ms);
+        TEST_ASSERT_LESS_OR_EQUAL_INT(11, ms);
+    }
+}
+
 void test_open_switch_is_named_in_its_half_wave(void)
 {
     for (int k = 0; k < 24; k++) {
@@ -140,6 +157,64 @@ void test_healthy_phases_are_never_named(void)
     }
     for (int ms = 0; ms < 1000; ms++) {
         TEST_ASSERT_FALSE(step_at(healthy, 0.07 * ms, 0.3));
+    }
+}
+
+static bool step_beside(double lag_turn, double turn, double share)
+{
+    const double angle_rad = TURN_RAD * (turn - floor(turn));
+    const star_t whole = wanted_at(angle_rad - TURN_RAD * lag_turn);
+    const star_t i = {share * whole.a, share * whole.b, share * whole.c};
+    const monitor_open_input_t in = {
+        .sampled_pu = park(i, angle_rad),
+        .reference_pu = {.d = 0, .q = LENGTH_PU},
+        .theta_turn = (uint16_t)lround(65535.0 * (turn - floor(turn))),
+        .switching = true,
+    };
+    return monitor_open_step(&state, &in);
+}
+
+/* A phase that is judged is wanted 30 degrees from its zero or further. A healthy vector has less
+ * than a sixth of the others there within atan(0.866 / 5.5) = 8.9 degrees: 21 from the reference,
+ * whatever its length. */
+void test_healthy_current_within_20_degrees_of_its_reference_is_not_named(void)
+{
+    static const double SHARE[] = {1.0, 0.6, 0.3, 0.12};
+    for (int sample = 0; sample < 4 * 360; sample++) {
+        const double turn = (sample / 4) / 360.0;
+        for (int side = -1; side <= 1; side += 2) {
+            setUp();
+            for (int ms = 0; ms < 4; ms++) {
+                const bool named = step_beside(side * 20.0 / 360.0, turn, SHARE[sample % 4]);
+                TEST_ASSERT_FALSE(named || state.suspected);
+            }
+        }
+    }
+}
+
+/* Leg a is stuck: phases b and c share its current, with the same sign. One that has a quarter of
+ * the other carries a fifth of leg a's and is not open; one that has an eighth, a ninth, looks like
+ * it. The reference wants its peak in phase b. */
+void test_phase_that_carries_a_fifth_of_a_stuck_leg_is_not_named(void)
+{
+    static const star_t STUCK[] = {{-10000.0, 2000.0, 8000.0}, {-9000.0, 1000.0, 8000.0}};
+    const double angle_rad = TURN_RAD / 12.0; /* -sin(30 - 120 degrees) is 1 */
+    for (int k = 0; k < 2; k++) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            setUp();
+            const star_t i = {sign * STUCK[k].a, sign * STUCK[k].b, sign * STUCK[k].c};
+            const monitor_open_input_t in = {
+                .sampled_pu = park(i, angle_rad),
+                .reference_pu = {.d = 0, .q = sign * LENGTH_PU},
+                .theta_turn = 65536 / 12,
+                .switching = true,
+            };
+            bool named = false;
+            for (int ms = 0; ms < 10; ms++) {
+                named = monitor_open_step(&state, &in);
+            }
+            TEST_ASSERT_EQUAL_INT(k == 1, named);
+        }
     }
 }
 

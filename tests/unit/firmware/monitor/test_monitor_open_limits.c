@@ -66,12 +66,11 @@ static int named_in(const currents_t *i, int32_t sign, uint16_t theta_turn)
 static const struct {
     currents_t missing, not_missing;
 } THRESHOLDS[] = {
-    {{2400, 599, 16384}, {2400, 600, 16384}},   /* a quarter of the reference */
-    {{20000, 472, 4096}, {20000, 473, 4096}},   /* an eighth of 3784 */
-    {{20000, 1000, 5197}, {20000, 1000, 5196}}, /* others 5001 and 5000, a quarter of it */
-    {{20000, 2249, 5630}, {20000, 2250, 5630}}, /* 3/8 of 6000 and 6001, in whole eighths */
-    {{2560, 10, 918}, {2560, 10, 917}},         /* others 801 and 800 */
-    {{1280, 100, 16384}, {1279, 100, 16384}},   /* a reference that is judged */
+    {{2400, 599, 16384}, {2400, 600, 16384}},     /* a quarter of the reference */
+    {{20000, 644, 4096}, {20000, 645, 4096}},     /* a sixth of 3548 + 322, which is 645 */
+    {{20000, 2578, 16384}, {20000, 2579, 16384}}, /* of 14189 + 1289: 2579 and 4 of 6 parts */
+    {{2560, 10, 918}, {2560, 10, 917}},           /* others 801 and 800 */
+    {{1280, 100, 16384}, {1279, 100, 16384}},     /* a reference that is judged */
 };
 
 void test_thresholds_of_a_missing_current_are_exact(void)
@@ -86,13 +85,13 @@ void test_thresholds_of_a_missing_current_are_exact(void)
 void test_thresholds_are_those_of_every_phase_and_sign(void)
 {
     static const currents_t MISSING[] = {
-        {2400, 590, 16384}, {20000, 460, 4096}, {20000, 1000, 5215}, {20000, 2230, 5630}};
+        {2400, 590, 16384}, {20000, 630, 4096}, {20000, 2560, 16384}};
     static const currents_t NOT_MISSING[] = {
-        {2400, 610, 16384}, {20000, 485, 4096}, {20000, 1000, 5175}, {20000, 2270, 5630}};
+        {2400, 610, 16384}, {20000, 660, 4096}, {20000, 2600, 16384}};
     static const uint16_t PHASE[] = {0, 21845, 43691};
     for (int x = 0; x < 3; x++) {
         for (int32_t sign = -1; sign <= 1; sign += 2) {
-            for (int k = 0; k < 4; k++) {
+            for (int k = 0; k < 3; k++) {
                 const int named = named_in(&MISSING[k], sign, PHASE[x]);
                 TEST_ASSERT_EQUAL_INT(MONITOR_OPEN_STEPS, named);
                 TEST_ASSERT_EQUAL_INT(0, named_in(&NOT_MISSING[k], sign, PHASE[x]));
