@@ -24,6 +24,7 @@ void brake_blending_init(brake_blending_state_t *state, const config_t *config)
     state->added_mNm = 0;
     state->taken_mNm = 0;
     state->slower_mrad_s = 0;
+    state->open_steps = 0;
     filter_reset(&state->limit_lp_mNm, 0, LIMIT_FILTER_LOG2);
     filter_reset(&state->speed_lp_mrad_s, 0, LIMIT_FILTER_LOG2);
 }
@@ -66,12 +67,13 @@ typedef struct {
     int32_t expected_mNm, shortfall_mNm;
 } motor_share_t;
 
-static motor_share_t motor_share(const config_t *config, const brake_blending_input_t *in,
-                                 int32_t electric_mNm, bool measured)
+static motor_share_t motor_share(const brake_blending_state_t *state, const config_t *config,
+                                 const brake_blending_input_t *in, int32_t electric_mNm,
+                                 bool measured)
 {
     motor_share_t out = {.expected_mNm = 0, .shortfall_mNm = 0};
     const int32_t achieved_mNm = braking_part(in->motor_achieved_mNm, in->speed_mrad_s);
-    if (!torque_enable_any(in->torque_enable)) {
+    if (!torque_enable_any(in->torque_enable) || state->open_steps > BRAKE_BLENDING_CLOSING_STEPS) {
         /* The model knows what a shorted motor brakes with. Its currents, which may be beyond the
          * sensors' range, only show that it does. */
         out.expected_mNm = achieved_mNm >= in->short_mNm / SHORT_SHOWN_SHARE ? in->short_mNm : 0;
@@ -95,6 +97,15 @@ static motor_share_t motor_share(const config_t *config, const brake_blending_in
             q_max(commanded_mNm - achieved_mNm - config->brake.shortfall_band_mNm, 0);
     }
     return out;
+}
+
+/* A motor that is counted on has a bridge that closes for the demand. One that closes for moments
+ * only takes as many steps to be counted on again. */
+static void count_open(brake_blending_state_t *state, const brake_blending_input_t *in)
+{
+    const int32_t change = in->bridge_open && in->demand_mNm > 0 ? 1 : -1;
+    state->open_steps =
+        (uint8_t)q_clamp(state->open_steps + change, 0, 2 * BRAKE_BLENDING_CLOSING_STEPS);
 }
 
 /* A deferrable limit as the motor leaves it: at once where it rises; where it falls, kept for the
@@ -260,8 +271,9 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
     const bool anti_lock = limits->braking[TORQUE_LINE_ABS].torque_mNm <= independent_mNm;
     const int32_t later_mNm = anti_lock ? independent_mNm : predicted_mNm;
     const bool measured = hydraulic_feedback_used(&state->feedback);
+    count_open(state, in);
     const motor_share_t motor = motor_share(
-        config, in, q_min(q_min(demand_mNm, available.torque_mNm), later_mNm), measured);
+        state, config, in, q_min(q_min(demand_mNm, available.torque_mNm), later_mNm), measured);
     const int32_t required_mNm =
         q_min(q_max(demand_mNm - motor.expected_mNm + motor.shortfall_mNm, 0), demand_mNm);
     const int32_t beyond_mNm = measured ? least_beyond_mNm(limits) : 0;

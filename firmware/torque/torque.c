@@ -117,6 +117,7 @@ static brake_blending_out_t blend(torque_state_t *state, const config_t *config,
         .hydraulic = *(demand->hydraulic_valid ? &in->hydraulic : &NO_REPORT),
         .watched = hydraulic_is_seen(&state->table, in) && demand->hydraulic_valid,
         .acknowledged = in->acknowledged,
+        .bridge_open = in->bridge_open,
         .handed_over = demand->handed_over,
         .torque_enable = in->torque_enable,
     };

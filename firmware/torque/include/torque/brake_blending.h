@@ -45,6 +45,10 @@
 #include "torque/hydraulic_watch.h"
 #include "torque/torque_limits.h"
 
+/* With a demand an open bridge closes within 5 ms; one that does not makes no torque, and the
+ * demand is the hydraulic brake's. */
+enum { BRAKE_BLENDING_CLOSING_STEPS = 8 };
+
 typedef struct {
     hydraulic_model_t hydraulic;
     hydraulic_feedback_state_t feedback;
@@ -57,6 +61,7 @@ typedef struct {
     int32_t added_mNm;        /* to the hydraulic command of the last step */
     int32_t taken_mNm;        /* of the demand, by the hydraulic brake in the last step */
     int32_t slower_mrad_s;    /* speed expected when the hydraulic brake has followed, magnitude */
+    uint8_t open_steps;       /* of the bridge with a demand, less the closed ones */
 } brake_blending_state_t;
 
 typedef struct {
@@ -70,6 +75,7 @@ typedef struct {
     hydraulic_feedback_t hydraulic;
     bool watched;      /* speed and motor torque show what the hydraulic brake makes */
     bool acknowledged; /* its finding is, by the driver at rest */
+    bool bridge_open;  /* since the last step: freewheel or active short circuit */
     bool handed_over;  /* the brake system makes the demand by itself, with its own lag */
 } brake_blending_input_t;
 

@@ -192,3 +192,64 @@ void test_two_controllers_in_one_process_are_independent(void)
     assert_same_slow(&alone.out, &left.out);
     TEST_ASSERT_NOT_EQUAL_INT32(left.out.speed_mrad_s, right.out.speed_mrad_s);
 }
+
+/* ---- an open bridge ---- */
+
+enum { LIVES = 60, LIFE_ms = 1500, CLOSING_ms = 12 };
+
+/* Each sensor stuck anywhere or right, any speed, a healthy bus and battery now and then. */
+static void draw_readings(random_t *random)
+{
+    for (int x = 0; x < 3; x++) {
+        rig.fast_in.phase_current_code[x] =
+            (uint16_t)(random_chance(random, 0.5) ? random_between(random, 0, 4095) : 2048);
+    }
+    if (random_chance(random, 0.3)) {
+        rig.fast_in.bus_voltage_code =
+            rig_bus_code(&rig, 1e-3 * random_between(random, 20000, 60000));
+    }
+    if (random_chance(random, 0.3)) {
+        rig_set_speed_rpm(&rig, random_between(random, -800, 800));
+    }
+    rig.slow_in.bms.contactor = random_chance(random, 0.1) ? CONTACTOR_OPEN : CONTACTOR_CLOSED;
+    rig.slow_in.demand.brake_torque_mNm =
+        random_chance(random, 0.2) ? 0 : random_between(random, 1000, 100000);
+}
+
+/* What the split owes the hydraulic brake while no bridge switches; a short brakes by itself. */
+static void assert_demand_is_made(int open_ms)
+{
+    const int32_t demand_mNm =
+        q_min(rig.slow_in.demand.brake_torque_mNm, rig.config.brake.max_hydraulic_torque_mNm);
+    if (open_ms > CLOSING_ms && !bridge_is_short(rig.to_slow.bridge)) {
+        TEST_ASSERT_TRUE(rig.out.hydraulic_valid);
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(demand_mNm, rig.out.hydraulic_torque_mNm);
+    }
+}
+
+void test_a_braking_demand_is_the_hydraulic_brakes_while_the_bridge_stays_open(void)
+{
+    random_t random = random_seeded(6);
+    int enabled_open = 0;
+    for (int life = 0; life < LIVES; life++) {
+        rig_start_running(&rig);
+        rig.config.modes.coast_delay_ms = life % 2 * 50;
+        rig_set_speed_rpm(&rig, random_between(&random, -600, 600));
+        int open_ms = 0;
+        int left_ms = 100;
+        for (int n = 0; n < LIFE_ms; n++) {
+            if (left_ms-- <= 0) {
+                draw_readings(&random);
+                left_ms = random_between(&random, 5, 300);
+            }
+            rig_run(&rig, 1);
+            const bool waits =
+                rig.to_slow.bridge != BRIDGE_PWM && rig.slow_in.demand.brake_torque_mNm > 0;
+            open_ms = waits ? open_ms + 1 : 0;
+            const bool runs = rig.out.mode == MODE_RUN || rig.out.mode == MODE_LIMP;
+            enabled_open += runs && open_ms > CLOSING_ms ? 1 : 0;
+            assert_demand_is_made(open_ms);
+        }
+    }
+    TEST_ASSERT_GREATER_THAN_INT(500, enabled_open);
+}

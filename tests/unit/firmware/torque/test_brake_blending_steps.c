@@ -28,6 +28,7 @@ void test_a_start_leaves_no_number_of_before(void)
     TEST_ASSERT_EQUAL_INT32(0, state.added_mNm);
     TEST_ASSERT_EQUAL_INT32(0, state.taken_mNm);
     TEST_ASSERT_EQUAL_INT32(0, state.slower_mrad_s);
+    TEST_ASSERT_EQUAL_UINT8(0, state.open_steps);
     TEST_ASSERT_EQUAL_INT32(0, state.limit_lp_mNm.accumulator);
     TEST_ASSERT_EQUAL_INT32(0, state.speed_lp_mrad_s.accumulator);
 }
@@ -326,4 +327,48 @@ void test_no_slope_is_expected_of_an_anti_lock_bound(void)
     abs_active = true;
     abs_share_percent = 50;
     TEST_ASSERT_EQUAL_INT32(10000, step().hydraulic_mNm);
+}
+
+static int32_t hydraulic_after(int steps, bool open)
+{
+    int32_t hydraulic_mNm = 0;
+    in.bridge_open = open;
+    for (int n = 0; n < steps; n++) {
+        hydraulic_mNm = step().hydraulic_mNm;
+    }
+    return hydraulic_mNm;
+}
+
+void test_an_open_bridge_is_waited_for_8_steps_and_after_as_many_closed_ones_the_motor_counts(void)
+{
+    in.demand_mNm = 0; /* coasting */
+    hydraulic_after(100, true);
+    in.demand_mNm = 20000;
+    TEST_ASSERT_EQUAL_INT32(0, hydraulic_after(8, true));
+    TEST_ASSERT_EQUAL_INT32(20000, hydraulic_after(1, true));
+    TEST_ASSERT_EQUAL_INT32(20000, hydraulic_after(1000, true));
+    TEST_ASSERT_EQUAL_INT32(20000, hydraulic_after(7, false));
+    TEST_ASSERT_EQUAL_INT32(0, hydraulic_after(1, false));
+}
+
+void test_a_bridge_that_closes_for_moments_only_leaves_the_demand_to_the_hydraulic_brake(void)
+{
+    in.demand_mNm = 20000;
+    for (int n = 0; n < 100; n++) {
+        hydraulic_after(3, true);
+        const int32_t hydraulic_mNm = hydraulic_after(2, false);
+        if (n > 8) { /* one step more of 5 */
+            TEST_ASSERT_EQUAL_INT32(20000, hydraulic_mNm);
+        }
+    }
+}
+
+void test_an_open_bridge_that_is_shorted_counts_with_what_the_short_brakes(void)
+{
+    in.demand_mNm = 20000;
+    in.short_mNm = 8000;
+    in.motor_achieved_mNm = -8000;
+    TEST_ASSERT_EQUAL_INT32(12000, hydraulic_after(9, true));
+    in.motor_achieved_mNm = -999; /* less than an eighth: no current flows */
+    TEST_ASSERT_EQUAL_INT32(20000, hydraulic_after(1, true));
 }
