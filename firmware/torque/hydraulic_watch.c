@@ -10,7 +10,7 @@ enum {
     MOTOR_LOG2 = 9,     /* 0.5 s, of 16 mN m */
     ACQUIRE_SHARE = 32, /* of the difference, in each step */
     ACQUIRE_LOG2 = 5,
-    MOST_mNm = 1 << 23, /* largest input of the filter */
+    MOST_mNm = (1 << 23) - 1, /* largest input of the filter, and of a road with 8 fraction bits */
     MOST_GAIN_Q15 = 2 * ONE_Q15,
     SLOW_LOG2 = 8,           /* 256 ms */
     FADE_LOG2 = 13,          /* 8 s */
@@ -222,7 +222,8 @@ static int32_t missing_mNm(hydraulic_watch_t *watch, const config_t *config,
 static int32_t follow_road(hydraulic_watch_t *watch, int32_t floor_mNm, int32_t lacking_mNm,
                            int32_t change_q8_mNm)
 {
-    watch->road_q8_mNm += q_clamp(lacking_mNm * 256, -change_q8_mNm, change_q8_mNm);
+    watch->road_q8_mNm +=
+        q_clamp(q_limit(lacking_mNm, MOST_mNm) * 256, -change_q8_mNm, change_q8_mNm);
     const int32_t apart_q8_mNm = watch->inertial_mNm * 64 - watch->quarter_q8_mNm;
     const int32_t followed_q8_mNm = q_clamp(apart_q8_mNm, -change_q8_mNm, change_q8_mNm);
     watch->quarter_q8_mNm += followed_q8_mNm;
