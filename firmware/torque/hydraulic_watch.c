@@ -165,9 +165,8 @@ static void learn_inertia(hydraulic_watch_t *watch, int32_t known_mNm, int32_t i
     /* Steps of four floors for half a second. */
     const int64_t enough = (int64_t)floor_mNm * floor_mNm << 13;
     if (watch->known_square > enough) {
-        const int64_t one = watch->known_square >> 15;
         const int64_t by = watch->known_by_inertial;
-        weigh(watch, by <= one * (ONE_Q15 / 2) || by < ONE_Q15 /* a floor below 3 mN m */
+        weigh(watch, by < ONE_Q15
                          ? HYDRAULIC_WATCH_HEAVIEST_Q15
                          : q_clamp(q_saturate64(watch->known_square / (by >> 15)),
                                    HYDRAULIC_WATCH_LIGHTEST_Q15, HYDRAULIC_WATCH_HEAVIEST_Q15));
@@ -228,10 +227,11 @@ static int32_t follow_road(hydraulic_watch_t *watch, int32_t floor_mNm, int32_t 
     const int32_t followed_q8_mNm = q_clamp(apart_q8_mNm, -change_q8_mNm, change_q8_mNm);
     watch->quarter_q8_mNm += followed_q8_mNm;
     const int32_t rest_mNm = q_abs(apart_q8_mNm - followed_q8_mNm) >> 8;
-    if (rest_mNm + (q_abs(watch->quarter_q8_mNm) >> 8) < floor_mNm) {
+    if (!watch->stale || rest_mNm + (q_abs(watch->quarter_q8_mNm) >> 8) < floor_mNm) {
         watch->stale = false;
+        return 0;
     }
-    return watch->stale ? rest_mNm : 0;
+    return rest_mNm;
 }
 
 static void name(hydraulic_watch_t *watch, reason_t reason)
@@ -407,7 +407,7 @@ void hydraulic_watch_step(hydraulic_watch_t *watch, const config_t *config,
         watch->acquired_ms = 0;
     }
     if (watch->acquired_ms < HYDRAULIC_WATCH_ACQUIRE_ms) {
-        if ((quiet || in->uncertain_mNm <= floor_mNm) && watch->pause_ms == 0 &&
+        if (in->uncertain_mNm <= floor_mNm && watch->pause_ms == 0 &&
             q_abs(in->speed_mrad_s) > brake->blend_out_start_mrad_s) {
             watch->provisional = !quiet;
             watch->acquired_ms++;

@@ -71,6 +71,11 @@ void test_a_rim_that_changes_its_speed_by_more_than_the_grip_slips(void)
         step();
         TEST_ASSERT_EQUAL_INT32(HYDRAULIC_WATCH_PAUSE_ms, watch.pause_ms);
     }
+    config.monitor.tyre_grip_mm_s2 = 1000000;
+    riding(0, 0, 0);
+    rises_by(1000001);
+    step();
+    TEST_ASSERT_EQUAL_INT32(HYDRAULIC_WATCH_PAUSE_ms, watch.pause_ms);
 }
 
 /* Four times the change, rounded towards a filter that stays: 3.98 either way are 3. */
@@ -116,7 +121,7 @@ void test_air_drag_is_its_share_of_the_squared_speed(void)
 /* 8388607 mrad/s are the largest of the filter: 2^26 of a squared speed, less one. */
 void test_air_drag_ends_at_the_largest_torque(void)
 {
-    riding(0, 0, 0);
+    riding(-1000, 0, 0);
     config.brake.hydraulic_watch_drag_uNm_s2 = 1 << 16;
     in.speed_mrad_s = INT32_MAX;
     watch.speed_lp_q8_mrad_s = INT32_MAX;
@@ -163,6 +168,9 @@ void test_the_change_of_the_road_is_of_a_product_within_the_range_of_numbers(voi
     watch.speed_lp_q8_mrad_s = 402 * 256;
     step();
     TEST_ASSERT_EQUAL_INT32(10000 * 256 + 205824, watch.road_q8_mNm);
+    watch.road_q8_mNm = 39990 * 256; /* 10 mN m away, less than it may change */
+    step();
+    TEST_ASSERT_EQUAL_INT32(40000 * 256, watch.road_q8_mNm);
 }
 
 /* Before standstill 8 N m let 1.024 kg m2 stand from 3 rad/s within 384 ms. */
@@ -171,7 +179,8 @@ static int32_t rolls_on_ms(int32_t sensor, int32_t speed_mrad_s)
     riding(0, 10000, 8000);
     config.rotor.sensor = sensor;
     in.speed_mrad_s = speed_mrad_s;
-    watch.speed_lp_q8_mrad_s = speed_mrad_s * 256;
+    watch.backwards = speed_mrad_s < 0;
+    watch.speed_lp_q8_mrad_s = 3000 * 256;
     watch.road_q8_mNm += 255;
     watch.rolls_on_ms = 7;
     step();
@@ -180,9 +189,12 @@ static int32_t rolls_on_ms(int32_t sensor, int32_t speed_mrad_s)
 
 void test_all_known_torques_and_the_road_tell_when_a_wheel_with_halls_ends_its_ride(void)
 {
-    TEST_ASSERT_EQUAL_INT32(6, rolls_on_ms(CONFIG_ROTOR_HALL, 2999));
-    TEST_ASSERT_EQUAL_INT32(HYDRAULIC_WATCH_ROLLS_ON_ms, rolls_on_ms(CONFIG_ROTOR_HALL, 3000));
-    TEST_ASSERT_EQUAL_INT32(HYDRAULIC_WATCH_ROLLS_ON_ms, rolls_on_ms(CONFIG_ROTOR_ANGLE, 2999));
+    const int32_t all_ms = HYDRAULIC_WATCH_ROLLS_ON_ms;
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        TEST_ASSERT_EQUAL_INT32(6, rolls_on_ms(CONFIG_ROTOR_HALL, sign * 2999));
+        TEST_ASSERT_EQUAL_INT32(all_ms, rolls_on_ms(CONFIG_ROTOR_HALL, sign * 3000));
+        TEST_ASSERT_EQUAL_INT32(all_ms, rolls_on_ms(CONFIG_ROTOR_ANGLE, sign * 2999));
+    }
 }
 
 /* ---- a load that may have changed ---- */

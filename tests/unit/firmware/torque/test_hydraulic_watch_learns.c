@@ -170,6 +170,10 @@ void test_steps_without_a_floor_are_weighed_from_their_first_units(void)
     stepped(128, 256);
     assert_sums(128 * 128, 32767);
     TEST_ASSERT_EQUAL_INT32(HYDRAULIC_WATCH_HEAVIEST_Q15, watch.weight_q15);
+    watch.known_square = INT64_C(1) << 32; /* times 2^15 of as little inertial torque */
+    watch.known_by_inertial = 65536;
+    stepped(128, 0);
+    TEST_ASSERT_EQUAL_INT32(HYDRAULIC_WATCH_HEAVIEST_Q15, watch.weight_q15);
 }
 
 /* A quarter of 6400 / 256: 22938 / 32768 more of it are 4480, and of all four times that. */
