@@ -103,9 +103,11 @@ static motor_share_t motor_share(const brake_blending_state_t *state, const conf
  * only takes as many steps to be counted on again. */
 static void count_open(brake_blending_state_t *state, const brake_blending_input_t *in)
 {
-    const int32_t change = in->bridge_open && in->demand_mNm > 0 ? 1 : -1;
-    state->open_steps =
-        (uint8_t)q_clamp(state->open_steps + change, 0, 2 * BRAKE_BLENDING_CLOSING_STEPS);
+    if (in->bridge_open && in->demand_mNm > 0) {
+        state->open_steps = (uint8_t)q_min(state->open_steps + 1, 2 * BRAKE_BLENDING_CLOSING_STEPS);
+    } else if (state->open_steps > 0) {
+        state->open_steps--;
+    }
 }
 
 /* A deferrable limit as the motor leaves it: at once where it rises; where it falls, kept for the

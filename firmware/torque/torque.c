@@ -132,8 +132,11 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
     const motor_point_t flowing = motor_model_point(&model, in->current);
     /* What is lost of the flux is missing in the torque; the hydraulic brake makes up for it. */
     const int32_t modelled_mNm = motor_model_torque_mNm(&model, flowing);
-    const int32_t achieved_mNm =
-        modelled_mNm - q_scale(modelled_mNm, q_clamp(in->flux_missing_q15, 0, 1 << 14), 1 << 15);
+    const int32_t lost_mNm =
+        in->flux_missing_q15 > 0
+            ? q_scale(modelled_mNm, q_min(in->flux_missing_q15, 1 << 14), 1 << 15)
+            : 0;
+    const int32_t achieved_mNm = modelled_mNm - lost_mNm;
     const demand_input_t demanded = demand_input(in);
     const demand_t demand = demand_step(&state->demand, config, &demanded);
     step_limits(state, &set, in, &demand, flowing);

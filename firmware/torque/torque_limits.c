@@ -368,10 +368,12 @@ limit_t torque_limits_anti_lock(torque_limits_state_t *state, const config_t *co
     } else if (state->abs_hold_steps > 0) {
         state->abs_hold_steps--;
     }
-    const bool bound = in->abs_active || state->abs_hold_steps > 0;
+    if (!in->abs_active && state->abs_hold_steps <= 0) {
+        return limit_init(FEASIBLE_UNBOUNDED, REASON_ABS);
+    }
     const int32_t left_mNm =
         q_scale(q_max(in->brake_demand_mNm, 0), state->abs_share_percent, WHOLE_PERCENT);
-    return limit_init(bound ? left_mNm : FEASIBLE_UNBOUNDED, REASON_ABS);
+    return limit_init(left_mNm, REASON_ABS);
 }
 
 void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
