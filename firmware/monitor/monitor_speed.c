@@ -6,7 +6,11 @@
 #include "core/isqrt.h"
 #include "core/q15.h"
 
-enum { MOST_CURRENT_mA = 10000000 };
+enum {
+    MOST_CURRENT_mA = 10000000,
+    FAST_mrad_s = 1000000, /* no halls stop from there within a sector */
+    SEVEN_SECTORS = 7330   /* 7 pi/3, of mrad^2/s^2 to urad/s in a millisecond */
+};
 
 static int64_t larger(int64_t a, int64_t b)
 {
@@ -147,20 +151,32 @@ static int64_t speed_of_bus_urad_s(const config_t *config, int32_t bus_voltage_m
     return w_mrad_s * 1000 / config->motor.pole_pairs;
 }
 
+/* A speed that halls show until a wheel braked by tyre grip stands inside a sector: below
+ * sqrt(7 a s), README, Standstill. With the sector s = 2 pi/(6 p), p w^2 <= 7 a pi/3. */
+static bool halls_hold(const config_t *config, int64_t speed_urad_s, int64_t grip_urad_s)
+{
+    const int64_t size_mrad_s = q_min(q_saturate64(divide_by_thousand(speed_urad_s)), FAST_mrad_s);
+    return config->rotor.sensor == CONFIG_ROTOR_HALL &&
+           config->motor.pole_pairs * size_mrad_s * size_mrad_s <= SEVEN_SECTORS * grip_urad_s;
+}
+
 /* A sensor that falls by the hand-over speed below what tyre grip allows has stopped counting, or
- * its wheel is locked; below the hand-over speed a sensor may fall to zero at once. */
+ * its wheel is locked; below the hand-over speed a sensor may fall to zero at once. One that has
+ * not moved for long enough is still being acquired, as after a start at speed. */
 static void watch_sensor(monitor_speed_state_t *state, const config_t *config,
                          const monitor_speed_input_t *in, int64_t sensor_urad_s)
 {
     const int64_t low_urad_s = INT64_C(1000) * config->brake.blend_out_end_mrad_s;
     const int64_t grip_urad_s = fall_urad_s(config, config->monitor.tyre_grip_mm_s2);
     const bool moves = in->rotor_valid && sensor_urad_s > low_urad_s;
+    const bool moved = state->moving_steps >= MONITOR_SPEED_MOVING_STEPS;
     state->moving_steps = (uint16_t)(moves ? q_min(state->moving_steps + 1, UINT16_MAX) : 0);
     if (sensor_urad_s >= state->rest_urad_s || state->moving_steps >= MONITOR_SPEED_MOVING_STEPS) {
         state->stopped = false;
     } else if (in->rotor_valid && sensor_urad_s < state->rest_urad_s - grip_urad_s - low_urad_s) {
-        const bool sudden =
-            !state->stopped && state->rest_urad_s > MONITOR_SPEED_SUDDEN * low_urad_s;
+        const bool sudden = !state->stopped && moved &&
+                            state->rest_urad_s > MONITOR_SPEED_SUDDEN * low_urad_s &&
+                            !halls_hold(config, state->rest_urad_s, grip_urad_s);
         state->sudden_stops = (uint16_t)(state->sudden_stops + (sudden ? 1 : 0));
         state->stopped = true;
     }

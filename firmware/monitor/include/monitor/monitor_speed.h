@@ -43,7 +43,8 @@ typedef struct {
 
 enum {
     MONITOR_SPEED_UNKNOWN = -1,
-    /* A stopped sensor counts again after it has shown movement for so many steps in a row. */
+    /* A stopped sensor counts again after it has shown movement for so many steps in a row; before
+     * that the stop of one that has begun to move is not sudden. */
     MONITOR_SPEED_MOVING_STEPS = 100,
     /* Hand-over speeds from which a stop is sudden: halls show their last edges' speed until a
      * braked wheel stands. Of the method, not of a vehicle. */
