@@ -6,8 +6,7 @@
 #include "monitor/monitor_temperature.h"
 
 enum {
-    FLOW_TOLERANCE_SHARE = 4, /* fast steps in a slow step may differ by a quarter: of the
-                                 program's own timing, not of a vehicle's */
+    FLOW_TOLERANCE_SHARE = 4, /* fast steps in a slow step may differ by a quarter */
     SUM_AT_END_PU = 30720,    /* 15/16 of the range */
     OFFSET_SCALE = 16,        /* offsets are codes * 16 */
     OFFSET_MID_CODE = 2048
@@ -75,7 +74,7 @@ static int32_t rotor_qualify_steps(const config_t *config)
            config->monitor.rotor_fault_time_ms;
 }
 
-/* A slow step that comes twice finds every other count right. */
+/* A slow step that comes twice finds every other count right; without PWM none has tripped yet. */
 static bool flow_broken(monitor_slow_state_t *state, const config_t *config,
                         uint16_t fast_step_count)
 {
@@ -87,9 +86,10 @@ static bool flow_broken(monitor_slow_state_t *state, const config_t *config,
         return false;
     }
     const int32_t tolerance = expected / FLOW_TOLERANCE_SHARE;
-    const int32_t weight = counted - expected > expected - tolerance ? MONITOR_FLOW_TWICE
-                           : q_abs(counted - expected) > tolerance   ? MONITOR_FLOW_WRONG
-                                                                     : MONITOR_FLOW_RIGHT;
+    const int32_t weight = counted > MONITOR_STALE_STEPS * expected    ? MONITOR_FLOW_FAULT
+                           : counted - expected > expected - tolerance ? MONITOR_FLOW_TWICE
+                           : q_abs(counted - expected) > tolerance     ? MONITOR_FLOW_WRONG
+                                                                       : MONITOR_FLOW_RIGHT;
     state->flow_level = (uint16_t)q_clamp(state->flow_level + weight, 0, MONITOR_FLOW_FAULT);
     return state->flow_level >= MONITOR_FLOW_FAULT;
 }

@@ -92,6 +92,19 @@ void test_a_single_late_slow_step_is_no_fault(void)
     TEST_ASSERT_EQUAL_INT(REASON_NONE, run(100).fault);
 }
 
+/* While the bridge switches the fast monitor has tripped; with an open one the slow step that comes
+ * back names it. 4 ms are 80 fast steps. */
+void test_a_slow_step_missing_for_more_than_4_ms_is_a_fault(void)
+{
+    in.bridge = BRIDGE_OFF;
+    (void)run(10);
+    in.fast_step_count = (uint16_t)(in.fast_step_count + 60);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(100).fault);
+    in.fast_step_count = (uint16_t)(in.fast_step_count + 61);
+    TEST_ASSERT_EQUAL_INT(REASON_PROGRAM_FLOW, step().fault);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, step().fault);
+}
+
 void test_first_step_does_not_check_the_fast_loop_s_count(void)
 {
     in.fast_step_count = 12345; /* the first step has no count to compare with */
