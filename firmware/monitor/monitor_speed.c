@@ -162,7 +162,8 @@ static bool halls_hold(const config_t *config, int64_t speed_urad_s, int64_t gri
 
 /* A sensor that falls by the hand-over speed below what tyre grip allows has stopped counting, or
  * its wheel is locked; below the hand-over speed a sensor may fall to zero at once. One that has
- * not moved for long enough is still being acquired, as after a start at speed. */
+ * not moved for long enough is still being acquired, as after a start at speed; one that has was
+ * not stopped before. */
 static void watch_sensor(monitor_speed_state_t *state, const config_t *config,
                          const monitor_speed_input_t *in, int64_t sensor_urad_s)
 {
@@ -174,8 +175,7 @@ static void watch_sensor(monitor_speed_state_t *state, const config_t *config,
     if (sensor_urad_s >= state->rest_urad_s || state->moving_steps >= MONITOR_SPEED_MOVING_STEPS) {
         state->stopped = false;
     } else if (in->rotor_valid && sensor_urad_s < state->rest_urad_s - grip_urad_s - low_urad_s) {
-        const bool sudden = !state->stopped && moved &&
-                            state->rest_urad_s > MONITOR_SPEED_SUDDEN * low_urad_s &&
+        const bool sudden = moved && state->rest_urad_s > MONITOR_SPEED_SUDDEN * low_urad_s &&
                             !halls_hold(config, state->rest_urad_s, grip_urad_s);
         state->sudden_stops = (uint16_t)(state->sudden_stops + (sudden ? 1 : 0));
         state->stopped = true;

@@ -42,7 +42,7 @@ static void ride(int milliseconds, int32_t mrad_s)
 
 void test_a_sensor_stops_when_it_falls_by_more_than_grip_and_the_hand_over_speed(void)
 {
-    ride(100, 44000);
+    ride(10, 44000);
     ride(1, 44000 - 100 - HAND_OVER_mrad_s);
     TEST_ASSERT_FALSE(state.stopped);
     TEST_ASSERT_EQUAL_UINT16(0, state.sudden_stops);
@@ -101,18 +101,29 @@ void test_halls_that_stop_within_a_sector_are_not_sudden(void)
     }
 }
 
-/* p w^2 = 7 a pi/3 in whole numbers, 10 x 7330^2 = 7330 x 73300. */
+/* p w^2 = 7 a pi/3 in whole numbers, 29 320^2 = 7330 x 117 280. */
 void test_halls_stop_suddenly_from_the_square_of_their_speed_on(void)
 {
     for (int32_t beyond_mrad_s = 0; beyond_mrad_s <= 1; beyond_mrad_s++) {
         setUp();
         config.rotor.sensor = CONFIG_ROTOR_HALL;
-        config.brake.blend_out_end_mrad_s = HAND_OVER_mrad_s / 2;
-        config.monitor.tyre_grip_mm_s2 = 7184; /* 73 300 urad/s in a step */
-        ride(100, 7330 + beyond_mrad_s);
+        config.motor.pole_pairs = 1;
+        config.monitor.tyre_grip_mm_s2 = 11494; /* 117 280 urad/s in a step */
+        ride(100, 29320 + beyond_mrad_s);
         ride(1, 0);
         TEST_ASSERT_EQUAL_UINT16(beyond_mrad_s, state.sudden_stops);
     }
+}
+
+/* A bound by the EMF may be beyond 32 bits: its lower half is no speed. */
+void test_halls_stop_suddenly_from_a_speed_beyond_32_bits(void)
+{
+    config.rotor.sensor = CONFIG_ROTOR_HALL;
+    ride(100, 44000);
+    state.bound_urad_s = (INT64_C(1) << 32) * 1000;
+    state.rest_urad_s = state.bound_urad_s;
+    ride(1, 0);
+    TEST_ASSERT_EQUAL_UINT16(1, state.sudden_stops);
 }
 
 void test_a_sensor_with_an_angle_stops_suddenly_from_four_hand_over_speeds_on(void)
