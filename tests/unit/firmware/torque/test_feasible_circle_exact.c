@@ -169,6 +169,32 @@ void test_the_point_of_a_torque_beyond_the_map_s_circle_makes_it_with_the_i_d_of
     TEST_ASSERT_GREATER_THAN_INT(ROUNDS / 20, beyond);
 }
 
+/* From an i_d near the circle's end, where the torque is far from a parabola: without saliency the
+ * third step of a torque of 2 leaves it at 2.16. */
+void test_the_i_d_of_a_torque_from_the_end_of_the_circle_is_that_of_the_third_step(void)
+{
+    random_t random = random_seeded(73);
+    int far = 0;
+    for (int n = 0; n < ROUNDS; n++) {
+        drive_t d = any(&random);
+        d.map = plain_entry_value(random_real(&random, -3.95, -3.0));
+        apply(&d);
+        motor.set.voltage_squared = INT64_C(1) << 60;
+        unclear = false;
+        const double airgap = random_real(&random, 0.5, 4.0);
+        const double x = airgap / (d.psi + d.saliency * d.map);
+        const bool outside = is_above(hypot(d.map, x), MOST);
+        const double wanted = d_of_torque(&d, airgap);
+        if (unclear || !outside || airgap / (d.psi + d.saliency * wanted) > 20.0) {
+            continue;
+        }
+        far++;
+        const motor_point_t found = feasible_point(&motor.set, units(airgap));
+        TEST_ASSERT_DOUBLE_WITHIN(6e-3, wanted, ldexp(found.d_b, -UNIT_LOG2));
+    }
+    TEST_ASSERT_GREATER_THAN_INT(ROUNDS / 4, far);
+}
+
 /* A saliency of 2^-12 of the flux on the circle, whose square is lost in that of the flux. */
 void test_a_small_saliency_moves_the_best_i_d_by_as_little(void)
 {
