@@ -20,8 +20,21 @@
     })
 #define some(i, n, condition) (!every(i, n, !(condition)))
 
+/* A postcondition for all i = 0 .. n - 1. It is proved for one i, which is any; callers may assume
+ * it of one i at most. */
+#define each(i, n, condition)                                                                      \
+    ({                                                                                             \
+        const int i = proof_any_index;                                                             \
+        !is_within(i, 0, (n)-1) || (condition);                                                    \
+    })
+
+extern int proof_any_index;
+
 /* lowest <= x <= highest */
 #define is_within(x, lowest, highest) ((x) >= (lowest) && (x) <= (highest))
+
+#define LEAST_OF(a, b, c, d) q_min(q_min(a, b), q_min(c, d))
+#define MOST_OF(a, b, c, d) q_max(q_max(a, b), q_max(c, d))
 
 /* In a run that looks for contradicting preconditions: must be refuted. */
 #ifdef CONTRACT_ENDS

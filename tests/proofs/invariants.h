@@ -29,6 +29,17 @@
 
 #define lines_hold(lines) every(i, TORQUE_LINE_COUNT, (lines)[i].torque_mNm >= 0)
 
+/* None of the first n lines is tighter than this one, and each before it is wider. */
+#define is_first_of_the_tightest(lines, n, line)                                                   \
+    each(i, TORQUE_LINE_COUNT,                                                                     \
+         i >= (int)(n) || (i < (int)(line) ? (lines)[i].torque_mNm > (lines)[line].torque_mNm      \
+                                           : (lines)[i].torque_mNm >= (lines)[line].torque_mNm))
+
+/* The first of the lines with a bound of at most a torque. */
+#define is_first_at_most(lines, line, most_mNm)                                                    \
+    (is_within(line, 0, TORQUE_LINE_COUNT - 1) && (lines)[line].torque_mNm <= (most_mNm) &&        \
+     every(k, TORQUE_LINE_COUNT, k >= (line) || (lines)[k].torque_mNm > (most_mNm)))
+
 #define ahead_holds(s)                                                                             \
     (lines_hold((s)->driving_lines) && lines_hold((s)->braking_lines) &&                           \
      (s)->expected.brake_demand_mNm >= 0 && (s)->now.driving.torque_mNm >= 0 &&                    \
@@ -60,12 +71,27 @@
      is_within((w)->certain_ms, 0, HYDRAULIC_WATCH_AWAITS_ms) &&                                   \
      is_within((w)->found_ms, 0, INT16_MAX))
 
+/* Values that grid_interpolate() takes. */
+#define grid_values_hold(a, b)                                                                     \
+    (is_within(a, 1 - (1 << 30), (1 << 30) - 1) && is_within(b, 1 - (1 << 30), (1 << 30) - 1))
+
+/* Entries of a map that the validator accepts, and weights of four of them. */
+#define MAP_ENTRY_MOST(name, count, lowest, highest, ...) (highest)
+#define CURRENT_MAP_MOST_lsb (CONFIG_CURRENT_MAP_ARRAY(MAP_ENTRY_MOST))
+#define entry_holds(x_lsb) is_within(x_lsb, -CURRENT_MAP_MOST_lsb, CURRENT_MAP_MOST_lsb)
+#define grid_entries_hold(a, b, c, d)                                                              \
+    (entry_holds(a) && entry_holds(b) && entry_holds(c) && entry_holds(d))
+#define grid_lsb(w) (1 << (15 - (w).shift))
+#define grid_weights_hold(w)                                                                       \
+    (is_within((w).at_00, 0, 1 << 16) && is_within((w).at_10, 0, 1 << 16) &&                       \
+     is_within((w).at_01, 0, 1 << 16) && is_within((w).at_11, 0, 1 << 16) &&                       \
+     (w).at_00 + (w).at_10 + (w).at_01 + (w).at_11 == 1 << 16 && is_within((w).shift, 0, 15))
+
 /* What loss_maps_row_at() makes: a row and the next one of the current map. */
-#define MAP_END                                                                                    \
-    ((int)(sizeof proof_config.current_map.current_d_lsb /                                         \
-           sizeof proof_config.current_map.current_d_lsb[0]))
+enum { MOST_ROW_POINTS = 65 };
 #define row_fits(row)                                                                              \
-    (is_within((row).points, 2, 65) && is_within((row).step_log2, 0, 20) &&                        \
+    (is_within((row).points, 3, MOST_ROW_POINTS) && (row).points % 2 == 1 &&                       \
+     is_within((row).step_log2, 0, 20) &&                                                          \
      (row).zero_mNm == (row).points / 2 * (int32_t)(UINT32_C(1) << (row).step_log2))
 
 #define vectors_hold(a, b)                                                                         \

@@ -40,11 +40,18 @@ typedef struct {
  * config->current_map.torque_step_log2
  *
  * @post config->current_map.temperature_points > 1 || result.hot_lsb == result.cold_lsb
+ *
+ * @post grid_weights_hold(result.weights) && result.weights.shift == 15 -
+ * config->current_map.lsb_log2
  */
 loss_maps_row_t loss_maps_row_at(const config_t *config, int32_t speed_mrad_s,
                                  int32_t winding_temperature_cC);
 
-/* The same for a torque along the rotation: driving positive, braking negative. */
+/* i_d for a torque along the rotation: driving positive, braking negative.
+ *
+ * @post !grid_weights_hold(row->weights) || is_within(result, -CURRENT_MAP_MOST_lsb *
+ * grid_lsb(row->weights), CURRENT_MAP_MOST_lsb * grid_lsb(row->weights))
+ */
 int32_t loss_maps_row_d_mA(const loss_maps_row_t *row, int32_t along_mNm);
 
 /* Its change over the step of torque, 2^step_log2 mN m, in which the torque lies; zero beyond the
@@ -54,6 +61,11 @@ int32_t loss_maps_row_d_mA(const loss_maps_row_t *row, int32_t along_mNm);
  */
 int32_t loss_maps_row_rise_mA(const loss_maps_row_t *row, int32_t along_mNm);
 
+/* The same for one torque, signed, positive forward.
+ *
+ * @post is_within(result, -CURRENT_MAP_MOST_lsb * (1 << config->current_map.lsb_log2),
+ * CURRENT_MAP_MOST_lsb * (1 << config->current_map.lsb_log2))
+ */
 int32_t loss_maps_d_current_mA(const config_t *config, int32_t speed_mrad_s,
                                int32_t winding_temperature_cC, int32_t airgap_torque_mNm);
 

@@ -261,7 +261,15 @@ limit_t torque_limits_anti_lock(torque_limits_state_t *state, const config_t *co
  */
 limit_t torque_limits_tightest(const limit_t *lines, torque_line_t begin, torque_line_t end);
 
-/* The first line with a bound of at most torque_mNm, which one of them must have. */
+/* The first line with a bound of at most torque_mNm, which one of them must have.
+ *
+ * @pre some(i, TORQUE_LINE_COUNT, lines[i].torque_mNm <= torque_mNm)
+ *
+ * @post result.torque_mNm <= torque_mNm
+ *
+ * @post each(i, TORQUE_LINE_COUNT, !is_first_at_most(lines, i, torque_mNm) || (result.torque_mNm ==
+ * lines[i].torque_mNm && result.reason == lines[i].reason))
+ */
 limit_t torque_limits_at_most(const limit_t *lines, int32_t torque_mNm);
 
 /* Tightest bounds of the braking side by class, mN m. */
@@ -309,7 +317,7 @@ torque_limits_classes_t torque_limits_beyond_strategy(const limit_t braking[TORQ
  *
  * @post is_within((int)result, 0, TORQUE_LINE_COUNT - 1)
  *
- * @post lines[result].torque_mNm <= lines[TORQUE_LINE_COUNT - 1].torque_mNm
+ * @post is_first_of_the_tightest(lines, TORQUE_LINE_COUNT, result)
  */
 torque_line_t torque_limits_tightest_line(const limit_t lines[TORQUE_LINE_COUNT]);
 
