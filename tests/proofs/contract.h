@@ -20,6 +20,13 @@
     })
 #define some(i, n, condition) (!every(i, n, !(condition)))
 
+/* The same where it is assumed: the index is one for which it holds, which the checker chooses. */
+#define chosen_some(i, n, condition)                                                               \
+    ({                                                                                             \
+        int i;                                                                                     \
+        is_within(i, 0, (n)-1) && (condition);                                                     \
+    })
+
 /* A postcondition for all i = 0 .. n - 1. It is proved for one i, which is any; callers may assume
  * it of one i at most. */
 #define each(i, n, condition)                                                                      \

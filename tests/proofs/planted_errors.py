@@ -55,6 +55,8 @@ PLANTED = (
                  "lines[line].torque_mNm > lines[out].torque_mNm"),
     PlantedError("torque_limits_at_most", "torque/torque_limits.c",
                  "    return *lines;", "    return lines[-1];"),
+    PlantedError("brake_blending_step", "torque/brake_blending.c",
+                 "q_min(independent_mNm, share_mNm));", "q_min(independent_mNm, share_mNm) - 1);"),
     PlantedError("grid_interpolate", "core/include/core/grid.h",
                  "fraction_q20 + GRID_WHOLE_Q20 / 2) >> 20",
                  "fraction_q20 + GRID_WHOLE_Q20) >> 20"),

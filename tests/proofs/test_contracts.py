@@ -238,3 +238,10 @@ static int64_t any(void)
     return (int64_t)(bits() & 1u ? x : 0u - x);
 }
 """
+
+
+def test_a_condition_that_is_some_is_assumed_of_a_chosen_index() -> None:
+    chosen = contract_harness.with_a_chosen_index
+    assert chosen("some(i, 3, f(i) < x)") == "chosen_some(i, 3, f(i) < x)"
+    for other in ("some(i, 3, f(i)) == x", "some(i, 3, x) != some(i, 4, x)", "!some(i, 3, x)"):
+        assert chosen(other) == other
