@@ -102,6 +102,8 @@ VALUES: dict[str, tuple[str, ...]] = {
     ),
     "black_box": ("recorder_init", "recorder_slow", "recorder_seal"),
 }  # fmt: skip
+# Each function of these groups has a run of its own: together they do not finish.
+APART = ("feasible_torque", "feasible_points")
 # Of core: not proved but tested with random and extreme inputs (test_contracts.py).
 TESTED: tuple[str, ...] = (
     "q_scale", "q15_share_of", "scaled_multiply", "scaled_constant", "scaled_ratio", "scaled_root",
