@@ -217,6 +217,45 @@ void test_the_end_of_the_ellipse_is_reached_in_two_steps_of_newton_s_method(void
     TEST_ASSERT_GREATER_THAN_INT(ROUNDS / 50, none);
 }
 
+/* The map's line does not meet the ellipse, which at the i_d of the torque before it has an end. */
+void test_where_the_map_s_line_misses_the_ellipse_its_end_at_the_last_i_d_counts(void)
+{
+    const drive_t drives[] = {
+        {.psi = 1.3393,
+         .r = 0.17267,
+         .x_q = 0.3445,
+         .emf = 2.744,
+         .per_x = 0.4537,
+         .per_d = 0.8855,
+         .u = 1.7034,
+         .fall = {plain_entry_value(1.45), plain_entry_value(0.5335)},
+         .lowest = -0.2455},
+        {.psi = 1.47718,
+         .saliency = 0.01535,
+         .x_q = 0.30263,
+         .emf = 2.5904,
+         .per_x = 0.43432,
+         .per_d = 1.27632,
+         .u = 1.4777,
+         .fall = {plain_entry_value(0.8396), plain_entry_value(0.4451)},
+         .lowest = -0.05873},
+    };
+    for (int k = 0; k < 2; k++) {
+        const double sign = k == 0 ? 1.0 : -1.0;
+        apply(&drives[k], 0);
+        point_t at;
+        unclear = false;
+        TEST_ASSERT_TRUE(end_of_ellipse(&drives[k], sign, &at));
+        TEST_ASSERT_FALSE(unclear);
+        feasible_side_t side = plain_side(&motor, k == 0 ? SIDE_DRIVING : SIDE_BRAKING, 15 << 20);
+        side.cap_has_voltage = false;
+        const int32_t found_mNm = feasible_by_voltage_mNm(&side);
+        TEST_ASSERT_DOUBLE_WITHIN(5e-3, sign * torque(&drives[k], at),
+                                  ldexp(found_mNm, -UNIT_LOG2));
+        TEST_ASSERT_DOUBLE_WITHIN(5e-3, at.d, ldexp(side.cap.d_b, -UNIT_LOG2));
+    }
+}
+
 /* Tangents to the hyperbola of a torque, each then back to the torque. */
 static point_t tangents(const drive_t *d, double airgap, point_t at, int count)
 {
