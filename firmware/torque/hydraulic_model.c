@@ -11,11 +11,11 @@ void hydraulic_model_init(hydraulic_model_t *model)
     *model = at_rest;
 }
 
-/* The command of some milliseconds ago, 0 (the one of this step) .. HYDRAULIC_MODEL_COMMANDS - 1:
- * the ranges of dead time and report delay permit no more. */
+/* The command of some milliseconds ago; 0: the one of this step. No accepted dead time and report
+ * delay need the limits; a bit that flips in the configuration's memory does, until it is found. */
 static int32_t command_mNm_ago(const hydraulic_model_t *model, int32_t ago_ms)
 {
-    const int32_t at = model->next - ago_ms;
+    const int32_t at = model->next - q_clamp(ago_ms, 0, HYDRAULIC_MODEL_COMMANDS - 1);
     return model->commands_mNm[at >= 0 ? at : at + HYDRAULIC_MODEL_COMMANDS];
 }
 

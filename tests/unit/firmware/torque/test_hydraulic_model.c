@@ -49,6 +49,18 @@ void test_torque_follows_as_a_first_order_lag_after_the_dead_time(void)
     }
 }
 
+/* As long ago as commands are kept, 540 ms; never before or behind them. */
+void test_a_damaged_dead_time_reads_a_command_that_is_kept(void)
+{
+    config.brake.hydraulic_dead_time_ms = 1 << 29;
+    TEST_ASSERT_EQUAL_INT32(0, after(540, 50000));
+    TEST_ASSERT_GREATER_THAN_INT32(0, after(1, 50000));
+    hydraulic_model_init(&model);
+    config.brake.hydraulic_dead_time_ms = -(1 << 29);
+    TEST_ASSERT_GREATER_THAN_INT32(0, after(1, 50000));
+    TEST_ASSERT_INT32_WITHIN(1, 50000, after(3000, 50000));
+}
+
 void test_torque_settles_on_the_command_within_1_mNm(void)
 {
     TEST_ASSERT_INT32_WITHIN(1, 123457, after(3000, 123457));
