@@ -67,7 +67,8 @@ int32_t hill_hold_step(hill_hold_state_t *state, const config_t *config,
         const hill_hold_state_t begun = {.holds = true};
         *state = begun;
     }
-    if (!state->holds && !neutral && is_ahead(state, in)) {
+    /* Without a hold torque the result is the same, at less cost. */
+    if (!state->holds && !neutral && config->driver.hold_torque_mNm > 0 && is_ahead(state, in)) {
         state->torque_mNm = config->driver.hold_torque_mNm;
     } else if (!state->holds || neutral) {
         state->holds = false;
