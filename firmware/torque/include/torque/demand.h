@@ -54,7 +54,7 @@ typedef struct {
 
 /* @post state->lost_ms == INT32_MAX && state->engaged == DRIVE_DIRECTION_NEUTRAL
  *
- * @post state->lift_off_mNm == 0 && state->brake_mNm == 0
+ * @post state->lift_off_mNm == 0 && state->brake_mNm == 0 && state->asked_mNm == 0
  */
 void demand_init(demand_state_t *state);
 
