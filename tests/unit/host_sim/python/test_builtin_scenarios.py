@@ -56,7 +56,7 @@ SABOTAGE = {
     "rotor_sensor_lost": ("rotor.observer_takeover=false", "goes_on"),
     "rolling_start": ("initial_speed_kmh=75", "current"),
     "rolling_start_fast": ("plant.motor.flux_linkage_wb=0.03", "current"),
-    "stop": ("plant.motor.flux_linkage_wb=0.015", "torque"),
+    "stop": ("plant.motor.flux_linkage_wb=0.006", "torque"),
     "udds": ("plant.driver.demand_age_s=1", "follows"),
     "winding_sensor_open": ("plant.thermal.winding_heat_capacity_j_per_k=60", "estimate"),
 }
