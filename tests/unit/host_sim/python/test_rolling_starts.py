@@ -10,7 +10,6 @@ from hubsim import overrides, reasons, run, stops
 from hubsim.engine import ROOT
 from hubsim.faults_sweep import ENCODER
 from hubsim.scenario import Scenario
-
 from regen_table import schema
 from regen_table.schema import Drive
 
@@ -35,9 +34,7 @@ def names(
     drive: Drive, share: float, turn: float, demand: float, faults: dict[str, float]
 ) -> set[str]:
     """Return what is named after a start at a share of the largest speed."""
-    top_kmh = (
-        3.6 * drive.motor.max_speed_rpm * math.pi / 30 * drive.vehicle.wheel_radius_m
-    )
+    top_kmh = 3.6 * drive.motor.max_speed_rpm * math.pi / 30 * drive.vehicle.wheel_radius_m
     scenario = Scenario(
         initial_speed_kmh=share * top_kmh,
         boots_rolling=True,
