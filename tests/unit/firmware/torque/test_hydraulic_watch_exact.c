@@ -136,12 +136,13 @@ void test_the_road_follows_the_largest_difference_either_way(void)
 {
     config.brake.hydraulic_watch_inertia_g_m2 = 1 << 22;
     for (int32_t sign = -1; sign <= 1; sign += 2) {
+        const int32_t apart_q8_mNm = sign < 0 ? MOST_mNm * 256 : -MOST_mNm * 256;
         riding(0, 0, 0);
-        watch.road_q8_mNm = -sign * MOST_mNm * 256;
+        watch.road_q8_mNm = apart_q8_mNm;
         rises_by(sign * 600);
         step();
         TEST_ASSERT_EQUAL_INT32(sign * MOST_mNm, watch.beside_mNm);
-        TEST_ASSERT_EQUAL_INT32(-sign * MOST_mNm * 256 + sign * 300001, watch.road_q8_mNm);
+        TEST_ASSERT_EQUAL_INT32(apart_q8_mNm + sign * 300001, watch.road_q8_mNm);
     }
 }
 
