@@ -125,6 +125,51 @@ static uint32_t instructions_in(chip_t *chip, uint64_t address, uint32_t size)
     return count;
 }
 
+/* Whether an IT instruction up to eight halfwords before covers this address (Arm DDI 0403,
+ * A7.3.1): the lowest bit of the mask that is set tells how many instructions. */
+static bool in_it_block(chip_t *chip, uint32_t address)
+{
+    enum { HALFWORDS = 8 };
+    uint8_t code[2 * HALFWORDS];
+    if (uc_mem_read(chip->core, address - sizeof code, code, sizeof code) != UC_ERR_OK) {
+        return false;
+    }
+    for (unsigned begin = 0; begin < sizeof code; begin += 2) {
+        const unsigned mask = code[begin] & 0xFU;
+        if (code[begin + 1] != 0xBF || mask == 0) {
+            continue;
+        }
+        const unsigned covered = (mask & 1U) != 0   ? 4
+                                 : (mask & 2U) != 0 ? 3
+                                 : (mask & 4U) != 0 ? 2
+                                                    : 1;
+        unsigned at = begin + 2;
+        for (unsigned k = 0; k < covered && at < sizeof code; k++) {
+            at += code[at + 1] >> 3 >= 0x1D ? 4U : 2U;
+            if (at == sizeof code && k + 1 < covered) {
+                return true;
+            }
+        }
+        if (begin + 2 == sizeof code) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* The emulator may keep the conditions of an IT block that its end skips, as after
+ * `ittee .. pop {pc}`: the next block would lose instructions. They end here. */
+static bool conditions_are_over(chip_t *chip, uint32_t address)
+{
+    uint32_t flags;
+    (void)uc_reg_read(chip->core, UC_ARM_REG_CPSR, &flags);
+    if ((flags & CHIP_IT_BITS) == 0 || in_it_block(chip, address)) {
+        return false;
+    }
+    chip->drops_conditions = true;
+    return true;
+}
+
 /* Before the block is executed; a stop leaves it for later. */
 static void on_block(uc_engine *core, uint64_t address, uint32_t size, void *user)
 {
@@ -137,6 +182,10 @@ static void on_block(uc_engine *core, uint64_t address, uint32_t size, void *use
     }
     if (!chip->has_power || chip->now >= chip->deadline ||
         (chip->needs_attention && (chip->reset_requested || chip_exception_due(chip) != 0))) {
+        (void)uc_emu_stop(core);
+        return;
+    }
+    if (conditions_are_over(chip, (uint32_t)address)) {
         (void)uc_emu_stop(core);
         return;
     }
@@ -256,6 +305,13 @@ static void execute(chip_t *chip)
 {
     uint32_t at;
     (void)uc_reg_read(chip->core, UC_ARM_REG_PC, &at);
+    if (chip->drops_conditions) {
+        uint32_t flags;
+        (void)uc_reg_read(chip->core, UC_ARM_REG_CPSR, &flags);
+        flags &= ~CHIP_IT_BITS;
+        (void)uc_reg_write(chip->core, UC_ARM_REG_CPSR, &flags);
+        chip->drops_conditions = false;
+    }
     const uc_err error = uc_emu_start(chip->core, at | 1U, UINT32_MAX, 0, 0);
     if (error != UC_ERR_OK) {
         (void)uc_reg_read(chip->core, UC_ARM_REG_PC, &at);

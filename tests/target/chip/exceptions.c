@@ -34,7 +34,6 @@ static const uint32_t AIRCR_KEY = 0x05FA, AIRCR_SYSRESETREQ = 4;
 static const uint32_t CONTROL_FPCA = 4;
 static const uint32_t SHCSR_BUSFAULTENA = 1U << 17, HFSR_FORCED = 1U << 30;
 static const uint32_t CFSR_IBUSERR = 1U << 8, CFSR_PRECISERR = 1U << 9, CFSR_BFARVALID = 1U << 15;
-static const uint32_t IT_BITS = 0x0600FC00;
 
 /* The exceptions that can come, for a short look. */
 static const uint8_t SOURCES[] = {EXCEPTION_NMI,    EXCEPTION_HARD_FAULT, EXCEPTION_BUS_FAULT,
@@ -116,7 +115,7 @@ unsigned chip_exception_due(chip_t *chip)
     (void)uc_reg_read(chip->core, UC_ARM_REG_CPSR, &flags);
     (void)uc_reg_read(chip->core, UC_ARM_REG_PRIMASK, &masked);
     (void)uc_reg_read(chip->core, UC_ARM_REG_BASEPRI, &base);
-    if ((flags & IT_BITS) != 0) {
+    if ((flags & CHIP_IT_BITS) != 0) {
         return 0;
     }
     return (masked & 1U) != 0 || (base != 0 && (uint32_t)before >= base) ? 0 : due;

@@ -27,6 +27,7 @@ enum {
     EXCEPTION_SYSTICK = 15
 };
 #define CHIP_NEVER UINT64_MAX
+#define CHIP_IT_BITS UINT32_C(0x0600FC00) /* of the program status: conditions of an IT block */
 
 typedef struct {
     chip_ticks_t next_end; /* of the count */
@@ -128,7 +129,8 @@ struct chip {
     uint8_t instructions[CHIP_FLASH_BYTES / 2]; /* of the block that begins there */
     chip_ticks_t now, deadline;
     uint32_t ticks_per_cycle;
-    bool needs_attention; /* an exception may have become pending */
+    bool needs_attention;  /* an exception may have become pending */
+    bool drops_conditions; /* of an IT block that is over */
     bool reset_requested;
     chip_reset_t reset_by; /* the next reset, if one is requested */
     bool has_power;
