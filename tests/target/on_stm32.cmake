@@ -42,10 +42,11 @@ set_tests_properties(chip_g431_boots_and_brakes chip_g431_trips_on_over_current
   chip_g431_keeps_a_configuration_when_the_supply_fails
   chip_g431_keeps_a_configuration_in_1000_failures_of_the_supply
   PROPERTIES FIXTURES_REQUIRED stm32g431_image)
-# With errors planted in its driver: the tests of its own preset.
+# With errors planted in its driver: the tests of its own preset. Cleaning would delete the copies
+# that are made when CMake runs.
 add_test(NAME chip_g431_finds_planted_errors
   COMMAND "${CMAKE_CTEST_COMMAND}" --build-and-test "${PROJECT_SOURCE_DIR}" "${other}_planted"
-    --build-generator Ninja --build-options
+    --build-generator Ninja --build-noclean --build-options
     -DHUBFOC_PORT=stm32g431 -DHUBFOC_CONFIG=wheel24v
     "-DCMAKE_TOOLCHAIN_FILE=${CMAKE_TOOLCHAIN_FILE}" -DCMAKE_BUILD_TYPE=Release
     --test-command "${CMAKE_CTEST_COMMAND}" -LE full -R chip_g431_finds --output-on-failure)
