@@ -67,9 +67,10 @@ SIGNALS = (
     "wheel0.hydraulic_torque_nm",
     "wheel0.fault_reason",
     "wheel0.warning_reason",
+    "wheel0.available_reason",
     "wheel0.mode",
 )
-TIME, SPEED, DISTANCE, BRAKE, MOTOR, HYDRAULIC, FAULT, WARNING, MODE = range(len(SIGNALS))
+TIME, SPEED, DISTANCE, BRAKE, MOTOR, HYDRAULIC, FAULT, WARNING, LIMIT, MODE = range(len(SIGNALS))
 
 
 @dataclass(frozen=True)
@@ -341,7 +342,8 @@ class _Vehicle:
         driving = np.where(brakes, rows[:, MOTOR] * np.sign(rows[:, SPEED]), 0.0)[begins:]
         total = _total(rows)
         excess = _means(np.where(brakes, total - rows[:, BRAKE], 0.0)[begins:], 5 * MEAN_ROWS)
-        reason, at_s = _first_reason(rows, begins)
+        right = faults.expected()[case.fault]
+        reason, at_s = _first_reason(rows, begins, self._new_limits(right, begins))
         distance = self._stopping_m(rows) / self.distance_m if engine.ended else math.nan
         error = self._error(rows, begins) / rated
         tripped = bool(np.any(rows[begins:, FAULT] > 0.0))
@@ -369,12 +371,18 @@ class _Vehicle:
             bus_peak_v=engine.value("bus.peak_v"),
             bus_limit_v=drive.inverter.device_voltage_v or math.inf,
             first_reason=reason,
-            reason_expected=int(reason in (faults.expected()[case.fault] or ("",))),
+            reason_expected=int(reason in (right or ("",))),
             time_to_reason_ms=1e3 * (at_s - case.instant_s),
             harmless=int(harmless),
             final_mode=engine.mode_text(rows[-1, MODE]),
             healed_under_braking=int(healed),
         )
+
+    def _new_limits(self, right: Sequence[str], begins: int) -> list[int]:
+        """Return the limits among the right reasons that the run without the fault never shows."""
+        shown = self.rows[begins:, LIMIT]
+        codes = [reasons.codes()[name] for name in right if name in reasons.limits()]
+        return [code for code in codes if code not in shown]
 
     def _error(self, rows: Rows, begins: int) -> float:
         """Return the largest difference of the torque, signed as motion has it, N m."""
@@ -405,9 +413,13 @@ def _longest(flags: Iterable[bool]) -> int:
     return int(np.max(edges[1::2] - edges[::2], initial=0))
 
 
-def _first_reason(rows: Rows, begins: int) -> tuple[str, float]:
-    """Return the first fault or warning that was not there when the fault came, and when."""
-    codes = rows[:, [FAULT, WARNING]]
+def _first_reason(rows: Rows, begins: int, limits: Sequence[int] = ()) -> tuple[str, float]:
+    """Return the first fault or warning that was not there when the fault came, and when.
+
+    So counts one of these limits, as the wheel reports it of its electric braking torque.
+    """
+    codes = rows[:, [FAULT, WARNING, LIMIT]]
+    codes[~np.isin(codes[:, 2], limits), 2] = 0.0
     known = [0.0, *codes[max(begins - 1, 0)]]
     new = ~np.isin(codes[begins:], known)
     if not np.any(new):

@@ -22,6 +22,14 @@ def codes() -> dict[str, int]:
 
 
 @cache
+def limits() -> frozenset[str]:
+    """Return the identifiers of what bounds a healthy controller."""
+    text = HEADER.read_text(encoding="utf-8")
+    listed = text.partition("#define LIMIT_LIST")[2].partition("#define")[0]
+    return frozenset(re.findall(r"^\s*X\(\d+, (\w+),", listed, flags=re.MULTILINE))
+
+
+@cache
 def first_fault() -> int:
     """Return the code from which on reasons are faults."""
     found = re.search(r"REASON_FIRST_FAULT = (\d+)", HEADER.read_text(encoding="utf-8"))

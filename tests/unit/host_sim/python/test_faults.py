@@ -19,7 +19,7 @@ from hubsim import (
     stored_share,
 )
 from hubsim.errors import HubsimError
-from hubsim.faults_sweep import BRAKE, FAULT, MOTOR, SIGNALS, SPEED, TIME, WARNING
+from hubsim.faults_sweep import BRAKE, FAULT, LIMIT, MOTOR, SIGNALS, SPEED, TIME, WARNING
 from hubsim.scenario import Scenario
 
 
@@ -105,6 +105,30 @@ def test_the_first_reason_is_the_one_that_was_not_there_before() -> None:
     assert (reason, round(at_s, 6)) == ("ROTOR_UNCERTAIN", 0.05)
     reason, at_s = faults_sweep._first_reason(found, 55)
     assert (reason, round(at_s, 6)) == ("ROTOR_LOST", 0.06)
+
+
+def test_a_limit_is_a_reason_where_it_is_right_and_the_fault_brought_it() -> None:
+    high, charge = (reasons.codes()[name] for name in ("BUS_VOLTAGE_HIGH", "CHARGE_CURRENT"))
+    found = rows(100)
+    found[:, LIMIT] = charge
+    found[70:, LIMIT] = high
+    found[80:, WARNING] = reasons.codes()["BUS_SENSOR"]
+    assert faults_sweep._first_reason(found, 50)[0] == "BUS_SENSOR"
+    reason, at_s = faults_sweep._first_reason(found, 50, [high])
+    assert (reason, round(at_s, 6)) == ("BUS_VOLTAGE_HIGH", 0.07)
+    assert faults_sweep._first_reason(found, 75, [high])[0] == "BUS_SENSOR"
+    assert faults_sweep._first_reason(found, 50, [charge])[0] == "BUS_SENSOR"
+
+
+def test_a_limit_that_the_run_without_the_fault_shows_names_no_fault() -> None:
+    plain = object.__new__(faults_sweep._Vehicle)
+    plain.rows = rows(100)
+    right = ["BUS_VOLTAGE_HIGH", "BUS_SENSOR", "BATTERY_DISCONNECTED"]
+    high = reasons.codes()["BUS_VOLTAGE_HIGH"]
+    plain.rows[:50, LIMIT] = high
+    assert plain._new_limits(right, 50) == [high]
+    plain.rows[60, LIMIT] = high
+    assert plain._new_limits(right, 50) == []
 
 
 def test_the_longest_time_of_driving_torque_is_that_of_one_piece() -> None:
