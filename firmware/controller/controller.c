@@ -129,8 +129,6 @@ static monitor_output_t step_monitor(controller_slow_t *slow, const config_t *co
                                      const operating_point_t *at,
                                      const monitor_rotor_output_t *rotor)
 {
-    const uint16_t observed_turn =
-        (uint16_t)(report->observer.theta_turn - slow->operating_point.observer_lead_turn);
     const monitor_slow_input_t watched = {
         .fast_trip = report->trip,
         .current_sum_pu = report->current_sum_pu,
@@ -164,7 +162,7 @@ static monitor_output_t step_monitor(controller_slow_t *slow, const config_t *co
         .reference_pu = {.d = slow->expected_current.reference_pu.d + report->i_d_weakening_pu,
                          .q = slow->expected_current.reference_pu.q},
         .latest_pu = dq_of(report->i_pu),
-        .theta_turn = rotor->observer_used ? observed_turn : report->observer.sensor_turn,
+        .theta_turn = report->sample.theta_turn,
         .torque_command_mNm = slow->last_command_mNm,
         .torque_estimate_mNm = slow->last_estimate_mNm,
         .offset_q4 = {report->offset_q4[0], report->offset_q4[1], report->offset_q4[2]},
