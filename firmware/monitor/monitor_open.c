@@ -4,7 +4,11 @@
 #include "core/angle.h"
 #include "core/q15.h"
 
-enum { PHASES = 3, SQRT3_2_Q15 = 28378 };
+enum {
+    PHASES = 3,
+    SQRT3_2_Q15 = 28378,
+    SUM_SHARE = 4 /* of the current: gains that differ by a tenth make a sum of an eighth at most */
+};
 
 typedef struct {
     int32_t pu[PHASES];
@@ -117,4 +121,10 @@ bool monitor_open_step(monitor_open_state_t *state, const monitor_open_input_t *
     }
     state->suspected = most >= MONITOR_OPEN_SUSPECT_STEPS;
     return zero || most >= MONITOR_OPEN_STEPS;
+}
+
+reason_t monitor_open_reason(dq_t sampled_pu, int32_t current_sum_pu)
+{
+    const int32_t size_pu = q_max(q_abs(sampled_pu.d), q_abs(sampled_pu.q));
+    return q_abs(current_sum_pu) > size_pu / SUM_SHARE ? REASON_CURRENT_SUM : REASON_PHASE_OPEN;
 }

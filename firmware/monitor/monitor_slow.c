@@ -458,7 +458,7 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
     } else if (flow_wrong) {
         out.fault = REASON_PROGRAM_FLOW;
     } else if (phase_open) {
-        out.fault = REASON_PHASE_OPEN;
+        out.fault = monitor_open_reason(in->latest_pu, in->current_sum_pu);
     } else if (sensor_wrong || current_missing) {
         out.fault = REASON_CURRENT_SENSOR;
     } else if (sum_wrong) {

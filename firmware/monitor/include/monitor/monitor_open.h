@@ -8,9 +8,9 @@
  * same sign of the reference, without one in between that has half of it. Or, of a slow rotor: a
  * phase stays at zero beside the others' current in MONITOR_OPEN_STEPS samples, while the rotor
  * turns through MONITOR_OPEN_TURN and the reference wants a quarter of that current in it. Samples
- * after a jump of the angle, ahead of the currents, do not count. A dead current sensor does not
- * look like that: the three readings no longer add up, and its sample is replaced. README, Open
- * phase.
+ * after a jump of the angle, ahead of the currents, do not count. A dead current sensor looks like
+ * that only below the tolerance of the sum; above it its sample is replaced. monitor_open_reason()
+ * tells the two. README, Open phase.
  */
 #ifndef MONITOR_MONITOR_OPEN_H
 #define MONITOR_MONITOR_OPEN_H
@@ -19,6 +19,7 @@
 #include <stdint.h>
 
 #include "core/frames.h"
+#include "core/reason.h"
 
 enum {
     MONITOR_OPEN_STEPS = 3,            /* ms, qualify time */
@@ -65,5 +66,16 @@ typedef struct {
  * is_within(state->step_turn, -32768, 32767)
  */
 bool monitor_open_step(monitor_open_state_t *state, const monitor_open_input_t *in);
+
+/* Name of what monitor_open_step() has found, from the current and the sum of the three readings in
+ * the same period, Q15 of the current base. An open phase leaves the other two opposite currents,
+ * which add up to zero; a sensor that shows none leaves a sum of what its phase carries, up to the
+ * tolerance of that check.
+ *
+ * @post result == REASON_PHASE_OPEN || result == REASON_CURRENT_SUM
+ *
+ * @post current_sum_pu != 0 || result == REASON_PHASE_OPEN
+ */
+reason_t monitor_open_reason(dq_t sampled_pu, int32_t current_sum_pu);
 
 #endif

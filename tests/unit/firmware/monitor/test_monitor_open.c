@@ -303,3 +303,46 @@ void test_reference_that_turns_against_the_rotor_leaves_a_healthy_phase_at_zero(
         TEST_ASSERT_FALSE(monitor_open_step(&state, &in));
     }
 }
+
+static int32_t sum_of(star_t i)
+{
+    return (int32_t)lround(i.a + i.b + i.c);
+}
+
+/* 1.05 i of a and -0.95 i of c are a sum of 0.1 i; the vector is i/cos 30 long, and its larger
+ * component at least i/(cos 30 sqrt 2) = 0.82 i. */
+void test_open_wire_beside_gains_that_differ_by_a_tenth_keeps_its_name(void)
+{
+    for (int k = 0; k < 240; k++) {
+        const double angle_rad = TURN_RAD * k / 240.0;
+        const double through = wire_b_open(wanted_at(angle_rad)).a;
+        const star_t i = {1.05 * through, 0.0, -0.95 * through};
+        TEST_ASSERT_EQUAL_INT(REASON_PHASE_OPEN,
+                              monitor_open_reason(park(i, angle_rad), sum_of(i)));
+    }
+}
+
+/* The readings of a and b alone make the vector, with c as what they do not add up to: up to
+ * i/cos 30 = 1.155 of the peak long, so that a quarter is up to 0.29 of it. */
+void test_sensor_that_shows_no_current_is_named_by_the_sum_of_the_readings(void)
+{
+    int named = 0;
+    for (int k = 0; k < 240; k++) {
+        const double angle_rad = TURN_RAD * k / 240.0;
+        const star_t wanted = wanted_at(angle_rad);
+        const star_t read = {wanted.a, 0.0, wanted.c};
+        const star_t used = {wanted.a, 0.0, -wanted.a};
+        if (fabs(wanted.b) > 0.3 * LENGTH_PU) {
+            TEST_ASSERT_EQUAL_INT(REASON_CURRENT_SUM,
+                                  monitor_open_reason(park(used, angle_rad), sum_of(read)));
+            named++;
+        }
+    }
+    TEST_ASSERT_GREATER_THAN_INT(190, named); /* 1 - 2/pi asin 0.3 = 0.81 of the turn */
+}
+
+void test_phases_without_a_current_and_without_a_sum_are_no_sensor(void)
+{
+    const dq_t none = {0, 0};
+    TEST_ASSERT_EQUAL_INT(REASON_PHASE_OPEN, monitor_open_reason(none, 0));
+}
