@@ -1,9 +1,28 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "monitor/monitor_fast.h"
 
+#include "config/bases.h"
 #include "core/q15.h"
 
-enum { SLOW_RATE_HZ = 1000 };
+enum {
+    SLOW_RATE_HZ = 1000,
+    RISE_nF = 2000000000 /* 1e9 nF in a farad; twice, for age and resistance of the capacitors */
+};
+
+/* The bridge charges its capacitors with no more than the peak of a phase current. mA s/nF = 1e6 V
+ * = 1e9 mV. */
+static int32_t jump_pu(const config_t *config)
+{
+    const config_drive_t *drive = &config->drive;
+    if (drive->bus_capacitance_nF == 0) {
+        return MONITOR_BUS_JUMP_PU;
+    }
+    const int32_t most_mA = bases_current_mA(config, config->current_loop.max_current_pu_q15);
+    const int32_t rise_mV =
+        q_scale(most_mA, RISE_nF, drive->bus_capacitance_nF) / drive->pwm_frequency_Hz;
+    return q_clamp(q_scale(rise_mV, 32768, drive->voltage_full_scale_mV), MONITOR_BUS_LEAST_JUMP_PU,
+                   MONITOR_BUS_JUMP_PU);
+}
 
 void monitor_fast_init(monitor_fast_state_t *state, const config_t *config)
 {
@@ -17,6 +36,7 @@ void monitor_fast_init(monitor_fast_state_t *state, const config_t *config)
         .overcurrent_square = (uint32_t)(overcurrent_pu * overcurrent_pu),
         .overvoltage_pu = q_scale(config->battery.overvoltage_trip_mV, 32768,
                                   config->drive.voltage_full_scale_mV),
+        .jump_pu = jump_pu(config),
         .stale_limit_periods = stale_limit_periods,
         .trip_periods = config->monitor.overcurrent_periods,
         .dead_periods = config->monitor.current_dead_periods,

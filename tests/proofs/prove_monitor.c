@@ -21,6 +21,7 @@ static monitor_fast_state_t any_state(void)
     const monitor_fast_state_t out = {
         .overcurrent_square = nondet_uint32(),
         .overvoltage_pu = any_within(0, 32768),
+        .jump_pu = any_within(MONITOR_BUS_LEAST_JUMP_PU, MONITOR_BUS_JUMP_PU),
         .stale_limit_periods = any_within(0, 100000 / 1000 * MONITOR_STALE_STEPS),
         .trip_periods = any_within(1, 16),
         .dead_periods = any_within(2, 16),

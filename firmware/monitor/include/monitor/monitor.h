@@ -47,8 +47,10 @@ enum {
     /* Square of the current that a dead sensor may show, Q30: six codes of a 12-bit converter. */
     MONITOR_DEAD_SQUARE = 96 * 96,
     /* More than a bus rises in one period, Q15 of the voltage base: 5/64, of a capacitor that is
-     * charged from half of the range to all of it in six periods. */
+     * charged from half of the range to all of it in six periods; less of a larger one that the
+     * configuration gives (monitor_fast_init()), at least 1/64. */
     MONITOR_BUS_JUMP_PU = 2560,
+    MONITOR_BUS_LEAST_JUMP_PU = 512,
     /* Less than what drives a current through a motor, so no motor empties a bus so far: 1/64. */
     MONITOR_BUS_EMPTY_SHARE = 64,
     /* A temperature limit of this value is switched off, for example if there is no sensor. */
@@ -61,6 +63,7 @@ typedef struct {
     /* Computed once from the configuration. */
     uint32_t overcurrent_square; /* Q30 of the current base */
     int32_t overvoltage_pu;      /* Q15 of the voltage base */
+    int32_t jump_pu;             /* largest rise of a bus in a period, likewise */
     int32_t stale_limit_periods; /* PWM periods without a slow step */
     int32_t trip_periods;        /* qualify time of an over-current */
     int32_t dead_periods;        /* qualify time of a current that has vanished */
@@ -93,6 +96,8 @@ typedef struct {
  *
  * @post is_within(state->last_v_dc_pu, 0, 65536) && state->overcurrent_square <=
  * (uint32_t)((Q15_ONE - 1) * (Q15_ONE - 1))
+ *
+ * @post is_within(state->jump_pu, MONITOR_BUS_LEAST_JUMP_PU, MONITOR_BUS_JUMP_PU)
  */
 void monitor_fast_init(monitor_fast_state_t *state, const config_t *config);
 

@@ -91,7 +91,7 @@ static inline reason_t monitor_fast_look(monitor_fast_state_t *state,
         state->current_periods = 0;
     }
     if (in->v_dc_pu > state->overvoltage_pu) {
-        return bus_rise_pu > MONITOR_BUS_JUMP_PU ? REASON_BUS_SENSOR : REASON_BUS_OVERVOLTAGE;
+        return bus_rise_pu > state->jump_pu ? REASON_BUS_SENSOR : REASON_BUS_OVERVOLTAGE;
     }
     int32_t periods_left = state->periods_left - 1;
     if (in->slow_step_count != state->last_slow_step || !in->switching) {
