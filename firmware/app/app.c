@@ -165,6 +165,9 @@ void app_boot(void)
     time_start_tick();
 }
 
+_Static_assert((int)NODE_PACK_CURRENT_AGE_ms < (int)MONITOR_WINDOW_QUALIFY_STEPS,
+               "one message of the battery is no fault of the current sensors");
+
 _Static_assert((int)INVERTER_MODE_OFF == (int)BRIDGE_OFF &&
                    (int)INVERTER_MODE_PWM == (int)BRIDGE_PWM &&
                    (int)INVERTER_MODE_SHORT == (int)BRIDGE_SHORT &&

@@ -74,10 +74,14 @@ bool node_tick(node_t *node, uint32_t now_ms)
     if (e2e_timed_out(&node->battery, now_ms)) {
         changed = expire_battery_limits(node) || changed;
     }
+    if (node->command.bms.current_given &&
+        now_ms - node->peak.refreshed_ms >= NODE_PACK_CURRENT_AGE_ms) {
+        node->command.bms.current_given = false;
+        changed = true;
+    }
     if (e2e_timed_out(&node->peak, now_ms)) {
         node->command.bms.charge_peak_current_mA = 0;
         node->command.bms.voltage_mV = 0;
-        node->command.bms.current_given = false;
         changed = true;
     }
     if (e2e_timed_out(&node->hydraulic, now_ms)) {

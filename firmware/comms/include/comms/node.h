@@ -13,7 +13,7 @@
  * and after config.brake.demand_timeout_ms the torque ramps to zero. Before the first BatteryLimits
  * frame the configuration's pack limits apply; after a timeout the charge limit is zero.
  * BatteryPeak and HydraulicFeedback are optional: after a timeout limit and voltage are not given,
- * the torque not valid.
+ * the torque not valid. The pack's current is given only until the next frame is half a cycle late.
  *
  * Transmission: each message in its cycle (hubfoc.dbc), in the order of priority, one at a time,
  * with the newest values. A frame that the CAN controller does not take stays due; there is no
@@ -32,6 +32,9 @@
 enum {
     /* Cycle times without a usable frame after which the sender has to qualify again. */
     NODE_TIMEOUT_CYCLES = 5,
+    /* A cycle and a half of BatteryPeak: no single value of the pack's current lasts for as long as
+     * it has to contradict the current sensors (monitor_window.h, 200 ms). */
+    NODE_PACK_CURRENT_AGE_ms = 150,
     /* Longer than any timeout of the controller, shorter than the clock's wrap. */
     NODE_DEMAND_EXPIRY_ms = 10000,
     NODE_REFUSAL_SHOWN_ms = 1000 /* demand.reason after a refused demand */

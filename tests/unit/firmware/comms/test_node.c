@@ -420,6 +420,25 @@ void test_a_short_time_limit_is_kept_beside_the_lasting_one_and_ends_with_its_me
     TEST_ASSERT_FALSE(node.command.bms.current_given);
 }
 
+/* The monitor latches a fault after 200 ms of contradiction, which one wrong value must not make:
+ * the frames after it are lost, then they come again. */
+void test_one_value_of_the_pack_current_lasts_for_a_cycle_and_a_half_at_most(void)
+{
+    const battery_limits_t limits = {
+        .voltage_mV = 53000, .current_mA = 200000, .current_given = true};
+    for (uint32_t ms = 0; ms <= 5 * BATTERY_CYCLE_ms; ms++) {
+        const bool lost = ms == 3 * BATTERY_CYCLE_ms || ms == 4 * BATTERY_CYCLE_ms;
+        if (ms % BATTERY_CYCLE_ms == 0 && !lost) {
+            const messages_frame_t frame = messages_peak(&limits, (uint8_t)(ms / BATTERY_CYCLE_ms));
+            (void)node_receive(&node, &frame, ms);
+        }
+        const bool changed = node_tick(&node, ms);
+        TEST_ASSERT_EQUAL_INT((ms >= 200 && ms < 350) || ms == 500, node.command.bms.current_given);
+        TEST_ASSERT_EQUAL_INT(ms == 350, changed);
+        TEST_ASSERT_EQUAL_INT32(ms >= 200 ? 53000 : 0, node.command.bms.voltage_mV);
+    }
+}
+
 /* Counters 0 1 2 0 1 2 ... : the first of a round is out of order, the second qualifies again. */
 void test_recorded_battery_current_is_given_for_one_frame_of_a_round_at_most(void)
 {
