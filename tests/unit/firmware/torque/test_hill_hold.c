@@ -308,6 +308,13 @@ void test_a_hold_of_one_millinewton_metre_is_a_hold(void)
     TEST_ASSERT_EQUAL_INT32(0, drive(1, 1));
 }
 
+void test_a_hold_of_one_millinewton_metre_begins_before_standstill_too(void)
+{
+    config.driver.hold_torque_mNm = 1;
+    stop_uphill();
+    TEST_ASSERT_EQUAL_INT32(1, step());
+}
+
 void test_without_a_hold_torque_driving_off_is_possible_at_once(void)
 {
     config.driver.hold_torque_mNm = 0;
