@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which mutants the unit tests kill.
 
-Every program first runs without a mutant: what it takes, and which mutants' places it evaluates.
-Then each mutant meets the programs that evaluate its place, the fastest first, until one fails:
+Every program first runs without a mutant: what it takes, and which mutants it reaches, by a value
+that differs with them (runtime.h). Until the first such value a program is the same with the mutant
+as without. Then each mutant meets the programs that reach it, the fastest first, until one fails:
 by an assertion, a signal, or ten times the CPU time it takes without a mutant.
 """
 

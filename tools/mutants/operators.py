@@ -56,6 +56,7 @@ _CLAMPS = {
     "q_saturate64": (0,),
 }
 _CONSTANT = re.compile(r"[A-Z][A-Z0-9_]+")
+_PURE = re.compile(r"q\d*_")  # core's arithmetic: no effect, no pointer
 _NOT_CHANGED = {
     "case_statement": ("value",),
     "array_declarator": ("size",),
@@ -69,7 +70,9 @@ _SKIPPED = ("enum_specifier", "sizeof_expression", "subscript_designator", "type
 class Change:
     """One change: the node's bytes and what stands there instead.
 
-    `removed` marks a statement that is left out; then `replacement` is empty.
+    `removed` marks a statement that is left out; then `replacement` is empty. `comparable` marks an
+    expression that may be evaluated both ways: neither has an effect, a divisor of zero or
+    an index that it guards.
     """
 
     kind: str
@@ -81,6 +84,7 @@ class Change:
     original: str
     replacement: str
     removed: bool = False
+    comparable: bool = False
 
 
 @dataclass(frozen=True)
@@ -134,9 +138,27 @@ def changes(source: Source) -> list[Change]:
                         one_line(source.of(node)),
                         one_line(replacement),
                         removed,
+                        _is_comparable(source, node, kind, replacement),
                     )
                 )
     return found
+
+
+def _is_comparable(source: Source, node: Node, kind: str, replacement: str) -> bool:
+    """Return whether the program stays the same when both values are computed."""
+    guarded = {"logical": "/%[", "arithmetic": "/%"}.get(kind, "")
+    unguarded = not set(guarded) & set(replacement)
+    return kind != "statement" and unguarded and not _has_effects(source, node)
+
+
+def _has_effects(source: Source, node: Node) -> bool:
+    if node.type in ("assignment_expression", "update_expression"):
+        return True
+    if node.type == "call_expression":
+        function = node.child_by_field_name("function")
+        if function is None or not _PURE.match(source.of(function)):
+            return True
+    return any(_has_effects(source, child) for child in node.named_children)
 
 
 def _functions(node: Node) -> Iterator[Node]:

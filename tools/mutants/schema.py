@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """A file with all its mutants in it: each is chosen at run time by its number.
 
-`a < b` becomes ``(HUBFOC_MUTANT(7) ? ((a) <= (b)) : (a < b))``. Only one mutant acts at a time, so
-alternatives are plain text, and only the unchanged expression holds further mutants.
+`a < b` becomes ``(HUBFOC_VALUE(7, ((a) <= (b)) != (a < b)) ? ((a) <= (b)) : (a < b))``. Only one
+mutant acts at a time, so alternatives are plain text, and only the unchanged expression holds
+further mutants. What has effects, or may not be computed beside, is not compared: HUBFOC_MUTANT(7).
 """
 
 from collections import defaultdict
@@ -46,11 +47,15 @@ def _choice(unchanged: bytes, alternatives: list[tuple[int, Change]]) -> bytes:
     number, change = alternatives[0]
     if change.removed:
         return b"{ if (!HUBFOC_MUTANT(%d)) { %s } }" % (number, unchanged)
-    chain = b"".join(
-        b"HUBFOC_MUTANT(%d) ? (%s) : " % (number, change.replacement.encode())
-        for number, change in alternatives
-    )
+    chain = b"".join(_alternative(number, change) for number, change in alternatives)
     return b"(%s(%s))" % (chain, unchanged)
+
+
+def _alternative(number: int, change: Change) -> bytes:
+    new, old = change.replacement.encode(), change.original.encode()
+    if change.comparable:
+        return b"HUBFOC_VALUE(%d, (%s) != (%s)) ? (%s) : " % (number, new, old, new)
+    return b"HUBFOC_MUTANT(%d) ? (%s) : " % (number, new)
 
 
 def with_one(text: bytes, change: Change) -> bytes:

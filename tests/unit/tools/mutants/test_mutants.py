@@ -106,6 +106,47 @@ def test_every_mutant_acts_alone_and_number_zero_is_the_unchanged_code(tmp_path:
     assert differing >= 7
 
 
+def test_a_place_is_reached_by_a_value_that_the_mutant_changes(tmp_path: Path) -> None:
+    """What has effects, or guards a division, is reached wherever it is evaluated."""
+    text = (
+        b"int f(int a, int b)\n{\n    const int c = a < b;\n    const int d = q_min(a, 9);\n"
+        b"    const int e = b != 0 && 8 / b > 3;\n    return c + d + e + (g(a) < 2);\n}\n"
+    )
+    before = (
+        "#include <stdio.h>\nstatic int calls;\nint g(int a) { calls++; return a; }\n"
+        "int q_min(int a, int b) { return a < b ? a : b; }\n"
+    )
+    main = (
+        "int main(void) { f(1, 2); f(1, 0); printf(calls == 2 ? "
+        '"" : "effect"); for (int n = 0; n < 99; n++) if (hubfoc_reached[n]) printf("%d ", n); }\n'
+    )
+    numbered = dict(enumerate(changes(parse(text)), 1))
+    file, out = tmp_path / "reached.c", tmp_path / "reached"
+    code = schema.with_all(text, numbered).decode()
+    file.write_text(RUNTIME + before + code + main, encoding="utf-8")
+    runtime = Path(schema.__file__).with_name("runtime.h")
+    subprocess.run(["cc", "-w", "-fwrapv", "-include", runtime, file, "-o", out], check=True)
+    done = subprocess.run([out], stdout=subprocess.PIPE, text=True, check=True)
+    reached = {int(number) for number in done.stdout.split()}
+    seen = {
+        f"{change.original} -> {change.replacement}": number in reached
+        for number, change in numbered.items()
+    }
+    # f(1, 2) and f(1, 0): 1 < 2 and 1 < 0 are as 1 <= 2 and 1 <= 0; 8 / 2 > 3 is as 8 / 2 >= 3.
+    expected = {
+        "a < b -> (a) <= (b)": False,
+        "a < b -> (a) >= (b)": True,
+        "q_min(a, 9) -> a": False,
+        "q_min(a, 9) -> 9": True,
+        "8 / b > 3 -> (8 / b) >= (3)": False,
+        "8 / b > 3 -> (8 / b) <= (3)": True,
+        "b != 0 && 8 / b > 3 -> 8 / b > 3": True,
+        "b != 0 && 8 / b > 3 -> b != 0": False,
+        "g(a) < 2 -> (g(a)) <= (2)": True,
+    }
+    assert {text: seen[text] for text in expected} == expected
+
+
 def test_a_name_stays_when_lines_are_moved_and_tells_equal_changes_apart() -> None:
     def names_of(body: str) -> list[str]:
         numbered = dict(enumerate(((Path("x.c"), one) for one in found_in(body)), 1))
