@@ -108,6 +108,15 @@ void test_twice_the_fast_steps_begin_a_quarter_below_twice_the_number(void)
     TEST_ASSERT_EQUAL_INT(5, faulty_step(40, 20));
 }
 
+/* Of 20 kHz 80 periods are the 4 ms for which the fast loop waits; a longer gap is a fault at once.
+ */
+void test_a_gap_beyond_what_the_fast_loop_waits_for_is_a_fault_at_once(void)
+{
+    TEST_ASSERT_EQUAL_INT(5, faulty_step(80, 20));
+    setUp();
+    TEST_ASSERT_EQUAL_INT(1, faulty_step(81, 20));
+}
+
 /* 29.999 kHz are 29 whole periods, of which a quarter is 7. */
 void test_whole_periods_of_a_millisecond_are_expected(void)
 {
@@ -144,10 +153,11 @@ void test_65535_steps_are_waited_for(void)
 void test_a_skipped_sector_and_a_sudden_stop_in_one_step_are_a_warning(void)
 {
     in.speed_mrad_s = 44000;
-    (void)run(10);
+    (void)run(200);
     in.speed_mrad_s = 0;
     in.rotor_faults++;
     TEST_ASSERT_EQUAL_INT(REASON_ROTOR_UNCERTAIN, step().warning);
+    TEST_ASSERT_EQUAL_UINT16(1, state.speed.sudden_stops);
 }
 
 /* ---- temperature ---- */
