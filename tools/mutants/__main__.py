@@ -54,12 +54,16 @@ def test_module(module: str, arguments: argparse.Namespace) -> Result:
     built = programs.build(module, folder, arguments.jobs, numbered)
     tables = explained.Tables(TABLES, module)
     name = explained.names(numbered)
-    left, _ = measure.survivors(built, wanted, arguments.jobs, show_progress)
-    known = {number for number in left if name[number] in tables.explained}
     same = programs.SameCode(built, folder)
-    same_code = {number for number in left if number not in known and same(number)}
-    rest = [number for number in left if number not in known | same_code]
-    result = Result(module, len(wanted), len(wanted) - len(left), len(same_code), len(known))
+
+    def is_same_code(number: int) -> bool:
+        return name[number] not in tables.explained and same(number)
+
+    left, same_code = measure.survivors(built, wanted, arguments.jobs, is_same_code, show_progress)
+    known = {number for number in left if name[number] in tables.explained}
+    rest = [number for number in left if number not in known]
+    killed = len(wanted) - len(left) - len(same_code)
+    result = Result(module, len(wanted), killed, len(same_code), len(known))
     if arguments.write_open:
         tables.write_open([name[number] for number in rest])
         tables.open = {name[number] for number in rest}

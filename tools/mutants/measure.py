@@ -19,6 +19,7 @@ from mutants.programs import Build, MutantsError
 
 LEAST_LIMIT_MS = 200
 LIMIT_FACTOR = 10
+COMPILER_MS = 250
 # A program that waits without using the processor.
 WALL_LIMIT_S = 300
 
@@ -71,26 +72,32 @@ def is_killed(program: Program, number: int) -> bool:
 
 
 def survivors(
-    build: Build, wanted: Collection[int], jobs: int, progress: Callable[[int, int], None]
-) -> tuple[list[int], dict[str, int]]:
-    """Return the mutants that no program kills, and how many each program killed."""
+    build: Build,
+    wanted: Collection[int],
+    jobs: int,
+    is_same_code: Callable[[int], bool],
+    progress: Callable[[int, int], None],
+) -> tuple[list[int], list[int]]:
+    """Return the mutants that no program kills: those with code of their own, and the others.
+
+    The compiler costs more than a fast program and less than a slow one: it is asked between them.
+    """
     programs = sorted((profile(path) for path in build.programs), key=lambda one: one.cpu_ms)
-    killed: dict[str, int] = {program.path.name: 0 for program in programs}
+    fast = [program for program in programs if program.cpu_ms < COMPILER_MS]
 
-    def killer(number: int) -> str | None:
-        for program in programs:
-            if number in program.reached and is_killed(program, number):
-                return program.path.name
-        return None
+    def outcome(number: int) -> str:
+        met = [program for program in programs if number in program.reached]
+        if any(is_killed(program, number) for program in met if program in fast):
+            return "killed"
+        if is_same_code(number):
+            return "same"
+        slow = (program for program in met if program not in fast)
+        return "killed" if any(is_killed(program, number) for program in slow) else "left"
 
-    left = []
+    found: dict[str, list[int]] = {"killed": [], "same": [], "left": []}
     with ThreadPoolExecutor(jobs) as pool:
-        for count, (number, name) in enumerate(
-            zip(wanted, pool.map(killer, wanted), strict=True), 1
-        ):
-            if name is None:
-                left.append(number)
-            else:
-                killed[name] += 1
+        outcomes = zip(wanted, pool.map(outcome, wanted), strict=True)
+        for count, (number, result) in enumerate(outcomes, 1):
+            found[result].append(number)
             progress(count, len(wanted))
-    return left, killed
+    return found["left"], found["same"]
