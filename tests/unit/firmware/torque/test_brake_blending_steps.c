@@ -351,6 +351,19 @@ void test_an_open_bridge_is_waited_for_8_steps_and_after_as_many_closed_ones_the
     TEST_ASSERT_EQUAL_INT32(0, hydraulic_after(1, false));
 }
 
+/* Any demand counts, and one closed step takes back what one open step has counted. */
+void test_a_bridge_open_for_one_step_is_counted_with_any_demand_and_forgotten_in_one(void)
+{
+    in.demand_mNm = 0;
+    hydraulic_after(1, true);
+    TEST_ASSERT_EQUAL_UINT8(0, state.open_steps);
+    in.demand_mNm = 1;
+    hydraulic_after(1, true);
+    TEST_ASSERT_EQUAL_UINT8(1, state.open_steps);
+    hydraulic_after(1, false);
+    TEST_ASSERT_EQUAL_UINT8(0, state.open_steps);
+}
+
 void test_a_bridge_that_closes_for_moments_only_leaves_the_demand_to_the_hydraulic_brake(void)
 {
     in.demand_mNm = 20000;
