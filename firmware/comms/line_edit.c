@@ -52,7 +52,8 @@ static void bring_back_last(line_edit_t *edit, text_t *echo)
     }
 }
 
-/* ESC [, parameters, and one final character (ECMA-48, CSI). */
+/* ESC [, parameters, and one final character (ECMA-48, CSI). Anything but a printable character
+ * ends a sequence that was cut off, and is a key: otherwise it would take away a ^C. */
 static bool is_part_of_sequence(line_edit_t *edit, uint8_t byte, text_t *echo)
 {
     switch (edit->key) {
@@ -62,7 +63,11 @@ static bool is_part_of_sequence(line_edit_t *edit, uint8_t byte, text_t *echo)
         edit->key = byte == '[' ? LINE_EDIT_SEQUENCE : LINE_EDIT_PLAIN;
         return byte == '[';
     case LINE_EDIT_SEQUENCE:
-        if (byte >= '@' && byte <= '~') {
+        if (byte < ' ' || byte > '~') {
+            edit->key = LINE_EDIT_PLAIN;
+            return false;
+        }
+        if (byte >= '@') {
             edit->key = LINE_EDIT_PLAIN;
             if (byte == 'A') {
                 bring_back_last(edit, echo);

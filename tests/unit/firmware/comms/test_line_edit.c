@@ -127,6 +127,17 @@ void test_single_escape_does_not_consume_the_next_key(void)
                       "b\r");
 }
 
+/* ECMA-48: bytes of a sequence are 0x20 .. 0x7E. */
+void test_sequence_that_is_cut_off_does_not_consume_a_control_key(void)
+{
+    TEST_ASSERT_EQUAL_INT(LINE_EDIT_CANCELLED, type("a\x1B[1;\x03"));
+    assert_line("b", "b\r");
+    assert_line("c", "c\x1B[\r");
+    assert_line("de", "dx\x1B[1\x7F"
+                      "e\r");
+    assert_line("de", "f\x1B[1\x1B[A\r");
+}
+
 void test_full_line_sends_a_bell_and_keeps_its_content(void)
 {
     char keys[LINE_EDIT_CHARS + 1];
