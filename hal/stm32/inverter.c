@@ -301,6 +301,9 @@ uint32_t inverter_driver_status(void)
 void inverter_clear_fault(void)
 {
     const uint32_t faults = driver_faults;
+    if (tripped) { /* the outputs are off */
+        gate_driver_release();
+    }
     const bool driver_ready =
         driver_good && faults == driver_faults_served && !gate_driver_pulls_fault();
     const bool break_released = !pin_is_wired(BOARD_BREAK) || gpio_read(BOARD_BREAK);

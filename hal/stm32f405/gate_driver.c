@@ -3,9 +3,12 @@
  * Frames of 16 bits, most significant first: read bit, four bits of address, eleven of data. The
  * driver takes SDI at the falling edge of the clock and changes SDO at the rising one; the answer
  * to a frame comes in the next. Section numbers are those of SLOS719.
+ *
+ * A DRV8302 has no bus: a short low pulse at its enable pin releases its latch (7.4.1 of SLES267).
  */
 #include "gate_driver.h"
 
+#include "clock.h"
 #include "hal/inverter.h"
 #include "interrupts.h"
 #include "registers/power.h"
@@ -34,8 +37,12 @@ enum {
     POLLS_START = 340000, /* 10 ms: t_SPI_READY (6.9) */
     POLLS_FAULT = 600000, /* 20 ms: it holds its fault line down while it starts */
     POLLS_HALF_CLOCK = 4, /* 0.12 us; the whole clock needs 0.1 us */
-    POLLS_BETWEEN = 20    /* 0.6 us; nSCS has to be high for 0.4 us between frames */
+    POLLS_BETWEEN = 20,   /* 0.6 us; nSCS has to be high for 0.4 us between frames */
+    POLLS_RELEASE = 80,   /* 2.4 us at least */
+    RELEASE_MOST_us = 10  /* a longer pulse may switch the gate supply off as well */
 };
+_Static_assert(POLLS_RELEASE *WAIT_POLL_CYCLES_MOST < RELEASE_MOST_us * (CLOCK_CORE_Hz / 1000000),
+               "a pulse that only releases the latch");
 
 static bool has_bus(void)
 {
@@ -138,4 +145,18 @@ bool gate_driver_recover(uint32_t *status)
     const bool good = configure();
     *status |= good ? 0U : INVERTER_DRIVER_LOST;
     return good;
+}
+
+/* Without interrupts, which would make the pulse longer. */
+void gate_driver_release(void)
+{
+    if (has_bus() || !gate_driver_pulls_fault()) {
+        return;
+    }
+    uint32_t masked;
+    __asm volatile("mrs %0, primask\n\tcpsid i" : "=r"(masked)::"memory");
+    gpio_write(BOARD_DRIVER_ENABLE, false);
+    pause_for(POLLS_RELEASE);
+    gpio_write(BOARD_DRIVER_ENABLE, true);
+    __asm volatile("msr primask, %0" ::"r"(masked) : "memory");
 }

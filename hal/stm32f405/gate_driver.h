@@ -28,6 +28,11 @@ void gate_driver_acknowledge(void);
  * the timer's outputs off. Background context; 0.2 ms. */
 bool gate_driver_recover(uint32_t *status);
 
+/* Releases the latch of a DRV8302 that reports a fault; a DRV8301's is released by
+ * gate_driver_recover(). Only with the timer's outputs off; the fault pin rises later, if the cause
+ * is gone. Context of the millisecond, once in each at most; interrupts wait for at most 10 us. */
+void gate_driver_release(void);
+
 /* The driver reports a fault now. Any context. */
 static inline bool gate_driver_pulls_fault(void)
 {

@@ -24,6 +24,8 @@ static inline bool gate_driver_recover(uint32_t *status)
     return true;
 }
 
+static inline void gate_driver_release(void) {}
+
 static inline bool gate_driver_pulls_fault(void)
 {
     return false;

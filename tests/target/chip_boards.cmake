@@ -56,6 +56,10 @@ board_test(chip_vesc4_brakes_at_the_largest_voltage vesc4_10 target chip_window 
   ${board_vesc4})
 board_test(chip_vesc4_refuses_short_pulses vesc4_10 target chip_window refused vesc4_10
   "${boards_shipped}")
+board_test(chip_vesc4_latches_over_currents vesc4_10 target chip_latch latches ${board_vesc4})
+board_test(chip_vesc4_finds_a_driver_that_limits vesc4_10 "target;full" chip_latch limits
+  ${board_vesc4})
+set_tests_properties(chip_vesc4_latches_over_currents PROPERTIES TIMEOUT 300) # three trips
 board_test(chip_vesc4_reads_its_sensors vesc4_10 target chip_sensors ${board_vesc4})
 
 # The first board's image is the build's own.
@@ -77,7 +81,7 @@ function(planted_vesc4 name folder file old new program configuration)
   planted_image(vesc4_${name} stm32f405 ${folder} ${file} "${old}" "${new}")
   add_test(NAME chip_vesc4_finds_${name} COMMAND "${boards_programs}/${program}"
     "$<TARGET_FILE:planted_vesc4_${name}>" planted vesc4_10 "${configuration}")
-  set_tests_properties(chip_vesc4_finds_${name} PROPERTIES LABELS "target;full" TIMEOUT 120
+  set_tests_properties(chip_vesc4_finds_${name} PROPERTIES LABELS "target;full" TIMEOUT 300
     FIXTURES_REQUIRED vesc4_configuration)
 endfunction()
 planted_vesc4(short_pulses_that_are_accepted firmware/app boot.c "if (least_ns == 0 ||"
@@ -91,4 +95,12 @@ planted_vesc4(one_shunt_for_two_currents hal/stm32f405 analog.c
   "${boards_long_pulses}")
 planted_vesc4(a_driver_fault_at_another_interrupt hal/stm32f405 gate_driver.c
   ": INTERRUPT_PINS_10_TO_15" ": INTERRUPT_PINS_5_TO_9" chip_test "${boards_long_pulses}")
+planted_vesc4(a_driver_fault_of_wrong_polarity hal/stm32f405 gate_driver.c "EXTI->FTSR |="
+  "EXTI->RTSR |=" chip_latch "${boards_long_pulses}")
+planted_vesc4(a_latch_that_is_not_released hal/stm32f405 gate_driver.c
+  "gpio_write(BOARD_DRIVER_ENABLE, false);" "" chip_latch "${boards_long_pulses}")
+planted_vesc4(a_latch_that_is_released_too_long hal/stm32f405 gate_driver.c
+  "pause_for(POLLS_RELEASE);" "pause_for(8U * POLLS_RELEASE);" chip_latch "${boards_long_pulses}")
+planted_vesc4(a_latch_that_is_released_at_once hal/stm32f405 gate_driver.c "*status = 0;"
+  "*status = 0; gate_driver_release();" chip_latch "${boards_long_pulses}")
 unset(PLANTED_BOARD)

@@ -91,8 +91,9 @@ bool inverter_fault(void);
  * inverter_clear_fault() does not succeed. Background context, in every pass. */
 uint32_t inverter_driver_status(void);
 
-/* Releases the latch, if the cause is gone; the bridge stays off until the next inverter_set(). Any
- * context. */
+/* Releases the latch, if the cause is gone, and that of a gate driver that has one, which may take
+ * until the next call; the bridge stays off until the next inverter_set(). Any context but the PWM
+ * period's: interrupts may wait for 10 us. */
 void inverter_clear_fault(void);
 
 #endif

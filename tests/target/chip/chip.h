@@ -78,6 +78,7 @@ typedef struct {
     bool can_silent;        /* the bus is held dominant: nothing is received or sent */
     bool gate_driver_fault; /* the driver's supply is low: it pulls its fault line, all gates low */
     bool driver_silent;     /* its SDO is stuck high */
+    bool driver_mode_low;   /* DRV8302: M_OC is at ground, so it limits instead of latching */
     uint32_t low_side_a_mV; /* STM32F405: voltage across this switch while it is on */
     bool comparators_dead;  /* STM32G431: their outputs stay low */
     int32_t low_side_a_mA;  /* STM32G431: in its shunt to ground; 0: the phase's */

@@ -87,6 +87,7 @@ typedef struct {
     unsigned bits;
     uint32_t control[2];
     uint32_t status, latched; /* over-currents: since the last reading; that hold a leg off */
+    bool limits;              /* holds a leg off until its next edge, reports nothing here */
 } chip_driver_t;
 
 typedef struct {
@@ -292,6 +293,7 @@ void chip_driver_reset(chip_t *chip);
 void chip_driver_pins(chip_t *chip);
 void chip_driver_watch(chip_t *chip);
 bool chip_driver_pulls_fault(const chip_t *chip);
+bool chip_driver_holds_a_leg(const chip_t *chip);
 bool chip_driver_drives(const chip_t *chip);
 bool chip_driver_data(const chip_t *chip);
 

@@ -19,7 +19,7 @@ static const uint16_t COMPARE[3] = {1000, 3000, 4200};
 static bool analog_started;
 static uint32_t enabled_interrupt, enabled_priority;
 static bool driver_holds_settings, driver_watched;
-static int recoveries;
+static int recoveries, releases;
 
 /* The gate driver's own protocol is tested on the model of the chip (tests/target/chip). */
 bool gate_driver_start(void)
@@ -33,6 +33,12 @@ void gate_driver_watch(void)
 }
 
 void gate_driver_acknowledge(void) {}
+
+void gate_driver_release(void)
+{
+    TEST_ASSERT_BITS_LOW(TIM_BDTR_MOE, TIM1->BDTR);
+    releases++;
+}
 
 bool gate_driver_recover(uint32_t *status)
 {
@@ -86,6 +92,7 @@ void setUp(void)
     (void)inverter_driver_status(); /* the port's own memory of the test before */
     inverter_clear_fault();
     recoveries = 0;
+    releases = 0;
     analog_started = false;
 }
 
@@ -278,12 +285,24 @@ void test_the_gate_drivers_fault_switches_off_at_once_and_is_not_released_while_
     period(INVERTER_MODE_SHORT, COMPARE);
     assert_off();
     TEST_ASSERT_EQUAL_HEX32(INVERTER_DRIVER_OVER_CURRENT_LOW_B, inverter_driver_status());
+    TEST_ASSERT_EQUAL_INT(0, releases);
     inverter_clear_fault();
+    TEST_ASSERT_EQUAL_INT(1, releases);
     TEST_ASSERT_TRUE(inverter_fault());
     timer1_set_driver_fault_pin(true);
     TEST_ASSERT_TRUE(inverter_fault()); /* never by itself */
     inverter_clear_fault();
     TEST_ASSERT_FALSE(inverter_fault());
+}
+
+void test_the_drivers_latch_is_left_alone_without_a_fault(void)
+{
+    begin();
+    period(INVERTER_MODE_PWM, COMPARE);
+    period(INVERTER_MODE_PWM, COMPARE);
+    inverter_clear_fault();
+    TEST_ASSERT_EQUAL_INT(0, releases);
+    assert_pwm();
 }
 
 void test_a_fault_of_the_driver_is_released_only_when_it_holds_its_settings_again(void)

@@ -30,6 +30,7 @@ static const board_t BOARDS[] = {
      .hall = {{'B', 6}, {'B', 7}, {'C', 11}},
      .enable = {'C', 10},
      .fault = {'C', 12},
+     .oc_adj_mV = 403, /* as a VESC 6: what the resistors of a board make is for it to show */
      .calibrate = {'B', 12},
      .outputs = {{{'B', 12}, false}}},
 };

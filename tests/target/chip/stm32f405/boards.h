@@ -34,6 +34,7 @@ typedef struct {
     bool encoder_at_tim3;        /* else at a timer that is not used */
     wire_t enable, fault;        /* of the gate driver */
     wire_t sdi, sdo, sclk, nscs; /* its bus; the DRV8302 has none */
+    uint32_t oc_adj_mV;          /* and has its threshold at this pin */
     wire_t calibrate;            /* high: its amplifiers measure no current */
     wire_t power_hold;           /* high: keeps the supply on */
     output_t outputs[BOARDS_OUTPUTS_MOST]; /* levels that the board needs from the start on */

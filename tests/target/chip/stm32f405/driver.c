@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The gate driver on the board, a DRV8301 (data sheet SLOS719, section numbers are its), or a
- * DRV8302, which starts and reports a fault alike and has no bus: its threshold is not modelled.
+ * DRV8302 (SLES267), which starts, latches and reports a fault alike and has pins instead of a bus:
+ * the threshold is the voltage at OC_ADJ (7.3.4.2), M_OC high latches (7.3.4.1.2), low limits
+ * (7.3.4.1.1). EN_GATE (7.4.1) is that of the DRV8301. Over-currents are those of one switch.
  */
 #include <string.h>
 
@@ -22,6 +24,7 @@ enum {
     PVDD_UV = 1 << 8,
     FETLA_OC = 1 << 4,
     GATE_RESET = 1 << 2,
+    LIMIT = 0, /* OCP_MODE */
     LATCH_SHUTDOWN = 1,
     DEVICE_ID = 1
 };
@@ -78,6 +81,9 @@ static void look_at_enable(chip_t *chip)
     if (low >= RESET_FULL_us * CHIP_TICKS_PER_US || driver->disabled_at == 0) {
         full_reset(driver);
     } else if (low <= RESET_QUICK_us * CHIP_TICKS_PER_US) {
+        if (chip_timer1_drives(chip)) {
+            chip_note(chip, "gate driver: a reset while the bridge switches");
+        }
         driver->latched = 0;
         driver->ready = chip->now;
     } else {
@@ -196,16 +202,36 @@ void chip_driver_pins(chip_t *chip)
     }
 }
 
+static uint32_t threshold_mV(const chip_t *chip)
+{
+    return has_bus() ? V_DS_mV[chip->driver.control[0] >> 6] : boards_chosen()->oc_adj_mV;
+}
+
+static uint32_t over_current_mode(const chip_t *chip)
+{
+    if (has_bus()) {
+        return chip->driver.control[0] >> 4 & 3U;
+    }
+    return chip->fault.driver_mode_low ? LIMIT : LATCH_SHUTDOWN;
+}
+
+/* A limit is reported at nOCTW, which no board wires. */
 void chip_driver_watch(chip_t *chip)
 {
     chip_driver_t *driver = &chip->driver;
-    const uint32_t control = driver->control[0];
-    const bool over =
-        has_bus() && takes_commands(chip) && chip->fault.low_side_a_mV >= V_DS_mV[control >> 6];
-    if (over && (control >> 4 & 3U) == LATCH_SHUTDOWN) {
+    const bool over = takes_commands(chip) && chip_timer1_drives(chip) &&
+                      chip->fault.low_side_a_mV >= threshold_mV(chip);
+    const uint32_t mode = over_current_mode(chip);
+    if (over && mode == LATCH_SHUTDOWN) {
         driver->latched |= FETLA_OC;
     }
+    driver->limits = over && mode == LIMIT;
     driver->status |= over ? FETLA_OC : 0U;
+}
+
+bool chip_driver_holds_a_leg(const chip_t *chip)
+{
+    return chip->driver.latched != 0 || chip->driver.limits;
 }
 
 bool chip_driver_pulls_fault(const chip_t *chip)

@@ -90,5 +90,5 @@ chip_drivers_t chip_part_drivers(const chip_t *chip)
     if (!chip_driver_drives(chip)) {
         return CHIP_DRIVERS_OFF;
     }
-    return chip->driver.latched != 0 ? CHIP_DRIVERS_HOLD_A_LEG : CHIP_DRIVERS_FOLLOW;
+    return chip_driver_holds_a_leg(chip) ? CHIP_DRIVERS_HOLD_A_LEG : CHIP_DRIVERS_FOLLOW;
 }
