@@ -121,3 +121,81 @@ void test_three_steps_at_least_are_needed_and_the_sum_is_limited(void)
         TEST_ASSERT_EQUAL_INT32(MOST[k], state.missing_pu);
     }
 }
+
+/* A reference of 5 000 and a trip of 20 000: beyond is what is longer than 15 000. At 10 rad/s the
+ * EMF is a tenth of the bus, so the current loop has the voltage for any current. */
+static monitor_current_input_t beside_reference(int32_t d_pu, int32_t q_pu)
+{
+    config.monitor.overcurrent_pu_q15 = 20000;
+    const monitor_current_input_t in = {
+        .sampled_pu = {.d = d_pu, .q = q_pu},
+        .reference_pu = {.d = 0, .q = -5000},
+        .switching = true,
+        .speed_mrad_s = 10000,
+        .bus_voltage_mV = 53000,
+        .angle_known = true,
+    };
+    return in;
+}
+
+void test_current_far_beyond_its_reference_is_an_over_current_in_the_third_millisecond(void)
+{
+    static const dq_t BEYOND[] = {{15001, 0}, {0, 15001}, {0, -15001}, {-12000, 9000}};
+    for (unsigned n = 0; n < sizeof BEYOND / sizeof BEYOND[0]; n++) {
+        for (int limited = 0; limited <= 1; limited++) {
+            setUp();
+            monitor_current_input_t in = beside_reference(BEYOND[n].d, BEYOND[n].q);
+            in.voltage_limited = limited == 1;
+            TEST_ASSERT_EQUAL_INT(REASON_NONE, monitor_current_step(&state, &config, &in));
+            TEST_ASSERT_EQUAL_INT(REASON_NONE, monitor_current_step(&state, &config, &in));
+            TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, monitor_current_step(&state, &config, &in));
+            TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, monitor_current_step(&state, &config, &in));
+            in.sampled_pu = in.reference_pu;
+            TEST_ASSERT_EQUAL_INT(REASON_NONE, monitor_current_step(&state, &config, &in));
+        }
+    }
+}
+
+void test_current_within_half_of_the_trip_beside_its_reference_is_controlled(void)
+{
+    const monitor_current_input_t in = beside_reference(0, 15000);
+    for (int n = 0; n < 100; n++) {
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, monitor_current_step(&state, &config, &in));
+    }
+}
+
+void test_current_beyond_its_reference_counts_without_a_gap_and_with_pwm_only(void)
+{
+    monitor_current_input_t in = beside_reference(0, 16000);
+    for (int n = 0; n < 99; n++) {
+        in.switching = n % 3 != 2;
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, monitor_current_step(&state, &config, &in));
+    }
+}
+
+/* psi p w = 0.1 Wb times 200 rad/s and the pole pairs is more than the bus at any current of the
+ * field weakening: the EMF drives what current it will. */
+void test_current_of_an_emf_beyond_the_bus_is_no_lost_control(void)
+{
+    monitor_current_input_t in = beside_reference(0, -32000);
+    in.speed_mrad_s = 200000;
+    config.motor.flux_linkage_nWb = 100000000;
+    for (int n = 0; n < 100; n++) {
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, monitor_current_step(&state, &config, &in));
+    }
+    in.speed_mrad_s = -200000;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, monitor_current_step(&state, &config, &in));
+}
+
+/* A bridge that closes beside a frozen sensor has no control for 4 ms, until the observer knows the
+ * angle. */
+void test_current_at_an_angle_that_is_not_known_is_no_lost_control(void)
+{
+    monitor_current_input_t in = beside_reference(0, 16000);
+    in.angle_known = false;
+    for (int n = 0; n < 10; n++) {
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, monitor_current_step(&state, &config, &in));
+    }
+    in.angle_known = true;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, monitor_current_step(&state, &config, &in));
+}

@@ -220,3 +220,48 @@ void test_another_trip_keeps_its_name_beside_a_suspected_open_phase(void)
     in.bridge = BRIDGE_OFF;
     TEST_ASSERT_EQUAL_INT(REASON_PROGRAM_FLOW, step().fault);
 }
+
+/* The vector is 6 000 long, and 1 600 of a sum are more than a quarter of it. */
+void test_open_phase_beside_a_sum_of_the_readings_is_a_current_sensor(void)
+{
+    no_current_in_phase_a();
+    in.current_sum_pu = 1600; /* within the tolerance of the sum */
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(2).fault);
+    TEST_ASSERT_EQUAL_INT(REASON_CURRENT_SUM, step().fault);
+}
+
+/* ---- lost current control ---- */
+
+static void current_of_a_stuck_leg(void)
+{
+    in.reference_pu.q = -1000;
+    in.sampled_pu.d = config.monitor.overcurrent_pu_q15 - 1000;
+}
+
+void test_current_that_leaves_its_reference_is_an_over_current_in_the_third_step(void)
+{
+    current_of_a_stuck_leg();
+    in.voltage_limited = true;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(2).fault);
+    TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, step().fault);
+}
+
+/* 120 rad/s * 23 * 20.4 mWb = 56 V of a phase, beside 53/sqrt 3. */
+void test_current_beyond_its_reference_is_no_fault_where_the_emf_exceeds_the_bus(void)
+{
+    current_of_a_stuck_leg();
+    in.speed_mrad_s = 120000;
+    in.u_q_mV = 56304;
+    in.voltage_limited = true;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(100).fault);
+}
+
+void test_current_beyond_its_reference_is_no_fault_beside_a_warning_of_the_rotor(void)
+{
+    (void)step();
+    in.rotor_faults = 1;
+    TEST_ASSERT_EQUAL_INT(REASON_ROTOR_UNCERTAIN, step().warning);
+    current_of_a_stuck_leg();
+    in.voltage_limited = true;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(10).fault);
+}
