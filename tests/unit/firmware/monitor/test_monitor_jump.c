@@ -314,7 +314,7 @@ void test_six_milliseconds_are_watched_without_a_pause(void)
 {
     for (int pause_ms = 1; pause_ms < MONITOR_JUMP_STEPS; pause_ms++) {
         setUp();
-        for (int ms = 0; ms < MONITOR_JUMP_STEPS; ms++) {
+        for (int ms = -MONITOR_JUMP_RING; ms < MONITOR_JUMP_STEPS; ms++) {
             const bool during = ms == 2 || ms == 3;
             (void)step(during ? 45.0 : 50.0, during ? 10.0 : 0.0, ms != pause_ms);
         }
