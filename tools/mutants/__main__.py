@@ -56,10 +56,12 @@ def test_module(module: str, arguments: argparse.Namespace) -> Result:
     name = explained.names(numbered)
     same = programs.SameCode(built, folder)
 
-    def is_same_code(number: int) -> bool:
-        return name[number] not in tables.explained and same(number)
+    def settled(number: int) -> str | None:
+        if name[number] in tables.explained:
+            return None if arguments.thorough else "left"
+        return "same" if same(number) else None
 
-    left, same_code = measure.survivors(built, wanted, arguments.jobs, is_same_code, show_progress)
+    left, same_code = measure.survivors(built, wanted, arguments.jobs, settled, show_progress)
     known = {number for number in left if name[number] in tables.explained}
     rest = [number for number in left if number not in known]
     killed = len(wanted) - len(left) - len(same_code)
@@ -97,6 +99,7 @@ def main() -> int:
     parser.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)), metavar="N")
     parser.add_argument("--every", type=int, default=1, metavar="N")
     parser.add_argument("--file", metavar="NAME")
+    parser.add_argument("--thorough", action="store_true")
     parser.add_argument("--write-open", action="store_true")
     arguments = parser.parse_args()
     for module in arguments.modules:

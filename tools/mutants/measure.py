@@ -19,7 +19,7 @@ from mutants.programs import Build, MutantsError
 
 LEAST_LIMIT_MS = 200
 LIMIT_FACTOR = 10
-COMPILER_MS = 250
+SLOW_MS = 250  # of CPU time: more than it takes to compile a file
 # A program that waits without using the processor.
 WALL_LIMIT_S = 300
 
@@ -75,24 +75,26 @@ def survivors(
     build: Build,
     wanted: Collection[int],
     jobs: int,
-    is_same_code: Callable[[int], bool],
+    settled: Callable[[int], str | None],
     progress: Callable[[int, int], None],
 ) -> tuple[list[int], list[int]]:
     """Return the mutants that no program kills: those with code of their own, and the others.
 
-    The compiler costs more than a fast program and less than a slow one: it is asked between them.
+    Between the fast programs and the slow ones `settled` is asked, which may compile: "same" and
+    "left" are what the mutant then counts as, without another program.
     """
     programs = sorted((profile(path) for path in build.programs), key=lambda one: one.cpu_ms)
-    fast = [program for program in programs if program.cpu_ms < COMPILER_MS]
+    fast = [program for program in programs if program.cpu_ms < SLOW_MS]
 
     def outcome(number: int) -> str:
         met = [program for program in programs if number in program.reached]
         if any(is_killed(program, number) for program in met if program in fast):
             return "killed"
-        if is_same_code(number):
-            return "same"
         slow = (program for program in met if program not in fast)
-        return "killed" if any(is_killed(program, number) for program in slow) else "left"
+        known = settled(number)
+        if known is None and any(is_killed(program, number) for program in slow):
+            return "killed"
+        return known or "left"
 
     found: dict[str, list[int]] = {"killed": [], "same": [], "left": []}
     with ThreadPoolExecutor(jobs) as pool:

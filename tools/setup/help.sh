@@ -166,7 +166,7 @@ TEXT
 help_mutants() {
     cat <<'TEXT'
 Usage: tools/dev mutants [MODULE...] [--list] [--json FILE] [--jobs N] [--every N] [--file NAME]
-                         [--write-open]
+                         [--thorough] [--write-open]
 
 Mutation testing of firmware/modes, monitor, foc and torque (default: all four). Every relation,
 sum, constant, condition, limit and statement is changed, one at a time, and the unit tests of the
@@ -179,6 +179,7 @@ whose mutant is killed.
   --jobs N       so many at the same time; default: one for each processor
   --every N      only every Nth mutant
   --file NAME    only those of one file, e.g. monitor_speed.c
+  --thorough     what is explained meets the slow test programs (over 0.25 s) as well
   --write-open   list in tests/mutants/open_MODULE.txt what survives without an explanation
 TEXT
 }
