@@ -65,7 +65,7 @@ void test_the_brake_lets_go_of_its_own_path_as_the_demand_comes_back(void)
 }
 
 /* A valid demand has no path beside its commands: not a millinewton-metre is added to them. */
-void test_nothing_is_added_to_the_commands_of_a_valid_demand(void)
+void test_a_valid_demand_adds_zero_to_its_commands(void)
 {
     step();
     TEST_ASSERT_EQUAL_INT32(0, state.blending.added_mNm);
