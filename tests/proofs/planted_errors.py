@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Errors in the sources under proof, each of which the contract of one function must find."""
+"""Errors in the sources under proof, each of which one proof must find."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 class PlantedError:
     """A text of a source, which stands there once, and what takes its place."""
 
-    function: str  # whose proof must fail
+    function: str  # whose proof must fail, or the name of a proof in prove_composition.c
     source: str  # below firmware/
     right: str
     wrong: str
@@ -107,4 +107,44 @@ PLANTED = (
                  "        at.x_b = motor_model_x_of_airgap_b(m, airgap_b, at.d_b)",
                  "at.d_b = feasible_circle_d_b(set, airgap_b, at.d_b);\n"
                  "        at.x_b = at.d_b"),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class PlantedProofError(PlantedError):
+    """An error that a proof written in C must find, which includes the source."""
+
+    proof: str = "prove_composition.c"
+    sources: tuple[str, ...] = ("foc/emf_observer.c", "foc/sense.c")
+
+
+# Where a kernel would get what its proof does not assume.
+PLANTED_IN_PROOFS = (
+    PlantedProofError("whole_step", "foc/setpoint.c",
+                 "q_saturate16(reference.d + correction)", "reference.d + correction"),
+    PlantedProofError("whole_step", "foc/setpoint.c",
+                 "const int32_t limited_d = q_limit(d, circle->radius_q15);",
+                 "const int32_t limited_d = d;"),
+    PlantedProofError("whole_step", "foc/current_step.h",
+                 "q_pair(q_saturate16(u.alpha), q_saturate16(u.beta))", "q_pair(u.alpha, u.beta)"),
+    PlantedProofError("whole_step", "foc/current_step.h",
+                 "transforms_inverse_park(predicted, angle_applied)",
+                 "transforms_inverse_park(i, angle_applied)"),
+    PlantedProofError("whole_step", "foc/foc.c",
+                 "q_saturate13(in->bus_voltage_code) * 8", "in->bus_voltage_code * 8"),
+    PlantedProofError("whole_idle_step", "foc/idle.c",
+                 "period->i_pu = transforms_park(i,",
+                 "period->i_pu = transforms_park((ab16_t){.v = q_pair(sensed.sum_pu, 0)},"),
+    PlantedProofError("short_exit_flux", "monitor/short_exit.c",
+                   "q_max(18 - (int32_t)", "q_max(17 - (int32_t)", "prove_short_exit.c", ()),
+    PlantedProofError("short_exit_weighted", "monitor/short_exit.c",
+                   ">> 15) - flux->magnets;", ">> 15) - 2 * flux->magnets;",
+                   "prove_short_exit.c", ()),
+    PlantedProofError("short_exit_takes", "monitor/short_exit.c",
+                   "most_mV * most_mV - (int64_t)bus_mV * bus_mV", "most_mV * most_mV * 1000",
+                   "prove_short_exit.c", ()),
+    PlantedProofError("feasible_holds", "torque/feasible_torque.c",
+                   "square(motor_model_u_q_b(m, at)) <=\n           feasible_most_squared(set);",
+                   "square(motor_model_u_q_b(m, at)) ==\n           feasible_most_squared(set);",
+                   "prove_feasible.c", ()),
 )  # fmt: skip

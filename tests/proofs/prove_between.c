@@ -24,11 +24,11 @@ enum { LONGEST_CURRENT_PU = 32767, LONGEST_VOLTAGE = 32767 };
 /* The sums wrap by design and are unsigned; the addends must not overflow. */
 void prove_add_sums(void)
 {
-    /* A sampled current of any components, a voltage in the circle. */
+    /* A sampled current of any components, a voltage of any but one. */
     const dq_t i = {.d = any_within(-32768, 32767), .q = any_within(-32768, 32767)};
-    const foc_period_t period = {.i_pu = dq16_of(i),
-                                 .voltage = {.applied = dq16_of(any_vector(LONGEST_VOLTAGE))},
-                                 .v_dc_pu = any_within(0, 32760)};
+    const dq_t u = {.d = any_within(-32768, 32767), .q = any_within(-32767, 32767)};
+    const foc_period_t period = {
+        .i_pu = dq16_of(i), .voltage = {.applied = dq16_of(u)}, .v_dc_pu = any_within(0, 65528)};
     const foc_sums_t before = {.i_d_pu = nondet_uint32(),
                                .i_q_pu = nondet_uint32(),
                                .power_pu = nondet_uint32(),

@@ -13,7 +13,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import contract_harness
-from planted_errors import PLANTED, PlantedError
+import contracts
+from planted_errors import PLANTED, PLANTED_IN_PROOFS, PlantedError, PlantedProofError
 
 
 def judge(printed: str, ends: Sequence[str]) -> list[str]:
@@ -55,11 +56,32 @@ def prove(cbmc: str, chosen: str, ends: bool) -> int:
     return 1 if wrong else 0
 
 
+def refute(cbmc: str, error: PlantedProofError) -> list[str]:
+    """Return what CBMC finds wrong with a proof written in C, given an error in a source."""
+    modules = [path for path in contracts.FIRMWARE.iterdir() if path.is_dir()]
+    source = contracts.FIRMWARE / error.source
+    text = source.read_text(encoding="utf-8")
+    assert text.count(error.right) == 1, error
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / source.name
+        copy.write_text(text.replace(error.right, error.wrong), encoding="utf-8")
+        command = [
+            cbmc, "--function", f"prove_{error.function}", f"-I{folder}", f"-I{contracts.PROOFS}",
+            *(f"-I{path / 'include'}" for path in modules), *(f"-I{path}" for path in modules),
+            str(contracts.PROOFS / error.proof),
+            *(str(contracts.FIRMWARE / name) for name in error.sources),
+            *contract_harness.CHECKS, "--unwind", "70", "--verbosity", "4",
+        ]  # fmt: skip
+        done = subprocess.run(command, check=False, capture_output=True, text=True)
+    return judge(done.stdout + done.stderr, [])
+
+
 def find_planted(cbmc: str) -> int:
-    """Refute a postcondition with each planted error in the sources."""
+    """Refute a condition with each planted error in the sources."""
     missed = []
-    for error in PLANTED:
-        wrong = run(cbmc, [error.function], False, error)
+    for error in (*PLANTED, *PLANTED_IN_PROOFS):
+        in_proof = isinstance(error, PlantedProofError)
+        wrong = refute(cbmc, error) if in_proof else run(cbmc, [error.function], False, error)
         found = any(": FAILURE" in line for line in wrong)
         print(f"{'found' if found else 'MISSED'}: {error.function}: {error.wrong.strip()}")
         missed += [] if found else [error, *wrong]

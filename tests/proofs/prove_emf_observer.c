@@ -11,26 +11,11 @@ static const q_pair_t *any_axes;
 #define ANGLE_TABLE any_axes
 #include "emf_observer.h"
 #undef ANGLE_TABLE
-
-/* L_q I_base over 2 psi + 5/4 L_q I_base; poles of the tracking loop at most 5/16 of 1/T. */
-enum {
-    MOST_INDUCTANCE_Q15 = 26215,
-    MOST_STEP_Q15 = 8191,
-    MOST_LEAK_Q16 = 8192,
-    MOST_PROPORTIONAL = 18625,
-    MOST_INTEGRAL = 2910
-};
+#include "fast_ranges.h"
 
 static q_pair_t both(int32_t x)
 {
     return q_pair(x, x);
-}
-
-static ab16_t any_ab(int32_t radius)
-{
-    const dq_t v = any_vector(radius);
-    const ab16_t out = {.v = q_pair(v.d, v.q)};
-    return out;
 }
 
 static int32_t any_31_bits(void)
@@ -66,7 +51,7 @@ void prove_emf_observer_flux(void)
         .minus_resistance = both(any_within(-MOST_STEP_Q15, 0)),
         .minus_leak = both(any_within(-MOST_LEAK_Q16, 0)),
     };
-    emf_observer_step(&observer, any_ab(32767), any_current(), &tuning);
+    emf_observer_step(&observer, any_current(), any_current(), &tuning);
     PROVE(q_abs(q_pair_x(observer.x.v)) <= 32768 && q_abs(q_pair_y(observer.x.v)) <= 32768);
     PROVE(observer.alpha_q30 >= -(INT32_C(1) << 30) && observer.alpha_q30 < INT32_C(1) << 30);
     PROVE(observer.beta_q30 >= -(INT32_C(1) << 30) && observer.beta_q30 < INT32_C(1) << 30);

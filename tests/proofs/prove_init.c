@@ -6,7 +6,9 @@
  */
 #include "config/config.h"
 #include "encoder.h"
+#include "fast_ranges.h"
 #include "modulation.h"
+#include "observer_tuning.h"
 #include "proof.h"
 #include "tuning.h"
 
@@ -51,6 +53,21 @@ void prove_dead_time_counts(void)
     const int32_t counts = modulation_dead_time_counts(&config, any_within(1000000, 2000000000));
     PROVE(counts >=
           0); /* and an eighth of the longest period at most, 2048: the validator's relation */
+    PROOF_END();
+}
+
+/* Constants as observer_constants() clamps them. */
+void prove_observer_tuning(void)
+{
+    config_t config;
+    config.motor.resistance_coefficient_ppm_K = any_within(0, 10000);
+    config.motor.reference_temperature_cC = any_within(-5000, 15000);
+    const observer_constants_t constants = {.resistance_q15 = any_within(0, MOST_STEP_Q15),
+                                            .volt_q15 = any_within(0, MOST_STEP_Q15)};
+    const observer_leak_t leak = {.leak_q24 = any_within(0, 1 << 21)};
+    const observer_tuning_t out = observer_tuning(&constants, &leak, &config, nondet_int32(),
+                                                  nondet_uint16(), any_within(-100000, 100000));
+    PROVE(observer_tuning_holds(&out));
     PROOF_END();
 }
 

@@ -7,12 +7,13 @@
 
 static ab_t any_vector_in_circle(void)
 {
-    const ab_t x = {.alpha = any_within(-32769, 32769), .beta = any_within(-32769, 32769)};
+    const ab_t x = {.alpha = any_within(-32775, 32775), .beta = any_within(-32775, 32775)};
     const int32_t across = (x.beta * TRANSFORMS_SQRT3_2_Q15) >> 14;
-    /* sqrt 3 times the unit, doubled: the circle's tangents across the three line voltages. */
-    ASSUME(2 * across <= 113515 && 2 * across >= -113515);
-    ASSUME(3 * x.alpha - across <= 113515 && 3 * x.alpha - across >= -113515);
-    ASSUME(3 * x.alpha + across <= 113515 && 3 * x.alpha + across >= -113515);
+    /* sqrt 3 times the unit, doubled: the circle's tangents across the three line voltages, for a
+     * vector of length 32 773.83 (SOUNDNESS.md, Lengths of vectors) and the rounding here. */
+    ASSUME(2 * across <= 113534 && 2 * across >= -113534);
+    ASSUME(3 * x.alpha - across <= 113534 && 3 * x.alpha - across >= -113534);
+    ASSUME(3 * x.alpha + across <= 113534 && 3 * x.alpha + across >= -113534);
     return x;
 }
 

@@ -4,6 +4,7 @@
  */
 #include "core/circle.h"
 #include "current_predictor.h"
+#include "fast_ranges.h"
 #include "proof.h"
 #include "reference_prefilter.h"
 
@@ -75,31 +76,66 @@ void prove_reference_in_the_largest_circle(void)
     PROOF_END();
 }
 
+static reference_change_t any_change(void)
+{
+    reference_change_t out;
+    ASSUME(change_holds(&out));
+    return out;
+}
+
 /* The largest coefficients of the initialisation (tests/unit); the products of smaller ones are
  * smaller. */
 void prove_change_of_reference(void)
 {
-    reference_prefilter_t prefilter = {
-        .one_minus_b0_q15 = 16384,
-        .minus_b2_q15 = 9400,
-        .reference_pu = {.d = any_within(-32768, 32768), .q = any_within(-32768, 32768)},
-        .change_pu = {.d = any_within(-65536, 65536), .q = any_within(-65536, 65536)},
-    };
-    current_predictor_t predictor = {
-        .first_q15 = 4096,
-        .second_q15 = 4096,
-        .weight_q15 = 17040,
-        .target_first_q15 = 27525,
-        .target_second_q15 = 11141,
-    };
+    reference_prefilter_t prefilter;
+    current_predictor_t predictor;
+    ASSUME(prefilter_holds(&prefilter) && predictor_holds(&predictor));
+    prefilter.one_minus_b0_q15 = MOST_ONE_MINUS_B0_Q15;
+    prefilter.minus_b2_q15 = MOST_MINUS_B2_Q15;
+    predictor.first_q15 = MOST_SHARE_Q15;
+    predictor.second_q15 = MOST_SHARE_Q15;
     const dq_t reference = {.d = any_within(-32768, 32768), .q = any_within(-32768, 32768)};
+    const dq_t mean = {.d = any_within(-32768, 32767), .q = any_within(-32768, 32767)};
     const reference_change_t change = reference_prefilter_take(&prefilter, reference);
     PROVE(prefilter.reference_pu.d == reference.d && prefilter.reference_pu.q == reference.q);
+    PROVE(prefilter_holds(&prefilter) && change_holds(&change));
     const dq_t out = reference_prefilter_output(&prefilter, &change);
-    current_predictor_change(&predictor, &change, reference, true);
-    (void)current_predictor_target(&predictor, &change);
-    PROVE(out.d >= -131072 && out.d <= 131072);
-    PROVE(out.q >= -131072 && out.q <= 131072);
+    current_predictor_change(&predictor, &change, mean, nondet_bool());
+    const dq_t predicted = dq_of(predictor.predicted_pu);
+    PROVE(within(mean.d - predicted.d, Q15_MIN, Q15_ONE));
+    PROVE(within(mean.q - predicted.q, Q15_MIN, Q15_ONE));
+    PROVE(vector_holds(out, 131072));
     PROVE(!prefilter.settled || (out.d == reference.d && out.q == reference.q));
     PROOF_END();
+}
+
+/* The target is linear in each of the two coefficients, so it is largest at the ends of their
+ * ranges; the other products are smaller. */
+static void prove_target_with(int32_t first_q15, int32_t second_q15)
+{
+    const current_predictor_t predictor = {.target_first_q15 = first_q15,
+                                           .target_second_q15 = second_q15};
+    const reference_change_t change = any_change();
+    PROVE(vector_holds(current_predictor_target(&predictor, &change), MOST_TARGET_PU));
+    PROOF_END();
+}
+
+void prove_target_of_the_least_coefficients(void)
+{
+    prove_target_with(LEAST_TARGET_FIRST_Q15, LEAST_TARGET_SECOND_Q15);
+}
+
+void prove_target_of_the_least_and_the_largest(void)
+{
+    prove_target_with(LEAST_TARGET_FIRST_Q15, MOST_TARGET_SECOND_Q15);
+}
+
+void prove_target_of_the_largest_and_the_least(void)
+{
+    prove_target_with(MOST_TARGET_FIRST_Q15, LEAST_TARGET_SECOND_Q15);
+}
+
+void prove_target_of_the_largest_coefficients(void)
+{
+    prove_target_with(MOST_TARGET_FIRST_Q15, MOST_TARGET_SECOND_Q15);
 }

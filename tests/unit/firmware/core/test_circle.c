@@ -21,6 +21,7 @@ void test_result_exceeds_the_circle_by_at_most_the_rounding_of_the_table(void)
         const double y = circle_other_q15(x);
         TEST_ASSERT_TRUE(y >= 0.0 && y <= 32768.0);
         TEST_ASSERT_TRUE(y <= true_other(32768.0, x) + 1.0);
+        TEST_ASSERT_TRUE((double)x * x + y * y <= 32768.0 * 32768.0);
     }
 }
 

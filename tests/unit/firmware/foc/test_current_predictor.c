@@ -103,7 +103,7 @@ void test_coefficients_are_in_the_range_that_the_proofs_assume(void)
             TEST_ASSERT_TRUE(predictor.first_q15 >= 0 && predictor.first_q15 <= 4096);
             TEST_ASSERT_TRUE(predictor.second_q15 >= 0 && predictor.second_q15 <= 4096);
             TEST_ASSERT_TRUE(predictor.weight_q15 >= 0 && predictor.weight_q15 <= 17040);
-            TEST_ASSERT_TRUE(predictor.target_first_q15 >= 0 &&
+            TEST_ASSERT_TRUE(predictor.target_first_q15 >= 25000 &&
                              predictor.target_first_q15 <= 27525);
             TEST_ASSERT_TRUE(predictor.target_second_q15 >= 0 &&
                              predictor.target_second_q15 <= 11141);
