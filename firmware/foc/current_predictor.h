@@ -26,11 +26,12 @@ static inline int32_t current_predictor_share(int32_t share_q15, int32_t change)
 }
 
 /* A settled current moved from `last` to `settled` with a change of the reference by `total`: the
- * remaining change grows by `total`. It stays within 16 bits. */
+ * remaining change grows by `total`. Result and remaining change stay within 16 bits: at an end of
+ * the range a changed sampling correction would take the result up to 200 LSB beyond. */
 static inline int32_t current_predictor_moved(int32_t predicted, int32_t last, int32_t settled,
                                               int32_t total)
 {
-    return settled - q_saturate16(last - predicted + total);
+    return q_saturate16(settled - q_saturate16(last - predicted + total));
 }
 
 /* The reference has changed. settled: mean current once it is reached, inside the unit circle

@@ -260,7 +260,7 @@ static int32_t circle_other_by_contract(const circle_t *circle, int32_t x)
 }
 #define circle_other circle_other_by_contract
 
-/* prove_change_of_reference; that the predicted current stays within 16 bits: tests. */
+/* prove_change_of_reference */
 static void current_predictor_change_by_contract(current_predictor_t *predictor,
                                                  const reference_change_t *change, dq_t settled,
                                                  bool in_first_periods)

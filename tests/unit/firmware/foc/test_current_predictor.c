@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Current predictor against the designed response. */
 #include "design_response.h"
+#include "foc/foc.h"
 #include "prefilter_rig.h"
 
 void setUp(void)
@@ -152,6 +153,30 @@ void test_the_predicted_current_stays_in_the_unit_circle_for_references_inside_i
             TEST_ASSERT_TRUE(hypot(expected.d, expected.q) <= 32768.0 + 24.0);
         }
     }
+}
+
+/* At the end of the d axis a changed sampling correction would move it further than a packed pair
+ * can hold: on the Cortex-M4 its sign would turn round. */
+void test_the_predicted_current_stays_within_16_bits_when_the_correction_changes(void)
+{
+    config.current_loop.bandwidth_Hz = BANDWIDTHS_Hz[BANDWIDTHS - 1];
+    start();
+    random_t random = random_seeded(1992);
+    dq_t reference = {.d = 0, .q = 0};
+    dq_t mean = reference;
+    int32_t lowest = 0;
+    for (int n = 0; n < 200000; n++) {
+        if (random_chance(&random, 0.4)) {
+            const double correction = random_real(&random, 0.0, FOC_SAMPLING_CORRECTION_PU);
+            reference.d = random_chance(&random, 0.7) ? -32735 : (int32_t)(-correction * 163.0);
+            mean.d = q_saturate16(reference.d - (int32_t)correction);
+        }
+        (void)shape(&prefilter, &predictor, reference, mean);
+        const dq_t expected = dq_of(current_predictor_step(&predictor));
+        TEST_ASSERT_TRUE(expected.d >= INT16_MIN && expected.d <= INT16_MAX);
+        lowest = expected.d < lowest ? expected.d : lowest;
+    }
+    TEST_ASSERT_TRUE(lowest < -32700); /* the end was reached */
 }
 
 static int32_t nearest_q15(double x_q24)
