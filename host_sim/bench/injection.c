@@ -156,3 +156,9 @@ double injection_hydraulic_nm(const fault_params_t *p, injection_t *state, doubl
     state->next_command = (state->next_command + 1) % length;
     return state->commands_nm[seen];
 }
+
+double injection_report_nm(const fault_params_t *p, double reported_nm, double largest_nm)
+{
+    return p->hydraulic_report_stuck > ON ? p->hydraulic_report_shown * largest_nm
+                                          : reported_nm + p->hydraulic_report_offset * largest_nm;
+}

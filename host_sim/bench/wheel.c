@@ -180,14 +180,25 @@ static const fault_params_t *program_fault(const wheel_t *wheel, const wheel_wor
     return wheel->has_broken_program ? &world->params->fault : NULL;
 }
 
+/* Of the hydraulic brake's torque sensor; what is wrong with it shows in new messages only. */
+static brake_sensor_report_t brake_report(wheel_t *wheel, const bench_params_t *params)
+{
+    brake_sensor_report_t *report = &wheel->brake_sensor.report;
+    brake_sensor_step(&params->brake_sensor, &wheel->brake_sensor, wheel->brake_capacity_nm);
+    if (wheel->is_faulty && report->age_ms == 0) {
+        report->torque_nm = injection_report_nm(&params->fault, report->torque_nm,
+                                                params->brake.max_hydraulic_torque_nm);
+    }
+    return *report;
+}
+
 void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t *order)
 {
     warm(wheel, world);
     pmsm_rest(&wheel->rotor);
     wheel->fault.offset_a =
         world->params->wheel[wheel->index].current_offset_a + order->current_drift_a;
-    const brake_sensor_report_t brake = brake_sensor_step(
-        &world->params->brake_sensor, &wheel->brake_sensor, wheel->brake_capacity_nm);
+    const brake_sensor_report_t brake = brake_report(wheel, world->params);
     slow_input_t in = {
         .demand = {.drive_torque_mNm = rounded(order->drive_nm, MILLI),
                    .brake_torque_mNm = rounded(order->brake_nm, MILLI),

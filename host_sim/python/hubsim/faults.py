@@ -15,7 +15,8 @@ from typing import Any
 
 from hubsim.errors import HubsimError
 
-TABLES = tuple(Path(__file__).with_name(name) for name in ("faults.toml", "faults_links.toml"))
+NAMES = ("faults.toml", "faults_program.toml", "faults_links.toml")
+TABLES = tuple(Path(__file__).with_name(name) for name in NAMES)
 EXPECTED = Path(__file__).with_name("expected_reasons.toml")
 MEASURED_SUFFIX = "_measured"
 MEASURED = {"brake_sensor.fitted": 1.0}

@@ -76,4 +76,7 @@ void injection_fast(const fault_params_t *params, injection_t *state,
  * params->hydraulic_late_s. */
 double injection_hydraulic_nm(const fault_params_t *params, injection_t *state, double command_nm);
 
+/* What the hydraulic brake's sensor reports, a share of its largest torque more, or stuck. */
+double injection_report_nm(const fault_params_t *params, double reported_nm, double largest_nm);
+
 #endif

@@ -18,7 +18,7 @@
 #define BRAKE_SENSOR_PARAMETERS(X) \
     X(fitted,      0.0,  1.0,  "",    "1: each wheel's hydraulic torque is measured and reported") \
     X(period_s,    0.0,  1.0,  "s",   "of the message; 0: every millisecond") \
-    X(delay_s,     0.0,  0.25, "s",   "from the torque to the message that reports it") \
+    X(delay_s,     0.0,  0.5,  "s",   "from the torque to the message that reports it") \
     X(gain_error, -1.0,  1.0,  "1",   "share by which the sensor shows too much") \
     X(offset_nm,  -1e5,  1e5,  "N m", "added to what it shows") \
     X(stuck,       0.0,  1.0,  "",    "1: it goes on showing what it showed last") \
@@ -30,7 +30,7 @@ typedef struct {
     BRAKE_SENSOR_PARAMETERS(PLANT_PARAMETER_MEMBER)
 } brake_sensor_params_t;
 
-enum { BRAKE_SENSOR_DELAY_MS_MAX = 250 };
+enum { BRAKE_SENSOR_DELAY_MS_MAX = 500 };
 
 /* The last message, and how many milliseconds ago it came. */
 typedef struct {

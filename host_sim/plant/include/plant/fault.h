@@ -100,6 +100,9 @@
     X(hydraulic_late_s,      0.0,   1.0,    "s",   "dead time of the hydraulic brake added") \
     X(hydraulic_drag,        0.0,   100.0,  "1", \
       "brake torque that never releases, share of the largest hydraulic torque") \
+    X(hydraulic_report_stuck, 0.0, 1.0,    "",    "1: its sensor shows hydraulic_report_shown") \
+    X(hydraulic_report_shown, 0.0, 1.0,    "1",   "of the largest hydraulic torque") \
+    X(hydraulic_report_offset, -1.0, 1.0,  "1",   "of the largest hydraulic torque, added") \
     LINK_FAULT_PARAMETERS(X) \
     PROGRAM_FAULT_PARAMETERS(X)
 /* clang-format on */

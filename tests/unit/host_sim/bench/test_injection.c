@@ -35,6 +35,17 @@ void test_a_late_hydraulic_brake_gets_the_command_of_so_many_milliseconds_before
     }
 }
 
+void test_a_wrong_report_of_the_brake_is_off_by_a_share_of_the_largest_torque_or_stuck_at_one(void)
+{
+    TEST_ASSERT_EQUAL_DOUBLE(40.0, injection_report_nm(&fault, 40.0, 300.0));
+    fault.hydraulic_report_offset = -0.125;
+    TEST_ASSERT_EQUAL_DOUBLE(2.5, injection_report_nm(&fault, 40.0, 300.0));
+    fault.hydraulic_report_shown = 0.75; /* not yet stuck */
+    TEST_ASSERT_EQUAL_DOUBLE(2.5, injection_report_nm(&fault, 40.0, 300.0));
+    fault.hydraulic_report_stuck = 1.0;
+    TEST_ASSERT_EQUAL_DOUBLE(225.0, injection_report_nm(&fault, 40.0, 300.0));
+}
+
 void test_the_slow_step_that_has_stopped_keeps_its_messages_until_their_counter_is_missed(void)
 {
     fault.slow_stopped = 1.0;
