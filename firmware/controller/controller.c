@@ -211,7 +211,7 @@ static modes_output_t decide_mode(controller_slow_t *slow, const config_t *confi
         warning = REASON_NONE; /* steps out of order contradict any rotor sensor */
     }
     if (warning == REASON_NONE && !slow->rotor.sensor_wrong && !gain_suspected(slow)) {
-        warning = slow->torque.blending.watch.reason;
+        warning = brake_blending_finding(&slow->torque.blending);
     }
     warning = warning == REASON_NONE ? demand_warning : warning;
     warning = warning == REASON_NONE ? watch->flux_warning : warning;

@@ -195,8 +195,9 @@ static hydraulic_feedback_out_t hydraulic_torque(brake_blending_state_t *state,
     const hydraulic_watch_input_t seen = {
         .speed_mrad_s = in->speed_mrad_s,
         .motor_mNm = in->motor_achieved_mNm,
-        .modelled_mNm =
-            now.used && !feedback->confirmed ? now.torque_mNm : hydraulic_model_torque_mNm(model),
+        .modelled_mNm = now.used && !feedback->confirmed && feedback->outside_ms == 0
+                            ? now.torque_mNm
+                            : hydraulic_model_torque_mNm(model),
         .commanded_mNm = hydraulic_model_torque_mNm(model),
         .uncertain_mNm = q_abs(hydraulic_model_early_mNm(model) - hydraulic_model_late_mNm(model)) +
                          (now.used ? q_abs(feedback->change_mNm) : 0),
@@ -210,6 +211,11 @@ static hydraulic_feedback_out_t hydraulic_torque(brake_blending_state_t *state,
     hydraulic_watch_step(&state->watch, config, &seen);
     if (state->watch.confirms_report && !feedback->confirmed) {
         feedback->heal_ms = 0;
+    }
+    if (state->watch.refutes_report) {
+        feedback->refuted = true;
+        feedback->good = false;
+        feedback->heal_ms = HYDRAULIC_FEEDBACK_HEAL_ms;
     }
     feedback->confirmed = state->watch.confirms_report;
     return now;
@@ -285,9 +291,10 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
     const int32_t hydraulic_mNm = q_min(commanded_mNm, brake->max_hydraulic_torque_mNm);
     hydraulic_model_step(&state->hydraulic, config, hydraulic_mNm + state->added_mNm);
     const hydraulic_feedback_out_t now = hydraulic_torque(state, config, in);
-    /* What only the deceleration shows is a warning: a slope, a tow or a test bench that holds the
-     * speed looks the same, and the motor would brake beside a brake that works. */
-    const bool makes_up = now.used && hydraulic_watch_is_short(&state->watch);
+    /* What only the deceleration or only the reports show is a warning: a slope, a tow or a wrong
+     * sensor looks the same, and the motor would brake beside a brake that works. */
+    const bool makes_up = now.used && hydraulic_watch_is_short(&state->watch) &&
+                          (state->watch.confirms_report || !state->watch.by_report);
     const torque_limits_classes_t most =
         makes_up ? beyond_strategy(config, limits, in->speed_mrad_s) : bounds;
     int32_t bound_mNm = q_min(makes_up ? most.hard_mNm : q_min(most.hard_mNm, share_mNm),

@@ -9,6 +9,7 @@ enum {
     MODEL_LOG2 = 4,
     OUTSIDE_SHARE = 4, /* of the tolerance, for a gain outside the band */
     LEARN_LOG2 = 2,    /* share of the way to a new interval that one report goes */
+    RELEARN_LOG2 = 4,  /* and of that, where it contradicts what was learned */
     MOST_mNm = 1 << 25
 };
 
@@ -72,6 +73,7 @@ static int32_t towards(int32_t from, int32_t to)
 static void learn(hydraulic_feedback_state_t *state, const config_t *config,
                   const possible_t *could, int32_t report_mNm)
 {
+    const int32_t relearn_log2 = state->outside_ms > 0 ? 0 : RELEARN_LOG2;
     const config_brake_t *brake = &config->brake;
     /* Resolution of the sensor, and of the models while they differ. */
     const int32_t noise_mNm = (brake->max_hydraulic_torque_mNm >> (SIGNIFICANT_LOG2 + 3)) +
@@ -88,12 +90,14 @@ static void learn(hydraulic_feedback_state_t *state, const config_t *config,
                                               lowest_q15, highest_q15)
                                     : highest_q15;
     if (at_least_q15 > state->least_q15) {
-        state->least_q15 = towards(state->least_q15, at_least_q15);
-        state->most_q15 = q_max(state->most_q15, state->least_q15);
+        const int32_t least_q15 = towards(state->least_q15, at_least_q15);
+        state->most_q15 += q_max(least_q15 - state->most_q15, 0) >> relearn_log2;
+        state->least_q15 = q_min(least_q15, state->most_q15);
     }
     if (at_most_q15 < state->most_q15) {
-        state->most_q15 = towards(state->most_q15, at_most_q15);
-        state->least_q15 = q_min(state->least_q15, state->most_q15);
+        const int32_t most_q15 = towards(state->most_q15, at_most_q15);
+        state->least_q15 -= q_max(state->least_q15 - most_q15, 0) >> relearn_log2;
+        state->most_q15 = q_max(most_q15, state->least_q15);
     }
     state->gain_q15 = q_clamp(state->gain_q15, state->least_q15, state->most_q15);
 }
@@ -168,6 +172,7 @@ static void watch(hydraulic_feedback_state_t *state, const config_t *config)
     if (state->good && !missing) {
         state->bad_ms = 0;
         state->heal_ms = q_max(state->heal_ms - 1, 0);
+        state->refuted = state->refuted && state->heal_ms > 0;
         return;
     }
     state->bad_ms = q_min(state->bad_ms + 1, INT32_MAX - 1);
@@ -189,14 +194,21 @@ hydraulic_feedback_out_t hydraulic_feedback_step(hydraulic_feedback_state_t *sta
     state->now = (state->now + 1U) % (HYDRAULIC_FEEDBACK_PAST_ms + 1);
     state->model_mNm[state->now] = modelled_mNm;
     if (brake->hydraulic_timeout_ms > 0 && arrived(state, report)) {
-        const possible_t could =
+        possible_t could =
             possible(config, model, modelled_ago_mNm(state, brake->hydraulic_report_delay_ms));
         state->contradicts_mNm =
             contradiction_mNm(&could, report->torque_mNm, brake->hydraulic_tolerance_mNm);
+        /* Short of what the learned gain makes, or beyond the band. */
+        could.least_mNm = times_q15(could.smaller_mNm, state->least_q15);
         count_outside(state, contradiction_mNm(&could, report->torque_mNm,
                                                brake->hydraulic_tolerance_mNm / OUTSIDE_SHARE));
-        state->good = state->contradicts_mNm == 0 || state->confirmed;
-        if (state->contradicts_mNm == 0) {
+        state->good = state->confirmed ||
+                      (state->contradicts_mNm == 0 && !(state->refuted && state->outside_ms != 0));
+        const bool beyond_band = state->outside_ms < 0 && !state->confirmed &&
+                                 state->least_q15 <= ONE_Q15 - brake->hydraulic_gain_band_q15;
+        if (beyond_band && state->outside_ms < -brake->hydraulic_timeout_ms) {
+            forget_gain(state, config);
+        } else if (state->contradicts_mNm == 0 && !state->refuted && !beyond_band) {
             learn(state, config, &could, state->report_mNm);
         }
     }
@@ -212,7 +224,11 @@ hydraulic_feedback_out_t hydraulic_feedback_step(hydraulic_feedback_state_t *sta
         const int32_t ago_ms = state->since_ms + brake->hydraulic_report_delay_ms;
         const int32_t change_mNm =
             since_report_mNm(state, q_min(ago_ms, HYDRAULIC_FEEDBACK_PAST_ms));
-        out.torque_mNm = q_max(state->report_mNm + change_mNm, 0);
+        /* A report that is short of the commands does not raise the motor torque by itself. */
+        const bool doubted = state->outside_ms < 0 && !state->confirmed;
+        const int32_t least_mNm =
+            doubted ? out.torque_mNm - brake->hydraulic_tolerance_mNm / OUTSIDE_SHARE : 0;
+        out.torque_mNm = q_max(state->report_mNm + change_mNm, q_max(least_mNm, 0));
     }
     return out;
 }

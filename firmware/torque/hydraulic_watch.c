@@ -307,8 +307,9 @@ static void decide_report(hydraulic_watch_t *watch, const hydraulic_watch_input_
                 end_mNm_ms);
     if (watch->report_mNm_ms >= end_mNm_ms) {
         watch->confirms_report = true;
-    } else if (watch->by_report && watch->report_mNm_ms <= -end_mNm_ms) {
+    } else if (watch->report_mNm_ms <= -end_mNm_ms && (watch->by_report || in->outside_ms != 0)) {
         end_by_report(watch, false);
+        watch->refutes_report = true;
     }
 }
 
@@ -325,15 +326,13 @@ static bool agrees(hydraulic_watch_t *watch, const config_brake_t *brake,
     return watch->agrees_ms > brake->hydraulic_timeout_ms;
 }
 
-/* Reports that are no longer used have shown a brake to be wrong, by the model against them. As
- * long as they are used they are what is expected. The deceleration is to decide, so the road
- * waits. */
+/* Reports show a brake to be wrong. The deceleration is to decide, so the road waits. */
 static bool is_undecided(const hydraulic_watch_t *watch, const config_brake_t *brake,
                          const hydraulic_watch_input_t *in)
 {
-    return watch->by_report && !watch->confirms_report &&
-           q_abs(in->modelled_mNm - in->reported_mNm) >
-               brake->hydraulic_tolerance_mNm / AGREES_SHARE;
+    const bool differs =
+        q_abs(in->modelled_mNm - in->reported_mNm) > brake->hydraulic_tolerance_mNm / AGREES_SHARE;
+    return !watch->confirms_report && (in->outside_ms != 0 || (watch->by_report && differs));
 }
 
 /* A brake that its reports show to be wrong, as long as they do. A short one, for which the motor
@@ -381,6 +380,7 @@ void hydraulic_watch_step(hydraulic_watch_t *watch, const config_t *config,
         clear_sums(watch);
     }
     age(watch);
+    watch->refutes_report = false;
     watch->pause_ms = in->trusted ? q_max(watch->pause_ms - 1, 0) : HYDRAULIC_WATCH_PAUSE_ms;
     if (brake->hydraulic_watch_inertia_g_m2 == 0 || !rolls(watch, config, in) || !in->trusted) {
         watch->rolls = false;
@@ -436,7 +436,7 @@ void hydraulic_watch_step(hydraulic_watch_t *watch, const config_t *config,
         watch->by_report = hydraulic_watch_is_short(watch) ||
                            watch->reason == REASON_HYDRAULIC_STRONG ||
                            watch->reason == REASON_HYDRAULIC_STUCK;
-        if (undecided) {
+        if (undecided && !hidden) {
             decide_report(watch, in, lacking_mNm, enough_mNm_ms);
         }
         return;
@@ -467,7 +467,7 @@ void hydraulic_watch_step(hydraulic_watch_t *watch, const config_t *config,
             : 0;
     watch->excess_mNm_ms =
         watch->provisional ? 0 : hydraulic_summed(watch->excess_mNm_ms, excess_mNm, end_mNm_ms);
-    if (in->reported && in->contradicts_mNm != 0) {
+    if (in->reported && !hidden && (undecided || in->contradicts_mNm != 0)) {
         decide_report(watch, in, lacking_mNm, enough_mNm_ms);
     } else {
         watch->report_mNm_ms = 0;

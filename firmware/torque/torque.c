@@ -66,6 +66,7 @@ static bool hydraulic_is_seen(const torque_limits_t *table, const torque_input_t
 {
     const reason_t reason = in->torque_enable.reason;
     const bool healthy = reason == REASON_NONE || reason == REASON_TORQUE_ENABLE ||
+                         reason == REASON_HYDRAULIC_FEEDBACK ||
                          (reason >= REASON_HYDRAULIC_WEAK && reason <= REASON_HYDRAULIC_LATE);
     return in->rotor_valid && healthy &&
            table->braking[TORQUE_LINE_ABS].torque_mNm == FEASIBLE_UNBOUNDED;

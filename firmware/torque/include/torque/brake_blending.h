@@ -105,6 +105,17 @@ typedef struct {
  */
 void brake_blending_init(brake_blending_state_t *state, const config_t *config);
 
+/* What is found of the hydraulic brake or of its reports.
+ *
+ * @post result == state->watch.reason || state->watch.reason == REASON_NONE
+ */
+static inline reason_t brake_blending_finding(const brake_blending_state_t *state)
+{
+    const bool lost = state->feedback.seen && state->feedback.heal_ms > 0;
+    return state->watch.reason == REASON_NONE && lost ? REASON_HYDRAULIC_FEEDBACK
+                                                      : state->watch.reason;
+}
+
 /* The hydraulic command that is sent in place of the split's, larger by hill hold and lift-off.
  *
  * @pre hydraulic_mNm >= 0

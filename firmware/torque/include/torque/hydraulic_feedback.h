@@ -6,14 +6,18 @@
  * A brake whose dead time and lag are between half and twice the configured ones makes of its
  * commands a torque between gain * early and gain * late (hydraulic_model.h). So every report gives
  * an interval of gains: report / larger .. report / smaller of the two models. The learned interval
- * moves to it, and the gain no further than into the interval. While the torque changes fast the
- * interval is wide and nothing is learned from lateness; once the models agree it is narrow.
+ * moves to it, slowly where the two contradict each other, and the gain no further than into it.
+ * While the torque changes fast the interval is wide and nothing is learned from lateness; once the
+ * models agree it is narrow.
  *
  * A report counts as implausible beyond the range of the brake, or beyond what gains 1 -+
  * brake.hydraulic_gain_band make of the commands, by more than brake.hydraulic_tolerance. After
  * brake.hydraulic_timeout of missing or implausible reports the feedback is not used, the learned
  * gain is forgotten (implausible) or kept (missing), and the model stands in; feedback returns
- * after HYDRAULIC_FEEDBACK_HEAL_ms of plausible reports. Equations: README, Hydraulic feedback.
+ * after HYDRAULIC_FEEDBACK_HEAL_ms of plausible reports. A report short of the learned gain by a
+ * quarter of the tolerance counts as the model less that quarter until the deceleration confirms
+ * it, so that a wrong sensor does not raise the motor torque. Equations: README, Hydraulic
+ * feedback.
  */
 #ifndef TORQUE_HYDRAULIC_FEEDBACK_H
 #define TORQUE_HYDRAULIC_FEEDBACK_H
@@ -38,7 +42,9 @@ typedef struct {
     bool seen;                             /* a valid report has come since the start */
     bool good;                             /* the last one was plausible */
     bool confirmed;          /* reports beyond the band are right: hydraulic_watch.h */
-    int32_t outside_ms;      /* reports are outside the band for so long; < 0: short of it */
+    bool refuted;            /* they are wrong, until they agree for the heal time */
+    int32_t outside_ms;      /* reports are beyond the band, < 0: short of the learned gain, for
+                                so long */
     int32_t contradicts_mNm; /* the last report beyond (> 0) or short of (< 0) what the commands
                                 explain */
 } hydraulic_feedback_state_t;

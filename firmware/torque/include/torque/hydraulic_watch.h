@@ -26,11 +26,11 @@
  * brake that fails later, and is acquired anew once no torque is commanded.
  *
  * With reports of the torque that contradict the commands, the deceleration decides which of the
- * two is wrong; a third of the sum suffices. A finding corrects the torque that is expected from
- * then on, so that its opposite ends it; an acknowledgement at rest ends it as well. A brake that
- * its reports show to be short is so until they agree, for brake.hydraulic_timeout, with a command
- * large enough to tell, or are missing. Derivation and bound of false alarms: README, Watch of the
- * hydraulic brake.
+ * two is wrong, by half of their difference; a third of the sum suffices. A finding corrects the
+ * torque that is expected from then on, so that its opposite ends it; an acknowledgement at rest
+ * ends it as well. A brake that its reports show to be short is so until they agree, for
+ * brake.hydraulic_timeout, with a command large enough to tell, or are missing. Derivation and
+ * bound of false alarms: README, Watch of the hydraulic brake.
  */
 #ifndef TORQUE_HYDRAULIC_WATCH_H
 #define TORQUE_HYDRAULIC_WATCH_H
@@ -65,7 +65,7 @@ typedef struct {
     int32_t uncertain_mNm;   /* between a brake twice as early and one twice as late, >= 0 */
     int32_t contradicts_mNm; /* report beyond (> 0) or short of (< 0) what the commands explain */
     int32_t reported_mNm;    /* last report, magnitude */
-    int32_t outside_ms;      /* used reports are beyond (> 0) or short of (< 0) the learned band */
+    int32_t outside_ms;      /* used reports are beyond (> 0) the band, short of (< 0) the gain */
     bool reported;           /* reports arrive in time */
     bool trusted;            /* speed and motor torque are valid, and no wheel slips */
     bool acknowledged;       /* by the driver, at rest */
@@ -95,6 +95,7 @@ typedef struct {
     bool provisional;     /* the road was acquired while the hydraulic brake made torque */
     bool by_report;       /* found by reports that are used */
     bool confirms_report; /* the deceleration agrees with reports that contradict the commands */
+    bool refutes_report;  /* in this step it has shown them to be wrong */
 } hydraulic_watch_t;
 
 /* @post watch->reason == REASON_NONE && watch->gain_q15 == 32768 && watch->weight_q15 == 32768 &&

@@ -8,8 +8,9 @@
 static const double INERTIA_KG_M2 = 10.3, PER_MS = 1e-3;
 enum { COAST_ms = 1500, DEMAND_mNm = 64000, OPTIMUM_mNm = 24000 };
 
-static double speed_rad_s, gain;
+static double speed_rad_s, gain, shown; /* shown: share of its torque that the sensor reports */
 static bool reports;
+static int period_ms, now_ms; /* of the reports */
 static brake_blending_out_t out;
 
 void setUp(void)
@@ -36,7 +37,10 @@ void setUp(void)
     in.acknowledged = false;
     speed_rad_s = 150.0;
     gain = 1.0;
+    shown = 1.0;
     reports = true;
+    period_ms = 1;
+    now_ms = 0;
     out.electric_mNm = 0;
     out.hydraulic_mNm = 0;
 }
@@ -54,14 +58,18 @@ static void run(int duration_ms)
         in.speed_mrad_s = (int32_t)lround(speed_rad_s * 1e3);
         motor_follows(out.electric_mNm);
         in.hydraulic.valid = reports;
-        in.hydraulic.torque_mNm = (int32_t)lround(made_mNm);
-        in.hydraulic.age_ms = 0;
+        in.hydraulic.age_ms = (uint32_t)(now_ms % period_ms);
+        if (in.hydraulic.age_ms == 0U) {
+            in.hydraulic.torque_mNm = (int32_t)lround(shown * made_mNm);
+        }
+        now_ms++;
         out = step();
     }
 }
 
 /* Half of 40 N m: short of what a gain in its band explains by 10 N m, less than the tolerance, so
- * the reports are used. Then the motor makes what is missing, beyond its loss optimum. */
+ * the reports are used. Once the deceleration agrees (half of the 20 N m, beyond a third of
+ * 4.9 N m s: 0.2 s) the motor makes what is missing, beyond its loss optimum. */
 void test_motor_makes_up_for_a_brake_whose_used_reports_are_short_of_its_band(void)
 {
     run(COAST_ms);
@@ -71,6 +79,8 @@ void test_motor_makes_up_for_a_brake_whose_used_reports_are_short_of_its_band(vo
     TEST_ASSERT_INT32_WITHIN(1, DEMAND_mNm, out.electric_mNm + out.hydraulic_mNm);
     gain = 0.5;
     run(100);
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_WEAK, state.watch.reason);
+    run(200);
     for (int n = 0; n < HYDRAULIC_WATCH_SETTLE_ms / 2; n++) {
         run(1);
         TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_WEAK, state.watch.reason);
@@ -131,4 +141,50 @@ void test_deceleration_alone_does_not_raise_the_motor_torque(void)
     run(600);
     TEST_ASSERT_TRUE(hydraulic_watch_is_short(&state.watch));
     assert_split(OPTIMUM_mNm, DEMAND_mNm - OPTIMUM_mNm, REASON_LOSS_OPTIMUM, out);
+}
+
+/* A sensor that shows less than the brake makes, from the first command on or later: the sum is
+ * beyond the demand by a tenth for less than 100 ms. Then the sensor has the blame. */
+void test_reports_that_are_too_small_do_not_raise_the_sum_of_both_brakes(void)
+{
+    const double shares[] = {0.0, 0.25, 0.5};
+    for (int k = 0; k < 6; k++) {
+        setUp();
+        period_ms = 20;
+        const bool later = k >= 3;
+        run(COAST_ms);
+        in.demand_mNm = DEMAND_mNm;
+        run(later ? 500 : 0);
+        shown = shares[k % 3];
+        int beyond_ms = 0;
+        for (int n = 0; n < 1500; n++) {
+            run(1);
+            const int32_t sum_mNm = out.electric_mNm + out.hydraulic_mNm;
+            beyond_ms = sum_mNm > DEMAND_mNm + DEMAND_mNm / 10 ? beyond_ms + 1 : 0;
+            TEST_ASSERT_LESS_THAN_INT(100, beyond_ms);
+            TEST_ASSERT_LESS_OR_EQUAL_INT32(DEMAND_mNm + DEMAND_mNm / 4, sum_mNm);
+        }
+        TEST_ASSERT_FALSE(hydraulic_feedback_used(&state.feedback));
+        TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_FEEDBACK, out.hydraulic_reason);
+        TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_FEEDBACK, brake_blending_finding(&state));
+        TEST_ASSERT_INT32_WITHIN(1, DEMAND_mNm, out.electric_mNm + out.hydraulic_mNm);
+        shown = 1.0;
+        run(HYDRAULIC_FEEDBACK_HEAL_ms + period_ms);
+        TEST_ASSERT_TRUE(hydraulic_feedback_used(&state.feedback));
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, brake_blending_finding(&state));
+    }
+}
+
+/* One that shows more makes the motor give way until the deceleration shows that nothing brakes as
+ * much. */
+void test_reports_that_are_too_large_lose_torque_only_until_the_deceleration_refutes_them(void)
+{
+    period_ms = 20;
+    run(COAST_ms);
+    in.demand_mNm = DEMAND_mNm;
+    run(500);
+    shown = 1.5;
+    run(1000);
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_FEEDBACK, brake_blending_finding(&state));
+    TEST_ASSERT_INT32_WITHIN(1, DEMAND_mNm, out.electric_mNm + out.hydraulic_mNm);
 }

@@ -124,15 +124,17 @@ void test_gain_stays_within_its_band(void)
     TEST_ASSERT_INT32_WITHIN(400, 24576, state.gain_q15);
 }
 
+/* What contradicts the learned gain moves it by a 64th of the way with each report: 0.15 are 0.02
+ * after ln(7.5) 64 reports, 0.25 after ln(12.5) 64. */
 void test_gain_that_changes_is_followed(void)
 {
     hold(60000.0, 1500);
     TEST_ASSERT_DOUBLE_WITHIN(0.02, 1.0, state.gain_q15 / ONE);
     gain = 0.85; /* pads get hot */
-    hold(60000.0, 1500);
+    hold(60000.0, 3000);
     TEST_ASSERT_DOUBLE_WITHIN(0.02, 0.85, state.gain_q15 / ONE);
     gain = 1.1;
-    hold(60000.0, 1500);
+    hold(60000.0, 3500);
     TEST_ASSERT_DOUBLE_WITHIN(0.02, 1.1, state.gain_q15 / ONE);
 }
 

@@ -116,13 +116,14 @@ void test_a_torque_below_a_64th_of_the_largest_changes_no_gain(void)
 }
 
 /* The last steps of a quarter are whole numbers: three units before the end they are zero. An end
- * that passes the other one takes it along. */
+ * that passes the other one takes it along, a 16th as fast, the last time 64 units before; beyond
+ * the band as fast as itself. */
 void test_lasting_reports_close_the_interval_and_leave_the_band_never(void)
 {
     settled(10000, 10000, 60);
     assert_interval(32440 - 3, 33095 + 3);
-    settled(10000, 0, 60);
-    assert_interval(LOWEST_q15 + 3, LOWEST_q15 + 3);
+    settled(10000, 5000, 800);
+    assert_interval(LOWEST_q15 + 63, LOWEST_q15 + 63);
     settled(10000, 20000, 60);
     assert_interval(HIGHEST_q15 - 3, HIGHEST_q15 - 3);
 }
@@ -132,12 +133,12 @@ void test_lasting_reports_close_the_interval_and_leave_the_band_never(void)
 void test_a_gain_that_changes_moves_both_ends(void)
 {
     settled(10000, 10000, 60);
-    settled(10000, 8000, 60);
-    TEST_ASSERT_EQUAL_INT32(26542 + 3, state.most_q15);
-    TEST_ASSERT_EQUAL_INT32(26542 + 3, state.gain_q15);
-    settled(10000, 12000, 60);
-    TEST_ASSERT_EQUAL_INT32(38993 - 3, state.least_q15);
-    TEST_ASSERT_EQUAL_INT32(38993 - 3, state.gain_q15);
+    settled(10000, 8000, 800);
+    TEST_ASSERT_EQUAL_INT32(26542 + 63, state.most_q15);
+    TEST_ASSERT_EQUAL_INT32(26542 + 63, state.gain_q15);
+    settled(10000, 12000, 800);
+    TEST_ASSERT_EQUAL_INT32(38993 - 63, state.least_q15);
+    TEST_ASSERT_EQUAL_INT32(38993 - 63, state.gain_q15);
 }
 
 /* From 2^17 mN m on both sides of a ratio lose bits: 131071 and 131072 of 140000 are 30678. */
@@ -200,16 +201,70 @@ void test_the_time_outside_the_band_is_counted_to_either_side(void)
     TEST_ASSERT_EQUAL_INT32(0, state.outside_ms);
     settled(10000, most_mNm + 1, 3);
     TEST_ASSERT_EQUAL_INT32(3, state.outside_ms);
+    state.least_q15 = LOWEST_q15;
     settled(10000, least_mNm - 1, 5);
     TEST_ASSERT_EQUAL_INT32(-5, state.outside_ms);
     settled(10000, most_mNm + 1, 1);
     TEST_ASSERT_EQUAL_INT32(1, state.outside_ms);
+    state.least_q15 = LOWEST_q15;
     settled(10000, least_mNm, 1);
     TEST_ASSERT_EQUAL_INT32(0, state.outside_ms);
     settled(10000, most_mNm + 1, INT16_MAX + 10);
     TEST_ASSERT_EQUAL_INT32(INT16_MAX, state.outside_ms);
+    state.least_q15 = LOWEST_q15;
     settled(10000, least_mNm - 1, INT16_MAX + 10);
     TEST_ASSERT_EQUAL_INT32(-INT16_MAX, state.outside_ms);
+}
+
+/* A gain of one has been learned to 39900/40000, 32686, less three: 39896 mN m, and 5 N m less. */
+void test_a_report_short_of_the_learned_gain_is_outside_and_leaves_that_to_the_motor(void)
+{
+    settled(40000, 40000, 60);
+    settled(40000, 34896, 1);
+    TEST_ASSERT_EQUAL_INT32(0, state.outside_ms);
+    TEST_ASSERT_EQUAL_INT32(34896, out.torque_mNm);
+    begin();
+    settled(40000, 40000, 60);
+    settled(40000, 34895, 1);
+    TEST_ASSERT_EQUAL_INT32(-1, state.outside_ms);
+    settled(40000, 20000, 1);
+    TEST_ASSERT_TRUE(out.used);
+    TEST_ASSERT_INT32_WITHIN(500, 40000 - 5000, out.torque_mNm);
+    state.confirmed = true;
+    settled(40000, 20000, 1);
+    TEST_ASSERT_EQUAL_INT32(20000, out.torque_mNm);
+}
+
+/* While no gain above the lowest has been learned, what is short of the band teaches none either:
+ * less than the timeout long the gain stays, then it is one again. */
+void test_reports_short_of_the_band_from_the_beginning_teach_no_gain(void)
+{
+    settled(40000, 30000, 3); /* the lowest gain: allowed */
+    const int32_t gain_q15 = state.gain_q15;
+    TEST_ASSERT_LESS_THAN_INT32(ONE_q15, gain_q15);
+    settled(40000, 20000, TIMEOUT_ms);
+    TEST_ASSERT_EQUAL_INT32(gain_q15, state.gain_q15);
+    settled(40000, 20000, 1);
+    assert_interval(LOWEST_q15, HIGHEST_q15);
+    TEST_ASSERT_EQUAL_INT32(ONE_q15, state.gain_q15);
+}
+
+/* Refuted reports are not used until they have agreed with the commands for the heal time, although
+ * they are within the tolerance; meanwhile they teach nothing. */
+void test_refuted_reports_heal_only_by_agreeing(void)
+{
+    settled(10000, 10000, 60);
+    state.refuted = true;
+    state.heal_ms = HYDRAULIC_FEEDBACK_HEAL_ms;
+    settled(10000, 2000, 2 * HYDRAULIC_FEEDBACK_HEAL_ms);
+    TEST_ASSERT_TRUE(out.lost);
+    assert_interval(LOWEST_q15, HIGHEST_q15);
+    settled(10000, 9000, HYDRAULIC_FEEDBACK_HEAL_ms - 1);
+    TEST_ASSERT_TRUE(out.lost && state.refuted);
+    assert_interval(LOWEST_q15, HIGHEST_q15);
+    settled(10000, 9000, 1);
+    TEST_ASSERT_TRUE(out.used);
+    TEST_ASSERT_FALSE(state.refuted);
 }
 
 /* ---- the age of reports ---- */

@@ -322,3 +322,27 @@ void test_the_learned_inertia_ends_at_the_heaviest(void)
     }
     TEST_ASSERT_EQUAL_INT32(HYDRAULIC_WATCH_HEAVIEST_Q15, watch.weight_q15);
 }
+
+/* Used reports short of the band, of a brake that makes what is commanded: for one step the watch
+ * says that they are wrong, and no finding is left. Of a weak brake they are right. */
+void test_deceleration_refutes_used_reports_of_a_sensor_that_shows_too_little(void)
+{
+    for (int weak = 0; weak < 2; weak++) {
+        rig_up();
+        in.reported = true;
+        run(COAST_ms);
+        in.reported_mNm = 30000;
+        in.outside_ms = -config.brake.hydraulic_timeout_ms - 1;
+        int refuted = 0;
+        for (int n = 0; n < 400 && refuted == 0; n++) {
+            (void)brake(60.0, weak == 0 ? 1.0 : 0.5, 1);
+            refuted += watch.refutes_report ? 1 : 0;
+        }
+        TEST_ASSERT_EQUAL_INT(weak == 0 ? 1 : 0, refuted);
+        TEST_ASSERT_TRUE(watch.confirms_report == (weak != 0));
+        TEST_ASSERT_TRUE((watch.reason == REASON_NONE) == (weak == 0));
+        in.outside_ms = 0;
+        (void)run(1);
+        TEST_ASSERT_FALSE(watch.refutes_report);
+    }
+}
