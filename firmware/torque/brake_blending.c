@@ -204,7 +204,8 @@ static hydraulic_feedback_out_t hydraulic_torque(brake_blending_state_t *state,
         .outside_ms = now.used ? feedback->outside_ms : 0,
         .contradicts_mNm = feedback->contradicts_mNm,
         .reported_mNm = feedback->report_mNm,
-        .reported = feedback->seen && feedback->since_ms <= config->brake.hydraulic_timeout_ms,
+        .reported = feedback->seen && !feedback->refuted &&
+                    feedback->since_ms <= config->brake.hydraulic_timeout_ms,
         .trusted = in->watched,
         .acknowledged = in->acknowledged,
     };

@@ -132,8 +132,7 @@ static bool slips(const config_t *config, int32_t change_q8_mrad_s)
     return rim_um_s2_q8 > (int64_t)config->monitor.tyre_grip_mm_s2 * 256000;
 }
 
-/* What of the deceleration in which the road was followed is now the inertia's is not the road's.
- */
+/* What of the deceleration in which the road was followed is now the inertia's. */
 static void weigh(hydraulic_watch_t *watch, int32_t weight_q15)
 {
     const int32_t more_q8_mNm = times_q15(watch->quarter_q8_mNm, weight_q15 - watch->weight_q15);
@@ -454,8 +453,7 @@ void hydraulic_watch_step(hydraulic_watch_t *watch, const config_t *config,
         watch, expected_mNm, watch->known_lp_mNm.accumulator >> FILTER_LOG2, change_q8);
     const int32_t tolerated_mNm = floor_mNm + unlike_mNm + hydraulic_late_mNm(in->uncertain_mNm) +
                                   (in->reported ? shares_mNm : q_min(shares_mNm, parts_mNm));
-    /* Without a command an excess may be a hill, sand, a heavier or lighter load, or a brake that
-     * is not commanded here. */
+    /* Without a command an excess may be a hill, sand, another load, a brake not commanded here. */
     const int32_t excess_mNm =
         commanded ? -lacking_mNm - tolerated_mNm
                   : -lacking_mNm - unlike_mNm - QUIET_SHARE * floor_mNm -
@@ -469,6 +467,8 @@ void hydraulic_watch_step(hydraulic_watch_t *watch, const config_t *config,
         watch->provisional ? 0 : hydraulic_summed(watch->excess_mNm_ms, excess_mNm, end_mNm_ms);
     if (in->reported && !hidden && (undecided || in->contradicts_mNm != 0)) {
         decide_report(watch, in, lacking_mNm, enough_mNm_ms);
+    } else if (in->reported && watch->reason == REASON_NONE) {
+        clear_sums(watch); /* reports agree with the commands: it is the road */
     } else {
         watch->report_mNm_ms = 0;
     }

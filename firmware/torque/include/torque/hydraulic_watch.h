@@ -26,11 +26,11 @@
  * brake that fails later, and is acquired anew once no torque is commanded.
  *
  * With reports of the torque that contradict the commands, the deceleration decides which of the
- * two is wrong, by half of their difference; a third of the sum suffices. A finding corrects the
- * torque that is expected from then on, so that its opposite ends it; an acknowledgement at rest
- * ends it as well. A brake that its reports show to be short is so until they agree, for
- * brake.hydraulic_timeout, with a command large enough to tell, or are missing. Derivation and
- * bound of false alarms: README, Watch of the hydraulic brake.
+ * two is wrong, by half of their difference; a third of the sum suffices. Reports that agree leave
+ * nothing to find. A finding corrects the torque that is expected from then on, so that its
+ * opposite ends it; an acknowledgement at rest ends it as well. A brake that its reports show to be
+ * short is so until they agree, for brake.hydraulic_timeout, with a command large enough to tell,
+ * or are missing. Derivation and bound of false alarms: README, Watch of the hydraulic brake.
  */
 #ifndef TORQUE_HYDRAULIC_WATCH_H
 #define TORQUE_HYDRAULIC_WATCH_H

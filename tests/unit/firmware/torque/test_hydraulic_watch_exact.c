@@ -213,6 +213,13 @@ static bool stale_with(int32_t followed_q8_mNm)
     return watch.stale;
 }
 
+/* Reports that contradict the commands a little: the sums go on. */
+static void contradicted(void)
+{
+    in.reported = true;
+    in.contradicts_mNm = 1;
+}
+
 /* 250 and 150 mN m are the floor, either sign and order. */
 void test_a_load_is_known_when_a_road_holds_less_than_the_floor_of_it(void)
 {
@@ -227,7 +234,7 @@ void test_a_load_is_known_when_a_road_holds_less_than_the_floor_of_it(void)
 void test_what_a_stale_road_has_not_followed_is_tolerated(void)
 {
     riding(0, 40000, 30000);
-    in.reported = true;
+    contradicted();
     watch.stale = true;
     watch.quarter_q8_mNm = 10000 * 256 + CHANGE_q8_mNm - 1;
     step();
@@ -243,12 +250,27 @@ void test_what_a_stale_road_has_not_followed_is_tolerated(void)
     TEST_ASSERT_EQUAL_INT32(30000 - FLOOR_mNm - 10000, watch.missing_mNm_ms);
 }
 
+/* Commands and reports agree, so what is missing or in excess is the road's, and names no brake. */
+void test_beside_reports_that_agree_with_the_commands_nothing_is_summed(void)
+{
+    for (int way = 0; way < 2; way++) {
+        riding(0, 40000, way == 0 ? 30000 : -30000);
+        in.reported = true;
+        watch.missing_mNm_ms = way == 0 ? END_mNm_ms : 0;
+        watch.excess_mNm_ms = way == 0 ? 0 : END_mNm_ms;
+        step();
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, watch.reason);
+        TEST_ASSERT_EQUAL_INT32(0, watch.missing_mNm_ms);
+        TEST_ASSERT_EQUAL_INT32(0, watch.excess_mNm_ms);
+    }
+}
+
 /* ---- the tolerance ---- */
 
 /* A quarter of the brake's torque, an eighth of what the motor has not made for long. */
 void test_shares_of_both_torques_are_tolerated_beside_reports(void)
 {
-    in.reported = true;
+    contradicted();
     riding(-16000, 40000, 30000);
     step();
     TEST_ASSERT_EQUAL_INT32(30000 - FLOOR_mNm - 10000, watch.missing_mNm_ms);
@@ -267,7 +289,7 @@ void test_shares_of_both_torques_are_tolerated_beside_reports(void)
 /* Three quarters of what is uncertain, up. */
 void test_what_the_times_of_the_brake_leave_open_is_tolerated(void)
 {
-    in.reported = true;
+    contradicted();
     riding(0, 40000, 30000);
     in.uncertain_mNm = 4003;
     step();
@@ -328,7 +350,7 @@ void test_more_is_tolerated_of_an_excess_without_a_command(void)
 
 void test_a_sum_without_reports_ends_with_a_sixteenth_more(void)
 {
-    in.reported = true;
+    contradicted();
     for (int32_t short_mNm = 0; short_mNm <= 1; short_mNm++) {
         riding(0, 40000, 30000);
         watch.missing_mNm_ms = END_mNm_ms - (30000 - FLOOR_mNm - 10000) - short_mNm;
@@ -346,7 +368,7 @@ void test_the_end_of_a_sum_is_within_the_range_of_numbers(void)
 {
     config.brake.hydraulic_watch_speed_mrad_s = 1 << 24;
     riding(0, 40000, 30000);
-    in.reported = true;
+    contradicted();
     watch.missing_mNm_ms = INT32_MAX - 1;
     step();
     TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_WEAK, watch.reason);
