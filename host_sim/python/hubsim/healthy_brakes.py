@@ -6,13 +6,15 @@ mass and battery (stops). Gain 0.8 to 1.2, delay and lag 0.5 to 2 times, mass an
 1.15 times what the controller is told, slopes to 8 % that change by up to 0.001 a metre, all of it
 at once: then a gain of 1.2 with a mass of 0.85 is a brake that makes 1.4 times its command, and not
 every finding is avoided. ``python -m hubsim.healthy_brakes`` prints the rides that were named; its
-status is 1 if they are more than MOST of all.
+status is 1 if they are more than MOST of all. ``--steps``: the slope also steps once by 2 to 6 %
+and back again, while it coasts or brakes, as on a ramp. ``--reports``: the brake reports its
+torque.
 """
 
 import argparse
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +31,8 @@ SLOPE, SLOPES_PER_M = 0.08, (0.0, 0.0005, 0.001)
 TURNS_A_STEP = 0.01  # how often the slope begins to change the other way
 STEP_S, LONGEST_S = 0.05, 40.0
 MOST = 0.08
+SLOPE_STEP, STEP_LASTS_S = (0.02, 0.06), (0.5, 3.0)
+STEP_BEFORE_S, STEP_AFTER_S = 1.0, 4.0  # the braking demand
 SIGNALS = ("time_s", "vehicle.speed_m_per_s", "wheel0.warning_reason")
 
 
@@ -51,6 +55,18 @@ class Ride:
     slope: float = 0.0
     slope_per_m: float = 0.0
     seed: int = 0
+    step: float = 0.0
+    step_s: float = 0.0
+    step_lasts_s: float = 0.0
+    reports: bool = False
+
+
+def stepped(ride: Ride, seed: int) -> Ride:
+    """Return a ride with a step of the slope."""
+    random = np.random.default_rng((seed, ride.seed))
+    step = float(random.uniform(*SLOPE_STEP) * random.choice((-1.0, 1.0)))
+    step_s = ride.brake_s + random.uniform(-STEP_BEFORE_S, STEP_AFTER_S)
+    return replace(ride, step=step, step_s=step_s, step_lasts_s=random.uniform(*STEP_LASTS_S))
 
 
 def drawn(count: int, seed: int) -> Iterator[Ride]:
@@ -91,6 +107,8 @@ def named(ride: Ride) -> str:
         record_interval_s=0.01,
     )
     plant = total_torque.weak_and_late(drive, ride.gain, ride.lateness)
+    if ride.reports:
+        plant |= total_torque.FEEDBACK
     engine, _ = run.prepare(drive, scenario, Path(), plant)
     demands = {
         0.0: (ride.drive_share, 0.0),
@@ -120,7 +138,8 @@ def named(ride: Ride) -> str:
                 break
             way = -way if random.random() < TURNS_A_STEP or abs(slope) > SLOPE else way
             slope += way * ride.slope_per_m * abs(float(rows[-1, 1])) * STEP_S
-            engine.set("road.slope", slope)
+            on_step = ride.step_s <= at_s + STEP_S < ride.step_s + ride.step_lasts_s
+            engine.set("road.slope", slope + (ride.step if on_step else 0.0))
     return ""
 
 
@@ -129,14 +148,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m hubsim.healthy_brakes", description=__doc__)
     parser.add_argument("--count", type=int, default=400, metavar="N", help="default: 400")
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="default: 1")
+    parser.add_argument("--steps", action="store_true", help="the slope steps as well")
+    parser.add_argument("--reports", action="store_true", help="the brake reports its torque")
     options = parser.parse_args(arguments)
     wrong = 0
     try:
         for ride in drawn(options.count, options.seed):
-            reason = named(ride)
+            tried = replace(ride, reports=options.reports)
+            tried = stepped(tried, options.seed) if options.steps else tried
+            reason = named(tried)
             if reason:
                 wrong += 1
-                print(f"{reason}: {ride}")
+                print(f"{reason}: {tried}")
     except HubsimError as error:
         print(f"hubsim.healthy_brakes: {error}", file=sys.stderr)
         return 1
