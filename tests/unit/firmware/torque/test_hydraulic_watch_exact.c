@@ -251,7 +251,7 @@ void test_what_a_stale_road_has_not_followed_is_tolerated(void)
 }
 
 /* Commands and reports agree, so what is missing or in excess is the road's, and names no brake. */
-void test_beside_reports_that_agree_with_the_commands_nothing_is_summed(void)
+void test_reports_that_agree_with_the_commands_leave_both_sums_at_zero(void)
 {
     for (int way = 0; way < 2; way++) {
         riding(0, 40000, way == 0 ? 30000 : -30000);
