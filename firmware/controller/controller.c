@@ -56,7 +56,9 @@ const fast_output_t *controller_fast_step(controller_fast_t *fast, const config_
 {
     const bool enabled = setpoint->torque_enabled;
     if (bridge_command(setpoint, enabled, fast->monitor.trip) == BRIDGE_PWM) {
-        foc_step(&fast->foc, config, setpoint, in);
+        if (foc_step(&fast->foc, config, setpoint, in)) {
+            monitor_fast_trip(&fast->monitor, REASON_CURRENT_SENSOR);
+        }
     } else {
         foc_idle_step(&fast->foc, config, setpoint, in);
     }

@@ -7,6 +7,7 @@
 #include "current_step.h"
 #include "emf_observer.h"
 #include "field_weakening.h"
+#include "frozen_currents.h"
 #include "idle.h"
 #include "modulation.h"
 #include "reference_prefilter.h"
@@ -47,14 +48,25 @@ static void weaken_field(foc_state_t *state, const config_t *config)
     }
 }
 
+static bool at_hall_edge(const rotor_state_t *rotor)
+{
+    return rotor->sensor == CONFIG_ROTOR_HALL && rotor->hall.periods_since_edge == 0;
+}
+
 /* A new setpoint that meets a hall edge waits one period, so that the two longest computations
  * never meet. */
 static bool setpoint_is_due(foc_state_t *state)
 {
-    const rotor_state_t *rotor = &state->rotor;
-    const bool edge = rotor->sensor == CONFIG_ROTOR_HALL && rotor->hall.periods_since_edge == 0;
-    state->postponed = edge && !state->postponed;
+    state->postponed = at_hall_edge(&state->rotor) && !state->postponed;
     return !state->postponed;
+}
+
+/* Not in a period with a hall edge, whose computation is long. */
+static bool currents_frozen(foc_state_t *state, const foc_input_t *in, uint32_t step_count)
+{
+    return frozen_currents_due(&state->period) && !at_hall_edge(&state->rotor) &&
+           frozen_currents_step(&state->current.frozen, &state->period, in->phase_current_code,
+                                step_count);
 }
 
 /* |u| <= 1 and |i| <= 1.42: the sum of products is below 2^31. */
@@ -87,7 +99,7 @@ static void end_period(foc_state_t *state, const foc_input_t *in)
     add_sums(&state->sums, &state->period);
 }
 
-void foc_step(foc_state_t *state, const config_t *config, const fast_setpoint_t *setpoint,
+bool foc_step(foc_state_t *state, const config_t *config, const fast_setpoint_t *setpoint,
               const foc_input_t *in)
 {
     const uint32_t step_count = begin_period(state, config, setpoint, in);
@@ -96,12 +108,15 @@ void foc_step(foc_state_t *state, const config_t *config, const fast_setpoint_t 
     }
     const ab16_t acting = state->observer.u;
     foc_current_step(state, in->phase_current_code);
+    bool frozen = false;
     if (step_count % FIELD_WEAKENING_PERIODS == 0) {
+        frozen = currents_frozen(state, in, step_count);
         weaken_field(state, config);
         emf_observer_acquire(&state->observer);
     }
     emf_observer_step(&state->observer, acting, state->period.i_ab_pu, &setpoint->observer);
     end_period(state, in);
+    return frozen;
 }
 
 void foc_idle_step(foc_state_t *state, const config_t *config, const fast_setpoint_t *setpoint,

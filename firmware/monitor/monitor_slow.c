@@ -310,7 +310,8 @@ static monitor_stuck_input_t stuck_input(const config_t *config, const monitor_s
     const monitor_stuck_input_t out = {
         .tripped = in->fast_trip != REASON_NONE,
         .bridge = in->bridge,
-        .currents_known = in->offsets_known && current_sensor_warning(in) == REASON_NONE,
+        .currents_known = in->offsets_known && current_sensor_warning(in) == REASON_NONE &&
+                          in->fast_trip != REASON_CURRENT_SENSOR,
         .sum_good = q_abs(in->current_sum_pu) <= config->monitor.current_sum_pu_q15,
         .rotor_valid = in->rotor_valid,
         .speed_mrad_s = in->speed_mrad_s,
@@ -396,7 +397,6 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
     const reason_t temperature = temperature_fault(config, in);
     const bool temperature_wrong =
         qualified(&state->temperature_steps, temperature != REASON_NONE, sensor_time_ms);
-
     const monitor_speed_input_t turning = speed_input(in);
     const int32_t speed_mrad_s = monitor_speed_step(&state->speed, config, &turning);
 

@@ -62,8 +62,9 @@ int32_t foc_observer_resistance_q15(const config_t *config);
 int32_t foc_observer_volt_q15(const config_t *config, int32_t timer_Hz);
 int32_t foc_observer_flux_q14(const config_t *config);
 
-/* One PWM period with the bridge switching: controls the current and modulates. */
-void foc_step(foc_state_t *state, const config_t *config, const fast_setpoint_t *setpoint,
+/* One PWM period with the bridge switching: controls the current and modulates. Returns true if the
+ * readings of the current sensors are frozen (README, Frozen readings). */
+bool foc_step(foc_state_t *state, const config_t *config, const fast_setpoint_t *setpoint,
               const foc_input_t *in);
 
 /*

@@ -136,6 +136,13 @@ typedef struct {
     bool undetermined; /* an implausible sum that no single sensor explains */
 } sensor_isolation_t;
 
+/* frozen_currents.h */
+typedef struct {
+    uint32_t begin_step; /* step_count at the look from which on they have not moved */
+    uint32_t last_step;  /* at the latest look */
+    uint16_t code[SENSE_PHASES];
+} frozen_currents_t;
+
 /* current_controller.h */
 typedef struct {
     pi_state_t d, q;
@@ -197,6 +204,7 @@ typedef struct {
                                      update */
     sense_state_t sense;
     sensor_isolation_t isolation;
+    frozen_currents_t frozen;
 } foc_current_state_t;
 
 /* Rotor estimate at the sample. */

@@ -105,6 +105,16 @@ static inline reason_t monitor_fast_look(monitor_fast_state_t *state,
     return REASON_NONE;
 }
 
+/* @pre reason != REASON_NONE
+ *
+ * @post state->trip == reason && state->inverted_trip == ~(uint32_t)reason
+ */
+static inline void monitor_fast_trip(monitor_fast_state_t *state, reason_t reason)
+{
+    state->trip = reason;
+    state->inverted_trip = ~(uint32_t)reason;
+}
+
 /* The trip, latched; REASON_NONE when healthy.
  *
  * @pre state->trip_periods > 0 && state->dead_periods > 0 && state->dead_periods <= INT16_MAX
@@ -149,8 +159,7 @@ static inline reason_t monitor_fast_step(monitor_fast_state_t *state,
     }
     const reason_t wrong = monitor_fast_look(state, in);
     if (wrong != REASON_NONE) {
-        state->trip = wrong;
-        state->inverted_trip = ~(uint32_t)wrong;
+        monitor_fast_trip(state, wrong);
     }
     return wrong;
 }

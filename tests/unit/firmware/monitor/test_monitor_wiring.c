@@ -179,9 +179,9 @@ void test_a_sum_whose_sensor_has_a_name_is_no_fault_either_way(void)
 /* ---- a switch that is stuck ---- */
 
 /* Half waves of half the trip current in phase a, `sign` along it, for two windows. */
-static monitor_output_t half_waves(int sign)
+static monitor_output_t half_waves_after(reason_t trip, int sign)
 {
-    in.fast_trip = REASON_HARDWARE_BREAK;
+    in.fast_trip = trip;
     in.bridge = BRIDGE_OFF;
     for (int ms = 0; ms < 30; ms++) {
         in.idle_alpha_pu +=
@@ -192,6 +192,19 @@ static monitor_output_t half_waves(int sign)
         }
     }
     return step();
+}
+
+static monitor_output_t half_waves(int sign)
+{
+    return half_waves_after(REASON_HARDWARE_BREAK, sign);
+}
+
+/* Frozen readings have a mean that is no current. */
+void test_readings_that_a_trip_has_called_wrong_show_no_stuck_switch(void)
+{
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT_HIGH, half_waves_after(REASON_OVERCURRENT, 1).safe_bridge);
+    setUp();
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, half_waves_after(REASON_CURRENT_SENSOR, 1).safe_bridge);
 }
 
 void test_stuck_switch_calls_for_the_short_circuit_on_its_side(void)

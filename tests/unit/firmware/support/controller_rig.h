@@ -99,6 +99,8 @@ static inline void rig_fast(rig_t *rig)
     if (rig->follows) {
         rig_follow(rig);
     }
+    /* No motor, so readings that stay are not frozen: a look long ago is compared with none. */
+    rig->controller.fast.foc.current.frozen.last_step = rig->controller.fast.foc.step_count - 1000U;
     rig->pwm =
         *controller_fast_step(&rig->controller.fast, &rig->config, &rig->to_fast, &rig->fast_in);
     controller_fast_report(&rig->controller.fast, &rig->to_slow);
