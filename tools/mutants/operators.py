@@ -148,6 +148,8 @@ def _is_comparable(source: Source, node: Node, kind: str, replacement: str) -> b
     """Return whether the program stays the same when both values are computed."""
     guarded = {"logical": "/%[", "arithmetic": "/%"}.get(kind, "")
     unguarded = not set(guarded) & set(replacement)
+    if kind == "logical" and "NULL" in source.of(node):
+        return False
     return kind != "statement" and unguarded and not _has_effects(source, node)
 
 

@@ -25,8 +25,10 @@ HOST = Path(_GIVEN) if _GIVEN else ROOT / "build" / "host"
 FOLDER = HOST.parent / "mutants"
 TOOL = Path(__file__).resolve().parent
 MODULES = ("modes", "monitor", "foc", "torque")
-# As the sanitizers' build has no undefined result to hide behind, a mutant's overflow wraps.
-_FLAGS = ("-O1", "-w", "-g0", "-fwrapv", "-include", str(TOOL / "runtime.h"))
+# As the sanitizers' build has no undefined result to hide behind, a mutant's overflow wraps, and
+# its null pointer is read.
+_FLAGS = ("-O1", "-w", "-g0", "-fwrapv", "-fno-delete-null-pointer-checks")
+_FLAGS += ("-include", str(TOOL / "runtime.h"))
 _OWN = re.compile(r"-(O\w|g|W\w.*|M[DTF]?)")
 
 
