@@ -27,8 +27,8 @@ TOOL = Path(__file__).resolve().parent
 MODULES = ("modes", "monitor", "foc", "torque")
 # As the sanitizers' build has no undefined result to hide behind, a mutant's overflow wraps, and
 # its null pointer is read.
-_FLAGS = ("-O1", "-w", "-g0", "-fwrapv", "-fno-delete-null-pointer-checks")
-_FLAGS += ("-include", str(TOOL / "runtime.h"))
+_DEFINED = ("-fwrapv", "-fno-delete-null-pointer-checks")
+_FLAGS = ("-O1", "-w", "-g0", *_DEFINED, "-include", str(TOOL / "runtime.h"))
 _OWN = re.compile(r"-(O\w|g|W\w.*|M[DTF]?)")
 
 
