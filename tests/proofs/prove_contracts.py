@@ -80,8 +80,10 @@ def find_planted(cbmc: str) -> int:
     """Refute a condition with each planted error in the sources."""
     missed = []
     for error in (*PLANTED, *PLANTED_IN_PROOFS):
-        in_proof = isinstance(error, PlantedProofError)
-        wrong = refute(cbmc, error) if in_proof else run(cbmc, [error.function], False, error)
+        if isinstance(error, PlantedProofError):
+            wrong = refute(cbmc, error)
+        else:
+            wrong = run(cbmc, [error.function], False, error)
         found = any(": FAILURE" in line for line in wrong)
         print(f"{'found' if found else 'MISSED'}: {error.function}: {error.wrong.strip()}")
         missed += [] if found else [error, *wrong]
