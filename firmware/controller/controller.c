@@ -96,12 +96,6 @@ void controller_fast_report(const controller_fast_t *fast, fast_report_t *report
     controller_fast_report_complete(report);
 }
 
-/* The gain of all current sensors may be wrong: no other cause gets a name meanwhile. */
-static bool gain_suspected(const controller_slow_t *slow)
-{
-    return slow->monitor.gain.level > 0 || slow->monitor.jump.since_steps > 0;
-}
-
 /* speed: by the sensor; on return by what is used. */
 static monitor_rotor_output_t judge_rotor(controller_slow_t *slow, const config_t *config,
                                           const fast_report_t *report, bool cleared,
@@ -117,7 +111,7 @@ static monitor_rotor_output_t judge_rotor(controller_slow_t *slow, const config_
         .across_q14 = (int16_t)observer.flux_q14.q,
         .expected_q14 = observer.expected_q14,
         .i_pu = dq_of(report->i_pu),
-        .gain_suspected = gain_suspected(slow),
+        .gain_suspected = slow->monitor.gain.level > 0,
         .acquired = report->observer.acquired,
         .sensor_valid = report->rotor_valid,
         .switching = report->bridge == BRIDGE_PWM,
@@ -212,7 +206,7 @@ static modes_output_t decide_mode(controller_slow_t *slow, const config_t *confi
     if (warning == REASON_ROTOR_UNCERTAIN && slow->monitor.flow_level > 0) {
         warning = REASON_NONE; /* steps out of order contradict any rotor sensor */
     }
-    if (warning == REASON_NONE && !slow->rotor.sensor_wrong && !gain_suspected(slow)) {
+    if (warning == REASON_NONE && !slow->rotor.sensor_wrong && slow->monitor.gain.level == 0) {
         warning = brake_blending_finding(&slow->torque.blending);
     }
     warning = warning == REASON_NONE ? demand_warning : warning;

@@ -23,8 +23,7 @@ from planted_errors import PlantedError
 GROUPS: dict[str, tuple[str, ...]] = {
     "modes": ("modes/modes",),
     "monitor": ("monitor/monitor", "monitor/monitor_rotor", "monitor/monitor_fast",
-                "monitor/monitor_bus", "monitor/monitor_gain", "monitor/monitor_jump",
-                "monitor/monitor_window",
+                "monitor/monitor_bus", "monitor/monitor_gain", "monitor/monitor_window",
                 "monitor/monitor_current", "monitor/monitor_open",
                 "monitor/monitor_stuck", "monitor/monitor_temperature"),
     "recorder": ("monitor/recorder",),

@@ -104,13 +104,6 @@ enum { MOST_ROW_POINTS = 65 };
                is_within((w)->highest[i], -MONITOR_WINDOW_MOST, MONITOR_WINDOW_MOST)) &&           \
      (w)->steps <= MONITOR_WINDOW_STEPS && (w)->level <= MONITOR_WINDOW_QUALIFY_STEPS)
 
-#define monitor_jump_holds(s)                                                                      \
-    (every(i, MONITOR_JUMP_RING,                                                                   \
-           is_within((s)->bus_mA[i], -MONITOR_JUMP_MOST, MONITOR_JUMP_MOST) &&                     \
-               is_within((s)->energy_uJ[i], 0, MONITOR_JUMP_MOST)) &&                              \
-     (s)->filled <= MONITOR_JUMP_STEPS && (s)->since_steps <= MONITOR_JUMP_NAME_STEPS &&           \
-     (s)->newest < MONITOR_JUMP_RING)
-
 #define monitor_emf_holds(s, c)                                                                    \
     ((s)->level <= MONITOR_EMF_SEEN * (c)->monitor.angle_fault_time_ms &&                          \
      is_within((s)->flux_level, -MONITOR_EMF_FLUX_STEPS, MONITOR_EMF_FLUX_STEPS) &&                \
@@ -140,9 +133,8 @@ enum { MOST_ROW_POINTS = 65 };
      is_within((s)->current.missing_pu, 0, (c)->monitor.current_missing_pu_q15) &&                 \
      is_within((s)->current.beyond_steps, 0, MONITOR_CURRENT_BEYOND_STEPS) &&                      \
      monitor_window_holds(&(s)->bus) && monitor_window_holds(&(s)->gain) &&                        \
-     monitor_jump_holds(&(s)->jump) && monitor_stuck_holds(&(s)->stuck) &&                         \
-     monitor_open_holds(&(s)->open) && monitor_speed_holds(&(s)->speed, c) &&                      \
-     (s)->swing.swing_mV >= 0)
+     monitor_stuck_holds(&(s)->stuck) && monitor_open_holds(&(s)->open) &&                         \
+     monitor_speed_holds(&(s)->speed, c) && (s)->swing.swing_mV >= 0)
 
 #define lumps_hold(row)                                                                            \
     (is_within((row)->inner_q16, -32700 * 65536, 32700 * 65536) &&                                 \

@@ -24,7 +24,6 @@
 #include "monitor/monitor_current.h"
 #include "monitor/monitor_emf.h"
 #include "monitor/monitor_gain.h"
-#include "monitor/monitor_jump.h"
 #include "monitor/monitor_open.h"
 #include "monitor/monitor_speed.h"
 #include "monitor/monitor_stuck.h"
@@ -137,7 +136,6 @@ typedef struct {
     monitor_open_state_t open;
     monitor_window_t bus;
     monitor_window_t gain;
-    monitor_jump_state_t jump;
     bool bus_was_low;      /* of the latest bus beyond a trip */
     bool bus_sensor_wrong; /* its reading went where no bus goes */
     bool started;
@@ -212,8 +210,7 @@ typedef struct {
  * state->current.missing_pu == 0 && state->swing.swing_mV == 0
  *
  * @post monitor_window_holds(&state->bus) && monitor_window_holds(&state->gain) &&
- * monitor_jump_holds(&state->jump) && monitor_stuck_holds(&state->stuck) &&
- * monitor_open_holds(&state->open)
+ * monitor_stuck_holds(&state->stuck) && monitor_open_holds(&state->open)
  *
  * @post state->speed.windows == 0 && state->speed.diode_steps == 0 && state->speed.bound_urad_s ==
  * 0 && state->speed.rest_urad_s == 0

@@ -118,40 +118,6 @@ void test_gain_of_the_current_sensors_is_a_fault_where_it_can_be_compared(void)
     TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1000).fault);
 }
 
-/* 50 A of 165 A that dip to 45 A for two milliseconds, in which the bus gives 10 A of 53 V: 1.06 J.
- * The fault after the time for a name. */
-static reason_t after_a_jump(void)
-{
-    reason_t fault = REASON_NONE;
-    for (int ms = 0; ms < 6 + MONITOR_JUMP_NAME_STEPS; ms++) {
-        const bool during = ms == 2 || ms == 3;
-        in.sampled_pu.q = during ? 8937 : 9930;
-        in.bus_current_mA = during ? 10000 : 0;
-        in.reference_pu.q = 9930;
-        in.latest_pu.q = 9930;
-        const reason_t now = step().fault;
-        fault = fault == REASON_NONE ? now : fault;
-    }
-    return fault;
-}
-
-void test_jump_of_the_gain_is_a_fault_while_the_loop_can_be_trusted(void)
-{
-    TEST_ASSERT_EQUAL_INT(REASON_CURRENT_GAIN, after_a_jump());
-    setUp();
-    in.current_sum_pu = -config.monitor.current_sum_pu_q15 / 4;
-    TEST_ASSERT_EQUAL_INT(REASON_CURRENT_GAIN, after_a_jump());
-    setUp();
-    in.current_sum_pu = -config.monitor.current_sum_pu_q15 / 4 - 1; /* one sensor is wrong */
-    TEST_ASSERT_EQUAL_INT(REASON_NONE, after_a_jump());
-    setUp();
-    in.rotor_valid = false;
-    TEST_ASSERT_EQUAL_INT(REASON_NONE, after_a_jump());
-    setUp();
-    in.bridge = BRIDGE_OFF;
-    TEST_ASSERT_EQUAL_INT(REASON_NONE, after_a_jump());
-}
-
 /* Without PWM: 15/16 of the range is a sensor at its rail, less is a sum. */
 void test_sum_at_the_end_of_the_range_is_exact(void)
 {
