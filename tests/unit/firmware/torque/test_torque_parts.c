@@ -63,6 +63,7 @@ void test_the_hydraulic_brake_is_watched_with_healthy_sensors(void)
         state = settled;
         in.torque_enable.reason = (reason_t)reason;
         const bool trusted = reason == REASON_NONE || reason == REASON_TORQUE_ENABLE ||
+                             reason == REASON_HYDRAULIC_FEEDBACK ||
                              reason == REASON_HYDRAULIC_WEAK || reason == REASON_HYDRAULIC_DEAD ||
                              reason == REASON_HYDRAULIC_STRONG ||
                              reason == REASON_HYDRAULIC_STUCK || reason == REASON_HYDRAULIC_LATE;
