@@ -5,9 +5,9 @@
  * it if not. README, Frozen readings.
  *
  * A current error that the controller sees becomes a voltage, and that moves the current. Two of
- * the three readings unmoved for eight periods, with a large error all the time, are frozen; for
- * four with a very large one. Two are enough: the third one either stays as well, or contradicts
- * them in the sum.
+ * the three readings unmoved for twelve periods, with a large error all the time, are frozen; for
+ * eight with a very large one. No single look decides, because two readings repeat by chance. Two
+ * are enough: the third one either stays as well, or contradicts them in the sum.
  */
 #ifndef FOC_FROZEN_CURRENTS_H
 #define FOC_FROZEN_CURRENTS_H
@@ -20,8 +20,8 @@
 
 enum {
     FROZEN_CURRENTS_GAP_PERIODS = 8,   /* from look to look at most: one may be left out */
-    FROZEN_CURRENTS_STAY_PERIODS = 8,  /* without a movement */
-    FROZEN_CURRENTS_SHORT_PERIODS = 4, /* likewise, with a very large error */
+    FROZEN_CURRENTS_STAY_PERIODS = 12, /* without a movement */
+    FROZEN_CURRENTS_SHORT_PERIODS = 8, /* likewise, with a very large error */
     FROZEN_CURRENTS_SENSORS = 2,       /* that have not moved */
     FROZEN_CURRENTS_ERROR_LOG2 = 21,   /* of the error's square, Q30: 1 448 of 32 768, 90 codes */
     FROZEN_CURRENTS_LARGE_LOG2 = 22    /* 2 048, 128 codes */

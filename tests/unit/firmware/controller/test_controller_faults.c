@@ -137,7 +137,7 @@ void test_the_power_stage_s_fault_stops_the_bridge_in_the_same_period(void)
 
 void test_overvoltage_stops_the_bridge_in_the_same_period(void)
 {
-    rig.fast_in.bus_voltage_code = rig_bus_code(&rig, 57.0);
+    rig.fast_in.bus_voltage_code = rig_bus_code(&rig, 59.8);
     rig_fast(&rig);
     TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, rig.pwm.bridge);
     rig.fast_in.bus_voltage_code = rig_bus_code(&rig, 60.7); /* trips at 60.564 V */

@@ -51,23 +51,23 @@ static uint32_t periods_until(int moving, uint32_t between)
     return 0;
 }
 
-void test_three_readings_that_stay_for_eight_periods_are_frozen(void)
+void test_three_readings_that_stay_for_twelve_periods_are_frozen(void)
 {
-    TEST_ASSERT_EQUAL_UINT32(8, periods_until(0, 4));
-    TEST_ASSERT_EQUAL_UINT32(8, periods_until(0, 1));
+    TEST_ASSERT_EQUAL_UINT32(12, periods_until(0, 4));
+    TEST_ASSERT_EQUAL_UINT32(12, periods_until(0, 1));
 }
 
-void test_with_a_very_large_error_four_periods_are_enough(void)
+void test_with_a_very_large_error_eight_periods_are_enough(void)
 {
     latest.i_reference_pu.v = q_pair(0, -4000 - 2040);
-    TEST_ASSERT_EQUAL_UINT32(8, periods_until(0, 4));
+    TEST_ASSERT_EQUAL_UINT32(12, periods_until(0, 4));
     latest.i_reference_pu.v = q_pair(0, -4000 - 2056);
-    TEST_ASSERT_EQUAL_UINT32(4, periods_until(0, 4));
+    TEST_ASSERT_EQUAL_UINT32(8, periods_until(0, 4));
 }
 
 void test_two_that_stay_are_frozen_one_alone_is_not(void)
 {
-    TEST_ASSERT_EQUAL_UINT32(8, periods_until(1, 4));
+    TEST_ASSERT_EQUAL_UINT32(12, periods_until(1, 4));
     TEST_ASSERT_EQUAL_UINT32(0, periods_until(2, 4));
     TEST_ASSERT_EQUAL_UINT32(0, periods_until(3, 4));
 }
@@ -80,13 +80,14 @@ void test_one_code_of_movement_begins_the_periods_again(void)
     codes[1]--;
     TEST_ASSERT_FALSE(look(4));
     TEST_ASSERT_FALSE(look(4));
+    TEST_ASSERT_FALSE(look(4));
     TEST_ASSERT_TRUE(look(4));
 }
 
 /* A period with a hall edge is left out, so is its look. */
 void test_one_look_may_be_left_out_two_begin_again(void)
 {
-    TEST_ASSERT_EQUAL_UINT32(8, periods_until(0, 8));
+    TEST_ASSERT_EQUAL_UINT32(16, periods_until(0, 8));
     TEST_ASSERT_EQUAL_UINT32(0, periods_until(0, 12));
 }
 
@@ -107,8 +108,8 @@ void test_a_look_is_due_from_an_error_of_91_codes_on_in_any_direction(void)
 
 /* In the fast loop: a braking current in a turning rotor, then a converter that stops. The error is
  * the current times the turn since then: 600 codes at 0.0511 rad a period, 31 codes a period. The
- * looks fall into the fourth and the eighth period: 123 codes, above 90; and 245, above 128, after
- * four periods without a movement. */
+ * first look falls into the fourth period: 123 codes, above 90; the second and the third see 245 and
+ * 368, above 128, so the readings have stayed long enough eight periods after the first. */
 static int periods_until_frozen(int sensors)
 {
     int32_t frozen[3] = {0, 0, 0};
@@ -128,7 +129,7 @@ static int periods_until_frozen(int sensors)
     return 0;
 }
 
-void test_a_stopped_converter_under_a_turning_current_is_found_after_eight_periods(void)
+void test_a_stopped_converter_under_a_turning_current_is_found_after_twelve_periods(void)
 {
     for (int offset = 0; offset < 16; offset++) {
         rig_up();
@@ -137,7 +138,7 @@ void test_a_stopped_converter_under_a_turning_current_is_found_after_eight_perio
         in.rotor_angle_turn = (uint16_t)(offset * 4099);
         foc.rotor.absolute.tracker.theta_q32 = (uint32_t)in.rotor_angle_turn << 16;
         foc.rotor.absolute.tracker.speed_q32 = 533 * 65536;
-        TEST_ASSERT_EQUAL_INT(8, periods_until_frozen(3));
+        TEST_ASSERT_EQUAL_INT(12, periods_until_frozen(3));
     }
 }
 
