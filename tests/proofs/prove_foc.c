@@ -21,6 +21,12 @@
 #include "field_weakening.h"
 #undef modulation_index_square_q15
 
+/* Any square up to 2^31 (prove_pair_products), the same at every call of a proof. */
+static uint32_t error_square;
+#define q_pair_square(a) ((void)(a), error_square)
+#include "frozen_currents.c"
+#undef q_pair_square
+
 static dq_t any_dq(void)
 {
     const dq_t out = {.d = any_within(-32768, 32767), .q = any_within(-32768, 32767)};
@@ -219,5 +225,38 @@ void prove_modulation(void)
     const ab_t u = {.alpha = nondet_int32(), .beta = nondet_int32()};
     ASSUME(turned_holds(u, MOST_TURNED_VOLTAGE));
     modulation_step(&modulation, u, trim, on);
+    PROOF_END();
+}
+
+/* Any state, any codes, any currents, any number of the period, also after it has wrapped. */
+void prove_frozen_currents(void)
+{
+    frozen_currents_t state = {.begin_step = nondet_uint32(), .last_step = nondet_uint32()};
+    foc_period_t period;
+    uint16_t codes[SENSE_PHASES];
+    for (int x = 0; x < SENSE_PHASES; x++) {
+        state.code[x] = nondet_uint16();
+        codes[x] = nondet_uint16();
+    }
+    period.i_pu.v = any_pair();
+    period.i_reference_pu.v = any_pair();
+    const uint32_t step_count = nondet_uint32();
+    const frozen_currents_t before = state;
+    const bool a = codes[0] == before.code[0];
+    const bool b = codes[1] == before.code[1];
+    const bool c = codes[2] == before.code[2];
+    const bool stayed = step_count - before.last_step <= 8U && ((a && b) || (b && c) || (a && c));
+    const uint32_t periods = step_count - before.begin_step;
+    error_square = nondet_uint32();
+    ASSUME(error_square <= UINT32_C(1) << 31);
+    const bool due = frozen_currents_due(&period);
+    const bool result = frozen_currents_step(&state, &period, codes, step_count);
+    PROVE(due == (error_square >= 2097152U));
+    PROVE(result == (stayed && periods >= (error_square >= 4194304U ? 4U : 8U)));
+    PROVE(state.begin_step == (stayed ? before.begin_step : step_count));
+    PROVE(state.last_step == step_count);
+    for (int x = 0; x < SENSE_PHASES; x++) {
+        PROVE(state.code[x] == codes[x]);
+    }
     PROOF_END();
 }
