@@ -398,8 +398,12 @@ class _Vehicle:
 
 
 def _total(rows: Rows) -> Rows:
-    """Return the torque of motor and brake against the motion, N m."""
-    total: Rows = rows[:, HYDRAULIC] - rows[:, MOTOR] * np.sign(rows[:, SPEED])
+    """Return the torque of motor and brake against the motion, N m.
+
+    Both signals are signed by the forward direction: a brake that slows a wheel which rolls back
+    is negative in HYDRAULIC, a motor that does is positive in MOTOR.
+    """
+    total: Rows = np.sign(rows[:, SPEED]) * (rows[:, HYDRAULIC] - rows[:, MOTOR])
     return total
 
 

@@ -19,7 +19,7 @@ from hubsim import (
     stored_share,
 )
 from hubsim.errors import HubsimError
-from hubsim.faults_sweep import BRAKE, FAULT, LIMIT, MOTOR, SIGNALS, SPEED, TIME, WARNING
+from hubsim.faults_sweep import BRAKE, FAULT, HYDRAULIC, LIMIT, MOTOR, SIGNALS, SPEED, TIME, WARNING
 from hubsim.scenario import Scenario
 
 
@@ -141,8 +141,38 @@ def test_torque_against_the_motion_has_the_sign_of_the_motion() -> None:
     found = rows(3)
     found[:, MOTOR] = -10.0  # brakes forward motion
     assert faults_sweep._total(found) == pytest.approx([10.0] * 3)
+    found[:, HYDRAULIC] = 4.0  # and so does this
+    assert faults_sweep._total(found) == pytest.approx([14.0] * 3)
     found[:, SPEED] = -5.0
-    assert faults_sweep._total(found) == pytest.approx([-10.0] * 3)
+    assert faults_sweep._total(found) == pytest.approx([-14.0] * 3)
+    found[:, MOTOR] = 10.0
+    assert faults_sweep._total(found) == pytest.approx([6.0] * 3)
+    found[:, HYDRAULIC] = -4.0
+    assert faults_sweep._total(found) == pytest.approx([14.0] * 3)
+
+
+def test_torque_against_a_roll_back_obeys_newtons_law() -> None:
+    """The wheel's share of the mass: m a, and what the slope pulls less rolling resistance.
+
+    Blending hands the torque from the motor to the hydraulic brake meanwhile, so each of them has
+    a large part of it: one wrong sign is off by twice that part.
+    """
+    group = faults_sweep.Group("lu2013", "hall", faults_sweep.ROLL_BACK, 36.0)
+    vehicle = faults_sweep._Vehicle(group, [])
+    with vehicle.engine:
+        body = vehicle.drive.vehicle
+    mass_kg = body.mass_kg / body.driven_wheels
+    slope = math.atan(faults_sweep.BACK_SLOPE_PERCENT / 100.0)
+    pull_n = mass_kg * 9.81 * (math.sin(slope) - body.rolling_resistance * math.cos(slope))
+    found = vehicle.rows[(vehicle.rows[:, TIME] >= 2.2) & (vehicle.rows[:, TIME] <= 4.2)]
+    assert np.all(found[:, SPEED] < 0.0)
+    for share in (np.abs(found[:, MOTOR]), np.abs(found[:, HYDRAULIC])):
+        assert share.min() < 8.0
+        assert share.max() > 25.0
+    for part in np.array_split(found, 4):  # drag of the air at 6 km/h: below 0.2 N m
+        slower = (part[-1, SPEED] - part[0, SPEED]) / (part[-1, TIME] - part[0, TIME])
+        expected = body.wheel_radius_m * (mass_kg * slower + pull_n)
+        assert np.mean(faults_sweep._total(part)) == pytest.approx(expected, abs=0.5)
 
 
 def test_instants_lie_while_driving_coasting_and_in_the_whole_stop() -> None:
