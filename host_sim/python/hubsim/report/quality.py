@@ -15,9 +15,10 @@ STANDING_M_PER_S = 0.3  # a brake that holds a stationary vehicle does no work
 
 
 def torque_error_nm(run: RunLike) -> Array | None:
-    """Return the torque at a wheel less the demand, mean of the wheels, signed like the motor's.
+    """Return the torque at a wheel less the demand, mean of the wheels, signed by the motion.
 
-    Shape (samples,), NaN at standstill. Positive: too much drive, or too little braking.
+    Shape (samples,), NaN at standstill. Positive: too much drive, or too little braking, forwards
+    and backwards.
     """
     motor, hydraulic = (
         _mean_of_wheels(run, "motor_torque_nm"),
@@ -30,8 +31,10 @@ def torque_error_nm(run: RunLike) -> Array | None:
     drive = reading.signal(run, "driver.drive_nm")
     if motor is None or hydraulic is None or brake is None or speed is None:
         return None
-    wanted = np.where(brake > 0.0, -brake, drive if drive is not None else 0.0)
-    return np.where(np.abs(speed) > STANDING_M_PER_S, motor - hydraulic - wanted, np.nan)
+    forward = np.sign(speed)
+    wanted = np.where(brake > 0.0, -brake, forward * drive if drive is not None else 0.0)
+    error = forward * (motor - hydraulic) - wanted
+    return np.where(np.abs(speed) > STANDING_M_PER_S, error, np.nan)
 
 
 def _mean_of_wheels(run: RunLike, name: str) -> Array | None:

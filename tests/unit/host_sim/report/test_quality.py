@@ -23,6 +23,22 @@ def test_a_braking_shortfall_is_a_positive_torque_error() -> None:
     assert quality.root_mean_square(error) == pytest.approx(3.0)
 
 
+def test_torque_error_is_the_same_backwards() -> None:
+    """A wheel that turns the other way has speed, motor, brake and drive of the other sign."""
+    run = drive("parallel_ratio")
+    run.signals["wheel0.hydraulic_torque_nm"] = run.signals["wheel0.hydraulic_torque_nm"] - 3.0
+    forwards = quality.torque_error_nm(run)
+    for name in ("vehicle.speed_m_per_s", "driver.drive_nm"):
+        run.signals[name] = -run.signals[name]
+    for name in ("motor_torque_nm", "hydraulic_torque_nm"):
+        run.signals[f"wheel0.{name}"] = -run.signals[f"wheel0.{name}"]
+    backwards = quality.torque_error_nm(run)
+    assert forwards is not None
+    assert backwards is not None
+    assert np.nanmax(forwards) == pytest.approx(3.0)
+    assert np.allclose(backwards, forwards, equal_nan=True)
+
+
 def test_torque_error_is_zero_at_standstill() -> None:
     run = drive()
     error = quality.torque_error_nm(run)
