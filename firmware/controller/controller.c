@@ -55,7 +55,7 @@ const fast_output_t *controller_fast_step(controller_fast_t *fast, const config_
                                           const fast_setpoint_t *setpoint, const fast_input_t *in)
 {
     const bool enabled = setpoint->torque_enabled;
-    if (bridge_command(setpoint, enabled, fast->monitor.trip) == BRIDGE_PWM) {
+    if (enabled && fast->monitor.trip == REASON_NONE) {
         if (foc_step(&fast->foc, config, setpoint, in)) {
             monitor_fast_trip(&fast->monitor, REASON_CURRENT_SENSOR);
         }

@@ -108,8 +108,8 @@ void test_a_look_is_due_from_an_error_of_91_codes_on_in_any_direction(void)
 
 /* In the fast loop: a braking current in a turning rotor, then a converter that stops. The error is
  * the current times the turn since then: 600 codes at 0.0511 rad a period, 31 codes a period. The
- * first look falls into the fourth period: 123 codes, above 90; the second and the third see 245 and
- * 368, above 128, so the readings have stayed long enough eight periods after the first. */
+ * first look falls into the fourth period: 123 codes, above 90; the second and the third see 245
+ * and 368, above 128, so the readings have stayed long enough eight periods after the first. */
 static int periods_until_frozen(int sensors)
 {
     int32_t frozen[3] = {0, 0, 0};
