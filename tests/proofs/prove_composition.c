@@ -15,6 +15,7 @@
 #include "hall.h"
 #include "idle.h"
 #include "modulation.h"
+#include "reference_contracts.h"
 #include "reference_prefilter.h"
 #include "rotor.h"
 #include "sensor_isolation.h"
@@ -277,41 +278,6 @@ static int32_t circle_other_by_contract(const circle_t *circle, int32_t x)
     return any_within(0, circle->radius_q15);
 }
 #define circle_other circle_other_by_contract
-
-/* prove_change_of_reference */
-static void current_predictor_change_by_contract(current_predictor_t *predictor,
-                                                 const reference_change_t *change, dq_t settled,
-                                                 bool in_first_periods)
-{
-    (void)in_first_periods;
-    PROVE(predictor_holds(predictor) && change_holds(change));
-    PROVE(within(settled.d, Q15_MIN, Q15_ONE) && within(settled.q, Q15_MIN, Q15_ONE));
-    predictor->settled_pu = dq16_of(settled);
-    predictor->predicted_pu.v = any_pair();
-    ASSUME(predictor_holds(predictor));
-}
-#define current_predictor_change current_predictor_change_by_contract
-
-/* prove_target */
-static dq_t current_predictor_target_by_contract(const current_predictor_t *predictor,
-                                                 const reference_change_t *change)
-{
-    const dq_t out = {.d = any_within(-MOST_TARGET_PU, MOST_TARGET_PU),
-                      .q = any_within(-MOST_TARGET_PU, MOST_TARGET_PU)};
-    PROVE(predictor_holds(predictor) && change_holds(change));
-    return out;
-}
-#define current_predictor_target current_predictor_target_by_contract
-
-/* prove_change_of_reference */
-static dq_t reference_prefilter_output_by_contract(const reference_prefilter_t *prefilter,
-                                                   const reference_change_t *change)
-{
-    const dq_t out = {.d = any_within(-131072, 131072), .q = any_within(-131072, 131072)};
-    PROVE(prefilter_holds(prefilter) && change_holds(change));
-    return out;
-}
-#define reference_prefilter_output reference_prefilter_output_by_contract
 
 /* prove_emf_observer_flux, prove_emf_observer_tracking */
 static void emf_observer_step_by_contract(emf_observer_t *observer, ab16_t u, ab16_t i,
