@@ -63,6 +63,7 @@ void test_with_a_very_large_error_eight_periods_are_enough(void)
     TEST_ASSERT_EQUAL_UINT32(12, periods_until(0, 4));
     latest.i_reference_pu.v = q_pair(0, -4000 - 2056);
     TEST_ASSERT_EQUAL_UINT32(8, periods_until(0, 4));
+    TEST_ASSERT_EQUAL_UINT32(8, periods_until(0, 1));
 }
 
 void test_two_that_stay_are_frozen_one_alone_is_not(void)
@@ -70,6 +71,17 @@ void test_two_that_stay_are_frozen_one_alone_is_not(void)
     TEST_ASSERT_EQUAL_UINT32(12, periods_until(1, 4));
     TEST_ASSERT_EQUAL_UINT32(0, periods_until(2, 4));
     TEST_ASSERT_EQUAL_UINT32(0, periods_until(3, 4));
+}
+
+void test_any_two_that_stay_are_frozen(void)
+{
+    for (int moving = 0; moving < 3; moving++) {
+        look(100);
+        for (int n = 1; n <= 3; n++) {
+            codes[moving]++;
+            TEST_ASSERT_EQUAL(n == 3, look(4));
+        }
+    }
 }
 
 void test_one_code_of_movement_begins_the_periods_again(void)
@@ -88,6 +100,7 @@ void test_one_code_of_movement_begins_the_periods_again(void)
 void test_one_look_may_be_left_out_two_begin_again(void)
 {
     TEST_ASSERT_EQUAL_UINT32(16, periods_until(0, 8));
+    TEST_ASSERT_EQUAL_UINT32(0, periods_until(0, 9));
     TEST_ASSERT_EQUAL_UINT32(0, periods_until(0, 12));
 }
 
@@ -148,4 +161,33 @@ void test_a_turning_current_with_all_sensors_right_is_never_frozen(void)
     setpoint.sequence = 1;
     foc.rotor.absolute.tracker.speed_q32 = 533 * 65536;
     TEST_ASSERT_EQUAL_INT(0, periods_until_frozen(0));
+}
+
+/* Readings of no current under a reference of 600 codes, at standstill. The looks fall into periods
+ * 4, 8 and 12; the one that meets a hall edge is made up for four periods later. */
+static int periods_until_found(int edge_in_period)
+{
+    rig_up();
+    config.rotor.sensor = CONFIG_ROTOR_HALL;
+    restart();
+    for (int n = 0; n < 100; n++) {
+        step(true);
+    }
+    setpoint.i_reference_pu.q = 600 * 16;
+    setpoint.sequence++;
+    for (int n = 1; n <= 40; n++) {
+        in.hall_state = n >= edge_in_period ? 1 : 5;
+        if (foc_step(&foc, &config, &setpoint, &in)) {
+            return n;
+        }
+    }
+    return 0;
+}
+
+void test_the_look_that_meets_a_hall_edge_is_left_out(void)
+{
+    TEST_ASSERT_EQUAL_INT(12, periods_until_found(41));
+    TEST_ASSERT_EQUAL_INT(12, periods_until_found(11));
+    TEST_ASSERT_EQUAL_INT(16, periods_until_found(12));
+    TEST_ASSERT_EQUAL_INT(12, periods_until_found(8));
 }
