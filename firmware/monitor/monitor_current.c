@@ -2,11 +2,9 @@
 #include "monitor/monitor_current.h"
 
 #include "core/q15.h"
-#include "monitor/monitor.h"
 
 enum {
     ZERO_CURRENT_PU = 24, /* Q15: one and a half codes of a 12-bit converter */
-    BEYOND_SHARE = 2,     /* of the trip current */
     LEAST_STEPS = 3 /* at any reference: a mean may be zero while a current changes its sign */
 };
 
@@ -18,32 +16,16 @@ static int32_t length(dq_t i)
     return q_max(d, q) + q_min(d, q) * 3 / 8;
 }
 
-/* A leg that stays at a rail drives its current against the loop, as no healthy drive does below
- * the speed at which its EMF needs more voltage than the bus has. */
-static bool beyond(const config_t *config, const monitor_current_input_t *in, int32_t sampled_pu,
-                   int32_t reference_pu)
-{
-    return in->switching && in->angle_known &&
-           sampled_pu - reference_pu > config->monitor.overcurrent_pu_q15 / BEYOND_SHARE &&
-           monitor_forced_torque_mNm(config, in->speed_mrad_s, in->bus_voltage_mV) == 0;
-}
-
-reason_t monitor_current_step(monitor_current_state_t *state, const config_t *config,
-                              const monitor_current_input_t *in)
+bool monitor_current_step(monitor_current_state_t *state, const config_t *config,
+                          const monitor_current_input_t *in)
 {
     const int32_t most_pu = config->monitor.current_missing_pu_q15;
-    const int32_t sampled_pu = length(in->sampled_pu);
     const int32_t reference_pu = length(in->reference_pu);
-    if (!in->switching || sampled_pu > ZERO_CURRENT_PU) {
+    if (!in->switching || length(in->sampled_pu) > ZERO_CURRENT_PU) {
         state->missing_pu = 0;
     } else if (!in->voltage_limited && reference_pu > 2 * ZERO_CURRENT_PU) {
         const int32_t added_pu = q_min(reference_pu, most_pu / LEAST_STEPS + 1);
         state->missing_pu = q_min(state->missing_pu + added_pu, most_pu);
     }
-    state->beyond_steps = beyond(config, in, sampled_pu, reference_pu)
-                              ? q_min(state->beyond_steps + 1, MONITOR_CURRENT_BEYOND_STEPS)
-                              : 0;
-    return state->missing_pu >= most_pu                          ? REASON_CURRENT_SENSOR
-           : state->beyond_steps >= MONITOR_CURRENT_BEYOND_STEPS ? REASON_OVERCURRENT
-                                                                 : REASON_NONE;
+    return state->missing_pu >= most_pu;
 }

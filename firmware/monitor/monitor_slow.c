@@ -267,16 +267,15 @@ static monitor_emf_input_t emf_input(const monitor_slow_input_t *in)
     return out;
 }
 
-static reason_t current_lost(monitor_slow_state_t *state, const monitor_slow_input_t *in,
-                             const config_t *config)
+static bool no_current(monitor_slow_state_t *state, const monitor_slow_input_t *in,
+                       const config_t *config)
 {
-    const monitor_current_input_t current = {.sampled_pu = in->sampled_pu,
-                                             .reference_pu = in->reference_pu,
-                                             .switching = in->bridge == BRIDGE_PWM,
-                                             .voltage_limited = in->voltage_limited,
-                                             .speed_mrad_s = in->speed_mrad_s,
-                                             .bus_voltage_mV = in->bus_voltage_mV,
-                                             .angle_known = state->warning_steps == 0};
+    const monitor_current_input_t current = {
+        .sampled_pu = in->sampled_pu,
+        .reference_pu = in->reference_pu,
+        .switching = in->bridge == BRIDGE_PWM,
+        .voltage_limited = in->voltage_limited,
+    };
     return monitor_current_step(&state->current, config, &current);
 }
 
@@ -287,7 +286,8 @@ static bool gain_wrong(monitor_slow_state_t *state, const monitor_slow_input_t *
         .bus_current_mA = in->bus_current_mA,
         .battery_current_mA = in->battery_open ? MONITOR_GAIN_NOT_GIVEN : in->battery_current_mA,
         .bus_voltage_mV = in->bus_voltage_mV,
-        .switching = in->bridge == BRIDGE_PWM};
+        .switching = in->bridge == BRIDGE_PWM,
+    };
     return monitor_gain_step(&state->gain, config, &gain);
 }
 
@@ -399,7 +399,7 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
                                        rotor_missing ? rotor_qualify_steps(config) : 1);
     const monitor_emf_input_t emf = emf_input(in);
     const bool angle_wrong = monitor_emf_step(&state->emf, config, &emf);
-    const reason_t lost = current_lost(state, in, config);
+    const bool current_missing = no_current(state, in, config);
     const bool torque_wrong =
         qualified(&state->torque_steps, switching && torque_unwanted(config, in),
                   config->monitor.torque_fault_time_ms);
@@ -459,8 +459,8 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
         out.fault = REASON_PROGRAM_FLOW;
     } else if (phase_open) {
         out.fault = monitor_open_reason(in->latest_pu, in->current_sum_pu);
-    } else if (sensor_wrong || lost != REASON_NONE) {
-        out.fault = sensor_wrong ? REASON_CURRENT_SENSOR : lost;
+    } else if (sensor_wrong || current_missing) {
+        out.fault = REASON_CURRENT_SENSOR;
     } else if (sum_wrong) {
         out.fault = REASON_CURRENT_SUM;
     } else if (bus_wrong) {

@@ -131,7 +131,6 @@ enum { MOST_ROW_POINTS = 65 };
 #define monitor_state_holds(s, c)                                                                  \
     (monitor_emf_holds(&(s)->emf, c) &&                                                            \
      is_within((s)->current.missing_pu, 0, (c)->monitor.current_missing_pu_q15) &&                 \
-     is_within((s)->current.beyond_steps, 0, MONITOR_CURRENT_BEYOND_STEPS) &&                      \
      monitor_window_holds(&(s)->bus) && monitor_window_holds(&(s)->gain) &&                        \
      monitor_stuck_holds(&(s)->stuck) && monitor_open_holds(&(s)->open) &&                         \
      monitor_speed_holds(&(s)->speed, c) && (s)->swing.swing_mV >= 0)
