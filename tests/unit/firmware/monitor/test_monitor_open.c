@@ -341,6 +341,19 @@ void test_sensor_that_shows_no_current_is_named_by_the_sum_of_the_readings(void)
     TEST_ASSERT_GREATER_THAN_INT(190, named); /* 1 - 2/pi asin 0.3 = 0.81 of the turn */
 }
 
+/* More than a quarter of the larger component, whatever the signs. */
+void test_sum_of_a_sensor_s_reading_is_more_than_a_quarter_of_the_current(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        const dq_t along = {sign * 8000, 100};
+        const dq_t across = {-100, sign * 8000};
+        TEST_ASSERT_EQUAL_INT(REASON_PHASE_OPEN, monitor_open_reason(along, sign * 2000));
+        TEST_ASSERT_EQUAL_INT(REASON_CURRENT_SUM, monitor_open_reason(along, sign * 2001));
+        TEST_ASSERT_EQUAL_INT(REASON_PHASE_OPEN, monitor_open_reason(across, sign * -2000));
+        TEST_ASSERT_EQUAL_INT(REASON_CURRENT_SUM, monitor_open_reason(across, sign * -2001));
+    }
+}
+
 void test_phases_without_a_current_and_without_a_sum_are_no_sensor(void)
 {
     const dq_t none = {0, 0};
