@@ -252,7 +252,7 @@ void prove_frozen_currents(void)
     const bool due = frozen_currents_due(&period);
     const bool result = frozen_currents_step(&state, &period, codes, step_count);
     PROVE(due == (error_square >= 2097152U));
-    PROVE(result == (stayed && periods >= (error_square >= 4194304U ? 4U : 8U)));
+    PROVE(result == (stayed && periods >= (error_square >= 4194304U ? 8U : 12U)));
     PROVE(state.begin_step == (stayed ? before.begin_step : step_count));
     PROVE(state.last_step == step_count);
     for (int x = 0; x < SENSE_PHASES; x++) {
