@@ -5,9 +5,9 @@
  * it if not. README, Frozen readings.
  *
  * A current error that the controller sees becomes a voltage, and that moves the current. Two of
- * the three readings unmoved for twelve periods, with a large error all the time, are frozen; for
- * eight with a very large one. No single look decides, because two readings repeat by chance. Two
- * are enough: the third one either stays as well, or contradicts them in the sum.
+ * the three readings, any two, unmoved at every look for twelve periods with a large error are
+ * frozen; for eight with a very large one. No single look decides, because two readings repeat by
+ * chance. Two are enough: the third one either stays as well, or contradicts them in the sum.
  */
 #ifndef FOC_FROZEN_CURRENTS_H
 #define FOC_FROZEN_CURRENTS_H
