@@ -167,8 +167,11 @@ foreach(path IN LISTS scenarios)
     "test_scenarios.py::test_the_emulated_run_is_the_hosts[${scenario}]")
 endforeach()
 
-# Every way to compile and to execute the steps, whole scenarios: a minute or more a cell.
+# Every way to compile and to execute the steps: the sequences in those that are not above, and
+# whole scenarios in all of them, a minute or more a cell. Both compile into build/matrix.
+pil_test(matrix bit_exactness_of_sequences 600 python test_sequences.py)
 pil_test(matrix bit_exactness 14400 "python;full" test_matrix.py)
+set_tests_properties(bit_exactness_of_sequences bit_exactness PROPERTIES RESOURCE_LOCK matrix)
 
 # ---- counted instructions ----
 
