@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -42,15 +43,22 @@ class Memory:
     """Flash and RAM of each module; the C library and the compiler's together."""
 
 
+def _allocated(elf: Path) -> Iterator[tuple[str, str, int, int]]:
+    """Yield name, kind, address and size of every section that takes memory."""
+    text = build.run([build.PREFIX + "readelf", "-SW", str(elf)], f"sections of {elf.name}")
+    for match in filter(None, map(_SECTION.match, text.splitlines())):
+        yield match[1], match[2], int(match[3], 16), int(match[4], 16)
+
+
+def section(elf: Path, wanted: str) -> int:
+    """Return the bytes of a section."""
+    return sum(size for name, _, _, size in _allocated(elf) if name == wanted)
+
+
 def sections(elf: Path) -> tuple[int, int, int]:
     """Return flash, RAM and the black box's part of it."""
     flash = ram = black_box = 0
-    text = build.run([build.PREFIX + "readelf", "-SW", str(elf)], f"sections of {elf.name}")
-    for line in text.splitlines():
-        match = _SECTION.match(line)
-        if not match:
-            continue
-        name, kind, address, size = match[1], match[2], int(match[3], 16), int(match[4], 16)
+    for name, kind, address, size in _allocated(elf):
         in_ram = address >= RAM_BEGINS
         ram += size if in_ram else 0
         flash += size if kind != "NOBITS" else 0
