@@ -6,7 +6,7 @@
  * (vedderb/bldc on GitHub, commits a946911 and 116ef56), hwconf/hw.h for CAN; motor/mcpwm_foc.c:
  * with two shunts the second duty goes to channel 3, so the shunts are those of a and c, and the
  * codes fall with current into the motor (vesc6_mk3.h). The DRV8302's threshold, mode and gain are
- * set by resistors on the board; README, Bring-up, 3 measures the first two.
+ * set by resistors on the board; README, Bring-up, C measures the first two.
  *
  *     PA8 PA9 PA10      TIM1_CH1..3      high-side gates a, b, c
  *     PB13 PB14 PB15    TIM1_CH1N..3N    low-side gates a, b, c
