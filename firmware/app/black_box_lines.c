@@ -62,7 +62,7 @@ static bool add_count(const report_status_t *status, uint32_t *left, text_t *lin
             text_add_integer(line, box->counts[i]);
             text_add(line, " times ");
             if (i < RECORDER_FIRST_START) {
-                text_add(line, reason_text((reason_t)(RECORDER_FIRST_COUNTED + i)));
+                text_add(line, reason_text(recorder_counted(i)));
             } else {
                 add_start(i - RECORDER_FIRST_START, line);
             }

@@ -365,6 +365,7 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
         .hydraulic_reason = torque.hydraulic_reason,
         .fault_reason = modes.fault,
         .warning_reason = modes.warning,
+        .present_warning = modes.present_warning,
         .mode = modes.mode,
         .waits_for = modes.waits_for,
         .direction = torque.engaged,

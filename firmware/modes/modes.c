@@ -271,10 +271,12 @@ modes_output_t modes_step(modes_state_t *state, const config_t *config, const mo
     }
     latch_warning(state, in);
     state->inverted = inverted_copy(state);
+    const reason_t present = present_warning(state, in);
     const modes_output_t out = {
         .mode = state->mode,
         .fault = state->fault,
-        .warning = state->warning != REASON_NONE ? state->warning : present_warning(state, in),
+        .warning = state->warning != REASON_NONE ? state->warning : present,
+        .present_warning = present,
         .torque_enable = torque_enable_of(state, &config->modes, in),
         .waits_for = waits_for(state, in),
         .calibrate_offsets = calibrates_offsets(state, in),

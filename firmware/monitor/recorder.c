@@ -64,19 +64,65 @@ static void begin(recorder_memory_t *memory, const recorder_start_t *start, bool
     memory->magic = RECORDER_MAGIC;
 }
 
+/* The first counter of starts, that of an unknown cause, stands for no counter. */
 static void count(recorder_memory_t *memory, uint32_t index)
 {
-    if (memory->counts[index] < UINT16_MAX) {
+    if (index != RECORDER_FIRST_START && memory->counts[index] < UINT16_MAX) {
         memory->counts[index]++;
-        memory->counts_check = check_of_counts(memory);
+        memory->counts_check--; /* its inverted sum */
     }
 }
 
-static void count_fault(recorder_memory_t *memory, reason_t reason)
+/* Rows of the list of faults below the first fault: one, and LOW_CODES in a row. */
+enum { LOW_CODES = 4, FIRST_LOW_CODE = REASON_HYDRAULIC_FEEDBACK };
+_Static_assert(RECORDER_FIRST_LOW + 1 + LOW_CODES == RECORDER_FIRST_START &&
+                   (int)REASON_OFFSETS_STORED == FIRST_LOW_CODE + LOW_CODES - 1,
+               "a counter for each");
+
+reason_t recorder_counted(uint32_t index)
 {
-    const uint32_t index = (uint32_t)reason - RECORDER_FIRST_COUNTED;
-    if (index < RECORDER_FIRST_START) {
-        count(memory, index);
+    return index < RECORDER_FIRST_LOW ? (reason_t)(RECORDER_FIRST_COUNTED + index)
+           : index == RECORDER_FIRST_LOW
+               ? REASON_ROTOR_UNCERTAIN
+               : (reason_t)(FIRST_LOW_CODE + index - RECORDER_FIRST_LOW - 1U);
+}
+
+static uint32_t counter_of(reason_t reason)
+{
+    const uint32_t above = (uint32_t)reason - RECORDER_FIRST_COUNTED;
+    const uint32_t low = (uint32_t)reason - FIRST_LOW_CODE;
+    return above < RECORDER_FIRST_LOW         ? above
+           : low < LOW_CODES                  ? RECORDER_FIRST_LOW + 1U + low
+           : reason == REASON_ROTOR_UNCERTAIN ? (uint32_t)RECORDER_FIRST_LOW
+                                              : (uint32_t)RECORDER_FIRST_START;
+}
+
+static void count_warning(recorder_t *recorder, reason_t reason)
+{
+    const uint32_t index = counter_of(reason);
+    uint32_t *warned = &recorder->warned[index / 32U];
+    const uint32_t bit = UINT32_C(1) << index % 32U;
+    if ((*warned & bit) == 0) {
+        *warned |= bit;
+        count(recorder->memory, index);
+    }
+}
+
+/* A latched warning may hide a present one. */
+static void count_warnings(recorder_t *recorder, const slow_output_t *output)
+{
+    if (output->warning_reason == REASON_NONE) {
+        recorder->calm_ms++;
+        if (recorder->calm_ms >= RECORDER_CALM_ms) {
+            recorder->warned[0] = 0;
+            recorder->warned[1] = 0;
+        }
+        return;
+    }
+    recorder->calm_ms = 0;
+    if (output->mode == MODE_RUN || output->mode == MODE_LIMP) {
+        count_warning(recorder, output->warning_reason);
+        count_warning(recorder, output->present_warning);
     }
 }
 
@@ -104,7 +150,7 @@ void recorder_init(recorder_t *recorder, recorder_memory_t *memory, const record
         memory->ended_by = start->reset_cause;
         memory->phase = RECORDER_COMPLETE;
         if (interrupted && keep_counts) {
-            count_fault(memory, REASON_PROGRAM_FLOW);
+            count(memory, counter_of(REASON_PROGRAM_FLOW));
         }
     } else if (!ours || memory->phase <= RECORDER_RECORDING) {
         begin(memory, start, keep_counts);
@@ -182,8 +228,9 @@ void recorder_slow(recorder_t *recorder, const slow_output_t *output,
     const bool new_fault = fault != REASON_NONE && fault != recorder->fault_before;
     recorder->fault_before = fault;
     if (new_fault) {
-        count_fault(memory, fault);
+        count(memory, counter_of(fault));
     }
+    count_warnings(recorder, output);
     if (memory->phase == RECORDER_RECORDING && new_fault) {
         memory->fault_ms = now_ms;
         memory->reason = (uint8_t)fault;

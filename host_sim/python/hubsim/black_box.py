@@ -48,7 +48,8 @@ SLOW = np.dtype(
 FAST_ENTRIES, SLOW_ENTRIES = 400, 200
 FAST_AFTER_MS, SLOW_AFTER_S, SLOW_PERIOD_S = 5, 0.5, 0.01
 RECORD = np.dtype([("header", HEADER), ("fast", FAST, FAST_ENTRIES), ("slow", SLOW, SLOW_ENTRIES)])
-FIRST_START = 55  # of the counters: starts by cause
+LOW = (19, 26, 27, 28, 29)  # codes of warnings below the first fault
+FIRST_LOW, FIRST_START = 50, 55  # of the counters: those, then starts by cause
 CHECKED_FROM = 148  # the CRC is of everything behind itself
 LONGEST_BYTES = 4_000_000  # of a terminal's log
 
@@ -94,7 +95,9 @@ def bytes_of(text: str, name: str) -> bytes:
 
 
 def _counted(number: int) -> str:
-    """Return what a counter counts: a fault, or a start by its cause."""
+    """Return what a counter counts: a fault or warning, or a start by its cause."""
+    if FIRST_LOW <= number < FIRST_START:
+        return reasons.identifier(LOW[number - FIRST_LOW])
     if number < FIRST_START:
         return reasons.identifier(reasons.first_fault() + number)
     return f"start by {starts.name(number - FIRST_START)}"

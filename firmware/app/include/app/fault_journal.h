@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * fault_journal.h: how often each fault, and each start but those by the supply, came since
- * production, in flash. Background context.
+ * fault_journal.h: how often each fault and warning, and each start but those by the supply, came
+ * since production, in flash. Background context.
  *
  *     black box (RAM, since the supply came) --difference--> record (flash, since production)
  *
@@ -13,6 +13,11 @@
  * The older sector is erased at a start by the supply (fault_journal_make_space()) when the newer
  * one is nearly full: an erase takes up to a second, a record 2 ms. A sector lasts 10 000 erases:
  * of 16 KiB, which hold 60 records, 600 000 records; of 2 KiB, seven records, 70 000.
+ *
+ * Warnings are counted only while torque may be enabled and written only while it is not, so a
+ * warning that stays, or comes and goes, makes one record at most each time the driver switches
+ * off; when both sectors are full nothing is written until the next start by the supply. At most
+ * one erase such a start in any case.
  *
  * Not counted are faults of a drive whose supply ends before the wheel was at rest once.
  */
@@ -54,11 +59,11 @@ void fault_journal_number(const fault_journal_t *journal, recorder_memory_t *box
  * nearly full; the core then stands still for up to a second. */
 void fault_journal_make_space(const fault_journal_t *journal);
 
-/* Of the fault RECORDER_FIRST_COUNTED + index, since production. */
+/* Of the counter `index` of the black box, since production. */
 uint32_t fault_journal_total(const fault_journal_t *journal, const recorder_memory_t *box,
                              uint32_t index);
 
-/* The black box has counted a fault that the newest record does not include. */
+/* The black box has counted something that the newest record does not include. */
 bool fault_journal_is_due(const fault_journal_t *journal, const recorder_memory_t *box);
 
 /* Appends a record. Precondition: the wheel at rest, torque not enabled. FLASH_BRIDGE_ON: the

@@ -104,6 +104,7 @@ typedef struct {
     operating_mode_t mode;
     waits_for_t waits_for;       /* what driving torque waits for */
     reason_t warning_reason;     /* the latched warning, else the present one; REASON_NONE: none */
+    reason_t present_warning;    /* for the black box, which counts one behind a latched one too */
     drive_direction_t direction; /* in which driving torque is made now; NEUTRAL: none is */
     bool hydraulic_valid;        /* false: the demand is lost, the brake system must use its own
                                     path instead of hydraulic_torque_mNm */

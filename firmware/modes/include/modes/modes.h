@@ -72,8 +72,9 @@ typedef struct {
 
 typedef struct {
     operating_mode_t mode;
-    reason_t fault;   /* latched, REASON_NONE when healthy */
-    reason_t warning; /* the latched one, else the monitor's present one */
+    reason_t fault;           /* latched, REASON_NONE when healthy */
+    reason_t warning;         /* the latched one, else the present one */
+    reason_t present_warning; /* the monitor's, or that of the stored offsets */
     torque_enable_t torque_enable;
     waits_for_t waits_for; /* what driving torque waits for */
     bool calibrate_offsets;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * recorder.h: the black box: what happened around the first fault, and how often each fault came.
+ * recorder.h: the black box: what happened around the first fault, and how often each fault and
+ * each warning of the list of faults (core/reason.h) came.
  *
  * The memory is the caller's: recorder_memory_t, 8 KiB that keep their content over a reset. Two
  * rings are written until RECORDER_FAST_AFTER_ms and RECORDER_SLOW_AFTER_ms after the first fault:
@@ -9,6 +10,10 @@
  * but losing the supply makes space for another. A reset by a watchdog in the middle of a recording
  * ends it like a fault. Starts are counted by their cause, but for those by the supply and those
  * that recorder_expect_restart() announced.
+ *
+ * A fault is counted when it is latched, a warning when it appears while torque may be enabled
+ * (RUN, LIMP), but not again until for RECORDER_CALM_ms there has been no warning at all: one that
+ * comes and goes faster, or by turns with another, counts once.
  *
  *     recorder_init()   once, at boot
  *
@@ -37,11 +42,14 @@ enum {
     RECORDER_SLOW_ENTRIES = 200,
     RECORDER_SLOW_PERIOD_ms = 10,
     RECORDER_SLOW_AFTER_ms = 500,
+    RECORDER_CALM_ms = 1000,
     RECORDER_FIRST_COUNTED = REASON_FIRST_FAULT,
     RECORDER_COUNTED = 64, /* counters: of faults, the last ones of starts */
     RECORDER_STARTS = 9,   /* causes of a start: 0 unknown, 1 the supply, others counted */
     RECORDER_START_BY_SUPPLY = 1,
     RECORDER_FIRST_START = RECORDER_COUNTED - RECORDER_STARTS, /* counter of cause 0 */
+    /* Before them those of the rows below RECORDER_FIRST_COUNTED: recorder_counted(). */
+    RECORDER_FIRST_LOW = RECORDER_FIRST_START - 5,
     RECORDER_FORMAT = 1,
     RECORDER_BRIDGE_SHIFT = 14
 };
@@ -86,8 +94,8 @@ typedef struct {
     uint8_t restart_expected; /* 1: the next start is not counted */
     uint16_t supply; /* the owner's number of this supply; 0: the counters began with this start */
     uint32_t counts_check; /* inverted sum of the counters */
-    /* Since the supply came, saturating: of fault RECORDER_FIRST_COUNTED + index, from
-     * RECORDER_FIRST_START on of starts by cause. */
+    /* Since the supply came, saturating: of recorder_counted(index), from RECORDER_FIRST_START on
+     * of starts by cause. */
     uint16_t counts[RECORDER_COUNTED];
     uint32_t crc32; /* of all bytes behind it; valid in RECORDER_SEALED */
     uint32_t pwm_frequency_Hz;
@@ -114,6 +122,8 @@ typedef struct {
     uint32_t now_ms;
     uint32_t slow_left_ms;
     reason_t fault_before;
+    uint32_t warned[2]; /* a bit for each counter: counted already, until it is calm */
+    uint32_t calm_ms;   /* without a warning */
 } recorder_t;
 
 typedef struct {
@@ -141,6 +151,14 @@ typedef struct {
  * memory->reason == old(memory->reason)
  */
 void recorder_init(recorder_t *recorder, recorder_memory_t *memory, const recorder_start_t *start);
+
+/* The code that the counter `index` is of, below RECORDER_FIRST_START.
+ *
+ * @pre index < RECORDER_FIRST_START
+ *
+ * @post index >= RECORDER_FIRST_LOW || (uint32_t)result == RECORDER_FIRST_COUNTED + index
+ */
+reason_t recorder_counted(uint32_t index);
 
 /* Background: a restart follows on purpose, which is no fault and is not counted. A record is kept.
  *

@@ -269,7 +269,8 @@ static void assert_line(uint32_t number, const char *words)
 
 void test_the_black_box_names_the_start_that_ended_it_and_counts_starts(void)
 {
-    box.counts[RECORDER_FIRST_START - 1] = 3; /* the last one of faults */
+    box.counts[RECORDER_FIRST_LOW - 1] = 4;   /* the last one of faults */
+    box.counts[RECORDER_FIRST_START - 1] = 3; /* and of warnings with a number below them */
     box.counts[RECORDER_FIRST_START + RESET_PIN] = 2;
     append();
     come_with_supply();
@@ -281,6 +282,8 @@ void test_the_black_box_names_the_start_that_ended_it_and_counts_starts(void)
     box.counts[RECORDER_FIRST_START + RESET_PIN] = 1;
     assert_line(0, "black box: record of 75 ");
     assert_line(0, ", 1234 ms after the start, ended by a reset, then started by watchdog");
-    assert_line(1, "0 times unknown reason, since production 3");
-    assert_line(2, "1 times started by reset pin, since production 3");
+    assert_line(1, "0 times unknown reason, since production 4");
+    assert_line(2,
+                "0 times current sensors: stored offsets, none measured yet, since production 3");
+    assert_line(3, "1 times started by reset pin, since production 3");
 }

@@ -166,18 +166,34 @@ void test_the_record_is_complete_after_its_time_and_not_before(void)
 
 /* ---- counters ---- */
 
-void test_codes_from_the_first_fault_on_are_counted_and_no_others(void)
+/* By the layout: codes from the first fault on in their order, then five that are lower. */
+static int counter_of(int code)
+{
+    static const int LOWER[] = {19, 26, 27, 28, 29};
+    for (int k = 0; k < 5; k++) {
+        if (code == LOWER[k]) {
+            return 50 + k;
+        }
+    }
+    return code >= FIRST && code < FIRST + 50 ? code - FIRST : -1;
+}
+
+static void assert_counted(int code, int times)
+{
+    for (int k = 0; k < RECORDER_COUNTED; k++) {
+        TEST_ASSERT_EQUAL_UINT16(counter_of(code) == k ? times : 0, memory.counts[k]);
+    }
+    TEST_ASSERT_EQUAL_UINT32(check_of_the_counters(), memory.counts_check);
+}
+
+void test_codes_from_the_first_fault_on_are_counted_and_five_below(void)
 {
     static recorder_memory_t before;
-    for (int code = FIRST - 2; code < FIRST + RECORDER_COUNTED + 2; code++) {
+    for (int code = 1; code < FIRST + RECORDER_COUNTED + 2; code++) {
         setUp();
         before = memory;
         fault(code);
-        for (int k = 0; k < RECORDER_COUNTED; k++) {
-            TEST_ASSERT_EQUAL_UINT16(code - FIRST == k && k < RECORDER_FIRST_START,
-                                     memory.counts[k]);
-        }
-        TEST_ASSERT_EQUAL_UINT32(check_of_the_counters(), memory.counts_check);
+        assert_counted(code, 1);
         TEST_ASSERT_EQUAL_UINT32(before.magic, memory.magic);
         TEST_ASSERT_EQUAL_UINT32(before.config_crc32, memory.config_crc32);
         TEST_ASSERT_EQUAL_UINT32(before.pwm_frequency_Hz, memory.pwm_frequency_Hz);
@@ -188,8 +204,100 @@ void test_every_fault_has_a_counter_of_its_own(void)
 {
     const fault_t *row = fault_row(0);
     for (unsigned i = 0; row != NULL; row = fault_row(++i)) {
-        TEST_ASSERT_LESS_THAN_INT(FIRST + RECORDER_FIRST_START, row->reason);
+        TEST_ASSERT_NOT_EQUAL_INT_MESSAGE(-1, counter_of(row->reason), reason_name(row->reason));
     }
+    for (uint32_t k = 0; k < RECORDER_FIRST_START; k++) {
+        TEST_ASSERT_EQUAL_INT(k, counter_of((int)recorder_counted(k)));
+    }
+}
+
+static void warn(int code, int milliseconds)
+{
+    output.warning_reason = (reason_t)code;
+    output.present_warning = (reason_t)code;
+    slow_steps(milliseconds);
+    output.warning_reason = REASON_NONE;
+    output.present_warning = REASON_NONE;
+}
+
+void test_a_warning_is_counted_once_at_its_beginning_and_starts_no_record(void)
+{
+    const fault_t *row = fault_row(0);
+    for (unsigned i = 0; row != NULL; row = fault_row(++i)) {
+        setUp();
+        warn(row->reason, 1);
+        assert_counted(row->reason, 1);
+        warn(row->reason, 100000);
+        assert_counted(row->reason, 1);
+        TEST_ASSERT_EQUAL_UINT8(RECORDER_RECORDING, memory.phase);
+    }
+}
+
+void test_a_warning_counts_again_after_a_second_without_any_and_not_before(void)
+{
+    warn(REASON_ROTOR_FROZEN, 1);
+    for (int n = 0; n < 100; n++) {
+        slow_steps(999);
+        warn(REASON_ROTOR_FROZEN, 1);
+    }
+    assert_counted(REASON_ROTOR_FROZEN, 1);
+    slow_steps(500);
+    warn(REASON_MAX_TORQUE, 1); /* another one, which has no counter, ends the calm as well */
+    slow_steps(999);
+    warn(REASON_ROTOR_FROZEN, 1);
+    assert_counted(REASON_ROTOR_FROZEN, 1);
+    slow_steps(1000);
+    warn(REASON_ROTOR_FROZEN, 1);
+    assert_counted(REASON_ROTOR_FROZEN, 2);
+    slow_steps(5000);
+    warn(REASON_ROTOR_FROZEN, 1);
+    assert_counted(REASON_ROTOR_FROZEN, 3);
+}
+
+/* Two that hide each other by turns; every pair of bits. */
+void test_warnings_by_turns_count_once_each(void)
+{
+    for (unsigned i = 0; fault_row(i) != NULL; i++) {
+        for (unsigned k = 0; k < i; k++) {
+            setUp();
+            for (int n = 0; n < 3; n++) {
+                warn(fault_row(i)->reason, 1);
+                warn(fault_row(k)->reason, 1);
+            }
+            TEST_ASSERT_EQUAL_UINT16(1, memory.counts[counter_of(fault_row(i)->reason)]);
+            TEST_ASSERT_EQUAL_UINT16(1, memory.counts[counter_of(fault_row(k)->reason)]);
+        }
+    }
+}
+
+void test_a_present_warning_is_counted_behind_a_latched_one(void)
+{
+    output.warning_reason = REASON_DEMAND_TIMEOUT;
+    slow_steps(5);
+    output.present_warning = REASON_CURRENT_SENSOR_A;
+    slow_steps(5);
+    TEST_ASSERT_EQUAL_UINT16(1, memory.counts[counter_of(REASON_DEMAND_TIMEOUT)]);
+    TEST_ASSERT_EQUAL_UINT16(1, memory.counts[counter_of(REASON_CURRENT_SENSOR_A)]);
+}
+
+/* An open contactor before the vehicle is switched on is no fault of it. */
+void test_warnings_are_counted_where_torque_may_be_enabled(void)
+{
+    for (operating_mode_t mode = MODE_BOOT; mode <= MODE_FAULT; mode++) {
+        setUp();
+        output.mode = mode;
+        warn(REASON_BATTERY_DISCONNECTED, 10);
+        assert_counted(REASON_BATTERY_DISCONNECTED, mode == MODE_RUN || mode == MODE_LIMP);
+    }
+}
+
+void test_a_start_forgets_which_warnings_were_counted(void)
+{
+    warn(REASON_BUS_SENSOR, 1);
+    memset(&recorder, 0xFF, sizeof recorder);
+    restart(false);
+    warn(REASON_BUS_SENSOR, 1);
+    assert_counted(REASON_BUS_SENSOR, 2);
 }
 
 /* ---- starts ---- */
@@ -294,6 +402,7 @@ void test_a_record_names_the_start_before_it_and_the_one_that_ended_it(void)
 void test_counters_saturate(void)
 {
     memory.counts[3] = UINT16_MAX - 1;
+    memory.counts_check = check_of_the_counters();
     fault(FIRST + 3);
     TEST_ASSERT_EQUAL_UINT16(UINT16_MAX, memory.counts[3]);
     TEST_ASSERT_EQUAL_UINT32(check_of_the_counters(), memory.counts_check);

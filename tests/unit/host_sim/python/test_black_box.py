@@ -81,6 +81,17 @@ def test_causes_of_starts_are_named_and_counted() -> None:
     assert "6 times start by RESET_PIN" in lines
 
 
+def test_counters_of_warnings_have_their_names() -> None:
+    content = bytearray(memory(phase=3))
+    named = {19: "ROTOR_UNCERTAIN", 26: "HYDRAULIC_FEEDBACK", 27: "OVERSPEED"}
+    named |= {28: "BATTERY_DISCONNECTED", 29: "OFFSETS_STORED"}
+    for place, code in enumerate(named):
+        struct.pack_into("<H", content, 16 + 2 * (50 + place), code)
+    struct.pack_into("<H", content, 16 + 2 * (92 - 64), 2)
+    expected = {"OVERCURRENT": 3, "ROTOR_FROZEN": 2, **{name: n for n, name in named.items()}}
+    assert read(bytes(content)).counts == expected
+
+
 def test_causes_of_starts_have_the_firmware_s_codes_and_counters() -> None:
     root = Path(__file__).parents[4]
     text = (root / "hal/include/hal/watchdog.h").read_text(encoding="utf-8")
