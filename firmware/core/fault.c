@@ -43,29 +43,33 @@ fault_clearing_t fault_clearing(reason_t reason)
 fault_reaction_t fault_reaction(reason_t reason)
 {
     const uint32_t code = code_of(reason);
-    return code != 0 ? (fault_reaction_t)(code % CLEARING - 1U) : FAULT_REACTION_FREEWHEEL;
+    return code != 0 ? (fault_reaction_t)(code % CLEARING - 1U) : FAULT_REACTION_SAFE_STATE;
 }
 
+/* Each word behind the zero of the one before, and the last one before an empty one. */
+static const char *word_at(const char *words, uint32_t number)
+{
+    for (; number > 0 && *words != '\0'; number--) {
+        while (*words != '\0') {
+            words++;
+        }
+        words++;
+    }
+    return *words != '\0' ? words : "unknown";
+}
+
+#define FAULT_TEXT(identifier, text) text "\0"
 const char *fault_reaction_text(fault_reaction_t reaction)
 {
-#define FAULT_TEXT(identifier, text) [FAULT_REACTION_##identifier] = (text),
-    static const char *const TEXTS[] = {FAULT_REACTION_LIST(FAULT_TEXT)};
-#undef FAULT_TEXT
-    return (unsigned)reaction < sizeof TEXTS / sizeof TEXTS[0] ? TEXTS[reaction] : "unknown";
+    return word_at(FAULT_REACTION_LIST(FAULT_TEXT), (uint32_t)reaction);
 }
 
 const char *fault_clearing_text(fault_clearing_t clearing)
 {
-#define FAULT_TEXT(identifier, text) [FAULT_CLEARING_##identifier] = (text),
-    static const char *const TEXTS[] = {FAULT_CLEARING_LIST(FAULT_TEXT)};
-#undef FAULT_TEXT
-    return (unsigned)clearing < sizeof TEXTS / sizeof TEXTS[0] ? TEXTS[clearing] : "unknown";
+    return word_at(FAULT_CLEARING_LIST(FAULT_TEXT), (uint32_t)clearing);
 }
 
 const char *fault_driver_text(fault_driver_t driver)
 {
-#define FAULT_TEXT(identifier, text) [FAULT_DRIVER_##identifier] = (text),
-    static const char *const TEXTS[] = {FAULT_DRIVER_LIST(FAULT_TEXT)};
-#undef FAULT_TEXT
-    return (unsigned)driver < sizeof TEXTS / sizeof TEXTS[0] ? TEXTS[driver] : "unknown";
+    return word_at(FAULT_DRIVER_LIST(FAULT_TEXT), (uint32_t)driver);
 }

@@ -2,9 +2,10 @@
 /*
  * fault.h: what the table of faults (reason.h) says about one code. Any context.
  *
- * modes acts by these columns, so what the table says is what happens: a warning whose reaction is
- * NONE leaves the mode alone, a latched fault is acknowledged or not by its clearing. The reason
- * that a monitor gives as its fault must be one of those with fault_latches().
+ * modes acts by two of these columns: a warning whose reaction is NONE leaves the mode alone, a
+ * latched fault is acknowledged or not by its clearing. The other words say what monitor, torque
+ * and controller do; test_fault_rows.c compares each row with it. The reason that a monitor gives
+ * as its fault must be one of those with fault_latches().
  */
 #ifndef CORE_FAULT_H
 #define CORE_FAULT_H
@@ -13,18 +14,22 @@
 
 #include "core/reason.h"
 
-/* X(identifier, text): what happens to the motor's torque once the fault is qualified. The
- * hydraulic brake has the rest of a braking demand in every case. */
+/* X(identifier, text): what happens to the motor's torque once the fault is qualified. Where there
+ * is less of it the hydraulic brake has the rest of a braking demand. */
 #define FAULT_REACTION_LIST(X)                                                                     \
     X(NONE, "none, it is only reported")                                                           \
     X(LIMIT, "less driving torque, whole braking torque")                                          \
-    X(RAMP, "torque ramps to zero, then freewheel")                                                \
-    X(FREEWHEEL, "freewheel at once; active short circuit where the EMF would charge the bus")
+    X(LIMIT_OR_OFF, "less driving torque; none at an impossible value")                            \
+    X(LEAST, "less driving torque; the bridge that brakes least")                                  \
+    X(HAND_OVER, "no driving torque; the brake system takes over")                                 \
+    X(RAMP, "torque ramps to zero, then safe state")                                               \
+    X(SAFE_STATE, "freewheel at once, or short circuit if safer")                                  \
+    X(TRIP, "freewheel at once, or short circuit on a stuck side")
 
 /* X(identifier, text): how it ends. */
 #define FAULT_CLEARING_LIST(X)                                                                     \
     X(HEALS, "by itself, after its heal time")                                                     \
-    X(SHOWN, "its reaction by itself, what is shown by an acknowledgement")                        \
+    X(SHOWN, "by itself; shown after a lost demand until acknowledged")                            \
     X(ACKNOWLEDGED, "latched until acknowledged at standstill without a torque demand")            \
     X(RESTART, "latched until the controller is restarted")
 
@@ -46,7 +51,7 @@ typedef enum { FAULT_DRIVER_LIST(FAULT_DRIVER_ENUM) } fault_driver_t;
 
 /* The row of one code. */
 typedef struct {
-    const char *qualify; /* configuration fields joined by " + ", or words such as "4 ms" */
+    const char *qualify; /* configuration fields joined by " + ", or words such as "9 ms" */
     const char *heal;    /* likewise; "never" if it is latched */
     reason_t reason;
     fault_reaction_t reaction;
@@ -61,7 +66,7 @@ const fault_t *fault_row(unsigned number);
  * counts as RESTART. */
 fault_clearing_t fault_clearing(reason_t reason);
 
-/* Reaction of a code; FREEWHEEL for a number that is not in the table. */
+/* Reaction of a code; SAFE_STATE for a number that is not in the table. */
 fault_reaction_t fault_reaction(reason_t reason);
 
 /* True if the code, once it is a fault, stays one until it is acknowledged or until a restart. */

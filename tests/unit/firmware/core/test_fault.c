@@ -50,13 +50,13 @@ void test_reaction_and_clearing_of_a_code_are_those_of_its_row(void)
 /* A damaged byte must not read as a fault that heals. */
 void test_a_number_outside_the_list_has_the_strictest_answer(void)
 {
-    TEST_ASSERT_EQUAL_INT(FAULT_REACTION_FREEWHEEL, fault_reaction((reason_t)200));
+    TEST_ASSERT_EQUAL_INT(FAULT_REACTION_SAFE_STATE, fault_reaction((reason_t)200));
     TEST_ASSERT_EQUAL_INT(FAULT_CLEARING_RESTART, fault_clearing((reason_t)200));
     TEST_ASSERT_TRUE(fault_latches((reason_t)200));
     for (int number = 0; number < 256; number++) { /* gaps between the codes as well */
         const reason_t reason = (reason_t)number;
         if (strcmp(reason_text(reason), "unknown reason") == 0) {
-            TEST_ASSERT_EQUAL_INT(FAULT_REACTION_FREEWHEEL, fault_reaction(reason));
+            TEST_ASSERT_EQUAL_INT(FAULT_REACTION_SAFE_STATE, fault_reaction(reason));
             TEST_ASSERT_EQUAL_INT(FAULT_CLEARING_RESTART, fault_clearing(reason));
         }
     }
@@ -69,7 +69,8 @@ void test_what_is_latched_never_heals_and_takes_the_torque_and_a_warning_has_a_h
         const bool never = strcmp(row->heal, "never") == 0;
         TEST_ASSERT_EQUAL_MESSAGE(fault_latches(row->reason), never, reason_name(row->reason));
         if (never) {
-            TEST_ASSERT_TRUE_MESSAGE(row->reaction == FAULT_REACTION_FREEWHEEL ||
+            TEST_ASSERT_TRUE_MESSAGE(row->reaction == FAULT_REACTION_SAFE_STATE ||
+                                         row->reaction == FAULT_REACTION_TRIP ||
                                          row->reaction == FAULT_REACTION_RAMP,
                                      reason_name(row->reason));
             TEST_ASSERT_TRUE_MESSAGE((int)row->reason >= (int)REASON_FIRST_FAULT,

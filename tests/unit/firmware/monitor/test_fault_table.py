@@ -13,7 +13,8 @@ MODULE = FIRMWARE / "monitor"
 REASONS = Path("core", "include", "core", "reason.h")
 CONFIG = FIRMWARE / "config" / "include" / "config"
 BEGIN, END = "<!-- from core/reason.h by generate.py -->", "<!-- end -->"
-WORDS = re.compile(r"at once|never|at calibration|at restart|\d+ (ms|PWM periods?)")
+WORDS = re.compile(r"at once|never|at calibration|at restart|a speed error|\d+ (ms|PWM periods?)")
+TIMES = ("_ms", "_periods")
 
 
 def run_generator(module: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
@@ -67,7 +68,15 @@ def test_every_time_is_a_field_of_the_configuration_or_a_number() -> None:
         for time in row[3:5]:
             for part in time.split(" + "):
                 name = part.strip("` ")
-                assert name in fields or WORDS.fullmatch(name), f"{row[1]}: {name}"
+                is_time = name in fields and name.endswith(TIMES)
+                assert is_time or WORDS.fullmatch(name), f"{row[1]}: {name}"
+
+
+def test_a_field_that_is_no_time_is_found() -> None:
+    speed = "brake.hydraulic_watch_speed_mrad_s"
+    assert speed in configured()
+    assert not speed.endswith(TIMES)
+    assert not WORDS.fullmatch(speed)
 
 
 def test_a_changed_list_is_detected_and_written_by_one_run(tmp_path: Path) -> None:
