@@ -52,7 +52,7 @@ bool monitor_fast_intact(const monitor_fast_state_t *state, const config_t *conf
     monitor_fast_init(&fresh, config);
     return state->inverted_trip == ~(uint32_t)state->trip &&
            state->overcurrent_square == fresh.overcurrent_square &&
-           state->overvoltage_pu == fresh.overvoltage_pu &&
+           state->overvoltage_pu == fresh.overvoltage_pu && state->jump_pu == fresh.jump_pu &&
            state->stale_limit_periods == fresh.stale_limit_periods &&
-           state->trip_periods == fresh.trip_periods;
+           state->trip_periods == fresh.trip_periods && state->dead_periods == fresh.dead_periods;
 }

@@ -357,7 +357,7 @@ void test_a_flipped_bit_of_trip_or_limits_is_found_and_counters_are_not_watched(
             found += monitor_fast_intact(&state, &config) ? 0 : 1;
             bytes[bit / 8U] ^= (unsigned char)(1U << bit % 8U);
         }
-        TEST_ASSERT_EQUAL_INT(5 * 32 + 8 * (int)sizeof(reason_t), found);
+        TEST_ASSERT_EQUAL_INT(7 * 32 + 8 * (int)sizeof(reason_t), found);
     }
     in.power_stage_fault = false;
     in.clear_trip = true;
