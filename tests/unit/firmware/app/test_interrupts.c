@@ -336,11 +336,18 @@ void test_frames_but_the_state_end_while_the_slow_loop_is_stopped(void)
         app_background();
     }
     const int sent = board.frames_sent;
+    const int brakes_sent = board.brakes_sent;
+    const uint8_t state_counter = board.last_state.data[1] & 15U; /* hubfoc.dbc */
+    const uint8_t brake_counter = board.last_brake.data[2];
+    TEST_ASSERT_GREATER_THAN_INT(0, brakes_sent);
     for (int ms = 0; ms < 200; ms++) {
         board.now_ms++;
         app_background();
     }
     TEST_ASSERT_EQUAL_INT(sent + 20, board.frames_sent);
+    TEST_ASSERT_EQUAL_INT(brakes_sent, board.brakes_sent);
+    TEST_ASSERT_EQUAL_UINT8(brake_counter, board.last_brake.data[2]);
+    TEST_ASSERT_EQUAL_UINT8((state_counter + 20U) & 15U, board.last_state.data[1] & 15U);
     TEST_ASSERT_EQUAL_INT(MODE_FAULT, mode_on_can());
     TEST_ASSERT_EQUAL_UINT8(REASON_PROGRAM_FLOW, board.last_state.data[2]);
     milliseconds(100);

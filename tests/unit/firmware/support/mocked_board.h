@@ -30,11 +30,11 @@ static struct {
     inverter_mode_t mode;
     uint16_t compare_counts[3];
     can_frame_t waiting;
-    can_frame_t last_state;
+    can_frame_t last_state, last_brake;
     can_frame_t demands[8]; /* to other wheels */
     uint16_t pedal_code[ANALOG_PEDAL_CHANNELS];
     uint32_t now_ms, firmware_crc32;
-    int sets, feedings, clearings, trips, demand_count, frames_sent;
+    int sets, feedings, clearings, trips, demand_count, frames_sent, brakes_sent;
     bool fault, at_index, frame_waits, inverter_started, pedals_sampled;
 } board;
 
@@ -153,6 +153,12 @@ static bool transmit(const can_frame_t *frame, int calls)
         messages_identifier(MESSAGES_WHEEL_STATE,
                             (messages_wheel_t)CONFIG_IMAGE.vehicle.wheel_position)) {
         board.last_state = *frame;
+    }
+    if (frame->identifier ==
+        messages_identifier(MESSAGES_WHEEL_BRAKE,
+                            (messages_wheel_t)CONFIG_IMAGE.vehicle.wheel_position)) {
+        board.last_brake = *frame;
+        board.brakes_sent++;
     }
     if (frame->identifier < 0x104) { /* hubfoc.dbc: Demand, 0x100 to 0x103 */
         board.demands[board.demand_count++ % 8] = *frame;
