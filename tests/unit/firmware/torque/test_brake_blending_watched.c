@@ -26,6 +26,7 @@ static void rolling(void)
     config.brake.hydraulic_watch_speed_mrad_s = 480;
     config.brake.hydraulic_watch_floor_mrad_s2 = 400;
     config.vehicle.wheel_radius_um = 250000;
+    config.brake.hydraulic_watch_drag_uNm_s2 = 0;
     config.monitor.tyre_grip_mm_s2 = 11768;
     in.watched = true;
     state.watch.rolls = true;
@@ -119,6 +120,47 @@ void test_a_brake_counts_as_reported_for_the_timeout(void)
     TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_WEAK, found_with(true, 50));
     TEST_ASSERT_EQUAL_INT(REASON_NONE, found_with(true, 51));
     TEST_ASSERT_EQUAL_INT(REASON_NONE, found_with(false, 1));
+}
+
+/* Reports of half of 40 N m, in use and short of the band, of a brake that makes all of it: the sum
+ * lacks what they differ by, or one more, of a third of 10300 * 480. */
+void test_refuted_reports_are_not_used_until_they_heal(void)
+{
+    for (int32_t short_mNm_ms = 0; short_mNm_ms <= 1; short_mNm_ms++) {
+        rolling();
+        slow_brake(40000);
+        measured(20000, ONE_q15, ONE_q15, ONE_q15);
+        state.feedback.outside_ms = -1;
+        state.watch.known_lp_mNm.accumulator = -40000 * 64;
+        state.watch.road_q8_mNm = 40000 * 256;
+        state.watch.report_mNm_ms = -(10300 * 480 / 3) + 10000 + short_mNm_ms;
+        (void)step();
+        const bool refuted = short_mNm_ms == 0;
+        TEST_ASSERT_TRUE(state.feedback.refuted == refuted);
+        TEST_ASSERT_TRUE(state.feedback.good == !refuted);
+        TEST_ASSERT_EQUAL_INT32(refuted ? HYDRAULIC_FEEDBACK_HEAL_ms : 0, state.feedback.heal_ms);
+        TEST_ASSERT_TRUE(hydraulic_feedback_used(&state.feedback) == !refuted);
+    }
+}
+
+/* Reports that agree with the commands leave what is missing to the road. Refuted ones leave it to
+ * the brake. */
+void test_refuted_reports_do_not_keep_the_deceleration_from_finding_the_brake(void)
+{
+    for (int refuted = 0; refuted < 2; refuted++) {
+        rolling();
+        slow_brake(40000);
+        measured(40000, ONE_q15, ONE_q15, ONE_q15);
+        state.feedback.refuted = refuted != 0;
+        state.feedback.heal_ms = 500;
+        state.watch.known_lp_mNm.accumulator = -40000 * 64; /* all of it, of a steady speed */
+        (void)step();
+        if (refuted != 0) {
+            TEST_ASSERT_GREATER_THAN_INT32(10000, state.watch.missing_mNm_ms);
+        } else {
+            TEST_ASSERT_EQUAL_INT32(0, state.watch.missing_mNm_ms);
+        }
+    }
 }
 
 /* 40 N m are missing of a deceleration that is zero: more than half of what the reports differ by.

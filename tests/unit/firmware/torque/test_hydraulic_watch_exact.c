@@ -1,52 +1,21 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Arithmetic of the watch of the hydraulic brake, in single steps from given states: limits, road,
- * tolerance and inertia to the unit. With an inertia of 1.024 kg m2 a torque is as many millinewton
- * metres as its acceleration is millirads per second squared. */
-#include "hydraulic_watch_rig.h"
+ * tolerance and inertia to the unit. */
+#include "hydraulic_watch_states.h"
 
 enum {
     ONE_q15 = 32768,
-    FAST_mrad_s = 30000,
-    FLOOR_mNm = 400,
     MOST_mNm = (1 << 23) - 1,
     CHANGE_q8_mNm = 74, /* 1.024 g m2 * 10 mrad/s2 * 30 rad/s / 2^22, down, and one */
-    END_mNm_ms = 1024 * 480 / 16 * 17
+    END_mNm_ms = ENOUGH_mNm_ms / 16 * 17
 };
 
 void setUp(void)
 {
-    rig_up();
-    config.brake.hydraulic_watch_inertia_g_m2 = 1024;
-    config.brake.hydraulic_watch_share_q15 = 8192;
-    config.brake.hydraulic_gain_band_q15 = 8192;
-    config.brake.hydraulic_tolerance_mNm = 400;
-    config.brake.hydraulic_timeout_ms = 50;
-    config.monitor.tyre_grip_mm_s2 = 1000000;
-    config.rotor.sensor = CONFIG_ROTOR_ANGLE;
-    in.speed_mrad_s = FAST_mrad_s;
+    states_up();
 }
 
 void tearDown(void) {}
-
-static void step(void)
-{
-    hydraulic_watch_step(&watch, &config, &in);
-}
-
-/* At a constant speed, with torques that have lasted: so much is missing, the rest is the road. */
-static void riding(int32_t motor_mNm, int32_t modelled_mNm, int32_t lacking_mNm)
-{
-    hydraulic_watch_init(&watch);
-    in.motor_mNm = motor_mNm;
-    in.modelled_mNm = modelled_mNm;
-    in.commanded_mNm = modelled_mNm;
-    watch.rolls = true;
-    watch.acquired_ms = HYDRAULIC_WATCH_ACQUIRE_ms;
-    watch.speed_lp_q8_mrad_s = FAST_mrad_s * 256;
-    watch.known_lp_mNm.accumulator = (motor_mNm - modelled_mNm) * 64;
-    watch.motor_lp_mNm.accumulator = motor_mNm / 16 * 512;
-    watch.road_q8_mNm = (modelled_mNm - motor_mNm - lacking_mNm) * 256;
-}
 
 /* The filtered speed rises by so many 256ths of a mrad/s in this step. */
 static void rises_by(int32_t change_q8_mrad_s)
