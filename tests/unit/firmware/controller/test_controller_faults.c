@@ -220,6 +220,27 @@ void test_stopped_fast_loop_is_a_fault_in_the_third_slow_step(void)
     assert_fault(REASON_PROGRAM_FLOW);
 }
 
+/* Zero current instead of more than 128 codes: a very large error, so that readings that do not
+ * move are frozen eight periods after the first of the looks, one in every fourth period. */
+void test_frozen_current_readings_stop_the_bridge_in_the_same_period(void)
+{
+    rig_run(&rig, 50);
+    TEST_ASSERT_GREATER_THAN_INT32(128 * 16, -rig.to_fast.i_reference_pu.q);
+    put_codes(2048, 2048, 2048);
+    int periods = 0;
+    do {
+        TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, rig.pwm.bridge);
+        rig_period(&rig);
+        periods++;
+    } while (rig.to_slow.trip == REASON_NONE && periods < 20);
+    TEST_ASSERT_EQUAL_INT(REASON_CURRENT_SENSOR, rig.to_slow.trip);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, rig.pwm.bridge);
+    TEST_ASSERT_GREATER_THAN_INT(8, periods);
+    TEST_ASSERT_LESS_OR_EQUAL_INT(12, periods);
+    rig_slow(&rig);
+    assert_fault(REASON_CURRENT_SENSOR);
+}
+
 void test_invalid_hall_states_end_torque_in_a_ramp_and_then_run(void)
 {
     rig_start(&rig);

@@ -91,7 +91,7 @@ static inline void rig_follow(rig_t *rig)
     }
 }
 
-static inline void rig_fast(rig_t *rig)
+static inline void rig_period(rig_t *rig)
 {
     rig->angle_turn += rig->turn_per_period;
     rig->angle_turn -= floor(rig->angle_turn);
@@ -99,11 +99,16 @@ static inline void rig_fast(rig_t *rig)
     if (rig->follows) {
         rig_follow(rig);
     }
-    /* No motor, so readings that stay are not frozen: a look long ago is compared with none. */
-    rig->controller.fast.foc.current.frozen.last_step = rig->controller.fast.foc.step_count - 1000U;
     rig->pwm =
         *controller_fast_step(&rig->controller.fast, &rig->config, &rig->to_fast, &rig->fast_in);
     controller_fast_report(&rig->controller.fast, &rig->to_slow);
+}
+
+/* No motor, so readings that stay are not frozen: a look long ago is compared with none. */
+static inline void rig_fast(rig_t *rig)
+{
+    rig->controller.fast.foc.current.frozen.last_step = rig->controller.fast.foc.step_count - 1000U;
+    rig_period(rig);
 }
 
 static inline void rig_run(rig_t *rig, int milliseconds)
