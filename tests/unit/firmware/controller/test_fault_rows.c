@@ -5,7 +5,7 @@
 #include "core/fault.h"
 #include "unity.h"
 
-enum { LONG_ms = 3000, LOST_ms = 100000 };
+enum { LONG_ms = 3000, LATCHED_ms = 2500, LOST_ms = 100000 };
 
 static rig_t rig;
 static slow_output_t healthy;
@@ -384,11 +384,10 @@ static void check_latched(const fault_t *row)
         rig_run(&rig, rig.config.monitor.battery_message_time_ms + 10);
         rig.fast_in.bus_voltage_code = rig_bus_code(&rig, 53.0);
     }
-    rig_run(&rig, LONG_ms);
-    /* A bus beyond its trip may be an EMF, which rest is known of only after coasting. */
-    for (int s = 0; s < 400 && !rig.out.standstill; s++) {
-        rig_run(&rig, 1000);
-    }
+    /* A bus beyond its trip may be an EMF; rest is known once a wheel has coasted from there. */
+    rig.config.monitor.coasting_mm_s2 = rig.config.monitor.tyre_grip_mm_s2;
+    rig_run(&rig, LATCHED_ms);
+    TEST_ASSERT_TRUE_MESSAGE(rig.out.standstill, name);
     TEST_ASSERT_EQUAL_INT_MESSAGE(MODE_FAULT, rig.out.mode, name);
     TEST_ASSERT_EQUAL_INT_MESSAGE(row->reason, rig.out.fault_reason, name);
     rig.slow_in.demand.brake_torque_mNm = 1;
