@@ -352,7 +352,7 @@ static void check_reaction(const fault_t *row)
     }
 }
 
-void test_each_row_does_with_torque_and_bridge_what_its_reaction_says(void)
+void test_torque_and_bridge_of_each_row_follow_from_its_reaction(void)
 {
     const fault_t *row = fault_row(0);
     unsigned rows = 0;
@@ -433,7 +433,7 @@ static void check_warning(const fault_t *row)
     TEST_ASSERT_EQUAL_INT_MESSAGE(REASON_NONE, rig.out.warning_reason, name);
 }
 
-void test_each_row_ends_as_its_clearing_says(void)
+void test_end_of_each_row_follows_from_its_clearing(void)
 {
     const fault_t *row = fault_row(0);
     for (unsigned i = 0; row != NULL; row = fault_row(++i)) {

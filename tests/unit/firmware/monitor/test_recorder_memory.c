@@ -230,6 +230,11 @@ void test_a_warning_is_counted_once_at_its_beginning_and_starts_no_record(void)
         warn(row->reason, 100000);
         assert_counted(row->reason, 1);
         TEST_ASSERT_EQUAL_UINT8(RECORDER_RECORDING, memory.phase);
+        slow_steps(1000);
+        warn(row->reason, 1);
+        assert_counted(row->reason, 2);
+        restart(false);
+        assert_counted(row->reason, 2);
     }
 }
 
@@ -270,7 +275,7 @@ void test_warnings_by_turns_count_once_each(void)
     }
 }
 
-void test_a_present_warning_is_counted_behind_a_latched_one(void)
+void test_a_present_warning_is_counted_beside_a_latched_one(void)
 {
     output.warning_reason = REASON_DEMAND_TIMEOUT;
     slow_steps(5);
