@@ -74,7 +74,7 @@ typedef struct {
     torque_enable_t torque_enable;
     hydraulic_feedback_t hydraulic;
     bool watched;      /* speed and motor torque show what the hydraulic brake makes */
-    bool acknowledged; /* its finding is, by the driver at rest */
+    bool acknowledged; /* its finding is, by the driver at rest without a demand */
     bool bridge_open;  /* since the last step: freewheel or active short circuit */
     bool handed_over;  /* the brake system makes the demand by itself, with its own lag */
 } brake_blending_input_t;

@@ -433,6 +433,26 @@ static void check_warning(const fault_t *row)
     TEST_ASSERT_EQUAL_INT_MESSAGE(REASON_NONE, rig.out.warning_reason, name);
 }
 
+/* A hydraulic brake that makes less than its command: while the driver brakes, the motor still has
+ * to make up for it, also at rest. */
+void test_a_finding_of_the_hydraulic_brake_is_acknowledged_at_rest_without_a_demand_only(void)
+{
+    hydraulic_watch_t *watch = &rig.controller.slow.torque.blending.watch;
+    const int32_t demands_mNm[][2] = {{0, 1}, {1, 0}, {-1, 0}};
+    rig_start_running(&rig);
+    for (unsigned i = 0; i < sizeof demands_mNm / sizeof demands_mNm[0]; i++) {
+        watch->reason = REASON_HYDRAULIC_WEAK;
+        rig.slow_in.demand.drive_torque_mNm = demands_mNm[i][0];
+        rig.slow_in.demand.brake_torque_mNm = demands_mNm[i][1];
+        acknowledge();
+        TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_WEAK, watch->reason);
+    }
+    rig.slow_in.demand.drive_torque_mNm = 0;
+    rig.slow_in.demand.brake_torque_mNm = 0;
+    acknowledge();
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, watch->reason);
+}
+
 void test_end_of_each_row_follows_from_its_clearing(void)
 {
     const fault_t *row = fault_row(0);
