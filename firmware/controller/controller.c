@@ -268,7 +268,9 @@ static void step_torque(controller_slow_t *slow, const config_t *config,
         .voltage_limited = report->voltage_limited,
         .voltage_use_q15 = report->voltage_use_q15,
         .rotor_valid = rotor_valid,
-        .bridge_open = report->bridge != BRIDGE_PWM,
+        /* Without any angle there is no torque that could ramp out. */
+        .bridge_open = report->bridge != BRIDGE_PWM ||
+                       (slow->rotor.sensor_wrong && !slow->rotor.observer_used),
         .flux_missing_q15 = watch->flux_missing_q15,
         .short_mNm = bridge_is_short(report->bridge) && rotor_valid ? watch->safe_torque_mNm : 0,
         .bus_voltage_mV = at->bus_voltage_mV,

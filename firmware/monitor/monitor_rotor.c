@@ -125,6 +125,21 @@ static void compare(monitor_rotor_state_t *state, const config_t *config,
     }
 }
 
+/* Halls and an absolute angle that have contradicted themselves are soon valid again, with whatever
+ * angle they show now. Where no observer sees whether it is right they stay wrong; an encoder
+ * returns with a confirmed index. */
+static void watch_return(monitor_rotor_state_t *state, const config_t *config,
+                         const monitor_rotor_input_t *in)
+{
+    const bool slow = q_abs(in->sensor_mrad_s / 2) < config->rotor.observer_speed_mrad_s / 4 &&
+                      !watches(state, config, in);
+    if (state->was_valid && !in->sensor_valid && in->switching && slow &&
+        config->rotor.sensor != CONFIG_ROTOR_ENCODER) {
+        state->sensor_wrong = true;
+    }
+    state->was_valid = in->sensor_valid;
+}
+
 static reason_t name_of(const monitor_rotor_input_t *in)
 {
     const int32_t sensor_mrad_s = q_max(in->sensor_mrad_s, -INT32_MAX);
@@ -194,6 +209,7 @@ monitor_rotor_output_t monitor_rotor_step(monitor_rotor_state_t *state, const co
     }
     confirm(state, config, in);
     compare(state, config, in);
+    watch_return(state, config, in);
     state->sensor_wrong = state->sensor_wrong && !in->cleared;
     name_sensor(state, config, in);
     const bool sensor = in->sensor_valid && !state->sensor_wrong && may_return(state, in);

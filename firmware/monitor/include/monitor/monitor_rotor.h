@@ -13,6 +13,9 @@
  * is still there for the torque to ramp out.
  *
  * A sensor that was invalid is used again once it is within 12 degrees of a confirmed observer.
+ * Halls or an absolute angle that become invalid while the bridge switches, below half the
+ * observer's speed by sensor and observer, are wrong: torque ends there and does not return with
+ * them.
  *
  * 12 ms after 60 degrees a wrong sensor gets its name, by its speed: frozen below half the
  * observer's, reversed against it, else slipped. At 16 degrees it has slipped at once, but 255 ms
@@ -45,6 +48,7 @@ typedef struct {
     uint8_t slipped;       /* steps with 16 degrees and more, less steps without */
     uint8_t wrong_steps;   /* until it has its name */
     bool gain_explains;    /* a slip, by a gain error of the current sensors as well */
+    bool was_valid;        /* the sensor, in the step before */
     bool confirmed;
     bool sensor_wrong;
     bool observer_used;

@@ -1,0 +1,175 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A sensor that contradicts itself where no observer sees whether it is right afterwards. */
+#include "monitor/monitor_rotor.h"
+#include "paper_vehicle.h"
+#include "unity.h"
+
+enum { FROM_mrad_s = 16000, HALF_mrad_s = FROM_mrad_s / 2, INVALID_ms = 5, LONG_ms = 5000 };
+
+static monitor_rotor_state_t rotor;
+static monitor_rotor_input_t at;
+static monitor_rotor_output_t seen;
+static config_t config;
+
+/* Creeping, the observer still without the magnets' flux. */
+void setUp(void)
+{
+    const monitor_rotor_state_t fresh = {.confirmed = false};
+    const monitor_rotor_input_t creeping = {
+        .observer_mrad_s = 1000,
+        .sensor_mrad_s = 3000,
+        .flux_q14 = 100,
+        .across_q14 = 4000,
+        .expected_q14 = 4000,
+        .acquired = true,
+        .sensor_valid = true,
+        .switching = true,
+    };
+    rotor = fresh;
+    config = CONFIG_LU2013;
+    config.rotor.observer_takeover = 1;
+    config.rotor.observer_speed_mrad_s = FROM_mrad_s;
+    at = creeping;
+}
+
+void tearDown(void) {}
+
+static void run(int steps)
+{
+    for (int n = 0; n < steps; n++) {
+        seen = monitor_rotor_step(&rotor, &config, &at);
+    }
+}
+
+/* Invalid for a while, and valid again; the torque meanwhile. */
+static bool has_torque_after_an_interruption(void)
+{
+    run(10);
+    TEST_ASSERT_TRUE(seen.valid);
+    at.sensor_valid = false;
+    run(1);
+    TEST_ASSERT_FALSE(seen.valid);
+    run(INVALID_ms - 1);
+    at.sensor_valid = true;
+    run(1);
+    const bool at_once = seen.valid;
+    run(LONG_ms);
+    TEST_ASSERT_EQUAL(at_once, seen.valid);
+    TEST_ASSERT_EQUAL(at_once, !seen.sensor_wrong);
+    return at_once;
+}
+
+void test_halls_and_an_absolute_angle_that_return_make_no_torque(void)
+{
+    static const int32_t SENSORS[] = {CONFIG_ROTOR_HALL, CONFIG_ROTOR_ANGLE};
+    for (size_t k = 0; k < sizeof SENSORS / sizeof SENSORS[0]; k++) {
+        for (int sign = -1; sign <= 1; sign++) {
+            setUp();
+            config.rotor.sensor = SENSORS[k];
+            at.sensor_mrad_s = sign * 3000;
+            TEST_ASSERT_FALSE(has_torque_after_an_interruption());
+            TEST_ASSERT_FALSE(seen.observer_used);
+            TEST_ASSERT_EQUAL_INT(REASON_ROTOR_UNCERTAIN, seen.reason);
+        }
+    }
+}
+
+/* Its index has been confirmed by then. */
+void test_an_encoder_that_returns_is_used(void)
+{
+    config.rotor.sensor = CONFIG_ROTOR_ENCODER;
+    TEST_ASSERT_TRUE(has_torque_after_an_interruption());
+}
+
+void test_a_sensor_that_was_never_valid_is_used_from_then_on(void)
+{
+    at.sensor_valid = false;
+    run(LONG_ms);
+    TEST_ASSERT_FALSE(seen.sensor_wrong);
+    at.sensor_valid = true;
+    run(1);
+    TEST_ASSERT_TRUE(seen.valid);
+}
+
+/* It makes no torque that could be wrong, and turns slowly. */
+void test_without_pwm_a_sensor_may_return(void)
+{
+    at.switching = false;
+    TEST_ASSERT_TRUE(has_torque_after_an_interruption());
+    /* Nor does the bridge's closing make one wrong that became invalid before. */
+    at.sensor_valid = false;
+    run(1);
+    at.switching = true;
+    run(INVALID_ms);
+    at.sensor_valid = true;
+    run(1);
+    TEST_ASSERT_TRUE(seen.valid);
+}
+
+/* A wheel that locks stops its sensor at speed; from half of the observer's speed on the observer
+ * sees more than the sensor does. */
+void test_half_of_the_observer_s_speed_is_the_bound(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        setUp();
+        at.sensor_mrad_s = sign * HALF_mrad_s;
+        TEST_ASSERT_TRUE(has_torque_after_an_interruption());
+        setUp();
+        at.sensor_mrad_s = sign * (HALF_mrad_s - 1);
+        TEST_ASSERT_FALSE(has_torque_after_an_interruption());
+    }
+    setUp();
+    at.sensor_mrad_s = INT32_MIN;
+    TEST_ASSERT_TRUE(has_torque_after_an_interruption());
+}
+
+/* A sensor that shows too little: the observer judges it. */
+void test_an_observer_that_watches_decides_instead(void)
+{
+    at.observer_mrad_s = HALF_mrad_s;
+    at.flux_q14 = 4000;
+    at.across_q14 = 100;
+    run(10);
+    at.sensor_valid = false;
+    run(1);
+    TEST_ASSERT_FALSE(seen.sensor_wrong);
+    TEST_ASSERT_TRUE(seen.observer_used);
+}
+
+void test_an_acknowledgement_makes_it_right(void)
+{
+    TEST_ASSERT_FALSE(has_torque_after_an_interruption());
+    at.cleared = true;
+    at.switching = false;
+    run(1);
+    TEST_ASSERT_FALSE(seen.sensor_wrong);
+    TEST_ASSERT_TRUE(seen.valid);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, seen.reason);
+    /* Not one that comes in the step in which it becomes invalid, and is gone then. */
+    at.switching = true;
+    at.cleared = false;
+    run(1);
+    at.sensor_valid = false;
+    at.cleared = true;
+    run(1);
+    TEST_ASSERT_FALSE(seen.sensor_wrong);
+    at.cleared = false;
+    at.sensor_valid = true;
+    run(1);
+    TEST_ASSERT_TRUE(seen.valid);
+}
+
+/* At speed the observer shows that it is right after all. */
+void test_long_agreement_with_the_observer_makes_it_right(void)
+{
+    config.monitor.rotor_warning_time_ms = 20;
+    TEST_ASSERT_FALSE(has_torque_after_an_interruption());
+    at.observer_mrad_s = 20000;
+    at.sensor_mrad_s = 20000;
+    at.flux_q14 = 4000;
+    at.across_q14 = 100;
+    run(10);
+    TEST_ASSERT_TRUE(seen.valid && seen.observer_used && seen.sensor_wrong);
+    run(20);
+    TEST_ASSERT_TRUE(seen.valid && !seen.observer_used && !seen.sensor_wrong);
+}
