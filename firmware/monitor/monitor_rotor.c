@@ -11,7 +11,7 @@ enum {
     AGREED_TURN = 2185,   /* 12 degrees */
     OPPOSED_STEPS = 2,
     OPPOSED_SLOW_STEPS = 5, /* below the observer's speed */
-    NAME_STEPS = 12,        /* until a sensor's speed has followed its angle */
+    NAME_STEPS = 10,        /* until a sensor's speed has followed its angle */
     GAIN_STEPS = UINT8_MAX, /* until a message of the battery tells a gain error from a slip */
     HALF_GAIN_TURN = 3260,  /* 5/16 of a radian: sensors that show from 8/13 of the current on */
     LENGTH_SHARE = 9,       /* a slip of 16 degrees changes the flux by more */

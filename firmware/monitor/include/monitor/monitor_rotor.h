@@ -17,7 +17,7 @@
  * observer's speed by sensor and observer, are wrong: torque ends there and does not return with
  * them.
  *
- * 12 ms after 60 degrees a wrong sensor gets its name, by its speed: frozen below half the
+ * 10 ms after 60 degrees a wrong sensor gets its name, by its speed: frozen below half the
  * observer's, reversed against it, else slipped. At 16 degrees it has slipped at once, but 255 ms
  * later where a gain error of all current sensors would turn the observer's flux likewise, and not
  * while the battery's current contradicts theirs.

@@ -16,7 +16,7 @@ enum {
     SLIPPED = 2913,
     AGREED = 2184,
     SLIP_ms = 12,
-    NAME_ms = 12,
+    NAME_ms = 10,
     HEAL_ms = 20
 };
 
@@ -354,7 +354,7 @@ void test_agreement_is_below_12_degrees_and_ends_a_long_slip(void)
 
 /* ---- names ---- */
 
-/* 12 ms after it is wrong and not before; then as long as it is. */
+/* 10 ms after it is wrong and not before; then as long as it is. */
 static void assert_named(int32_t sensor_mrad_s, reason_t name)
 {
     const int32_t observer_mrad_s = at.observer_mrad_s;
