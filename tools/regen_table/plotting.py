@@ -71,13 +71,20 @@ def legend_below(made: Figure, axes: Axes, columns: int) -> None:
         )
 
 
+def vector(made: Figure) -> bytes:
+    """Return a figure as SVG, for a page."""
+    with mpl.rc_context(_STYLE):
+        out = io.BytesIO()
+        made.savefig(out, format="svg", metadata={"Date": None})
+    return out.getvalue()
+
+
 def save(figures: dict[str, Figure], directory: Path) -> list[Path]:
     """Write every figure as SVG and PNG, all of them or none; returns the paths."""
     files: dict[str, bytes] = {}
     for name, made in figures.items():
         with mpl.rc_context(_STYLE):
-            vector, raster = io.BytesIO(), io.BytesIO()
-            made.savefig(vector, format="svg", metadata={"Date": None})
+            raster = io.BytesIO()
             made.savefig(raster, format="png", dpi=110, metadata={"Software": None})
-        files |= {f"{name}.svg": vector.getvalue(), f"{name}.png": raster.getvalue()}
+        files |= {f"{name}.svg": vector(made), f"{name}.png": raster.getvalue()}
     return generate.write_all(files, directory)

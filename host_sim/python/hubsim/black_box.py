@@ -11,6 +11,7 @@ import re
 import zlib
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +19,11 @@ from regen_table import schema
 
 from hubsim import files, reasons, starts
 from hubsim.errors import HubsimError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from hubsim.report.reading import FaultRecord
 
 MAGIC, FORMAT = 0x42464F46, 1
 COMPLETE, SEALED = 3, 4
@@ -199,9 +205,9 @@ def tables(record: Record) -> dict[str, str]:
     }
 
 
-def draw(record: Record, directory: Path) -> list[Path]:
-    """Write blackbox.svg and blackbox.png."""
-    from regen_table import plotting  # noqa: PLC0415, only here
+def _figure(record: Record) -> "Figure":
+    """Return the picture: phase currents, bus voltage, torque and speed around the fault."""
+    from regen_table import plotting  # noqa: PLC0415, only where something is drawn
 
     made, panels = plotting.figure(f"Black box: {record.reason}", 2, 2, 10.0, 7.0)
     currents, bus, torque, speed = panels
@@ -221,16 +227,36 @@ def draw(record: Record, directory: Path) -> list[Path]:
     speed.set(title="wheel speed", xlabel="s from the fault", ylabel="rad/s")
     for axes in panels:
         axes.axvline(0.0, color="0.3", linewidth=0.8)
-    return plotting.save({"blackbox": made}, directory)
+    return made
+
+
+def draw(record: Record, directory: Path) -> list[Path]:
+    """Write blackbox.svg and blackbox.png."""
+    from regen_table import plotting  # noqa: PLC0415, only where something is drawn
+
+    return plotting.save({"blackbox": _figure(record)}, directory)
+
+
+def load(path: Path, config: Path) -> Record:
+    """Return the record in a terminal's log; the drive's full scales make amperes and volts."""
+    inverter = schema.load(config).inverter
+    content = bytes_of(files.read_text(path, LONGEST_BYTES), str(path))
+    return read(content, str(path), inverter.current_full_scale_a, inverter.voltage_full_scale_v)
+
+
+def for_page(path: Path, config: Path) -> "FaultRecord":
+    """Return what the report shows of the record in a terminal's log."""
+    from regen_table import plotting  # noqa: PLC0415, only where something is drawn
+
+    from hubsim.report.reading import FaultRecord  # noqa: PLC0415, likewise
+
+    record = load(path, config)
+    return FaultRecord(path.name, record.reason, summary(record), plotting.vector(_figure(record)))
 
 
 def command(options: argparse.Namespace) -> int:
     """Print what a record says and write its tables and picture if asked for."""
-    inverter = schema.load(options.config).inverter
-    content = bytes_of(files.read_text(options.file, LONGEST_BYTES), str(options.file))
-    record = read(
-        content, str(options.file), inverter.current_full_scale_a, inverter.voltage_full_scale_v
-    )
+    record = load(options.file, options.config)
     for line in summary(record):
         print(line)
     if options.output is not None:

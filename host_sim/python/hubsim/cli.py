@@ -355,6 +355,17 @@ def _add_report(commands: Commands) -> None:
         help="also simulate stops at constant demand under all strategies",
     )
     command.add_argument(
+        "--blackbox",
+        action="append",
+        default=[],
+        type=Path,
+        metavar="LOG",
+        help=(
+            "also show what a controller recorded around its first fault, from text with the "
+            "shell's answer; --config as for 'hubsim blackbox'; repeatable"
+        ),
+    )
+    command.add_argument(
         "--date",
         metavar="ISO-8601",
         help="of the page where a result holds no origin; default: SOURCE_DATE_EPOCH, or the clock",

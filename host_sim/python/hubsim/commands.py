@@ -438,11 +438,11 @@ def write_report(options: argparse.Namespace) -> int:
         name: options.config or engine.ROOT / "tools" / "motors" / f"{name}.toml" for name in names
     }
     known = {name: path for name, path in configs.items() if options.config or path.is_file()}
-    no_overrides = overrides.Overrides()
     maps = {
-        name: stops.optimum_map(overrides.load_drive(path, no_overrides))
+        name: stops.optimum_map(overrides.load_drive(path, overrides.Overrides()))
         for name, path in known.items()
     }
+    records = [black_box.for_page(path, configs[names[0]]) for path in options.blackbox]
     curves: list[report.CurveLike] = []
     if options.stops:
         if names[0] not in known:
@@ -456,7 +456,7 @@ def write_report(options: argparse.Namespace) -> int:
         ]
         with progress_bar("stops") as bar:
             curves = list(comparison.extras(drives, bar).stops)
-    report.write_page(found, options.output, report.Extras(maps, curves, "hubsim report"))
+    report.write_page(found, options.output, report.Extras(maps, curves, "hubsim report", records))
     print(f"report: {options.output}")
     return 0
 

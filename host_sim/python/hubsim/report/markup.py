@@ -10,7 +10,7 @@ import json
 import math
 import re
 
-_VOID = frozenset({"meta", "link", "br", "hr", "col"})
+_VOID = frozenset({"meta", "link", "br", "hr", "col", "img"})
 
 
 class Markup(str):

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from hubsim.report import (
+    fault_record,
     flows,
     lanes,
     markup,
@@ -80,10 +81,11 @@ def document(runs: Sequence[RunLike], extras: Extras | None = None) -> str:
     sections = [
         _cycle(name, group, place, extras) for place, (name, group) in enumerate(cycles.items())
     ]
+    records = [fault_record.section(kept, place) for place, kept in enumerate(extras.records)]
     body = element(
         "body",
         _header(runs, vehicles, list(cycles)),
-        element("main", *sections, _stops(extras)),
+        element("main", *sections, _stops(extras), *records),
         # On paper, after signals alone, the footer shares their upright sheet.
         _footer(extras.command, runs, upright=not extras.stops),
         element("script", Markup(_asset("readout.js"))),

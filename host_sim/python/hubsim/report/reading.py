@@ -303,9 +303,23 @@ class CurveLike(Protocol):
 
 
 @dataclass(frozen=True)
+class FaultRecord:
+    """What a controller recorded around its first fault."""
+
+    name: str
+    """Of the file that it comes from."""
+    reason: str
+    lines: Sequence[str]
+    """What there is to say, a line each."""
+    picture: bytes
+    """SVG."""
+
+
+@dataclass(frozen=True)
 class Extras:
-    """Maps by the name of the vehicle, and the curves of one vehicle's stops."""
+    """Maps by the name of the vehicle, the curves of one vehicle's stops, records of faults."""
 
     maps: Mapping[str, MapLike] = field(default_factory=dict)
     stops: Sequence[CurveLike] = ()
     command: str = "./tools/dev sim"
+    records: Sequence[FaultRecord] = ()

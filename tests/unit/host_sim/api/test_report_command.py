@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """``hubsim report``: one page from result files, and errors in one line."""
 
+import base64
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from black_box_memory import memory, printed
 from hubsim import evaluation, run, scenario, stops
 from hubsim.engine import ROOT
 from hubsim.results import load_result
@@ -115,3 +118,39 @@ def test_a_damaged_recording_is_an_error_that_names_the_file(
         assert made.returncode == 1
         assert f"bad{suffix}" in made.stderr
         assert made.stderr.count("\n") == 1
+
+
+def test_the_page_shows_a_black_box_with_the_lines_and_picture_of_its_own_command(
+    result: str, call: Hubsim, folder: Path
+) -> None:
+    (folder / "log.txt").write_text(printed(memory()), encoding="utf-8")
+    alone = call("blackbox", "log.txt", "--output", "box")
+    assert alone.returncode == 0, alone.stderr
+    lines = alone.stdout.splitlines()[:-1]
+    assert len(lines) == 4
+    made = call("report", result, "--blackbox", "log.txt", "-o", "box.html")
+    assert made.returncode == 0, made.stderr
+    text = (folder / "box.html").read_text(encoding="utf-8")
+    assert "<h2>Black box: OVERCURRENT</h2>" in text
+    for line in lines:
+        assert f"<li>{line}</li>" in text
+    coded = re.findall(r'src="data:image/svg[+]xml;base64,([^"]+)"', text)
+    assert [base64.b64decode(one) for one in coded] == [
+        (folder / "box" / "blackbox.svg").read_bytes()
+    ]
+    without = call("report", result, "-o", "page.html")
+    assert without.returncode == 0
+    assert "Black box" not in (folder / "page.html").read_text(encoding="utf-8")
+
+
+def test_a_damaged_black_box_is_an_error_and_no_page_is_written(
+    result: str, call: Hubsim, folder: Path
+) -> None:
+    lines = printed(memory()).splitlines()
+    del lines[20]
+    (folder / "damaged.txt").write_text("\n".join(lines), encoding="utf-8")
+    made = call("report", result, "--blackbox", "damaged.txt", "-o", "none.html")
+    assert made.returncode == 1
+    assert made.stderr.count("\n") == 1
+    assert "damaged.txt: the line before" in made.stderr
+    assert not (folder / "none.html").exists()
