@@ -378,7 +378,7 @@ def _add_blackbox(commands: Commands) -> None:
         help="what a controller recorded around its first fault",
         description=(
             "Read what the shell's blackbox printed, from a terminal's log: what happened, how "
-            "often each fault came, and with --output both rings as tables and a picture."
+            "often each fault and warning came; --output writes both rings as tables and a picture."
         ),
     )
     command.add_argument("file", metavar="LOG", type=Path, help="text with the shell's answer")
