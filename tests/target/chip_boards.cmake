@@ -58,7 +58,7 @@ board_test(chip_vesc4_refuses_short_pulses vesc4_10 target chip_window refused v
   "${boards_shipped}")
 board_test(chip_vesc4_latches_over_currents vesc4_10 target chip_latch latches ${board_vesc4})
 board_test(chip_vesc4_finds_a_driver_that_limits vesc4_10 "target;full" chip_latch limits
-  ${board_vesc4})
+  ${board_vesc4} --finds "an over-current takes all gates within a microsecond")
 set_tests_properties(chip_vesc4_latches_over_currents PROPERTIES TIMEOUT 300) # three trips
 board_test(chip_vesc4_reads_its_sensors vesc4_10 target chip_sensors ${board_vesc4})
 
@@ -76,31 +76,38 @@ board_test(chip_vesc6_mk6_gate_driver_protects vesc6_mk6 "target;full" chip_test
 # Errors planted in what only the VESC 4 uses.
 set(PLANTED_BOARD vesc4_10)
 
-# planted_vesc4(NAME FOLDER FILE OLD NEW PROGRAM CONFIGURATION)
-function(planted_vesc4 name folder file old new program configuration)
+# planted_vesc4(NAME FOLDER FILE OLD NEW FINDS PROGRAM MODE CONFIGURATION)
+function(planted_vesc4 name folder file old new finds program mode configuration)
   planted_image(vesc4_${name} stm32f405 ${folder} ${file} "${old}" "${new}")
-  add_test(NAME chip_vesc4_finds_${name} COMMAND "${boards_programs}/${program}"
-    "$<TARGET_FILE:planted_vesc4_${name}>" planted vesc4_10 "${configuration}")
-  set_tests_properties(chip_vesc4_finds_${name} PROPERTIES LABELS "target;full" TIMEOUT 300
-    FIXTURES_REQUIRED vesc4_configuration)
+  chip_finds(chip_vesc4_finds_${name} "$<TARGET_FILE:planted_vesc4_${name}>" "${finds}"
+    "target;full" ${program} ${mode} vesc4_10 "${configuration}")
+  set_tests_properties(chip_vesc4_finds_${name} PROPERTIES FIXTURES_REQUIRED vesc4_configuration)
 endfunction()
 planted_vesc4(short_pulses_that_are_accepted firmware/app boot.c "if (least_ns == 0 ||"
-  "if (least_ns >= 0 ||" chip_window "${boards_shipped}")
+  "if (least_ns >= 0 ||" "samples while the low sides conduct" chip_window fast
+  "${boards_shipped}")
 planted_vesc4(a_trigger_at_the_bottom hal/stm32 inverter.c ": top_counts + trigger_counts" ": 1"
-  chip_test "${boards_long_pulses}")
+  "currents are not held in the middle of the low pulses" chip_test stop "${boards_long_pulses}")
 planted_vesc4(amplifiers_that_do_not_measure hal/stm32 power.c "(pin_t){port, number}, level)"
-  "(pin_t){port, number}, true)" chip_test "${boards_long_pulses}")
-planted_vesc4(one_shunt_for_two_currents hal/stm32f405 analog.c
-  "configure(ADC1, BOARD_CHANNEL_CURRENT_A" "configure(ADC1, BOARD_CHANNEL_CURRENT_C" chip_test
+  "(pin_t){port, number}, true)" "drives the outputs that its board needs" chip_test stop
   "${boards_long_pulses}")
+planted_vesc4(one_shunt_for_two_currents hal/stm32f405 analog.c
+  "configure(ADC1, BOARD_CHANNEL_CURRENT_A" "configure(ADC1, BOARD_CHANNEL_CURRENT_C"
+  "fault: current sensor saturated or stuck" chip_test stop "${boards_long_pulses}")
 planted_vesc4(a_driver_fault_at_another_interrupt hal/stm32f405 gate_driver.c
-  ": INTERRUPT_PINS_10_TO_15" ": INTERRUPT_PINS_5_TO_9" chip_test "${boards_long_pulses}")
+  ": INTERRUPT_PINS_10_TO_15" ": INTERRUPT_PINS_5_TO_9"
+  "the fault line takes all gates within 1 us" chip_test stop "${boards_long_pulses}")
 planted_vesc4(a_driver_fault_of_wrong_polarity hal/stm32f405 gate_driver.c "EXTI->FTSR |="
-  "EXTI->RTSR |=" chip_latch "${boards_long_pulses}")
+  "EXTI->RTSR |=" "an over-current takes all gates within a microsecond" chip_latch latches
+  "${boards_long_pulses}")
 planted_vesc4(a_latch_that_is_not_released hal/stm32f405 gate_driver.c
-  "gpio_write(BOARD_DRIVER_ENABLE, false);" "" chip_latch "${boards_long_pulses}")
+  "gpio_write(BOARD_DRIVER_ENABLE, false);" ""
+  "an acknowledgement at standstill releases the latch" chip_latch latches
+  "${boards_long_pulses}")
 planted_vesc4(a_latch_that_is_released_too_long hal/stm32f405 gate_driver.c
-  "pause_for(POLLS_RELEASE);" "pause_for(8U * POLLS_RELEASE);" chip_latch "${boards_long_pulses}")
+  "pause_for(POLLS_RELEASE);" "pause_for(8U * POLLS_RELEASE);"
+  "EN_GATE low for more than 10 and less than 20 us" chip_latch latches "${boards_long_pulses}")
 planted_vesc4(a_latch_that_is_released_at_once hal/stm32f405 gate_driver.c "*status = 0;"
-  "*status = 0; gate_driver_release();" chip_latch "${boards_long_pulses}")
+  "*status = 0; gate_driver_release();" "the driver latches" chip_latch latches
+  "${boards_long_pulses}")
 unset(PLANTED_BOARD)

@@ -38,9 +38,12 @@ endif()
 include("${CMAKE_CURRENT_LIST_DIR}/chip_g431.cmake")
 chip_g431_tests("${other}/hubfoc_stm32g431.elf")
 set_tests_properties(chip_g431_boots_and_brakes chip_g431_trips_on_over_current
-  chip_g431_answers_faults chip_g431_counts_its_starts chip_g431_shows_a_crash_after_its_restart
+  chip_g431_answers_faults chip_g431_counts_its_starts chip_g431_protects_its_memory
+  chip_g431_writes_no_flash_while_the_bridge_switches chip_g431_shows_a_crash_after_its_restart
   chip_g431_keeps_a_configuration_when_the_supply_fails
   chip_g431_keeps_a_configuration_in_1000_failures_of_the_supply
+  chip_g431_keeps_a_configuration_in_a_failure_at_each_write
+  chip_g431_keeps_its_journal_in_a_failure_at_each_write
   PROPERTIES FIXTURES_REQUIRED stm32g431_image)
 # With errors planted in its driver: the tests of its own preset. Cleaning would delete the copies
 # that are made when CMake runs.

@@ -71,8 +71,8 @@ typedef struct {
 
 /* Faults of the chip and of its supply. */
 typedef struct {
-    bool crystal_dead;      /* from the start; STM32G431: or from now on */
-    bool pll_does_not_lock; /* STM32G431 */
+    bool crystal_dead; /* from the start, or from now on */
+    bool pll_does_not_lock;
     bool converter_stuck;   /* injected conversions never end */
     bool timer_stuck;       /* TIM1 has no clock */
     bool can_silent;        /* the bus is held dominant: nothing is received or sent */
@@ -82,6 +82,7 @@ typedef struct {
     uint32_t low_side_a_mV; /* STM32F405: voltage across this switch while it is on */
     bool comparators_dead;  /* STM32G431: their outputs stay low */
     int32_t low_side_a_mA;  /* STM32G431: in its shunt to ground; 0: the phase's */
+    uint64_t low_side_a_ends;  /* chip_now() at its end; 0: it stays */
     int32_t amplifier_bias_mV; /* STM32G431: at VINM0 of each amplifier */
     bool supply_low;
     bool brown_out_off;       /* option bytes as delivered */
@@ -168,6 +169,11 @@ void chip_type(chip_t *chip, const char *text);
 /* Bytes of the memories; false if there are none. */
 bool chip_read(chip_t *chip, uint32_t address, void *bytes, uint32_t size);
 bool chip_write(chip_t *chip, uint32_t address, const void *bytes, uint32_t size);
+
+/* What the memory protection unit lets privileged code do now, in the handlers of NMI and hard
+ * fault what it lets them do. */
+typedef enum { CHIP_READ, CHIP_WRITE, CHIP_EXECUTE } chip_access_t;
+bool chip_mpu_lets(const chip_t *chip, uint32_t address, chip_access_t access);
 
 /* Resets so far, the first included; by the watchdog. */
 unsigned chip_resets(const chip_t *chip);

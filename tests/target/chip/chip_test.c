@@ -2,25 +2,23 @@
 /*
  * The flashable image on the model of its chip, braking the paper's vehicle.
  *
- *     chip_test ELF MODE [BOARD [CONFIGURATION.bin]]
+ *     chip_test ELF MODE [BOARD [CONFIGURATION.bin]] [--finds TEXT]
  *
  * BOARD: the wiring, without it that of the chip's first board. CONFIGURATION: in the place of the
  * image's own. MODE:
  *
- *     stop            boots, brakes to standstill as the bench's own controller does
- *     stops           brakes to standstill by other torques, and rolls back on a slope
- *     faults          a fault of a peripheral each, and what comes of it
- *     driver          the gate driver's protection, from its settings to its report
- *     planted_driver  the same with an error planted: must be caught
- *     planted         an image with an error planted in its driver: must be caught
+ *     stop    boots, brakes to standstill as the bench's own controller does
+ *     stops   brakes to standstill by other torques, and rolls back on a slope
+ *     driver  the gate driver's protection, from its settings to its report
  *
- * Exit code 0: as expected.
+ * Exit code 0: as expected; of an image with an error planted, that TEXT finds it (rig.h).
  */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "planted.h"
 #include "rig.h"
 #include "wiring.h"
 
@@ -78,14 +76,22 @@ static bool is_switching(void)
     return chip_gates(rig.chip).bridge == CHIP_BRIDGE_SWITCHES;
 }
 
+static bool comes_to_run(void)
+{
+    const bool runs = drive_off(&rig.coupling);
+    return expect(rig.drive.vehicle.received.mode != MODE_BOOT, "its messages are on CAN") &&
+           expect(runs, "comes to RUN");
+}
+
 static bool boots(void)
 {
     boot();
-    return expect(says("configuration accepted"), "boots and accepts its configuration") &&
+    return expect(chip_resets(rig.chip) == 1, "boots without a reset") &&
+           expect(says("hubfoc "), "greets on its serial line") &&
+           expect(says("configuration accepted"), "boots and accepts its configuration") &&
            expect(!says("fault") && !says("FAILED"), "boots without a fault") &&
            expect(wiring_outputs_hold(rig.chip), "drives the outputs that its board needs") &&
-           obeys_the_manuals() && expect(drive_off(&rig.coupling), "comes to RUN") &&
-           obeys_the_manuals();
+           obeys_the_manuals() && comes_to_run() && obeys_the_manuals();
 }
 
 /* Beyond the stop, too: the halls' speed ends up to a quarter of a second after the wheel's. */
@@ -216,9 +222,8 @@ static bool driver_protects(void)
     run(0.02);
     chip_type(rig.chip, "status\roff\r");
     run(0.1);
-    if (!expect(says("refused: only with the wheel known to be at rest") &&
-                    wiring_outputs_hold(rig.chip),
-                "keeps its supply while the wheel turns")) {
+    if (!expect(says("refused: only with the wheel known to be at rest"), "answers the shell") ||
+        !expect(wiring_outputs_hold(rig.chip), "keeps its supply while the wheel turns")) {
         return false;
     }
     return expect(rig.bench.wheel[0].slow.mode == MODE_FAULT && !chip_outputs_on(rig.chip),
@@ -254,177 +259,21 @@ static bool driver_passes(const char *elf)
            open_rig(elf) && refuses_a_silent_driver();
 }
 
-/* ---- faults of the peripherals ---- */
-
-typedef enum { AT_BOOT, BRAKING } instant_t;
-typedef struct {
-    const char *name;
-    instant_t instant;
-    void (*inject)(chip_faults_t *fault);
-    const char *says;      /* on the serial line; NULL: nothing in particular */
-    double quiet_within_s; /* the bridge off, or at most 1 N m */
-    bool resets;
-    bool needs_watched_clock;
-} fault_case_t;
-
-static void crystal(chip_faults_t *fault)
-{
-    fault->crystal_dead = true;
-}
-
-static void pll(chip_faults_t *fault)
-{
-    fault->pll_does_not_lock = true;
-}
-
-static void timer(chip_faults_t *fault)
-{
-    fault->timer_stuck = true;
-}
-
-static void converter(chip_faults_t *fault)
-{
-    fault->converter_stuck = true;
-}
-
-static void can_bus(chip_faults_t *fault)
-{
-    fault->can_silent = true;
-}
-
-static void supply(chip_faults_t *fault)
-{
-    fault->supply_low = true;
-}
-
-/*
- * quiet_within_s: the converters' stop is seen after 3 ms without a fast step (app.c), and the
- * supervisor no longer feeds the watchdog; a demand that is lost is kept for timeout and hold,
- * 50 + 300 ms, then leaves with the brake's lag, three of which are 0.3 s; the supply detector has
- * the highest priority and ends in the watchdog's reset, as does a crystal that stops.
- */
-static const fault_case_t FAULTS[] = {
-    {"crystal dead at the start", AT_BOOT, crystal, "clock fault: the crystal did not start", 0.0,
-     false, false},
-    {"PLL does not lock", AT_BOOT, pll, "clock fault", 0.0, false, true},
-    {"TIM1 without its clock at the start", AT_BOOT, timer, "timer", 0.0, false, false},
-    {"converters stop", BRAKING, converter, NULL, 0.005, true, false},
-    {"CAN bus held dominant", BRAKING, can_bus, NULL, 1.0, false, false},
-    {"supply falls", BRAKING, supply, NULL, 0.001, true, false},
-    {"crystal stops", BRAKING, crystal, NULL, 0.001, true, true},
-};
-
-static bool is_off(void)
-{
-    return chip_gates(rig.chip).bridge == CHIP_BRIDGE_OFF;
-}
-
-static bool is_quiet(void)
-{
-    const wheel_t *wheel = &rig.bench.wheel[0];
-    const plant_ab_t current_a = wheel->rotor.terminal;
-    const double nm_per_a = 1.5 * rig.bench.params.motor.pole_pairs * wheel->machine.flux_wb;
-    return is_off() || nm_per_a * hypot(current_a.alpha, current_a.beta) < 1.0;
-}
-
-static bool at_boot(const fault_case_t *fault)
-{
-    fault->inject(chip_faults(rig.chip));
-    boot();
-    const bool runs = drive_off(&rig.coupling);
-    return expect(!runs && is_off(), "the bridge stays off") &&
-           expect(says(fault->says), "the serial line says why") &&
-           expect(says("hubfoc ") && says(" on stm32") && says("self-test RAM: good") &&
-                      says("self-test firmware CRC: good"),
-                  "it greets, and its self-tests are good");
-}
-
-static bool while_braking(const fault_case_t *fault)
-{
-    boot();
-    if (!expect(drive_off(&rig.coupling), "comes to RUN")) {
-        return false;
-    }
-    rig.bench.params.driver.brake_demand_nm = IMAGE_SMALL_BRAKE_NM;
-    run(0.2);
-    fault->inject(chip_faults(rig.chip));
-    double quiet_s = 0.0;
-    while (quiet_s <= fault->quiet_within_s && !is_quiet()) {
-        run(1.0 / PERIODS_A_SECOND);
-        quiet_s += 1.0 / PERIODS_A_SECOND;
-    }
-    const bool in_time = is_quiet();
-    run(0.1);
-    printf("    no torque after %.2f ms, %u resets by the watchdog\n", quiet_s * 1000.0,
-           chip_watchdog_resets(rig.chip));
-    return expect(in_time && is_quiet(), "the torque goes in time and stays away") &&
-           expect((chip_watchdog_resets(rig.chip) > 0) == fault->resets, "resets as it must");
-}
-
-/* It drives nevertheless: the supply detector acts at 2.8 V. */
-static bool reports_the_brown_out_level(const char *elf)
-{
-    bool reported[2] = {true, false};
-    for (int off = 0; off <= 1; off++) {
-        if (!open_rig(elf)) {
-            return false;
-        }
-        chip_faults(rig.chip)->brown_out_off = off != 0;
-        boot();
-        reported[off] = says("brown-out level is below 3");
-    }
-    printf("brown-out level as delivered\n    %s\n", reported[1] ? "reported" : "not reported");
-    return expect(!reported[0] && reported[1], "a low brown-out level is reported, and no other");
-}
-
-static bool answers_faults(const char *elf)
-{
-    bool good = !IMAGE_REPORTS_BROWN_OUT || reports_the_brown_out_level(elf);
-    for (unsigned i = 0; i < sizeof FAULTS / sizeof FAULTS[0]; i++) {
-        const fault_case_t *fault = &FAULTS[i];
-        if (fault->needs_watched_clock && !IMAGE_CLOCK_IS_WATCHED) {
-            continue;
-        }
-        if (!open_rig(elf)) {
-            return false;
-        }
-        printf("%s\n", fault->name);
-        const bool right = fault->instant == AT_BOOT ? at_boot(fault) : while_braking(fault);
-        printf("    %s\n", right ? "as expected" : rig.why);
-        good = good && right;
-    }
-    return good;
-}
-
 int main(int argc, char **argv)
 {
+    const char *finds = planted_text(&argc, argv);
     if (argc < 3 || argc > 5) {
-        (void)fprintf(stderr, "usage: chip_test ELF stop|stops|faults|driver|planted|"
-                              "planted_driver [BOARD [CONFIGURATION.bin]]\n");
+        (void)fprintf(stderr, "usage: chip_test ELF stop|stops|driver [BOARD [CONFIGURATION.bin]] "
+                              "[--finds TEXT]\n");
         return 2;
     }
     if (!use_board(argc > 3 ? argv[3] : NULL, argc > 4 ? argv[4] : NULL)) {
         (void)fprintf(stderr, "%s\n", rig.why);
         return 2;
     }
-    bool good = false;
-    if (strcmp(argv[2], "faults") == 0) {
-        good = answers_faults(argv[1]);
-    } else if (strcmp(argv[2], "stops") == 0) {
-        good = stops_by_each(argv[1]);
-        printf("%s\n", good ? "as it must be" : rig.why);
-    } else {
-        good = strstr(argv[2], "driver") != NULL ? driver_passes(argv[1]) : passes(argv[1]);
-        printf("%s\n", good ? "as it must be" : rig.why);
-        if (!good && rig.chip != NULL) {
-            printf("%s\n", chip_text(rig.chip));
-        }
-    }
-    const bool planted = strncmp(argv[2], "planted", strlen("planted")) == 0;
-    if (planted) {
-        printf("%s\n", good ? "NOT CAUGHT" : "caught");
-        good = !good && rig.chip != NULL;
-    }
-    chip_close(rig.chip);
-    return good ? 0 : 1;
+    const char *mode = argv[2];
+    const bool good = strcmp(mode, "stops") == 0    ? stops_by_each(argv[1])
+                      : strcmp(mode, "driver") == 0 ? driver_passes(argv[1])
+                                                    : passes(argv[1]);
+    return rig_result(good, finds);
 }

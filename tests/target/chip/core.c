@@ -189,6 +189,10 @@ static void on_block(uc_engine *core, uint64_t address, uint32_t size, void *use
         (void)uc_emu_stop(core);
         return;
     }
+    if (address - CHIP_RAM_BASE < CHIP_RAM_BYTES &&
+        !chip_mpu_lets(chip, (uint32_t)address, CHIP_EXECUTE)) {
+        chip_note(chip, "MPU: code at 0x%08X is not to be executed", (uint32_t)address);
+    }
     chip->now += (chip_ticks_t)instructions_in(chip, address, size) * chip->ticks_per_cycle;
 }
 
@@ -211,6 +215,9 @@ static void on_flash_write(uc_engine *core, uc_mem_type type, uint64_t address, 
 {
     (void)core;
     (void)type;
+    if (!chip_mpu_lets(user, (uint32_t)address, CHIP_WRITE)) {
+        chip_note(user, "MPU: the flash at 0x%08X is not to be written", (uint32_t)address);
+    }
     chip_flash_program(user, (uint32_t)address, (uint32_t)size, (uint32_t)value);
 }
 
@@ -252,6 +259,7 @@ void chip_reset_by(chip_t *chip, chip_reset_t cause)
     chip->watchdog_resets += cause == CHIP_RESET_WATCHDOG ? 1U : 0U;
     chip_clocks_reset(chip, cause, status);
     chip_nvic_reset(chip);
+    chip_mpu_reset(chip);
     chip_flash_reset(chip);
     chip_timer1_reset(chip);
     chip_adc_reset(chip);

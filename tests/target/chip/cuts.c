@@ -2,29 +2,31 @@
 /*
  * Power cuts during updates of the configuration, on the model of the chip.
  *
- *     chip_cuts ELF CUTS RUNS [crystal|planted]
+ *     chip_cuts ELF CUTS RUNS [--finds TEXT]
+ *     chip_cuts ELF every [--finds TEXT]
  *
  * The flashable image receives another configuration over its serial line, all but the last record:
  * the snapshot, a process that is copied for each cut. The copy gets the last record, loses its
  * supply at one erase or write of the flash, gets it back, and boots to the end of its check of
  * the configuration; RUNS of them on to RUN. Half of the cuts hit the update of sector B, half the
- * one of sector A that follows it. Without `crystal` the chip, but for those runs, is in BOOT on
- * its internal oscillator, a tenth of the instructions.
+ * one of sector A that follows it; `every`: each operation of both. But for the RUNS the chip is in
+ * BOOT on its internal oscillator, a tenth of the instructions.
  *
- * Exit code 0: the old or the new configuration after each cut, and RUN where it was asked for;
- * with `planted`, an image with an error: not so.
+ * Exit code 0: the old or the new configuration after each cut, and RUN where it was asked for, and
+ * nothing that a manual forbids; of an image with an error planted, that TEXT is among the findings
+ * that are printed.
  */
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "bench/bench.h"
 #include "config/validate.h"
+#include "copies.h"
 #include "drive.h"
 #include "image.h"
+#include "planted.h"
 #include "unity.h"
 
 enum {
@@ -34,7 +36,6 @@ enum {
     UPDATE_ms = 3000,
     READY_PERIODS = 8000,
     RECORD_BYTES = 16,
-    JOBS = 4, /* copies at the same time */
     TEXT_BYTES = 1 << 16
 };
 
@@ -46,19 +47,55 @@ static const char *const PART_TEXT[PARTS] = {"erase of the other sector", "first
                                              "after the update"};
 
 typedef enum { OLD, NEW, NONE, NOT_RUN, OUTCOMES } outcome_t;
-enum { UNREADABLE = 16 }; /* added to a copy's exit code */
+static const char *const OUTCOME_TEXT[OUTCOMES] = {"old", "new", "none", "not to RUN"};
+enum { UNREADABLE = 16, FOUND = 32, FORBIDDEN = 64 }; /* added to a copy's exit code */
 
 typedef struct {
     unsigned count[PARTS][OUTCOMES];
     unsigned runs, ran;
     unsigned unreadable; /* copies that have read a word whose error could not be corrected */
+    unsigned forbidden;  /* in which something was that a manual forbids */
 } table_t;
 
+/* The cuts of one update. */
+typedef struct {
+    unsigned cuts, runs;
+    bool every;
+    const char *old_name, *new_name;
+} series_t;
+
 static chip_t *chip;
-static config_t fixture, another, third;
+static config_t fixture, another, third; /* in this order */
 static drive_t drive;
 static char hex[TEXT_BYTES];
 static bool on_crystal;
+static table_t table;
+static series_t series;
+static const char *finds; /* NULL: no error is planted */
+static bool found;
+
+/* What is wrong, in words. */
+static bool finding(const char *text)
+{
+    printf("found: %s\n", text);
+    found = found || planted_is(text, finds);
+    return false;
+}
+
+/* Without a crystal the timer has no clock, and inverter_trip() writes it all the same: such a
+ * register ignores writes and reads as zero (RM0090 7.3.10, RM0440 7.2.17). */
+static unsigned forbidden_since(unsigned noted)
+{
+    unsigned count = 0;
+    for (unsigned i = noted; chip_violation_text(chip, i) != NULL; i++) {
+        const char *text = chip_violation_text(chip, i);
+        if (on_crystal || strstr(text, " of TIM1_BDTR without its clock") == NULL) {
+            (void)finding(text);
+            count++;
+        }
+    }
+    return count;
+}
 
 /* The fixture's checks are Unity's. */
 void setUp(void) {}
@@ -219,8 +256,11 @@ static part_t part_of(uint32_t operation)
 }
 
 /* A quarter of the cuts each in the erase and in the mark, the rest over the image. */
-static uint32_t operation_of(unsigned number, unsigned cuts)
+static uint32_t operation_of(unsigned number)
 {
+    if (series.every) {
+        return number + 1U;
+    }
     switch (number % 8U) {
     case 0:
     case 5:
@@ -233,148 +273,118 @@ static uint32_t operation_of(unsigned number, unsigned cuts)
         return number % 16U == 4U ? (uint32_t)ERASES + CELLS
                                   : (number % 32U == 12U ? OPERATIONS + 1U : ERASES + 1U);
     default:
-        return ERASES + 2U + (uint32_t)((uint64_t)(CELLS - 2U) * number / cuts);
+        return ERASES + 2U + (uint32_t)((uint64_t)(CELLS - 2U) * number / series.cuts);
     }
 }
 
-/* A copy at work. */
-typedef struct {
-    pid_t process; /* 0: none */
-    uint32_t operation;
-    bool to_run;
-} job_t;
-
-static void collect(table_t *table, job_t *jobs)
+static bool goes_on_to_run(unsigned number)
 {
-    int status = 0;
-    const pid_t ended = wait(&status);
-    for (int j = 0; j < JOBS; j++) {
-        if (jobs[j].process != ended || ended <= 0) {
-            continue;
-        }
-        outcome_t seen = NONE;
-        if (WIFEXITED(status) && WEXITSTATUS(status) % UNREADABLE < OUTCOMES) {
-            seen = (outcome_t)(WEXITSTATUS(status) % UNREADABLE);
-            table->unreadable += WEXITSTATUS(status) >= UNREADABLE ? 1U : 0U;
-        }
-        table->count[part_of(jobs[j].operation)][seen]++;
-        table->runs += jobs[j].to_run ? 1U : 0U;
-        table->ran += jobs[j].to_run && seen < NONE ? 1U : 0U;
-        jobs[j].process = 0;
-    }
+    return (number + 1U) * series.runs / series.cuts != number * series.runs / series.cuts;
 }
 
-static int free_job(const job_t *jobs)
+/* In the copy. */
+static int work(uint32_t number)
 {
-    for (int j = 0; j < JOBS; j++) {
-        if (jobs[j].process == 0) {
-            return j;
-        }
-    }
-    return JOBS;
-}
-
-static bool any_at_work(const job_t *jobs)
-{
-    bool any = false;
-    for (int j = 0; j < JOBS; j++) {
-        any = any || jobs[j].process != 0;
-    }
-    return any;
-}
-
-static pid_t start(unsigned number, const job_t *job, const char *old_name, const char *new_name)
-{
-    (void)fflush(stdout);
-    const pid_t copy = fork();
-    if (copy != 0) {
-        return copy;
-    }
-    const outcome_t seen = cut(job->operation, number + 1U, old_name, new_name, job->to_run);
+    const uint32_t operation = operation_of(number);
+    const unsigned noted = chip_violations(chip);
+    const outcome_t seen =
+        cut(operation, number + 1U, series.old_name, series.new_name, goes_on_to_run(number));
     if (seen >= NONE) {
-        (void)printf("cut %u at operation %u:\n%s\n", number, job->operation, chip_text(chip));
-        (void)fflush(stdout);
+        printf("cut %u at operation %u:\n%s\n", number, operation, chip_text(chip));
     }
-    _exit((int)seen + (chip_unreadable(chip) > 0 ? UNREADABLE : 0));
+    const bool forbidden = forbidden_since(noted) > 0;
+    return (int)seen + (chip_unreadable(chip) > 0 ? UNREADABLE : 0) + (found ? FOUND : 0) +
+           (forbidden ? FORBIDDEN : 0);
 }
 
-static void cut_often(table_t *table, unsigned cuts, unsigned runs, const char *old_name,
-                      const char *new_name)
+static void ended(uint32_t number, int code)
 {
-    job_t jobs[JOBS] = {{.process = 0}};
-    for (unsigned i = 0; i < cuts; i++) {
-        while (free_job(jobs) == JOBS) {
-            collect(table, jobs);
-        }
-        job_t *job = &jobs[free_job(jobs)];
-        job->operation = operation_of(i, cuts);
-        job->to_run = (i + 1U) * runs / cuts != i * runs / cuts;
-        job->process = start(i, job, old_name, new_name);
-        if (job->process < 0) {
-            job->process = 0;
-            table->count[part_of(job->operation)][NONE]++;
-        }
+    outcome_t seen = NONE;
+    if (code >= 0 && code % UNREADABLE < OUTCOMES) {
+        seen = (outcome_t)(code % UNREADABLE);
+        table.unreadable += (code & UNREADABLE) != 0 ? 1U : 0U;
+        table.forbidden += (code & FORBIDDEN) != 0 ? 1U : 0U;
+        found = found || (code & FOUND) != 0;
     }
-    while (any_at_work(jobs)) {
-        collect(table, jobs);
-    }
+    table.count[part_of(operation_of(number))][seen]++;
+    table.runs += goes_on_to_run(number) ? 1U : 0U;
+    table.ran += goes_on_to_run(number) && seen < NONE ? 1U : 0U;
 }
 
-static bool print(const table_t *table)
+/* Before the mark's last cell the old one is in force, after it the new one. */
+static bool is_right(int part, int outcome)
 {
-    unsigned bad = 0;
+    return outcome == OLD ? part != AFTER : outcome == NEW && part >= COMPLEMENT;
+}
+
+static bool print(void)
+{
+    unsigned wrong = 0;
     unsigned all = 0;
     printf(
         "| supply fails in | cuts | old | new | none | not to RUN |\n|---|---|---|---|---|---|\n");
     for (int part = 0; part < PARTS; part++) {
-        const unsigned *n = table->count[part];
+        const unsigned *n = table.count[part];
         const unsigned sum = n[OLD] + n[NEW] + n[NONE] + n[NOT_RUN];
         printf("| %s | %u | %u | %u | %u | %u |\n", PART_TEXT[part], sum, n[OLD], n[NEW], n[NONE],
                n[NOT_RUN]);
-        bad += n[NONE] + n[NOT_RUN];
-        /* What is in force before the mark's last cell, and after it. */
-        bad += part < COMPLEMENT ? n[NEW] : 0U;
-        bad += part == AFTER ? n[OLD] : 0U;
         all += sum;
     }
-    printf("%u cuts, %u of %u to RUN, %u wrong; unreadable words met in %u\n", all, table->ran,
-           table->runs, bad, table->unreadable);
-    return bad == 0 && all > 0 && table->ran == table->runs;
-}
-
-static bool fails(const char *what)
-{
-    printf("%s\n%s\n", what, chip_text(chip));
-    return false;
-}
-
-static bool all_cuts(unsigned cuts, unsigned runs)
-{
-    table_t table = {.runs = 0};
-    if (!boots_with(fixture.name) || !prepare(&another)) {
-        return fails("the update is not accepted");
+    for (int part = 0; part < PARTS; part++) {
+        for (int outcome = 0; outcome < OUTCOMES; outcome++) {
+            const unsigned count = is_right(part, outcome) ? 0U : table.count[part][outcome];
+            char text[80];
+            (void)snprintf(text, sizeof text, "%s: %s", PART_TEXT[part], OUTCOME_TEXT[outcome]);
+            wrong += count;
+            if (count > 0) {
+                (void)finding(text);
+            }
+        }
     }
-    cut_often(&table, cuts / 2U, runs / 2U, fixture.name, another.name);
+    printf("%u cuts, %u of %u to RUN, %u wrong; unreadable words met in %u\n", all, table.ran,
+           table.runs, wrong, table.unreadable);
+    return wrong == 0 && all > 0 && table.ran == table.runs && table.forbidden == 0;
+}
+
+static void cut_often(const config_t *from, const config_t *to)
+{
+    series.old_name = from->name;
+    series.new_name = to->name;
+    copies_run(series.cuts, work, ended);
+}
+
+/* In the chip itself, whose supply stays. */
+static bool updates_to(const config_t *config)
+{
     const uint32_t before = chip_flash_operations(chip);
-    if (!update() || chip_flash_operations(chip) - before != OPERATIONS) {
-        return fails("an update has another number of erases and writes");
+    if (!update()) {
+        return finding("an update does not end");
     }
-    if (!boots_with(another.name)) {
-        return fails("the update is not in force after the restart");
+    const bool good = chip_flash_operations(chip) - before == OPERATIONS ||
+                      finding("an update has another number of erases and writes");
+    return (boots_with(config->name) || finding("an update is not in force after the restart")) &&
+           good;
+}
+
+/* Of the update, and the update itself. */
+static bool cuts_are_survived(const config_t *from, const config_t *to)
+{
+    if (!prepare(to)) {
+        return finding("an update is not accepted");
     }
-    if (!prepare(&third)) {
-        return fails("the second update is not accepted");
+    cut_often(from, to);
+    return updates_to(to);
+}
+
+static bool all_cuts(void)
+{
+    if (!boots_with(fixture.name)) {
+        return finding("does not boot");
     }
-    cut_often(&table, cuts - cuts / 2U, runs - runs / 2U, another.name, third.name);
-    if (!update() || !boots_with(third.name)) {
-        return fails("the second update is not in force after the restart");
-    }
-    const bool good = print(&table);
-    const char *violation = chip_violation_text(chip, 0);
-    if (on_crystal && violation != NULL) {
-        return fails(violation);
-    }
-    return good;
+    const bool first = cuts_are_survived(&fixture, &another);
+    const bool second = (first || finds != NULL) && cuts_are_survived(&another, &third);
+    const bool survived = print();
+    return forbidden_since(0) == 0 && first && second && survived;
 }
 
 static config_t renamed(const config_t *config, const char *name)
@@ -388,12 +398,14 @@ static config_t renamed(const config_t *config, const char *name)
 
 int main(int argc, char **argv)
 {
-    if (argc < 4) {
-        (void)fprintf(stderr, "usage: chip_cuts ELF CUTS RUNS [crystal|planted]\n");
+    finds = planted_text(&argc, argv);
+    series.every = argc == 3 && strcmp(argv[2], "every") == 0;
+    if (argc != 4 && !series.every) {
+        (void)fprintf(stderr, "usage: chip_cuts ELF CUTS RUNS|every [--finds TEXT]\n");
         return 2;
     }
-    on_crystal = argc > 4 && strcmp(argv[4], "crystal") == 0;
-    const bool planted = argc > 4 && strcmp(argv[4], "planted") == 0;
+    series.cuts = series.every ? OPERATIONS + 1U : (unsigned)strtoul(argv[2], NULL, 10) / 2U;
+    series.runs = series.every ? 0U : (unsigned)strtoul(argv[3], NULL, 10) / 2U;
     fixture = image_config();
     another = renamed(&fixture, "another");
     third = renamed(&fixture, "third");
@@ -401,11 +413,13 @@ int main(int argc, char **argv)
     if (chip == NULL) {
         return 2;
     }
-    const bool good =
-        all_cuts((unsigned)strtoul(argv[2], NULL, 10), (unsigned)strtoul(argv[3], NULL, 10));
-    chip_close(chip);
-    if (planted) {
-        printf("%s\n", good ? "NOT CAUGHT" : "caught");
+    const bool good = all_cuts();
+    if (!good && finds == NULL) {
+        printf("%s\n", chip_text(chip));
     }
-    return good != planted ? 0 : 1;
+    chip_close(chip);
+    if (finds != NULL) {
+        printf("%s\n", good ? "NOT FOUND" : found ? "found" : "FAILS FOR ANOTHER REASON");
+    }
+    return (finds == NULL ? good : !good && found) ? 0 : 1;
 }

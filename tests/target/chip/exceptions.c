@@ -246,6 +246,8 @@ uint32_t chip_core_read(chip_t *chip, uint32_t address)
     switch ((int)address) {
     case AT_CPUID:
         return CPUID_CORTEX_M4;
+    case (int)CHIP_MPU_TYPE:
+        return CHIP_MPU_REGIONS << 8;
     case AT_DWT_CYCCNT:
         return (uint32_t)((chip->now - chip->nvic.base) / chip->ticks_per_cycle);
     case AT_SYST_CVR:
@@ -316,7 +318,7 @@ void chip_core_write(chip_t *chip, uint32_t address, uint32_t value)
         for (uint32_t i = 0; i < 4; i++) {
             chip->nvic.priority[4U + address - (uint32_t)AT_SHPR + i] = (uint8_t)(value >> 8U * i);
         }
-    } else {
+    } else if (!chip_mpu_write(chip, address, value)) {
         write_control(chip, address, value);
     }
 }

@@ -20,6 +20,7 @@ enum {
     CHIP_EXCEPTIONS = 16 + CHIP_INTERRUPTS,
     CHIP_NESTING = 16,
     CHIP_FLASH_FIXES = 8,
+    CHIP_MPU_REGIONS = 8,
     EXCEPTION_NMI = 2,
     EXCEPTION_HARD_FAULT = 3,
     EXCEPTION_BUS_FAULT = 5,
@@ -114,6 +115,12 @@ typedef struct {
     uc_context *context[CHIP_NESTING];
 } chip_nvic_t;
 
+typedef struct {
+    uint32_t control;
+    unsigned number;
+    uint32_t base[CHIP_MPU_REGIONS], attributes[CHIP_MPU_REGIONS];
+} chip_mpu_t;
+
 /* Addresses at which peripherals answer. */
 typedef struct {
     chip_t *chip;
@@ -146,6 +153,7 @@ struct chip {
     chip_inputs_t in;
     chip_faults_t fault;
     chip_nvic_t nvic;
+    chip_mpu_t mpu;
     chip_timer1_t timer1;
     chip_converters_t adc;
     chip_can_t can;
@@ -219,6 +227,15 @@ void chip_exception_enter(chip_t *chip, unsigned exception);
 void chip_exception_return(chip_t *chip);
 chip_ticks_t chip_nvic_next(chip_t *chip);
 void chip_nvic_events(chip_t *chip);
+
+/* mpu.c */
+#define CHIP_MPU_TYPE 0xE000ED90U
+#define CHIP_MPU_CTRL 0xE000ED94U
+#define CHIP_MPU_RNR 0xE000ED98U
+#define CHIP_MPU_RBAR 0xE000ED9CU
+#define CHIP_MPU_RASR 0xE000EDA0U
+void chip_mpu_reset(chip_t *chip);
+bool chip_mpu_write(chip_t *chip, uint32_t address, uint32_t value);
 
 /* part.c of the chip: what it consists of. */
 typedef struct {

@@ -5,6 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "core/reason.h"
+#include "planted.h"
 #include "unity.h"
 #include "wiring.h"
 
@@ -29,6 +31,48 @@ bool wrong(const char *text)
 bool expect(bool good, const char *text)
 {
     return good ? true : wrong(text);
+}
+
+/* The first thing that is wrong, the fault that the controller has named, what the model has noted,
+ * a line of the program's own. */
+static bool is_found(const char *finds)
+{
+    char fault[RIG_WHY_BYTES];
+    (void)snprintf(fault, sizeof fault, "fault: %s", reason_text(rig.bench.wheel[0].first_fault));
+    printf("%s\n", fault);
+    bool found = planted_is(rig.why, finds) || planted_is(fault, finds);
+    for (unsigned i = 0; rig.chip != NULL && i < CHIP_VIOLATIONS; i++) {
+        const char *noted = chip_violation_text(rig.chip, i);
+        if (noted != NULL) {
+            printf("noted: %s\n", noted);
+            found = found || planted_is(noted, finds);
+        }
+    }
+    if (rig.chip != NULL && chip_text(rig.chip)[0] == '\0') {
+        chip_run(rig.chip, CHIP_TICKS_PER_SECOND); /* on its internal oscillator it takes longer */
+    }
+    const char *line = rig.chip == NULL ? NULL : chip_text(rig.chip);
+    while (line != NULL && *line != '\0') {
+        found = found || planted_is(line, finds);
+        line = strchr(line, '\n');
+        line = line == NULL ? NULL : line + 1;
+    }
+    return found;
+}
+
+int rig_result(bool good, const char *finds)
+{
+    bool right = good;
+    printf("%s\n", good ? "as it must be" : rig.why);
+    if (finds != NULL) {
+        right = !good && is_found(finds);
+        printf("%s\n", good ? "NOT FOUND" : right ? "found" : "FAILS FOR ANOTHER REASON");
+    }
+    if (!right && rig.chip != NULL) {
+        printf("%s\n", chip_text(rig.chip));
+    }
+    chip_close(rig.chip);
+    return right ? 0 : 1;
 }
 
 bool obeys_the_manuals(void)

@@ -22,6 +22,12 @@ typedef struct {
 
 extern rig_t rig;
 
+/* Exit code of a test: 0 if `good`; with an error planted if it is not, and `finds` (planted.h) is
+ * the beginning of the first thing that is wrong, of something that the model has noted, of a line
+ * of the serial line, or of "fault: " and the fault that the controller has named. Says so, and
+ * closes the chip. */
+int rig_result(bool good, const char *finds);
+
 /* Notes the first thing that is wrong; false, and for expect() whether it is good. */
 bool wrong(const char *text);
 bool expect(bool good, const char *text);

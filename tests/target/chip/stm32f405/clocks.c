@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Clocks and their enable bits (RM0090 section 7), supply detector (5.2.3), external interrupt 16,
- * wait states of the flash (3.5.1). */
+/* Clocks and their enable bits (RM0090 section 7), a crystal that stops (7.2.7), supply detector
+ * (5.2.3), external interrupt 16, wait states of the flash (3.5.1). */
 #include "parts.h"
 
 enum {
@@ -88,6 +88,11 @@ static bool runs_on_pll(const chip_t *chip)
     return clock_source(chip) == 2U && chip->now >= chip->pll_ready;
 }
 
+static bool supply_is_low(const chip_t *chip)
+{
+    return chip->fault.supply_low && chip_field(chip, CHIP_PWR_CR, CHIP_PWR_CR_PVDE) != 0;
+}
+
 uint32_t chip_clocks_read(chip_t *chip, uint32_t address)
 {
     const uint32_t value = chip_get(chip, address);
@@ -98,10 +103,7 @@ uint32_t chip_clocks_read(chip_t *chip, uint32_t address)
     case CHIP_RCC_CFGR:
         return (value & ~status_bits) | (runs_on_pll(chip) ? CHIP_RCC_CFGR_SWS1 : 0);
     case CHIP_PWR_CSR:
-        return (value & ~CHIP_PWR_CSR_PVDO) |
-               (chip->fault.supply_low && chip_field(chip, CHIP_PWR_CR, CHIP_PWR_CR_PVDE) != 0
-                    ? CHIP_PWR_CSR_PVDO
-                    : 0);
+        return (value & ~CHIP_PWR_CSR_PVDO) | (supply_is_low(chip) ? CHIP_PWR_CSR_PVDO : 0);
     default:
         return value;
     }
@@ -174,9 +176,9 @@ static void write_control(chip_t *chip, uint32_t value)
                                   : chip->now + (chip_ticks_t)CRYSTAL_START_us * CHIP_TICKS_PER_US;
     }
     if ((value & ~before & CHIP_RCC_CR_PLLON) != 0) {
-        const bool fed = chip->now >= chip->crystal_ready;
+        const bool locks = chip->now >= chip->crystal_ready && !chip->fault.pll_does_not_lock;
         chip->pll_ready =
-            fed ? chip->now + (chip_ticks_t)PLL_LOCK_us * CHIP_TICKS_PER_US : CHIP_NEVER;
+            locks ? chip->now + (chip_ticks_t)PLL_LOCK_us * CHIP_TICKS_PER_US : CHIP_NEVER;
     }
 }
 
@@ -195,6 +197,11 @@ bool chip_clocks_write(chip_t *chip, uint32_t address, uint32_t value)
     case CHIP_RCC_CFGR:
         *chip_at(chip, address) = value;
         switch_clock(chip);
+        return true;
+    case CHIP_RCC_CIR: /* the flag is cleared by CSSC; the rest is not modelled */
+        if ((value & CHIP_RCC_CIR_CSSC) != 0) {
+            *chip_at(chip, address) &= ~CHIP_RCC_CIR_CSSF;
+        }
         return true;
     case CHIP_RCC_CSR:
         if ((value & CHIP_RCC_CSR_RMVF) != 0) {
@@ -218,14 +225,37 @@ chip_ticks_t chip_clocks_next(chip_t *chip)
     return chip->watchdog_end;
 }
 
+/* 7.2.7: the oscillator and the PLL that it feeds are switched off, the core goes on with the
+ * internal oscillator, and the flag is wired to the non-maskable interrupt. Without CSSON nothing
+ * says so; the frequency of a PLL without input is not specified, and taken to be as low. */
+static void watch_crystal(chip_t *chip)
+{
+    if (!chip->fault.crystal_dead || chip->crystal_ready > chip->now) {
+        return;
+    }
+    chip->crystal_ready = CHIP_NEVER;
+    chip->pll_ready = CHIP_NEVER;
+    chip->ticks_per_cycle = TICKS_INTERNAL;
+    if ((chip_get(chip, CHIP_RCC_CR) & CHIP_RCC_CR_CSSON) != 0) {
+        *chip_at(chip, CHIP_RCC_CR) &= ~(CHIP_RCC_CR_HSEON | CHIP_RCC_CR_PLLON);
+        *chip_at(chip, CHIP_RCC_CFGR) &= ~(CHIP_RCC_CFGR_SW0 | CHIP_RCC_CFGR_SW1);
+        *chip_at(chip, CHIP_RCC_CIR) |= CHIP_RCC_CIR_CSSF;
+        chip->needs_attention = true;
+    }
+}
+
 void chip_clocks_events(chip_t *chip)
 {
     chip_watchdog_events(chip);
-    const bool watched = chip_field(chip, CHIP_PWR_CR, CHIP_PWR_CR_PVDE) != 0 &&
-                         (chip_get(chip, CHIP_EXTI_RTSR) & CHIP_EXTI_RTSR_TR16) != 0;
+    watch_crystal(chip);
+    /* 5.2.3: an edge, of which there is none if the supply is low when the detector starts. */
+    const bool low = supply_is_low(chip);
     const bool known = (chip_get(chip, CHIP_PWR_CSR) & CHIP_PWR_CSR_PVDO) != 0;
-    if (chip->fault.supply_low && watched && !known) {
-        *chip_at(chip, CHIP_PWR_CSR) |= CHIP_PWR_CSR_PVDO;
+    if (low == known) {
+        return;
+    }
+    *chip_at(chip, CHIP_PWR_CSR) ^= CHIP_PWR_CSR_PVDO;
+    if (low && (chip_get(chip, CHIP_EXTI_RTSR) & CHIP_EXTI_RTSR_TR16) != 0) {
         *chip_at(chip, CHIP_EXTI_PR) |= CHIP_EXTI_PR_PR16;
         chip->needs_attention = true;
     }

@@ -5,6 +5,7 @@
 
 #include "vehicle_fixture.h"
 
+#define IMAGE_CHIP "STM32F405"
 #define IMAGE_SPEED_M_PER_S 2.5
 #define IMAGE_BRAKE_NM 90.0
 #define IMAGE_SMALL_BRAKE_NM 20.0
@@ -20,12 +21,19 @@
 #define IMAGE_SPEED_RAD_S 9.0 /* at that speed, rounded up */
 #define IMAGE_MODE MODE_RUN
 #define IMAGE_REPORTS_BROWN_OUT true
-#define IMAGE_CLOCK_IS_WATCHED false
 #define IMAGE_BROWN_OUT_HAS_A_FLAG true
 #define IMAGE_OPTION_BYTES_RESET false
+#define IMAGE_RAM_BYTES 0x20000U
 #define IMAGE_BEGINS 0x08020000U /* of the program, hal/stm32f405/link.ld */
 #define IMAGE_BYTES 0xE0000U
+/* Flash without a sector of the application that the protection unit's eighths leave writable: the
+ * first sector. */
+#define IMAGE_OPEN_BEGINS 0x08000000U
+#define IMAGE_OPEN_ENDS 0x08004000U
 #define IMAGE_CONFIGURATION_BEGINS 0x08004000U
+#define IMAGE_JOURNAL_A 0x0800C000U
+#define IMAGE_JOURNAL_B 0x08010000U
+#define IMAGE_JOURNAL_ENDS 0x08020000U
 #define IMAGE_HOLDS_SUPPLY true /* by PC5 */
 
 static inline bench_params_t image_vehicle(void)

@@ -50,16 +50,23 @@ void chip_part_lines(chip_t *chip)
               ((serial & (CHIP_USART3_SR_RXNE | CHIP_USART3_SR_ORE)) != 0 &&
                (wanted & CHIP_USART3_CR1_RXNEIE) != 0) ||
                   ((serial & CHIP_USART3_SR_TXE) != 0 && (wanted & CHIP_USART3_CR1_TXEIE) != 0));
+    chip_line(chip, EXCEPTION_NMI, (chip_get(chip, CHIP_RCC_CIR) & CHIP_RCC_CIR_CSSF) != 0);
     chip_line(chip, INTERRUPT_PVD, (pins & CHIP_EXTI_PR_PR16) != 0);
     chip_line(chip, INTERRUPT_PINS_5_TO_9, (pins & 0x03E0U) != 0);
     chip_line(chip, INTERRUPT_PINS_10_TO_15, (pins & 0xFC00U) != 0);
 }
 
-/* 17.3.12; PB12. */
+/* 17.3.12: a crystal that stops; PB12. */
 uint32_t chip_part_break(chip_t *chip)
 {
     const uint32_t settings = chip_get(chip, CHIP_TIM1_BDTR);
-    if ((settings & CHIP_TIM1_BDTR_BKE) == 0 || !chip_pin_function(chip, 'B', 12, 1)) {
+    if ((settings & CHIP_TIM1_BDTR_BKE) == 0) {
+        return 0;
+    }
+    if ((chip_get(chip, CHIP_RCC_CIR) & CHIP_RCC_CIR_CSSF) != 0) {
+        return CHIP_TIM1_SR_BIF;
+    }
+    if (!chip_pin_function(chip, 'B', 12, 1)) {
         return 0;
     }
     const bool active = chip_pin_level(chip, 'B', 12) == ((settings & CHIP_TIM1_BDTR_BKP) != 0);

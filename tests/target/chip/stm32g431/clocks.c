@@ -277,6 +277,7 @@ static void watch_crystal(chip_t *chip)
     chip->pll_ready = CHIP_NEVER;
     chip->ticks_per_cycle = TICKS_INTERNAL * core_divider(chip);
     if (watched) {
+        *chip_at(chip, CHIP_RCC_CR) &= ~(CHIP_RCC_CR_HSEON | CHIP_RCC_CR_PLLON);
         *chip_at(chip, CHIP_RCC_CFGR) =
             (chip_get(chip, CHIP_RCC_CFGR) & ~CHIP_RCC_CFGR_SW) | SOURCE_INTERNAL;
         *chip_at(chip, CHIP_RCC_CIFR) |= CHIP_RCC_CIFR_CSSF;
@@ -288,10 +289,14 @@ void chip_clocks_events(chip_t *chip)
 {
     chip_watchdog_events(chip);
     watch_crystal(chip);
-    const bool watched = (chip_get(chip, CHIP_EXTI_RTSR1) & CHIP_EXTI_RTSR1_RT16) != 0;
+    /* 6.2.2: an edge, of which there is none if the supply is low when the detector starts. */
+    const bool low = supply_is_low(chip);
     const bool known = (chip_get(chip, CHIP_PWR_SR2) & CHIP_PWR_SR2_PVDO) != 0;
-    if (supply_is_low(chip) && watched && !known) {
-        *chip_at(chip, CHIP_PWR_SR2) |= CHIP_PWR_SR2_PVDO;
+    if (low == known) {
+        return;
+    }
+    *chip_at(chip, CHIP_PWR_SR2) ^= CHIP_PWR_SR2_PVDO;
+    if (low && (chip_get(chip, CHIP_EXTI_RTSR1) & CHIP_EXTI_RTSR1_RT16) != 0) {
         *chip_at(chip, CHIP_EXTI_PR1) |= CHIP_EXTI_PR1_PIF16;
         chip->needs_attention = true;
     }

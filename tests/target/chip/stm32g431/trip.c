@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The flashable image and an over-current in a switch, on the model of the STM32G431: the chip's
- * own comparators take the gates.
+ * own comparators take the gates: thresholds, time, report, comparators that do not answer, and
+ * amplifiers with another output without current.
  *
- *     chip_trip_g431 ELF           thresholds, time, report, comparators that do not answer, and
- *                                  amplifiers with another output without current
- *     chip_trip_g431 ELF planted   an image with an error planted in its driver: must be caught
+ *     chip_trip_g431 ELF [--finds TEXT]
  *
- * Exit code 0: as expected.
+ * Exit code 0: as expected; of an image with an error planted, that TEXT finds it (rig.h).
  */
 #include <stdio.h>
 #include <string.h>
 
+#include "planted.h"
 #include "rig.h"
 
 enum {
@@ -47,8 +47,10 @@ static bool stays_on_with(int32_t current_mA, chip_ticks_t duration)
     chip_sample(rig.chip);
     chip_run(rig.chip, 10U * CHIP_TICKS_PER_US);
     chip_faults(rig.chip)->low_side_a_mA = current_mA;
-    chip_run(rig.chip, duration);
+    chip_faults(rig.chip)->low_side_a_ends = chip_now(rig.chip) + duration;
+    chip_run(rig.chip, duration + CHIP_TICKS_PER_US);
     chip_faults(rig.chip)->low_side_a_mA = 0;
+    chip_faults(rig.chip)->low_side_a_ends = 0;
     return chip_outputs_on(rig.chip);
 }
 
@@ -111,20 +113,13 @@ static bool starts_with_a_bias(void)
 
 int main(int argc, char **argv)
 {
-    if (argc < 2) {
-        (void)fprintf(stderr, "usage: chip_trip_g431 ELF [planted]\n");
+    const char *finds = planted_text(&argc, argv);
+    if (argc != 2) {
+        (void)fprintf(stderr, "usage: chip_trip_g431 ELF [--finds TEXT]\n");
         return 2;
     }
-    bool good = (open_rig(argv[1]) || wrong("the image cannot be loaded")) && protects() &&
-                open_rig(argv[1]) && refuses_dead_comparators() && open_rig(argv[1]) &&
-                starts_with_a_bias();
-    printf("%s\n", good ? "as it must be" : rig.why);
-    if (argc > 2) {
-        printf("%s\n", good ? "NOT CAUGHT" : "caught");
-        good = !good && rig.chip != NULL;
-    } else if (!good && rig.chip != NULL) {
-        printf("%s\n", chip_text(rig.chip));
-    }
-    chip_close(rig.chip);
-    return good ? 0 : 1;
+    const bool good = (open_rig(argv[1]) || wrong("the image cannot be loaded")) && protects() &&
+                      open_rig(argv[1]) && refuses_dead_comparators() && open_rig(argv[1]) &&
+                      starts_with_a_bias();
+    return rig_result(good, finds);
 }

@@ -66,7 +66,8 @@ void wiring_temperatures(chip_inputs_t *in, int32_t winding_cC, int32_t switch_c
 
 static double shunt_pin_V(const chip_t *chip, unsigned phase)
 {
-    const double down_a = phase == 0 && chip->fault.low_side_a_mA != 0
+    const bool lasts = chip->fault.low_side_a_ends == 0 || chip->now < chip->fault.low_side_a_ends;
+    const double down_a = phase == 0 && lasts && chip->fault.low_side_a_mA != 0
                               ? chip->fault.low_side_a_mA / 1000.0
                               : -chip->in.current_a[phase];
     return (TO_SHUNT * 0.003 * down_a + TO_REFERENCE * ANALOG_REFERENCE_uV / 1e6) /

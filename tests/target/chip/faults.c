@@ -1,0 +1,290 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A fault of the chip each, or of what it is connected to, and what comes of it.
+ *
+ *     chip_faults ELF [README.md] [--finds TEXT]
+ *
+ * Prints a table: when there was no torque any more, who reset the chip, what CAN and the serial
+ * line show. README.md: it must have the same table, with times that differ by a tenth or two PWM
+ * periods at most.
+ *
+ * Exit code 0: as expected; of an image with an error planted, that TEXT finds it (rig.h).
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/reason.h"
+#include "planted.h"
+#include "rig.h"
+
+enum { ROW_BYTES = 240, README_BYTES = 1 << 17, MEAN = RIG_PERIODS_A_SECOND / 1000 };
+static const double PERIOD_S = 1.0 / RIG_PERIODS_A_SECOND;
+static const double BRAKES_S = 0.2;
+static const double TORQUE_NM =
+    0.05 * IMAGE_SMALL_BRAKE_NM; /* less, in a millisecond's mean, is none */
+
+typedef enum { AT_BOOT, BRAKING } instant_t;
+
+typedef struct {
+    const char *name;
+    instant_t instant;
+    void (*inject)(chip_faults_t *fault);
+    double within_s;  /* the bridge off, or at most TORQUE_NM, from then on */
+    double watched_s; /* from the fault on */
+    bool resets;      /* by the watchdog */
+    reason_t reason;  /* of the fault that CAN shows; REASON_NONE: no message any more */
+    const char *line; /* the serial line's from the fault on; NULL: none */
+} fault_case_t;
+
+static void crystal(chip_faults_t *fault)
+{
+    fault->crystal_dead = true;
+}
+
+static void pll(chip_faults_t *fault)
+{
+    fault->pll_does_not_lock = true;
+}
+
+static void timer(chip_faults_t *fault)
+{
+    fault->timer_stuck = true;
+}
+
+static void converter(chip_faults_t *fault)
+{
+    fault->converter_stuck = true;
+}
+
+static void can_bus(chip_faults_t *fault)
+{
+    fault->can_silent = true;
+}
+
+static void supply(chip_faults_t *fault)
+{
+    fault->supply_low = true;
+}
+
+/*
+ * within_s: the converters' stop is seen after 3 ms without a fast step (app.c), and the
+ * supervisor no longer feeds the watchdog; a demand that is lost is kept for timeout and hold,
+ * 50 + 300 ms, then leaves with the brake's lag, three of which are 0.3 s; the supply detector has
+ * the highest priority and ends in the watchdog's reset, as does a crystal that stops.
+ *
+ * After the watchdog's reset, 50 ms later at most, the fault is still there. Without a crystal the
+ * program's sum takes 0.5 s.
+ */
+static const fault_case_t FAULTS[] = {
+    {"crystal dead at the start", AT_BOOT, crystal, 0.0, 0.0, false, REASON_NONE,
+     "clock fault: the crystal did not start"},
+    {"PLL does not lock", AT_BOOT, pll, 0.0, 0.0, false, REASON_NONE,
+     "clock fault: the crystal did not start"},
+    {"TIM1 without its clock at the start", AT_BOOT, timer, 0.0, 0.0, false, REASON_NONE,
+     "self-test failed: the PWM timer does not update at the top of its count"},
+    {"converters stop", BRAKING, converter, 0.005, 0.15, true, REASON_PROGRAM_FLOW,
+     "started by watchdog"},
+    {"CAN bus held dominant", BRAKING, can_bus, 1.0, 1.2, false, REASON_NONE, NULL},
+    {"supply falls", BRAKING, supply, 0.001, 0.2, true, REASON_HARDWARE_BREAK,
+     "started by watchdog"},
+    {"crystal stops", BRAKING, crystal, 0.001, 0.9, true, REASON_NONE,
+     "clock fault: the crystal did not start"},
+};
+
+/* What was seen from a fault on. */
+typedef struct {
+    double noisy_s; /* when there was torque last */
+    double frame_s; /* when the last message came */
+    double now_s;
+    size_t from; /* of the serial line's text */
+    double impulse_nms[MEAN];
+    unsigned periods;
+} seen_t;
+static seen_t seen;
+
+static void see_frame(const chip_frame_t *frame)
+{
+    (void)frame;
+    seen.frame_s = seen.now_s;
+}
+
+static bool is_off(void)
+{
+    return chip_gates(rig.chip).bridge == CHIP_BRIDGE_OFF;
+}
+
+/* Once a period: after MEAN of them, whether there is no torque. */
+static bool is_quiet(void)
+{
+    const double after_nms = rig.bench.wheel[0].totals.torque_impulse_nms;
+    double *const before_nms = &seen.impulse_nms[seen.periods++ % MEAN];
+    const double mean_nm = (after_nms - *before_nms) / (MEAN * PERIOD_S);
+    *before_nms = after_nms;
+    return is_off() || fabs(mean_nm) < TORQUE_NM;
+}
+
+static bool shows(const char *line)
+{
+    return line == NULL || strstr(&chip_text(rig.chip)[seen.from], line) != NULL;
+}
+
+static bool at_boot(const fault_case_t *fault)
+{
+    fault->inject(chip_faults(rig.chip));
+    boot();
+    rig.drive.seen = see_frame;
+    seen.frame_s = -1.0;
+    const bool runs = drive_off(&rig.coupling);
+    return expect(!runs && is_off(), "the bridge stays off") &&
+           expect(shows(fault->line), "the serial line says why") &&
+           expect(says("hubfoc ") && says(" on stm32") && says("self-test RAM: good") &&
+                      says("self-test firmware CRC: good"),
+                  "it greets, and its self-tests are good") &&
+           expect(seen.frame_s < 0.0, "it sends no message") &&
+           expect(chip_resets(rig.chip) == 1, "boots without a reset");
+}
+
+static bool can_shows(const fault_case_t *fault)
+{
+    const slow_output_t *received = &rig.drive.vehicle.received;
+    if (fault->reason == REASON_NONE) {
+        return expect(seen.frame_s <= fault->within_s, "its messages end with the fault");
+    }
+    return expect(received->mode == MODE_FAULT && received->fault_reason == fault->reason,
+                  "its messages name the fault");
+}
+
+static bool while_braking(const fault_case_t *fault)
+{
+    boot();
+    if (!expect(drive_off(&rig.coupling), "comes to RUN")) {
+        return false;
+    }
+    rig.bench.params.driver.brake_demand_nm = IMAGE_SMALL_BRAKE_NM;
+    run(BRAKES_S);
+    bool brakes = false;
+    for (int i = 0; i < 2 * MEAN; i++) {
+        run(PERIOD_S);
+        brakes = !is_quiet();
+    }
+    rig.drive.seen = see_frame;
+    seen.from = strlen(chip_text(rig.chip));
+    if (!expect(brakes, "brakes") || !obeys_the_manuals()) {
+        return false;
+    }
+    fault->inject(chip_faults(rig.chip));
+    while (seen.now_s < fault->watched_s) {
+        run(PERIOD_S);
+        seen.now_s += PERIOD_S;
+        seen.noisy_s = is_quiet() ? seen.noisy_s : seen.now_s;
+    }
+    return expect(seen.noisy_s <= fault->within_s, "the torque goes in time and stays away") &&
+           expect((chip_watchdog_resets(rig.chip) > 0) == fault->resets, "resets as it must") &&
+           can_shows(fault) && expect(shows(fault->line), "the serial line says why");
+}
+
+/* ---- the table ---- */
+
+static const char HEADING[] =
+    "| fault, " IMAGE_CHIP " | no torque after | reset | CAN | serial line |\n";
+
+static void format_row(const fault_case_t *fault, char row[ROW_BYTES])
+{
+    char time[ROW_BYTES] = "bridge never on";
+    char can[ROW_BYTES] = "no message";
+    char line[ROW_BYTES] = "";
+    if (fault->instant == BRAKING) {
+        /* The bridge follows at the end of its period. */
+        (void)snprintf(time, sizeof time, "%.2f ms", 1000.0 * (seen.noisy_s + PERIOD_S));
+    }
+    if (fault->reason != REASON_NONE) {
+        (void)snprintf(can, sizeof can, "FAULT: %s", reason_text(fault->reason));
+    }
+    if (fault->line != NULL) {
+        (void)snprintf(line, sizeof line, "`%s`", fault->line);
+    }
+    (void)snprintf(row, ROW_BYTES, "| %s | %s | %s | %s | %s |\n", fault->name, time,
+                   fault->resets ? "watchdog" : "none", can, line);
+}
+
+/* The same row, with a time that differs by a tenth or two periods at most. */
+static bool is_like(const char *row, const char *wanted, const fault_case_t *fault)
+{
+    if (fault->instant == AT_BOOT) {
+        return strncmp(row, wanted, strlen(wanted)) == 0;
+    }
+    const size_t before = strlen("|  | ") + strlen(fault->name);
+    char *end;
+    char *wanted_end;
+    const double time_ms = strtod(&row[before], &end);
+    const double wanted_ms = strtod(&wanted[before], &wanted_end);
+    return fabs(time_ms - wanted_ms) <= fmax(0.1 * wanted_ms, 2000.0 * PERIOD_S) &&
+           strncmp(end, wanted_end, strlen(wanted_end)) == 0;
+}
+
+static bool is_documented(const char *readme, const fault_case_t *fault, const char *row)
+{
+    char begin[ROW_BYTES];
+    (void)snprintf(begin, sizeof begin, "\n| %s |", fault->name);
+    const char *table = strstr(readme, HEADING);
+    const char *found = table == NULL ? NULL : strstr(table, begin);
+    return expect(found != NULL && is_like(found + 1, row, fault), "README.md has another row");
+}
+
+static const char *read_text(const char *path)
+{
+    static char text[README_BYTES];
+    FILE *file = fopen(path, "rb");
+    const size_t size = file == NULL ? 0 : fread(text, 1, sizeof text - 1U, file);
+    text[size] = '\0';
+    if (file != NULL) {
+        (void)fclose(file);
+    }
+    return text;
+}
+
+static bool answers(const char *elf, const fault_case_t *fault, const char *readme)
+{
+    char row[ROW_BYTES];
+    if (!open_rig(elf)) {
+        return wrong("the image cannot be loaded");
+    }
+    memset(&seen, 0, sizeof seen);
+    const bool good = fault->instant == AT_BOOT ? at_boot(fault) : while_braking(fault);
+    format_row(fault, row);
+    printf("%s", row);
+    return good && (readme == NULL || is_documented(readme, fault, row));
+}
+
+/* It drives nevertheless: the supply detector acts at 2.8 V. */
+static bool reports_the_brown_out_level(const char *elf)
+{
+    bool reported[2] = {true, false};
+    for (int off = 0; off <= 1; off++) {
+        if (!open_rig(elf)) {
+            return wrong("the image cannot be loaded");
+        }
+        chip_faults(rig.chip)->brown_out_off = off != 0;
+        boot();
+        reported[off] = says("brown-out level is below 3");
+    }
+    return expect(!reported[0] && reported[1], "a low brown-out level is reported, and no other");
+}
+
+int main(int argc, char **argv)
+{
+    const char *finds = planted_text(&argc, argv);
+    if (argc < 2 || argc > 3) {
+        (void)fprintf(stderr, "usage: chip_faults ELF [README.md] [--finds TEXT]\n");
+        return 2;
+    }
+    const char *readme = argc > 2 ? read_text(argv[2]) : NULL;
+    bool good = !IMAGE_REPORTS_BROWN_OUT || reports_the_brown_out_level(argv[1]);
+    printf("%s|---|---|---|---|---|\n", HEADING);
+    for (unsigned i = 0; i < sizeof FAULTS / sizeof FAULTS[0] && good; i++) {
+        good = answers(argv[1], &FAULTS[i], readme);
+    }
+    return rig_result(good, finds);
+}
