@@ -108,7 +108,7 @@ def test_a_sensor_that_jumps_under_torque_loses_it(config: str, sensor: str, deg
     drive = drive_with(config, sensor)
     for speed_kmh in (0.0, 1.0):
         for turn in TURNS:
-            rows = Start(drive, speed_kmh, turn=turn).rows(jump(deg), 0.25, 1.5)
+            rows = Start(drive, speed_kmh, turn=turn).rows(jump(deg), 0.25, 0.6)
             case = f"{speed_kmh} km/h, {turn} turn"
             torque_nm = rows[:, TORQUE]
             # What an encoder's or the observer's angle can make ramps out in its direction.
@@ -165,10 +165,10 @@ def test_the_observer_ends_a_start_with_half_a_turn_of_error(sensor: str) -> Non
 def test_a_healthy_sensor_has_no_name_on_slopes(config: str, sensor: str) -> None:
     drive = drive_with(config, sensor)
     for number, slope in enumerate((-20.0, -5.0, 0.0, 3.0, 7.0, 20.0)):
-        for speed_kmh in (-2.0, 0.0, 2.0):
-            mass = (0.1, 1.0, 4.0)[(number + int(speed_kmh)) % 3]
+        for speed_kmh in ((-2.0, 2.0), (0.0,))[number % 2]:
+            mass = (0.1, 1.0, 4.0)[(number // 2 + int(speed_kmh)) % 3]
             start = Start(drive, speed_kmh, slope, turn=0.618 * number % 1.0, mass=mass)
-            rows = start.rows({}, 0.0, 1.0)
+            rows = start.rows({}, 0.0, 0.8)
             assert not any(name.startswith("ROTOR") for name in names(rows)), (slope, speed_kmh)
 
 
@@ -177,7 +177,7 @@ def test_a_freeze_and_a_reversal_are_named_within_20_milliseconds(sensor: str) -
     drive = drive_with("lu2013", sensor)
     for speed_kmh in (7.0, 12.0, 25.0):
         for fault in ({"fault.rotor_frozen": 1.0}, {"fault.rotor_reversed": 1.0}):
-            for turn in (0.0, *TURNS):
+            for turn in TURNS:
                 start = Start(drive, speed_kmh, turn=turn, driving=0.0, braking=0.8)
                 rows = start.rows(fault, 0.35, 0.1)
                 named = np.flatnonzero(rows[:, WARNING] + rows[:, FAULT])
