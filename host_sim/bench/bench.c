@@ -252,6 +252,7 @@ static void slow_step(bench_t *bench)
         .abs_active = !bench->speed_prescribed &&
                       (params->driver.abs_active > 0.5 || bench->abs_unit.anti_lock.at_work),
         .abs_motor_share = params->driver.abs_motor_share,
+        .fault_reset = !bench->speed_prescribed && driver_resets(&params->driver, bench->time_s),
     };
     if (bench->flipped_config_bit > 0U) {
         bench->world.config_damaged = config_watch_step(&bench->config_watch, &bench->config);

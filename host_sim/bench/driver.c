@@ -11,6 +11,12 @@ driver_state_t driver_init(void)
     return out;
 }
 
+bool driver_resets(const driver_params_t *params, double time_s)
+{
+    const double every_s = params->fault_reset_every_s;
+    return every_s > 0.0 && fmod(time_s, every_s) < every_s / 2.0;
+}
+
 double driver_trace_at(const driver_trace_t *trace, int *cursor, double time_s)
 {
     if (trace->points == 0) {

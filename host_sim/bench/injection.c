@@ -7,8 +7,34 @@
 #include "config/bases.h"
 #include "config/validate.h"
 
-enum { BITS = 8 };
+enum { BITS = 8, PHASES = 3 };
 static const double ON = 0.5; /* a switch given as a number */
+
+/* Where a bit of the state may flip: fault_params_t.state_part. */
+typedef struct {
+    size_t at_bytes, size_bytes;
+} part_t;
+
+#define PART(member)                                                                               \
+    {                                                                                              \
+        offsetof(controller_t, member), sizeof(((controller_t *)NULL)->member)                     \
+    }
+/* An enumeration has one byte on the target, the lowest of those here. */
+#define ENUMERATION(member)                                                                        \
+    {                                                                                              \
+        offsetof(controller_t, member), 1                                                          \
+    }
+
+static const part_t PARTS[] = {
+    {0, sizeof(controller_t)},
+    ENUMERATION(slow.modes.mode),
+    ENUMERATION(slow.modes.fault),
+    ENUMERATION(fast.monitor.trip),
+    PART(fast.monitor.overcurrent_square),
+    PART(fast.monitor.overvoltage_pu),
+};
+
+enum { PART_COUNT = sizeof(PARTS) / sizeof(PARTS[0]) };
 
 bool injection_present(const fault_params_t *p)
 {
@@ -43,10 +69,11 @@ static void restart(const injection_target_t *target)
     *target->to_fast = controller_initial_setpoint(target->config, BASES_MODEL_TIMER_Hz);
 }
 
-static void flip(controller_t *controller, uint32_t bit)
+static void flip(controller_t *controller, uint32_t part, uint32_t bit)
 {
+    const part_t *where = &PARTS[part % PART_COUNT];
     unsigned char *bytes = (unsigned char *)controller;
-    bytes[bit / BITS % sizeof(*controller)] ^= (unsigned char)(1U << bit % BITS);
+    bytes[where->at_bytes + bit / BITS % where->size_bytes] ^= (unsigned char)(1U << bit % BITS);
 }
 
 /* Whether the rates of both loops are within what the supervisor accepts. */
@@ -56,11 +83,13 @@ static bool may_feed(const fault_params_t *p)
            p->fast_doubled < ON;
 }
 
-static slow_output_t step(const injection_target_t *target, const slow_input_t *in)
+static slow_output_t step(const injection_target_t *target, const slow_input_t *in, bool damaged)
 {
+    slow_input_t seen = *in;
+    seen.selftest_passed = in->selftest_passed && !damaged;
     fast_report_t report;
     controller_fast_report(&target->controller->fast, &report);
-    return controller_slow_step(&target->controller->slow, target->config, &report, in,
+    return controller_slow_step(&target->controller->slow, target->config, &report, &seen,
                                 target->to_fast);
 }
 
@@ -87,6 +116,7 @@ slow_output_t injection_slow(const fault_params_t *p, injection_t *state,
     state->unfed_ms = may_feed(p) ? 0 : state->unfed_ms + 1;
     if (state->unfed_ms > INJECTION_WATCHDOG_MS || (p->restart > ON && !state->has_restarted)) {
         restart(target);
+        state->memory_damaged = false;
         state->has_restarted = p->restart > ON;
         state->has_late = false;
     }
@@ -95,8 +125,12 @@ slow_output_t injection_slow(const fault_params_t *p, injection_t *state,
         const bool off = state->fast_missing_ms >= INJECTION_FAST_STOPPED_MS && !state->in_reset;
         state->fast_missing_ms = p->fast_stopped > ON || off ? state->fast_missing_ms + 1 : 0;
     }
+    if (state->has_flipped &&
+        !monitor_fast_intact(&target->controller->fast.monitor, target->config)) {
+        state->memory_damaged = true;
+    }
     if (p->state_bit >= 1.0 && !state->has_flipped) {
-        flip(target->controller, (uint32_t)p->state_bit - 1U);
+        flip(target->controller, (uint32_t)p->state_part, (uint32_t)p->state_bit - 1U);
     }
     state->has_flipped = p->state_bit >= 1.0;
     if (state->in_reset || p->slow_stopped > ON) {
@@ -105,9 +139,9 @@ slow_output_t injection_slow(const fault_params_t *p, injection_t *state,
     }
     state->silent_ms = 0;
     const fast_setpoint_t before = *target->to_fast;
-    slow_output_t out = step(target, in);
+    slow_output_t out = step(target, in, state->memory_damaged);
     if (p->slow_doubled > ON) {
-        out = step(target, in);
+        out = step(target, in, state->memory_damaged);
     }
     if (p->slow_late > ON) {
         const fast_setpoint_t newest = *target->to_fast;
@@ -115,6 +149,18 @@ slow_output_t injection_slow(const fault_params_t *p, injection_t *state,
         state->late_setpoint = newest;
     }
     state->has_late = p->slow_late > ON;
+    return out;
+}
+
+/* A timer whose compare value is beyond its period keeps the leg high: that is all a wrong one
+ * does.
+ */
+static fast_output_t within_period(const config_t *config, fast_output_t out)
+{
+    const uint16_t most = (uint16_t)bases_pwm_period_counts(config, BASES_MODEL_TIMER_Hz);
+    for (int k = 0; k < PHASES; k++) {
+        out.compare_counts[k] = out.compare_counts[k] < most ? out.compare_counts[k] : most;
+    }
     return out;
 }
 
@@ -138,6 +184,7 @@ void injection_fast(const fault_params_t *p, injection_t *state, const injection
     if (p->fast_doubled > ON) {
         newest = *controller_fast_step(fast, target->config, target->to_fast, in);
     }
+    newest = within_period(target->config, newest);
     if (p->fast_late > ON) {
         *next = state->late_output;
         state->late_output = newest;

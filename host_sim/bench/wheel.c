@@ -205,6 +205,7 @@ void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t 
                    .direction = order->direction,
                    .enable = order->enable,
                    .abs_active = order->abs_active,
+                   .fault_reset = order->fault_reset,
                    .abs_motor_share_percent = (uint8_t)rounded(order->abs_motor_share, PERCENT),
                    .reason = order->demand_reason},
         .demand_age_ms = (uint32_t)rounded(order->demand_age_s, MILLI),

@@ -47,6 +47,8 @@
     X(own_brake_path,       0.0,  1.0,   "", \
       "1: the brakes follow the brake pedal where the controllers' command is not valid") \
     X(enable,               0.0,  1.0,   "",      "1: the vehicle is switched on") \
+    X(fault_reset_every_s,  0.0,  1e3,   "s", \
+      "acknowledges faults so often, for half of that time each; 0: never") \
     X(abs_active,           0.0,  1.0,   "",      "1: anti-lock intervention") \
     X(abs_motor_share,      0.0,  1.0,   "",      "of the braking torque, that it leaves the motor")
 /* clang-format on */
@@ -75,6 +77,9 @@ typedef struct {
 } driver_demand_t;
 
 driver_state_t driver_init(void);
+
+/* Whether the driver acknowledges faults now. */
+bool driver_resets(const driver_params_t *params, double time_s);
 
 /* time_s must not go back. */
 double driver_trace_at(const driver_trace_t *trace, int *cursor, double time_s);

@@ -9,7 +9,9 @@
  * bridge off that gets no fast step, and its background says so if the slow loop stands still. The
  * brake system takes its own path once the counter of the wheel's messages has stood still for five
  * cycles. A flipped bit of the configuration is found as app/background_check.h finds it: in parts,
- * once each round.
+ * once each round. The background's look at the fast monitor's trip and limits (app.c) takes two of
+ * about ten passes a millisecond, so here it is done once in each: from the next slow step on the
+ * self-test counts as failed, until a restart.
  */
 #ifndef BENCH_INJECTION_H
 #define BENCH_INJECTION_H
@@ -32,6 +34,7 @@ enum {
 typedef struct {
     bool has_restarted, has_flipped, has_late;
     bool in_reset;
+    bool memory_damaged; /* found by the background */
     int unfed_ms;        /* since the watchdog was fed */
     int silent_ms;       /* since the slow step made a message */
     int fast_missing_ms; /* since a fast step; the bridge stays off until the restart */

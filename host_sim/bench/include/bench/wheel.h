@@ -151,7 +151,7 @@ typedef struct {
     double bus_voltage_v;
     double time_s;
     drive_direction_t direction;
-    bool enable, abs_active;
+    bool enable, abs_active, fault_reset;
     double abs_motor_share; /* 0 .. 1, that the anti-lock system leaves the motor */
     reason_t demand_reason; /* of the pedals */
     double pedal_nm;        /* what the brake system makes of the pedal without a valid command */

@@ -68,7 +68,11 @@
       "1: the controller restarts once, as by its watchdog") \
     X(state_bit,             0.0,   1e6,    "", \
       "number of a bit of the controller's state, from 1, that flips once; 0: none") \
-    X(config_bit,            0.0,   1e6,    "",    "likewise of the configuration")
+    X(state_part,            0.0,   5.0,    "", \
+      "in which part of it: 1 = mode, 2 = latched fault, 3 = trip, 4 = limit of the current, " \
+      "5 = limit of the bus voltage; 0: in all of it") \
+    X(config_bit,            0.0,   1e6,    "", \
+      "number of a bit of the configuration, from 1, that flips; 0: none")
 
 #define LINK_FAULT_PARAMETERS(X) \
     X(can_delay_s,           0.0,   1.0,    "s",   "frames reach the wheel so much later") \

@@ -39,6 +39,18 @@ static driver_demand_t ask(const driver_trace_t *trace, double speed, double tim
     return driver_step(&params, &state, trace, &vehicle, WHEELS, speed, time_s, STEP_S);
 }
 
+void test_a_driver_acknowledges_in_the_first_half_of_each_period_or_never(void)
+{
+    params.fault_reset_every_s = 0.5;
+    TEST_ASSERT_TRUE(driver_resets(&params, 0.0));
+    TEST_ASSERT_TRUE(driver_resets(&params, 10.24));
+    TEST_ASSERT_FALSE(driver_resets(&params, 10.26));
+    TEST_ASSERT_FALSE(driver_resets(&params, 10.49));
+    TEST_ASSERT_TRUE(driver_resets(&params, 10.51));
+    params.fault_reset_every_s = 0.0;
+    TEST_ASSERT_FALSE(driver_resets(&params, 0.0));
+}
+
 void test_the_trace_is_linear_between_its_points_and_constant_outside(void)
 {
     const double time_s[] = {0.0, 10.0, 20.0, 20.5};

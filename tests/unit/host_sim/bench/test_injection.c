@@ -67,6 +67,62 @@ void test_the_slow_step_that_has_stopped_keeps_its_messages_until_their_counter_
     }
 }
 
+/* The slow step is stopped, so that nothing else changes the state. */
+static void flip_once(controller_t *controller, double part, double bit)
+{
+    static config_t config;
+    fast_setpoint_t to_fast;
+    memset(&to_fast, 0, sizeof(to_fast));
+    const injection_target_t target = {
+        .controller = controller, .config = &config, .to_fast = &to_fast};
+    const slow_input_t in = {.selftest_passed = true};
+    const slow_output_t last = {.mode = MODE_RUN};
+    const injection_t fresh = {.has_restarted = false};
+    state = fresh;
+    fault.slow_stopped = 1.0;
+    fault.state_part = part;
+    fault.state_bit = bit;
+    (void)injection_slow(&fault, &state, &target, &in, &last);
+}
+
+static int bits_set(const void *memory, size_t size_bytes)
+{
+    const unsigned char *bytes = memory;
+    int count = 0;
+    for (size_t k = 0; k < size_bytes; k++) {
+        for (unsigned bit = 0; bit < 8U; bit++) {
+            count += (int)((bytes[k] >> bit) & 1U);
+        }
+    }
+    return count;
+}
+
+void test_a_bit_flips_in_the_part_of_the_state_that_is_named(void)
+{
+    static controller_t controller;
+    const struct {
+        const void *at;
+        size_t size_bytes;
+    } parts[] = {
+        {&controller, sizeof(controller)},
+        {&controller.slow.modes.mode, 1},
+        {&controller.slow.modes.fault, 1},
+        {&controller.fast.monitor.trip, 1},
+        {&controller.fast.monitor.overcurrent_square,
+         sizeof(controller.fast.monitor.overcurrent_square)},
+        {&controller.fast.monitor.overvoltage_pu, sizeof(controller.fast.monitor.overvoltage_pu)},
+    };
+    const double bits[] = {1.0, 8.0, 17.0, 32.0, 999983.0};
+    for (int part = 0; part < (int)(sizeof(parts) / sizeof(parts[0])); part++) {
+        for (int k = 0; k < (int)(sizeof(bits) / sizeof(bits[0])); k++) {
+            memset(&controller, 0, sizeof(controller));
+            flip_once(&controller, part, bits[k]);
+            TEST_ASSERT_EQUAL_INT(1, bits_set(parts[part].at, parts[part].size_bytes));
+            TEST_ASSERT_EQUAL_INT(1, bits_set(&controller, sizeof(controller)));
+        }
+    }
+}
+
 void test_a_flipped_bit_of_the_configuration_is_found_within_a_round_and_for_ever(void)
 {
     static config_t config;
