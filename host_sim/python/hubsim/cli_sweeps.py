@@ -126,6 +126,12 @@ def _add_faults(commands: Commands) -> None:
         ),
     )
     command.add_argument("names", nargs="*", metavar="FAULT", help="faults or groups; default: all")
+    command.add_argument(
+        "--whole-vehicle",
+        action="store_true",
+        help="all driven wheels with the fault in each, instead of one with its share of mass and "
+        "battery",
+    )
     command.add_argument("--list", action="store_true", help="names and meanings, and no runs")
     command.add_argument(
         "--reduced", action="store_true", help="a few runs of every fault with the paper's vehicle"

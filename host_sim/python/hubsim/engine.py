@@ -32,6 +32,7 @@ HEADERS = (
 LIBRARY = Path("host_sim") / "libhubsim_engine.so"
 _BUILT_IN = Path(__file__).resolve().parent / LIBRARY.name
 _NAME_BYTES = 96
+_MOST_CODE = 2**31 - 1  # a bit that flipped makes a code beyond what the library takes
 
 Rows = npt.NDArray[np.float64]
 
@@ -237,7 +238,7 @@ class Engine:
 
 def mode_text(mode: float) -> str:
     """Return the name of a controller's mode."""
-    return text_of(library()[1].hubsim_mode_text(int(mode)))
+    return text_of(library()[1].hubsim_mode_text(min(int(mode), _MOST_CODE)))
 
 
 def reason_text(reason: float) -> str:

@@ -15,9 +15,11 @@ from typing import Any
 
 from hubsim.errors import HubsimError
 
-NAMES = ("faults.toml", "faults_program.toml", "faults_links.toml")
+NAMES = ("faults.toml", "faults_program.toml", "faults_links.toml", "faults_images.toml")
 TABLES = tuple(Path(__file__).with_name(name) for name in NAMES)
-EXPECTED = Path(__file__).with_name("expected_reasons.toml")
+EXPECTED = tuple(
+    Path(__file__).with_name(f"expected_reasons{part}.toml") for part in ("", "_images")
+)
 MEASURED_SUFFIX = "_measured"
 MEASURED = {"brake_sensor.fitted": 1.0}
 SENSORS = ("hall", "encoder", "angle")
@@ -41,6 +43,13 @@ class Fault:
         It is there when the wheel begins to turn, a mistake of assembly.
     in_sweep : bool
         ``hubsim faults`` runs it.
+    brake : str
+        What is wrong with the hydraulic brake itself, which sets the limits of the run: "short" of
+        torque or late, "strong" or stuck; empty: it is healthy.
+    draws : str
+        The parameter whose number the sweep draws for each run; empty: none.
+    image_of : str
+        The fault of which this is the mirror image in another phase or switch; its own name: none.
     """
 
     name: str
@@ -52,6 +61,9 @@ class Fault:
     sensors: tuple[str, ...]
     at_start: bool
     in_sweep: bool
+    brake: str
+    draws: str
+    image_of: str
 
 
 @cache
@@ -60,6 +72,8 @@ def table() -> dict[str, Fault]:
     data: dict[str, Any] = {}
     for path in TABLES:
         data |= tomllib.loads(path.read_text(encoding="utf-8"))
+    lines = {name: data[line["image_of"]] | line if "image_of" in line else line
+             for name, line in data.items()}  # fmt: skip
     return {
         variant: Fault(
             variant,
@@ -71,8 +85,11 @@ def table() -> dict[str, Fault]:
             tuple(line.get("sensors", SENSORS)),
             line.get("at_start", False),
             line.get("sweep", True),
+            line.get("brake", ""),
+            line.get("draws", ""),
+            line.get("image_of", variant),
         )
-        for name, line in data.items()
+        for name, line in lines.items()
         for variant in _variants(name, line.get("measured", False))
     }
 
@@ -92,31 +109,52 @@ def named(names: Sequence[str]) -> list[Fault]:
     found: dict[str, Fault] = {}
     for name in names:
         if name in groups:
-            found |= {f.name: f for f in known.values() if f.group == name and f.in_sweep}
+            found |= {f.name: f for f in swept() if f.group == name}
         elif name in known:
             found[name] = known[name]
         else:
             near = difflib.get_close_matches(name, [*known, *groups], n=1, cutoff=0.5)
             hint = f"did you mean {near[0]}?" if near else "'hubsim faults --list' shows all"
             raise HubsimError(f"no fault {name!r}, {hint}")
-    return list(found.values()) if names else [f for f in known.values() if f.in_sweep]
+    return list(found.values()) if names else swept()
+
+
+def swept() -> list[Fault]:
+    """Return the faults of the sweep, of mirror images the first."""
+    return [f for f in table().values() if f.in_sweep and f.image_of == f.name]
+
+
+@cache
+def images(name: str) -> tuple[str, ...]:
+    """Return a fault and its mirror images."""
+    return (name, *(f.name for f in table().values() if f.image_of == name != f.name))
 
 
 @cache
 def expected() -> dict[str, tuple[str, ...]]:
     """Return the reasons that are right for each fault."""
-    data = tomllib.loads(EXPECTED.read_text(encoding="utf-8"))
+    found = reasons_given()
     return {
-        name: tuple(data["reasons"][name.removesuffix(MEASURED_SUFFIX)]["right"])
-        for name in (*data["reasons"], *(n for n in table() if n.endswith(MEASURED_SUFFIX)))
+        name: tuple(found[name.removesuffix(MEASURED_SUFFIX)]["right"])
+        for name in (*found, *(n for n in table() if n.endswith(MEASURED_SUFFIX)))
     }
+
+
+def reasons_given() -> dict[str, Any]:
+    """Return the entries of the lists of reasons."""
+    found: dict[str, Any] = {}
+    for path in EXPECTED:
+        found |= tomllib.loads(path.read_text(encoding="utf-8"))["reasons"]
+    return found
 
 
 def lines() -> list[str]:
     """Return the list of all faults, for people: name, meaning, how much."""
     out: list[str] = []
     group = ""
-    for fault in table().values():
+    known = list(table().values())
+    order = [fault.group for fault in known]
+    for fault in sorted(known, key=lambda fault: order.index(fault.group)):
         if fault.group != group:
             group = fault.group
             out.append(f"{group}:")

@@ -19,11 +19,14 @@ from rich.progress import Progress
 
 from hubsim import cases, faults, faults_sweep, files
 from hubsim.errors import HubsimError
-from hubsim.faults_sweep import Case, Outcome
+from hubsim.faults_outcome import Outcome
+from hubsim.faults_sweep import Case
 from hubsim.results import as_json
 
 CSV = "faults.csv"
-LIMITS = ("distance", "wrong sign", "excess", "current", "bus", "reason", "healed")
+LIMITS = (
+    "distance", "wrong sign", "excess", "current", "bus", "reason", "healed", "acknowledged",
+)  # fmt: skip
 WORST = 8
 MAX_CSV_BYTES = 100_000_000
 
@@ -38,7 +41,12 @@ def chosen(options: argparse.Namespace) -> list[Case]:
         shares = faults_sweep.DEMAND_SHARES if share is None else (share,)
         if min(shares) <= 0.0:
             raise HubsimError(f"--demand-share {share:g}: accepted: more than 0")
-        found = faults_sweep.plan(faults.named(options.names), demand_shares=shares)
+        found = faults_sweep.plan(
+            faults.named(options.names),
+            demand_shares=shares,
+            exact=options.names,
+            whole=options.whole_vehicle,
+        )
     drives = list(dict.fromkeys(config for config, _ in faults_sweep.VEHICLES))
     if options.config is not None and options.config not in drives:
         raise HubsimError(f"--config {options.config}: accepted: {', '.join(drives)}")
@@ -203,11 +211,15 @@ def _sentence(o: Outcome) -> str:
 
 
 def draw(outcomes: Sequence[Outcome], directory: Path) -> list[Path]:
-    """Write faults.svg and faults.png: the share of each fault's runs that misses each limit."""
-    names = list(dict.fromkeys(o.fault for o in outcomes))
+    """Write faults.svg and faults.png: the share of each fault's runs that misses each limit.
+
+    A fault and its mirror images share a line.
+    """
+    first = {o.fault: faults.table()[o.fault].image_of for o in outcomes}
+    names = list(dict.fromkeys(first.values()))
     share = np.zeros((len(names), len(LIMITS)))
     for k, name in enumerate(names):
-        here = [o.misses() for o in outcomes if o.fault == name]
+        here = [o.misses() for o in outcomes if first[o.fault] == name]
         share[k] = [sum(limit in missed for missed in here) / len(here) for limit in LIMITS]
     made, panels = plotting.figure(
         "Share of runs that miss a limit, %", 1, 1, 7.0, 1.5 + 0.17 * len(names)

@@ -3,13 +3,14 @@
 
 One wheel with its share of mass and battery stands for the vehicle (stops), so that a fault of one
 wheel shows in full. A run drives, coasts and brakes to standstill, or rolls back on a slope and
-brakes; the fault comes in any of these. Runs of one vehicle, sensor, demand and situation share
-their beginning, which is simulated once.
+brakes; the fault comes in any of these, and from then on the driver acknowledges faults all the
+time. Runs of one vehicle, sensor, demand and situation share their beginning, which is simulated
+once.
 """
 
 import math
 import zlib
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -19,8 +20,9 @@ from regen_table import loops
 from regen_table.schema import Drive
 
 from hubsim import faults, overrides, reasons, run, stops
-from hubsim.engine import Engine, Rows
+from hubsim.engine import Engine, Rows, parameters
 from hubsim.faults import Fault
+from hubsim.faults_outcome import Outcome
 from hubsim.scenario import Scenario
 from hubsim.stored_share import drive_named
 
@@ -56,6 +58,7 @@ RECORD_S = 0.001
 MEAN_ROWS = 20
 WRONG_NM = 2.0
 MOVING_M_PER_S = 0.05
+RESETS_S = 0.02  # how often the driver acknowledges from the fault on
 HARMLESS_DISTANCE, HARMLESS_TORQUE = 0.02, 0.05
 ENCODER = {"encoder_counts": 4096, "encoder_index_deg": 90.0}
 SIGNALS = (
@@ -75,13 +78,17 @@ TIME, SPEED, DISTANCE, BRAKE, MOTOR, HYDRAULIC, FAULT, WARNING, LIMIT, MODE = ra
 
 @dataclass(frozen=True)
 class Group:
-    """Runs that differ in the fault and its instant only; demand in N m at the wheel."""
+    """Runs that differ in the fault and its instant only; demand in N m at the wheel.
+
+    ``whole``: all driven wheels, the fault in each, instead of one with its share of the vehicle.
+    """
 
     config: str
     rotor_sensor: str
     situation: str
     demand_nm: float
     needs: tuple[tuple[str, float], ...] = ()
+    whole: bool = False
 
 
 @dataclass(frozen=True)
@@ -104,81 +111,6 @@ class Case:
             g.demand_nm,
             self.instant_s,
         )
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What a run did. Times in s but where the name says otherwise; NaN: never.
-
-    Attributes
-    ----------
-    distance_ratio : float
-        Distance from the first braking demand to standstill over that without the fault.
-    wrong_sign_ms : float
-        Longest time with more than 2 N m of driving torque while the driver brakes.
-    wrong_nm : float
-        Largest driving torque then.
-    excess_nm : float
-        Largest mean of 100 ms by which motor and brake together exceed the demand.
-    error_share : float
-        Largest mean of 20 ms of the torque's difference to the run without the fault, at the same
-        time or speed, whichever is nearer; share of the rated torque.
-    current_ratio : float
-        Longest current vector over the over-current limit, active short circuits apart.
-    healed_under_braking : int
-        1: a fault that was latched went away while the driver braked, without a restart.
-    """
-
-    fault: str
-    config: str
-    rotor_sensor: str
-    situation: str
-    demand_nm: float
-    instant_s: float
-    distance_ratio: float
-    wrong_sign_ms: float
-    wrong_nm: float
-    excess_nm: float
-    error_share: float
-    current_ratio: float
-    bus_peak_v: float
-    bus_limit_v: float
-    first_reason: str
-    reason_expected: int
-    time_to_reason_ms: float
-    harmless: int
-    final_mode: str
-    healed_under_braking: int
-
-    @property
-    def key(self) -> tuple[str, str, str, str, float, float]:
-        """As of its case."""
-        return (
-            self.fault,
-            self.config,
-            self.rotor_sensor,
-            self.situation,
-            self.demand_nm,
-            self.instant_s,
-        )
-
-    def misses(self, slack: float = 0.0) -> list[str]:
-        """Return what this run does not hold, by the limits that every fault has to hold.
-
-        ``slack`` widens the limits by that share, for comparisons that noise must not decide.
-        """
-        hydraulic = faults.table()[self.fault].group == "hydraulic"
-        wide = 1.0 + slack
-        found = {
-            "distance": not self.distance_ratio - 1.0 <= wide * (0.25 if hydraulic else 0.1),
-            "wrong sign": self.wrong_sign_ms > 5.0 * wide,
-            "excess": self.excess_nm > wide * max(5.0, 0.1 * self.demand_nm) and not hydraulic,
-            "current": self.current_ratio > 1.3 * wide,
-            "bus": self.bus_peak_v > self.bus_limit_v,
-            "reason": not (self.harmless or self.reason_expected),
-            "healed": bool(self.healed_under_braking),
-        }
-        return [name for name, missed in found.items() if missed]
 
 
 @lru_cache
@@ -220,20 +152,49 @@ def plan(
     chosen: Sequence[Fault],
     vehicles: Sequence[tuple[str, str]] = VEHICLES,
     demand_shares: Sequence[float] = DEMAND_SHARES,
+    exact: Collection[str] = (),
+    whole: bool = False,
 ) -> list[Case]:
-    """Return all runs of these faults, in the order in which they are made."""
+    """Return all runs of these faults, in the order in which they are made.
+
+    Each run of a fault with mirror images is that of one of them, drawn by what tells the run from
+    others; not so the ``exact`` names.
+    """
     found: list[Case] = []
     for config, sensor in vehicles:
         rated = drive_named(config).motor.rated_torque_nm
-        groups = [Group(config, sensor, STOP, share * rated) for share in demand_shares]
-        groups.append(Group(config, sensor, ROLL_BACK, BACK_SHARE * rated))
+        groups = [
+            *(Group(config, sensor, STOP, share * rated, (), whole) for share in demand_shares),
+            Group(config, sensor, ROLL_BACK, BACK_SHARE * rated, (), whole),
+        ]
         for group in groups:
             for fault in chosen:
                 if sensor in fault.sensors and _exists(fault, drive_of(config, sensor)):
                     own = replace(group, needs=tuple(sorted(fault.needs.items())))
                     times = [0.0] if fault.at_start else instants(own)
-                    found.extend(Case(own, fault.name, at_s) for at_s in times)
+                    several = (Case(own, fault.name, at_s) for at_s in times)
+                    found.extend(c if fault.name in exact else drawn(c) for c in several)
     return found
+
+
+def _number(case: Case) -> int:
+    """Return a number of 32 bits that depends on what tells the run from others."""
+    return zlib.crc32(repr(case.key).encode())
+
+
+def drawn(case: Case) -> Case:
+    """Return the run with one of the mirror images of its fault."""
+    images = faults.images(case.fault)
+    return replace(case, fault=images[_number(case) % len(images)])
+
+
+def values(case: Case) -> dict[str, float]:
+    """Return the parameters that the fault of a run sets."""
+    fault = faults.table()[case.fault]
+    if not fault.draws:
+        return dict(fault.sets)
+    highest = int(parameters()[fault.draws].highest)
+    return {**fault.sets, fault.draws: float(1 + _number(case) % highest)}
 
 
 def _exists(fault: Fault, drive: Drive) -> bool:
@@ -248,7 +209,7 @@ def reduced() -> list[Case]:
         k = zlib.crc32(fault.name.encode())  # the same runs whatever faults come after
         sensors = [sensor for sensor in ("hall", "angle") if sensor in fault.sensors]
         sensor = sensors[k // 8 % len(sensors)] if sensors else fault.sensors[0]
-        several = plan([fault], [("lu2013", sensor)], [DEMAND_SHARES[1]])
+        several = plan([fault], [("lu2013", sensor)], [DEMAND_SHARES[1]], [fault.name])
         wanted = (2 + k % 3, 4 + k % 3) if len(several) > 7 else range(len(several))
         found.extend(several[j] for j in wanted)
         found.extend(case for case in several[-2 + k % 2 :][:1] if k % 4 == 0)
@@ -298,7 +259,8 @@ class _Vehicle:
             },
         )
         engine, _ = run.prepare(self.drive, scenario, Path(), {})
-        stops.as_one_wheel(engine, self.drive)
+        if not self.group.whole:
+            stops.as_one_wheel(engine, self.drive)
         for name, value in self.group.needs:
             engine.set(name, value)
         engine.start()
@@ -326,10 +288,10 @@ class _Vehicle:
 
     def measure(self, case: Case) -> Outcome:
         """Run with the fault from its instant on."""
-        fault = faults.table()[case.fault]
         self.engine.restore(self.states[case.instant_s])
-        for name, value in fault.sets.items():
+        for name, value in values(case).items():
             self.engine.set(name, value)
+        self.engine.set("driver.fault_reset_every_s", RESETS_S)
         before = self.rows[self.rows[:, TIME] < case.instant_s - 1e-9]
         longest_s = self.brake_s + LONGEST * (self.end_s - self.brake_s) + 1.0
         after = self._until(longest_s, math.inf)
@@ -353,7 +315,9 @@ class _Vehicle:
         latched = rows[:, FAULT] > 0.0
         boots = [mode for mode in np.unique(rows[:, MODE]) if engine.mode_text(mode) == "BOOT"]
         runs_on = ~np.isin(rows[1:, MODE], boots)
-        healed = np.any(latched[:-1] & ~latched[1:] & runs_on & (rows[1:, BRAKE] > 0.0))
+        gone = latched[:-1] & ~latched[1:] & runs_on
+        healed = np.any(gone & (rows[1:, BRAKE] > 0.0))
+        turns = np.abs(rows[1:, SPEED]) > MOVING_M_PER_S
         trip_a = loops.overcurrent_pu(drive) * drive.inverter.current_full_scale_a
         return Outcome(
             fault=case.fault,
@@ -376,6 +340,7 @@ class _Vehicle:
             harmless=int(harmless),
             final_mode=engine.mode_text(rows[-1, MODE]),
             healed_under_braking=int(healed),
+            acknowledged_turning=int(np.any(gone & turns)),
         )
 
     def _new_limits(self, right: Sequence[str], begins: int) -> list[int]:

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from fault_misses import LIST, as_text, listed
 from hubsim import cli, faults, faults_report, faults_sweep
-from hubsim.faults_sweep import Outcome
+from hubsim.faults_outcome import Outcome
 
 SLACK = 0.3  # of the limits: what is so near to one may change with any line of the firmware
 KEYS = {
@@ -67,6 +67,12 @@ def test_no_fault_that_was_latched_goes_away_under_braking(
     outcomes: list[Outcome],
 ) -> None:
     assert [o.key for o in outcomes if o.healed_under_braking] == []
+
+
+def test_no_latched_fault_can_be_acknowledged_while_the_wheel_turns(
+    outcomes: list[Outcome],
+) -> None:
+    assert [o.key for o in outcomes if o.acknowledged_turning] == []
 
 
 def test_a_sweep_goes_on_where_it_was(swept: Path, capsys: pytest.CaptureFixture[str]) -> None:

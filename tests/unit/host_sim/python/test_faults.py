@@ -19,6 +19,7 @@ from hubsim import (
     stored_share,
 )
 from hubsim.errors import HubsimError
+from hubsim.faults_outcome import Outcome
 from hubsim.faults_sweep import BRAKE, FAULT, HYDRAULIC, LIMIT, MOTOR, SIGNALS, SPEED, TIME, WARNING
 from hubsim.scenario import Scenario
 
@@ -40,10 +41,66 @@ def test_every_parameter_of_a_fault_is_used_by_one() -> None:
 
 def test_every_fault_of_the_sweep_has_at_most_two_reasons_that_exist() -> None:
     expected = faults.expected()
-    assert set(expected) == {fault.name for fault in faults.named(())}
+    swept = {image for fault in faults.swept() for image in faults.images(fault.name)}
+    assert set(expected) == swept
     assert all(len(right) <= 2 for right in expected.values())
     named = {name for right in expected.values() for name in right}
     assert named <= set(reasons.codes())
+
+
+def test_a_fault_has_reasons_with_their_cause_or_is_called_invisible() -> None:
+    for name, line in faults.reasons_given().items():
+        assert set(line) == {"right", "because" if line["right"] else "invisible"}, name
+        assert line.get("because") or line.get("invisible"), name
+
+
+def test_a_mirror_image_is_the_same_fault_of_another_phase_or_switch() -> None:
+    places = {
+        "fault.current_sensors", "fault.phase_open", "fault.phase_short", "fault.high_switch_open",
+        "fault.low_switch_open", "fault.high_switch_closed", "fault.low_switch_closed",
+        "fault.leg_high", "fault.leg_low",
+    }  # fmt: skip
+    known = faults.table()
+    images = [fault for fault in known.values() if fault.image_of != fault.name]
+    assert len(images) >= 25
+    for image in images:
+        first = known[image.image_of]
+        assert first.image_of == first.name
+        assert image.group == first.group
+        assert set(image.sets) == set(first.sets)
+        moved = {name for name in image.sets if image.sets[name] != first.sets[name]}
+        assert len(moved) == 1
+        assert moved <= places
+    sets = [tuple(sorted(fault.sets.items())) for fault in known.values()]
+    own = [tuple(sorted(fault.sets.items())) for fault in images]
+    assert all(sets.count(one) == 1 for one in own)
+
+
+def test_each_phase_and_switch_has_its_faults() -> None:
+    names = set(faults.table())
+    for phase in "abc":
+        for kind in ("dead", "stuck", "at_rail", "frozen", "offset", "drift", "gain"):
+            assert f"current_{phase}_{kind}" in names
+        assert f"phase_{phase}_open" in names
+        for side in ("high", "low"):
+            assert {f"{side}_switch_{phase}_open", f"{side}_switch_{phase}_closed"} <= names
+            assert f"leg_{phase}_{side}" in names
+    assert {"phases_shorted", "phases_bc_shorted", "phases_ca_shorted"} <= names
+
+
+def test_a_sweep_draws_mirror_images_and_numbers_and_a_name_is_that_fault() -> None:
+    bridge = faults.named(["bridge"])
+    drawn = faults_sweep.plan(bridge)
+    assert faults_sweep.plan(bridge) == drawn
+    plain = faults_sweep.plan(bridge, exact=[fault.name for fault in bridge])
+    assert len(drawn) == len(plain)
+    assert {case.fault for case in plain} == {fault.name for fault in bridge}
+    wanted = {image for fault in bridge for image in faults.images(fault.name)}
+    assert {case.fault for case in drawn} == wanted
+    several = faults_sweep.plan(faults.named(["state_bit"]))
+    bits = {faults_sweep.values(case)["fault.state_bit"] for case in several}
+    assert len(bits) == len(several)
+    assert all(bit == int(bit) >= 1 for bit in bits)
 
 
 def test_faults_are_chosen_by_name_and_by_group_and_an_unknown_name_is_one_line() -> None:
@@ -187,9 +244,9 @@ def test_instants_lie_while_driving_coasting_and_in_the_whole_stop() -> None:
 
 
 def test_limits_of_a_run_are_those_of_every_fault() -> None:
-    good = faults_sweep.Outcome(
+    good = Outcome(
         "current_a_dead", "lu2013", "hall", "stop", 75.0, 1.0, 1.05, 4.0, 30.0, 4.0, 0.5, 1.2, 60.0,
-        75.0, "CURRENT_SUM", 1, 2.0, 0, "FAULT", 0,
+        75.0, "CURRENT_SUM", 1, 2.0, 0, "FAULT", 0, 0,
     )  # fmt: skip
     assert good.misses() == []
     bad: dict[str, Any] = {
@@ -200,10 +257,31 @@ def test_limits_of_a_run_are_those_of_every_fault() -> None:
         "bus_peak_v": 76.0,
         "reason_expected": 0,
         "healed_under_braking": 1,
+        "acknowledged_turning": 1,
     }
     for name, value in bad.items():
         assert len(replace(good, **{name: value}).misses()) == 1, name
     assert replace(good, reason_expected=0, harmless=1).misses() == []
+
+
+@pytest.mark.parametrize(
+    ("fault", "missed"),
+    [
+        ("hydraulic_weak", ["excess"]),
+        ("hydraulic_late_measured", ["excess"]),
+        ("hydraulic_strong", []),
+        ("hydraulic_stuck_on", []),
+        ("hydraulic_report_gain_low", ["distance", "excess"]),
+    ],
+)
+def test_a_wrong_brake_has_a_quarter_of_the_distance_and_a_strong_one_its_own_torque(
+    fault: str, missed: list[str]
+) -> None:
+    run = Outcome(
+        fault, "lu2013", "hall", "stop", 75.0, 1.0, 1.2, 0.0, 0.0, 8.0, 0.5, 0.5, 60.0,
+        75.0, "", 1, math.nan, 0, "RUN", 0, 0,
+    )  # fmt: skip
+    assert run.misses() == missed
 
 
 class _Wheel:
@@ -249,6 +327,42 @@ def test_a_restart_boots_on_the_turning_wheel_and_comes_back() -> None:
     wheel = _Wheel("watchdog_restart")
     assert wheel.engine.mode_text(wheel.after(0.002, "mode")[0]) != "RUN"
     assert wheel.engine.mode_text(wheel.after(1.5, "mode")[0]) == "RUN"
+
+
+@pytest.mark.parametrize(
+    ("part", "reason"),
+    [("mode", "MEMORY"), ("fault", "MEMORY"), ("current_limit", "SELFTEST_FAILED"),
+     ("voltage_limit", "SELFTEST_FAILED")],
+)  # fmt: skip
+def test_a_flipped_bit_of_a_safety_variable_is_found_in_two_milliseconds(
+    part: str, reason: str
+) -> None:
+    wheel = _Wheel(f"state_bit_{part}")
+    mode, found, bridge = wheel.after(0.0031, "mode", "first_fault_reason", "bridge")
+    assert (wheel.engine.mode_text(mode), reasons.identifier(found)) == ("FAULT", reason)
+    assert bridge != 1.0
+
+
+def test_a_flipped_bit_of_the_trip_ends_the_torque_at_once() -> None:
+    wheel = _Wheel("state_bit_trip")
+    assert wheel.after(0.0012, "bridge") != [1.0]
+    assert wheel.engine.mode_text(wheel.after(0.002, "mode")[0]) == "FAULT"
+
+
+def test_a_fault_is_acknowledged_at_standstill_and_not_while_the_wheel_turns() -> None:
+    wheel = _Wheel("gate_driver")
+    assert wheel.after(0.1, "fault_reason") != [0.0]
+    wheel.engine.set("fault.gate_driver", 0.0)
+    wheel.engine.set("driver.fault_reset_every_s", faults_sweep.RESETS_S)
+    while wheel.engine.value("vehicle.speed_m_per_s") > 1.0:
+        assert wheel.after(0.05, "fault_reason") != [0.0]
+    wheel.engine.set("driver.brake_demand_nm", 0.0)  # and one without a demand, turning
+    assert wheel.after(0.2, "fault_reason") != [0.0]
+    wheel.engine.set("driver.brake_demand_nm", 60.0)
+    while wheel.engine.value("vehicle.speed_m_per_s") > 0.0:
+        wheel.engine.run(0.02)
+    wheel.engine.set("driver.brake_demand_nm", 0.0)
+    assert wheel.after(4.0, "fault_reason") == [0.0]  # the bound of the speed needs some seconds
 
 
 def test_compare_values_that_stay_make_a_direct_voltage() -> None:
