@@ -25,13 +25,7 @@ extern const config_t CONFIG_LU2013, CONFIG_EBIKE36V, CONFIG_SCOOTER48V, CONFIG_
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-enum {
-    KEYS_MAX = 16384,
-    SCREEN_MAX = 4096,
-    ESCAPE = 0x1B,
-    CANCEL = 0x03,
-    LAST_PUMPS = 400 /* more than the longest answer takes: 700 lines of at most 257 bytes */
-};
+enum { KEYS_MAX = 16384, SCREEN_MAX = 4096, ESCAPE = 0x1B, CANCEL = 0x03, LAST_PUMPS = 4 };
 
 static const config_t *const CONFIGS[] = {&CONFIG_LU2013, &CONFIG_EBIKE36V, &CONFIG_SCOOTER48V,
                                           &CONFIG_IPM400V};
@@ -170,7 +164,8 @@ static void type_any_record(bytes_t *bytes)
     type_record(address, kind, data, length);
 }
 
-/* A configuration with some words of it changed, and in most cases its checksum after that. */
+/* A configuration with some words of it changed, and in most cases its checksum after that; in half
+ * of them only its first records. */
 static void type_configuration(bytes_t *bytes)
 {
     static config_t image;
@@ -181,7 +176,8 @@ static void type_configuration(bytes_t *bytes)
     }
     const uint8_t length = (uint8_t)(16U + (how & 0x60U) * 2U);
     const uint8_t *const at = (const uint8_t *)&image;
-    for (uint32_t from = 0; from < sizeof image; from += length) {
+    const uint32_t end = how < 0x80U ? (uint32_t)sizeof image : 4U * length;
+    for (uint32_t from = 0; from < end; from += length) {
         const uint32_t left = (uint32_t)sizeof image - from;
         type_record(0x8000U + from, 0, at + from, (uint8_t)(left < length ? left : length));
     }
@@ -280,7 +276,9 @@ static void act(uint8_t action, bytes_t *bytes)
         break;
     case 4:
         now_ms += 16U * take8(bytes);
-        line_takes = 8U * take8(bytes);
+        line_takes = take8(bytes);
+        /* Mostly a part: a line that takes more only makes longer answers. */
+        line_takes = line_takes < 240U ? line_takes : 100U * (line_takes - 230U);
         pump();
         break;
     case 5:
@@ -302,16 +300,19 @@ static void act(uint8_t action, bytes_t *bytes)
 }
 
 /* ^C ends an answer and a reception, any key a repeated line; of those typed ahead 128 bytes may
- * hold 16. Then the shell is as at the start. */
+ * hold 16. Once one has come to the shell itself, it is as at the start. */
 static void require_answer(void)
 {
     line_takes = SCREEN_MAX / 2;
     type('q');
-    pump();
-    for (int i = 0; i < 17; i++) {
+    bool to_shell;
+    int cancels = 0;
+    do {
+        to_shell = console.installer.state == INSTALLER_CLOSED;
         type(CANCEL);
         pump();
-    }
+        cancels++;
+    } while (cancels < 17 && !(to_shell && console_drained(&console)));
     /* An accepted configuration waits for console_has_accepted(). */
     (void)console_has_accepted(&console);
     for (int i = 0; i < LAST_PUMPS && !console_drained(&console); i++) {
@@ -358,7 +359,7 @@ static void begin(bytes_t *bytes)
     now_ms = UINT32_MAX - 2000U; /* over the wrap of the clock */
     keys_typed = 0;
     keys_read = 0;
-    line_takes = 1000;
+    line_takes = 200;
     screen_bytes = 0;
     memset(&console, 0xA5, sizeof console);
     console_init(&console, &boot);
