@@ -15,6 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build" / "host-mcdc"
 MODULES = ("core", "config", "foc", "torque", "monitor", "modes", "controller")
 VERSION = 19
+_WRONG = re.compile("error:|FAILED|:FAIL:")  # in what tools and programs print
 _TOOLS = tuple(f"{name}-{VERSION}" for name in ("clang", "llvm-profdata", "llvm-cov"))
 
 
@@ -26,7 +27,7 @@ def _run(words: Iterable[str], folder: Path = ROOT) -> str:
     done = subprocess.run(list(words), cwd=folder, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         lines = (done.stdout + done.stderr).splitlines()
-        wrong = [line for line in lines if re.search("error|FAIL", line)] or lines or ["?"]
+        wrong = [line for line in lines if _WRONG.search(line)] or lines or ["?"]
         raise ConditionsError(wrong[0].replace(f"{ROOT}/", ""))
     return done.stdout
 

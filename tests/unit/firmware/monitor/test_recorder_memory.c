@@ -204,7 +204,8 @@ void test_every_fault_has_a_counter_of_its_own(void)
 {
     const fault_t *row = fault_row(0);
     for (unsigned i = 0; row != NULL; row = fault_row(++i)) {
-        TEST_ASSERT_NOT_EQUAL_INT_MESSAGE(-1, counter_of(row->reason), reason_name(row->reason));
+        TEST_ASSERT_NOT_EQUAL_INT_MESSAGE(-1, counter_of((int)row->reason),
+                                          reason_name(row->reason));
     }
     for (uint32_t k = 0; k < RECORDER_FIRST_START; k++) {
         TEST_ASSERT_EQUAL_INT(k, counter_of((int)recorder_counted(k)));
@@ -225,16 +226,16 @@ void test_a_warning_is_counted_once_at_its_beginning_and_starts_no_record(void)
     const fault_t *row = fault_row(0);
     for (unsigned i = 0; row != NULL; row = fault_row(++i)) {
         setUp();
-        warn(row->reason, 1);
-        assert_counted(row->reason, 1);
-        warn(row->reason, 100000);
-        assert_counted(row->reason, 1);
+        warn((int)row->reason, 1);
+        assert_counted((int)row->reason, 1);
+        warn((int)row->reason, 100000);
+        assert_counted((int)row->reason, 1);
         TEST_ASSERT_EQUAL_UINT8(RECORDER_RECORDING, memory.phase);
         slow_steps(1000);
-        warn(row->reason, 1);
-        assert_counted(row->reason, 2);
+        warn((int)row->reason, 1);
+        assert_counted((int)row->reason, 2);
         restart(false);
-        assert_counted(row->reason, 2);
+        assert_counted((int)row->reason, 2);
     }
 }
 
@@ -266,11 +267,11 @@ void test_warnings_by_turns_count_once_each(void)
         for (unsigned k = 0; k < i; k++) {
             setUp();
             for (int n = 0; n < 3; n++) {
-                warn(fault_row(i)->reason, 1);
-                warn(fault_row(k)->reason, 1);
+                warn((int)fault_row(i)->reason, 1);
+                warn((int)fault_row(k)->reason, 1);
             }
-            TEST_ASSERT_EQUAL_UINT16(1, memory.counts[counter_of(fault_row(i)->reason)]);
-            TEST_ASSERT_EQUAL_UINT16(1, memory.counts[counter_of(fault_row(k)->reason)]);
+            TEST_ASSERT_EQUAL_UINT16(1, memory.counts[counter_of((int)fault_row(i)->reason)]);
+            TEST_ASSERT_EQUAL_UINT16(1, memory.counts[counter_of((int)fault_row(k)->reason)]);
         }
     }
 }
