@@ -166,6 +166,34 @@ unsigned chip_bus_faults(const chip_t *chip, uint32_t *instruction);
 const char *chip_text(const chip_t *chip);
 void chip_type(chip_t *chip, const char *text);
 
+/* ---- what interrupts execute (meter.c) ---- */
+
+/* Instructions one behind the other, entered at the first and left behind the last. */
+typedef struct {
+    uint32_t address, bytes;
+} chip_block_t;
+
+enum { CHIP_EXCEPTION_MILLISECOND = 15 }; /* SysTick */
+
+/* From a handler's first instruction to its return. What interrupted it is not in it, nor the
+ * core's stacking. An instruction whose condition fails counts. */
+typedef struct {
+    unsigned exception; /* as in the vector table */
+    uint32_t instructions;
+    const chip_block_t *block; /* in the order of their execution */
+    uint32_t count;
+} chip_handled_t;
+typedef void chip_handled_call_t(void *context, const chip_handled_t *handled);
+
+/* From now on `call` is called at each handler's return; NULL: no more. False: no memory. */
+bool chip_meter(chip_t *chip, chip_handled_call_t *call, void *context);
+
+/* Whether this is the converters' interrupt, in which the PWM period is worked out. */
+bool chip_is_pwm_interrupt(unsigned exception);
+
+/* A register of a peripheral as last written or set; false: it is the core's. */
+bool chip_register(const chip_t *chip, uint32_t address, uint32_t *value);
+
 /* Bytes of the memories; false if there are none. */
 bool chip_read(chip_t *chip, uint32_t address, void *bytes, uint32_t size);
 bool chip_write(chip_t *chip, uint32_t address, const void *bytes, uint32_t size);

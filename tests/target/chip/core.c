@@ -2,6 +2,7 @@
 /* The core, its memory map, and time. */
 #include <string.h>
 
+#include "blocks.h"
 #include "parts.h"
 
 /* ---- registers ---- */
@@ -102,8 +103,7 @@ static void on_core_write(uc_engine *core, uint64_t offset, unsigned size, uint6
 
 /* ---- the core ---- */
 
-/* Instructions in a block; those of two halfwords begin with 11101, 11110 or 11111 (Arm DDI 0403,
- * A5.1). */
+/* Each block of the flash is counted once. */
 static uint32_t instructions_in(chip_t *chip, uint64_t address, uint32_t size)
 {
     const bool in_flash = address - CHIP_FLASH_BASE < CHIP_FLASH_BYTES;
@@ -111,63 +111,11 @@ static uint32_t instructions_in(chip_t *chip, uint64_t address, uint32_t size)
     if (known != NULL && *known != 0) {
         return *known;
     }
-    uint8_t code[4096];
-    const uint32_t most = size < sizeof code ? size : sizeof code;
-    uint32_t count = 0;
-    if (uc_mem_read(chip->core, address, code, most) == UC_ERR_OK) {
-        for (uint32_t at = 0; at < most; at += code[at + 1] >> 3 >= 0x1D ? 4 : 2) {
-            count++;
-        }
-    }
+    const uint32_t count = blocks_instructions_in(chip->core, address, size);
     if (known != NULL && count < 256) {
         *known = (uint8_t)count;
     }
     return count;
-}
-
-/* Whether an IT instruction up to eight halfwords before covers this address (Arm DDI 0403,
- * A7.3.1): the lowest bit of the mask that is set tells how many instructions. */
-static bool in_it_block(chip_t *chip, uint32_t address)
-{
-    enum { HALFWORDS = 8 };
-    uint8_t code[2 * HALFWORDS];
-    if (uc_mem_read(chip->core, address - sizeof code, code, sizeof code) != UC_ERR_OK) {
-        return false;
-    }
-    for (unsigned begin = 0; begin < sizeof code; begin += 2) {
-        const unsigned mask = code[begin] & 0xFU;
-        if (code[begin + 1] != 0xBF || mask == 0) {
-            continue;
-        }
-        const unsigned covered = (mask & 1U) != 0   ? 4
-                                 : (mask & 2U) != 0 ? 3
-                                 : (mask & 4U) != 0 ? 2
-                                                    : 1;
-        unsigned at = begin + 2;
-        for (unsigned k = 0; k < covered && at < sizeof code; k++) {
-            at += code[at + 1] >> 3 >= 0x1D ? 4U : 2U;
-            if (at == sizeof code && k + 1 < covered) {
-                return true;
-            }
-        }
-        if (begin + 2 == sizeof code) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/* The emulator may keep the conditions of an IT block that its end skips, as after
- * `ittee .. pop {pc}`: the next block would lose instructions. They end here. */
-static bool conditions_are_over(chip_t *chip, uint32_t address)
-{
-    uint32_t flags;
-    (void)uc_reg_read(chip->core, UC_ARM_REG_CPSR, &flags);
-    if ((flags & CHIP_IT_BITS) == 0 || in_it_block(chip, address)) {
-        return false;
-    }
-    chip->drops_conditions = true;
-    return true;
 }
 
 /* Before the block is executed; a stop leaves it for later. */
@@ -185,7 +133,8 @@ static void on_block(uc_engine *core, uint64_t address, uint32_t size, void *use
         (void)uc_emu_stop(core);
         return;
     }
-    if (conditions_are_over(chip, (uint32_t)address)) {
+    if (blocks_conditions_are_over(core, (uint32_t)address)) {
+        chip->drops_conditions = true;
         (void)uc_emu_stop(core);
         return;
     }
@@ -193,7 +142,9 @@ static void on_block(uc_engine *core, uint64_t address, uint32_t size, void *use
         !chip_mpu_lets(chip, (uint32_t)address, CHIP_EXECUTE)) {
         chip_note(chip, "MPU: code at 0x%08X is not to be executed", (uint32_t)address);
     }
-    chip->now += (chip_ticks_t)instructions_in(chip, address, size) * chip->ticks_per_cycle;
+    const uint32_t instructions = instructions_in(chip, address, size);
+    chip_meter_block(chip, (uint32_t)address, size, instructions);
+    chip->now += (chip_ticks_t)instructions * chip->ticks_per_cycle;
 }
 
 static void on_exception(uc_engine *core, uint32_t number, void *user)
@@ -314,10 +265,7 @@ static void execute(chip_t *chip)
     uint32_t at;
     (void)uc_reg_read(chip->core, UC_ARM_REG_PC, &at);
     if (chip->drops_conditions) {
-        uint32_t flags;
-        (void)uc_reg_read(chip->core, UC_ARM_REG_CPSR, &flags);
-        flags &= ~CHIP_IT_BITS;
-        (void)uc_reg_write(chip->core, UC_ARM_REG_CPSR, &flags);
+        blocks_drop_conditions(chip->core);
         chip->drops_conditions = false;
     }
     const uc_err error = uc_emu_start(chip->core, at | 1U, UINT32_MAX, 0, 0);

@@ -3,6 +3,7 @@
  * system control (B3.2) and cycle counter (C1.8). */
 #include <string.h>
 
+#include "blocks.h"
 #include "parts.h"
 
 enum {
@@ -115,7 +116,7 @@ unsigned chip_exception_due(chip_t *chip)
     (void)uc_reg_read(chip->core, UC_ARM_REG_CPSR, &flags);
     (void)uc_reg_read(chip->core, UC_ARM_REG_PRIMASK, &masked);
     (void)uc_reg_read(chip->core, UC_ARM_REG_BASEPRI, &base);
-    if ((flags & CHIP_IT_BITS) != 0) {
+    if ((flags & BLOCKS_IT_BITS) != 0) {
         return 0;
     }
     return (masked & 1U) != 0 || (base != 0 && (uint32_t)before >= base) ? 0 : due;
@@ -180,6 +181,7 @@ void chip_exception_enter(chip_t *chip, unsigned exception)
     (void)uc_context_save(chip->core, nvic->context[nvic->nesting]);
     nvic->stacked[nvic->nesting] = exception;
     nvic->nesting++;
+    chip_meter_enter(chip);
     push_frame(chip, with_floats);
     control &= ~CONTROL_FPCA;
     (void)uc_reg_write(chip->core, UC_ARM_REG_CONTROL, &control);
@@ -213,6 +215,7 @@ void chip_exception_return(chip_t *chip)
     uint32_t frame[8];
     (void)uc_reg_read(chip->core, UC_ARM_REG_SP, &stack);
     const bool read = uc_mem_read(chip->core, stack, frame, sizeof frame) == UC_ERR_OK;
+    chip_meter_leave(chip);
     nvic->nesting--;
     nvic->active[nvic->stacked[nvic->nesting]] = false;
     uint32_t masked;
@@ -337,6 +340,11 @@ void chip_nvic_events(chip_t *chip)
     if ((*word(chip, AT_SYST_CSR) & SYST_TICKINT) != 0) {
         chip_pend(chip, EXCEPTION_SYSTICK);
     }
+}
+
+bool chip_is_pwm_interrupt(unsigned exception)
+{
+    return exception == INTERRUPT_ADC;
 }
 
 bool chip_in_interrupt(const chip_t *chip)

@@ -110,6 +110,7 @@ void chip_close(chip_t *chip)
     if (chip->core != NULL) {
         (void)uc_close(chip->core);
     }
+    free(chip->meter);
     free(chip);
 }
 
@@ -144,6 +145,13 @@ chip_faults_t *chip_faults(chip_t *chip)
 chip_ticks_t chip_now(const chip_t *chip)
 {
     return chip->now;
+}
+
+bool chip_register(const chip_t *chip, uint32_t address, uint32_t *value)
+{
+    const bool is_peripheral = address < (uint32_t)CHIP_CORE_BASE;
+    *value = is_peripheral ? chip_get(chip, address) : 0;
+    return is_peripheral;
 }
 
 bool chip_read(chip_t *chip, uint32_t address, void *bytes, uint32_t size)

@@ -28,7 +28,6 @@ enum {
     EXCEPTION_SYSTICK = 15
 };
 #define CHIP_NEVER UINT64_MAX
-#define CHIP_IT_BITS UINT32_C(0x0600FC00) /* of the program status: conditions of an IT block */
 
 typedef struct {
     chip_ticks_t next_end; /* of the count */
@@ -167,6 +166,8 @@ struct chip {
     uint32_t missing;      /* address of the latest access without a memory */
     bool missing_code;     /* it was a fetch */
 
+    struct chip_meter *meter; /* NULL: not metered */
+
     unsigned violations;
     char violation[CHIP_VIOLATIONS][CHIP_VIOLATION_BYTES];
 };
@@ -212,6 +213,12 @@ void chip_pend(chip_t *chip, unsigned exception);
 /* A peripheral's register, over the bus. */
 uint32_t chip_bus_read(chip_t *chip, uint32_t address);
 void chip_bus_write(chip_t *chip, uint32_t address, uint32_t value);
+
+/* meter.c: after an exception was entered, with a block that is about to be executed, before an
+ * exception is left. */
+void chip_meter_enter(chip_t *chip);
+void chip_meter_block(chip_t *chip, uint32_t address, uint32_t bytes, uint32_t instructions);
+void chip_meter_leave(chip_t *chip);
 
 /* exceptions.c: NVIC, SysTick, system control, cycle counter. */
 void chip_nvic_reset(chip_t *chip);
