@@ -37,7 +37,7 @@ set_tests_properties(chip_writes_no_flash_while_the_bridge_switches
 add_test(NAME chip_shows_a_crash_after_its_restart
   COMMAND "${PROJECT_SOURCE_DIR}/build/host/tests/target/chip/chip_crash"
     "$<TARGET_FILE:hubfoc_stm32f405>")
-set_tests_properties(chip_shows_a_crash_after_its_restart PROPERTIES LABELS target TIMEOUT 120)
+set_tests_properties(chip_shows_a_crash_after_its_restart PROPERTIES LABELS target TIMEOUT 300)
 
 # A reset of each kind (chip/starts.c).
 set(chip_starts "${PROJECT_SOURCE_DIR}/build/host/tests/target/chip/chip_starts")

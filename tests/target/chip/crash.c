@@ -17,7 +17,8 @@ enum {
     MOST_OFFSET = 1 << 16,  /* of an access by a pointer */
     LINE_BYTES = 160,
     REGISTERS = 12,
-    STACK_LEFT_BYTES = 64 /* as the firmware's own check */
+    STACK_LEFT_BYTES = 64, /* as the firmware's own check */
+    STACK_MOST_BYTES = 2560
 };
 
 /* The latest text on the serial line from `words` on. */
@@ -81,11 +82,28 @@ static bool shows(unsigned count, uint32_t instruction, uint32_t *address)
     return true;
 }
 
+/* Types this while the wheel is driven, and runs for so long; the answer shows this. */
+static bool answers(const char *typed, double duration_s, const char *shown)
+{
+    const size_t before = strlen(chip_text(rig.chip));
+    chip_type(rig.chip, typed);
+    run(duration_s);
+    return expect(strstr(&chip_text(rig.chip)[before], shown) != NULL, typed);
+}
+
 /* Shell, CAN and braking together: what the stack has never used then is what must remain. */
 static bool leaves_stack(void)
 {
-    chip_type(rig.chip, "faults S\rlimits\rcan\rstatus\r");
-    run(0.7);
+    /* The last one by the arrow that brings the line before back. */
+    if (!answers("faults S\rlimits\rcan\r", 0.6, "limit") ||
+        !answers("blackbox\r", 0.5, "black box") || !answers("watch\r", 1.2, " cycles, stack ") ||
+        !answers("\rinstall\r", 0.1, "send the configuration") ||
+        !answers(":020000000102FB\r:00000001FF\r", 0.1, "refused: ") ||
+        !answers("config mon\r", 0.6, "monitor.") ||
+        !answers("help\rboot\rversion\rcrash\r", 0.6, "no crash since") ||
+        !answers("status\r", 0.2, " cycles, stack ") || !answers("\033[A\r", 0.2, "demand VALID")) {
+        return false;
+    }
     const char *free_text = latest(" cycles, stack ");
     unsigned free_bytes = 0;
     if (!expect(free_text != NULL && sscanf(free_text, " cycles, stack %u B", &free_bytes) == 1,
@@ -93,7 +111,8 @@ static bool leaves_stack(void)
         return false;
     }
     printf("stack: %u bytes never used\n", free_bytes);
-    return expect(free_bytes >= STACK_LEFT_BYTES, "the stack is long enough");
+    return expect(free_bytes >= STACK_LEFT_BYTES, "the stack is long enough") &&
+           expect(IMAGE_STACK_BYTES - free_bytes <= STACK_MOST_BYTES, "no more stack than 2.5 KiB");
 }
 
 static bool survives_a_bad_pointer(void)

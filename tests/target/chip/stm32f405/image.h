@@ -26,6 +26,7 @@
 #define IMAGE_RAM_BYTES 0x20000U
 #define IMAGE_BEGINS 0x08020000U /* of the program, hal/stm32f405/link.ld */
 #define IMAGE_BYTES 0xE0000U
+#define IMAGE_STACK_BYTES 2560U /* reserved, with the guard: hal/stm32f405/CMakeLists.txt */
 /* Flash without a sector of the application that the protection unit's eighths leave writable: the
  * first sector. */
 #define IMAGE_OPEN_BEGINS 0x08000000U
