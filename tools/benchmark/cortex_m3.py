@@ -47,7 +47,7 @@ def built(port: str) -> Path:
 
 def show_time(image: Path, slow_step: int) -> None:
     """Measure an image and print the table of hal/README.md."""
-    found = interrupt.measure(image, machine=cycles.STM32F103)
+    found = interrupt.measure(image, machine=cycles.STM32F103, others=False)
     fast, slow = (
         found["cycles"][name]["cold"] for name in ("pwm_interrupt", "millisecond_interrupt")
     )

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Flash and RAM of a linked image, in all and by module of the firmware."""
+"""Flash, RAM and stack of a linked image, in all and by module of the firmware."""
 
 from __future__ import annotations
 
+import json
 import re
 from collections import Counter
 from collections.abc import Iterator
@@ -12,12 +13,14 @@ from typing import Any
 
 from rich.console import Console
 
-from benchmark import build
+from benchmark import build, stack_report
 
 FLASH_AT_MOST = 112 * 1024
 """Of the flashable image."""
 RAM_AT_MOST = 24 * 1024
 """Without the black box, whose size a port chooses."""
+STACK_AT_MOST = 2560
+"""By analysis; what a port reserves may be more."""
 
 RAM_BEGINS = 0x20000000
 RETAINED = ".retained"
@@ -39,6 +42,8 @@ class Memory:
     flash: int
     ram: int
     black_box: int
+    stack: int
+    """By analysis (stack_report.py); 0: there is none beside the image."""
     modules: dict[str, tuple[int, int]]
     """Flash and RAM of each module; the C library and the compiler's together."""
 
@@ -90,8 +95,10 @@ def modules(linker_map: Path) -> dict[str, tuple[int, int]]:
 def of(elf: Path) -> Memory:
     """Measure an image that lies beside its map."""
     flash, ram, black_box = sections(elf)
-    linker_map = elf.with_suffix(".map")
-    return Memory(flash, ram, black_box, modules(linker_map) if linker_map.is_file() else {})
+    linker_map, analysis = elf.with_suffix(".map"), stack_report.result_of(elf)
+    stack = json.loads(analysis.read_text())["bytes"] if analysis.is_file() else 0
+    parts = modules(linker_map) if linker_map.is_file() else {}
+    return Memory(flash, ram, black_box, stack, parts)
 
 
 def firmware(image: Path) -> dict[str, Any] | None:
@@ -105,9 +112,11 @@ def judge(image: Path, flash_at_most: int) -> list[dict[str, Any]]:
     found = (
         ("flash", flash_at_most, size.flash),
         ("RAM without the black box", RAM_AT_MOST, size.ram - size.black_box),
+        ("stack by analysis", STACK_AT_MOST, size.stack),
     )
+    # An image without an analysis of its stack has not met the budget.
     return [
-        {"function": name, "bytes_at_most": most, "bytes": bytes_, "met": bytes_ <= most}
+        {"function": name, "bytes_at_most": most, "bytes": bytes_, "met": 0 < bytes_ <= most}
         for name, most, bytes_ in found
     ]
 
@@ -119,7 +128,6 @@ def show(console: Console, report: dict[str, Any]) -> None:
             parts = [f"{name} {flash} ({ram})" for name, (flash, ram) in size["modules"].items()]
             console.print(
                 f"Firmware {port}: {size['flash']} bytes of flash, {size['ram']} of RAM with the"
-                f" stack and {size['black_box']} of the black box; flash (RAM) by module: "
-                + ", ".join(parts)
-                + f"; at most {FLASH_AT_MOST} of flash"
+                f" stack ({size['stack']} used) and {size['black_box']} of the black box; flash"
+                " (RAM) by module: " + ", ".join(parts) + f"; at most {FLASH_AT_MOST} of flash"
             )

@@ -11,7 +11,8 @@ the stack; functions of the run-time library, which come compiled, are measured 
 that move the stack pointer. Each interrupt that can preempt the ones before it adds its own worst
 path and the frame that the core pushes; one with a stack of its own adds that frame alone. Calls
 that a function makes before interrupts are enabled (``--before-interrupts CALLER:CALLED,...``) are
-a case of their own, with the faults of the core (``--own-stack``) on top.
+a case of their own, with the faults of the core (``--own-stack``) on top. The result also goes into
+``firmware.stack.json`` beside the program.
 
 Standard library only, because it runs after every link of the firmware.
 """
@@ -19,6 +20,7 @@ Standard library only, because it runs after every link of the firmware.
 from __future__ import annotations
 
 import argparse
+import json
 import re
 import sys
 from dataclasses import dataclass
@@ -159,6 +161,24 @@ def early_case(
     return [(root, path), *(row for row in rows[1:] if row[0] in cases.own_stack)]
 
 
+def result_of(elf: Path) -> Path:
+    """Return where the result for a program is."""
+    return elf.with_suffix(".stack.json")
+
+
+def write(elf: Path, total: int, limit: int, rows: list[tuple[str, CallPath]]) -> None:
+    """Write the result beside the program."""
+    found = {
+        "bytes": total,
+        "reserved": limit,
+        "paths": [
+            {"from": name, "bytes": path.bytes, "through": path.functions[1:]}
+            for name, path in rows
+        ],
+    }
+    result_of(elf).write_text(json.dumps(found, indent=2) + "\n")
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Print the table; exit status 1 if the sum exceeds the limit or cannot be bounded."""
     parser = argparse.ArgumentParser(description="Worst-case stack depth of a linked firmware.")
@@ -202,6 +222,7 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"stack_report: {options.elf.name}: {error}", file=sys.stderr)
         return 1
     total = sum(path.bytes for _, path in rows)
+    write(options.elf, total, options.limit, rows)
     print(f"Stack, worst case: {total} of {options.limit} bytes")
     for name, path in rows:
         print(f"{path.bytes:7d}  {name}: {' > '.join(path.functions[1:])}")

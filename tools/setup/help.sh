@@ -142,10 +142,11 @@ help_bench() {
     cat <<'TEXT'
 Usage: tools/dev bench [--config NAME] [--no-simulation] [--update-readme]
 
-Measures both step functions on emulated cores (instructions, code, stack), the PWM interrupt of the
-flashable image on a model of its chip, the firmware's size and the simulation's speed; prints them
-and writes build/bench.json. A missed budget is a failure, and so is a table of instructions in
-firmware/foc/README.md that is out of date; --update-readme writes it.
+Measures both step functions on emulated cores (instructions, code, stack), the interrupts of the
+flashable images on the models of their chips, the firmware's size and the simulation's speed;
+prints them and writes build/bench.json. A missed budget is a failure, and so is a table in
+firmware/foc/README.md or tools/benchmark/README.md that is out of date; --update-readme writes
+them.
 TEXT
 }
 

@@ -7,8 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from benchmark import build, count, cycles, elf
-from benchmark.chip import Chip
+from benchmark import blocks, build, count, cycles, elf
 
 # Cycles, with P for a refill and without the last return's: straight 11; loop 1 + 7 * 2 + 6 P + 1;
 # outer push 3, call 1 + P, 10, return 1 + P, pop 3; memory 1, load 2, store behind it 1, store 1,
@@ -49,7 +48,9 @@ __attribute__((noinline)) unsigned mixed(unsigned x) {
 __attribute__((noinline)) void begin(void) { __asm volatile(""); }
 static volatile unsigned result;
 int main(void) {
+    straight(); /* not counted */
     begin();
+    loop(); outer(); memory(); divided(); skipped(); products(); straight();
     for (unsigned i = 0; i < 1001; i++) { result = mixed(i * 2654435761u); }
     return 0;
 }
@@ -61,12 +62,28 @@ def image(program: Callable[..., Path]) -> Path:
     return program(PROGRAM)
 
 
-def booted(image: Path) -> tuple[Chip, dict[str, elf.Symbol]]:
-    """Run to the function `begin` on the model, which has no code of the emulated board."""
-    symbols = elf.symbols(image)
-    chip = Chip(image, flash=0)
-    chip.boot(symbols["begin"].address)
-    return chip, symbols
+NAMES = ["loop", "outer", "memory", "divided", "skipped", "products"]
+
+
+def called(image: Path, tmp_path: Path, *names: str) -> dict[str, blocks.Executed]:
+    """Return the last call of each function in the model's core."""
+    found = blocks.calls(
+        image, tmp_path / "calls", elf.functions(image), list(names), "begin", 5000
+    )
+    return {call.name: call for call in found}
+
+
+@pytest.mark.parametrize(
+    ("name", "instructions"),
+    [("straight", 11), ("loop", 16), ("outer", 14), ("memory", 7), ("skipped", 5)],
+)
+def test_counts_equal_those_made_by_hand(
+    image: Path, tmp_path: Path, name: str, instructions: int
+) -> None:
+    """Two of skipped() are not taken; outer() has straight() within."""
+    found = called(image, tmp_path, name)[name]
+    assert found.instructions == instructions
+    assert sum(len(cycles.Table(image).instructions(b)) for b in found.path) == instructions
 
 
 @pytest.mark.parametrize(
@@ -81,38 +98,39 @@ def booted(image: Path) -> tuple[Chip, dict[str, elf.Symbol]]:
         ("products", 4, 4),
     ],
 )
-def test_cycles_equal_those_added_up_by_hand(image: Path, name: str, least: int, most: int) -> None:
-    chip, symbols = booted(image)
-    table = cycles.Table(image)
-    chip.call(symbols[name].address)
-    cost = table.cost(chip.path)
+def test_cycles_equal_those_added_up_by_hand(
+    image: Path, tmp_path: Path, name: str, least: int, most: int
+) -> None:
+    cost = cycles.Table(image).cost(called(image, tmp_path, name)[name].path)
     assert (cost.least, cost.most) == (24 + least, 24 + most)
     assert cost.cold > cost.most
 
 
 def test_a_cortex_m3_takes_longer_for_long_products_and_waits_for_a_flash_without_cache(
-    image: Path,
+    image: Path, tmp_path: Path
 ) -> None:
     """Code in line waits for its first eight bytes, and one cycle if it begins at their end."""
-    chip, symbols = booted(image)
+    found = called(image, tmp_path, "products", "straight")
     table = cycles.Table(image, cycles.STM32F103)
-    chip.call(symbols["products"].address)
-    cost = table.cost(chip.path)
+    cost = table.cost(found["products"].path)
     assert (cost.least, cost.most) == (24 + 10, 24 + 15)
-    chip.call(symbols["straight"].address)
-    cost = table.cost(chip.path)
+    cost = table.cost(found["straight"].path)
     assert cost.most == 24 + 11
     assert cost.cold - cost.most in {2, 3}
 
 
 def test_the_model_of_the_chip_counts_what_the_plugin_counts(image: Path, tmp_path: Path) -> None:
-    """The same function with the same arguments, by basic block and by instruction."""
+    """The same calls, by basic block and by instruction, with IT blocks and tables of jumps."""
     plugin = count.loadable_plugin(tmp_path)
     functions = elf.functions(image)
     found, _ = count.calls(build.CORES[0], image, plugin, functions, ["mixed"], "begin")
-    chip, symbols = booted(image)
-    by_block = [
-        chip.call(symbols["mixed"].address, (i * 2654435761) & 0xFFFFFFFF) for i in range(1001)
-    ]
-    assert by_block == found["mixed"]
-    assert len(set(by_block)) > 100
+    assert len(set(found["mixed"])) > 100
+    blocks.check_equal(image, functions, found, "begin", 1001)
+    one_more = [*found["mixed"][:700], found["mixed"][700] + 1, *found["mixed"][701:]]
+    with pytest.raises(build.BenchError, match="count call 700 of 1001 differently"):
+        blocks.check_equal(image, functions, {"mixed": one_more}, "begin", 1001)
+
+
+def test_a_missing_program_is_an_error_that_names_its_target() -> None:
+    with pytest.raises(build.BenchError, match="--target no_such_program makes it"):
+        blocks.program("no_such_program")

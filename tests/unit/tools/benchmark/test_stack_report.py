@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -51,6 +52,17 @@ def test_a_handler_with_a_stack_of_its_own_adds_the_exception_frame_alone(
     cases = stack_report.Cases(own_stack=("handler",))
     rows = stack_report.report(program(CHAIN), [tmp_path], "top", ["handler"], cases)
     assert rows[1][1].bytes == 36
+
+
+def test_the_result_is_written_beside_the_program(
+    program: Callable[..., Path], tmp_path: Path
+) -> None:
+    image = program(CHAIN)
+    arguments = ["--elf", str(image), "--objects", str(tmp_path), "--root", "top"]
+    assert stack_report.main([*arguments, "--interrupt", "handler", "--limit", "500"]) == 0
+    found = json.loads(stack_report.result_of(image).read_text())
+    assert (found["bytes"], found["reserved"]) == (124 + 24 + 28 + 36, 500)
+    assert found["paths"][0] == {"from": "top", "bytes": 124, "through": ["middle", "leaf"]}
 
 
 def test_calls_before_interrupts_are_a_case_without_them(
