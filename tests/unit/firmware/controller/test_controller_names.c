@@ -96,3 +96,16 @@ void test_a_wrong_rotor_sensor_has_no_name_while_the_current_is_in_question(void
         TEST_ASSERT_EQUAL_INT(!asked, named);
     }
 }
+
+/* 400 N m/s; an angle that nothing shows makes no torque that could ramp out. */
+void test_torque_of_a_wrong_sensor_ramps_out_with_the_observer_s_angle_only(void)
+{
+    for (int used = 0; used <= 1; used++) {
+        setUp();
+        TEST_ASSERT_EQUAL_INT32(-20000, rig.out.motor_torque_command_mNm);
+        const monitor_rotor_state_t wrong = {.sensor_wrong = true, .observer_used = used != 0};
+        rig.controller.slow.rotor = wrong;
+        rig_run(&rig, 1);
+        TEST_ASSERT_EQUAL_INT32(used != 0 ? -19600 : 0, rig.out.motor_torque_command_mNm);
+    }
+}
