@@ -5,8 +5,8 @@
  *     chip_faults ELF [README.md] [--finds TEXT]
  *
  * Prints a table: when there was no torque any more, who reset the chip, what CAN and the serial
- * line show. README.md: it must have the same table, with times that differ by a tenth or two PWM
- * periods at most.
+ * line show. README.md: it must have the same table, with times that differ by a tenth or a
+ * millisecond at most, the slow loop's step.
  *
  * Exit code 0: as expected; of an image with an error planted, that TEXT finds it (rig.h).
  */
@@ -19,7 +19,12 @@
 #include "planted.h"
 #include "rig.h"
 
-enum { ROW_BYTES = 240, README_BYTES = 1 << 17, MEAN = RIG_PERIODS_A_SECOND / 1000 };
+enum {
+    ROW_BYTES = 240,
+    README_BYTES = 1 << 17,
+    MEAN = RIG_PERIODS_A_SECOND / 1000,
+    SLOW_STEP_ms = 1
+};
 static const double PERIOD_S = 1.0 / RIG_PERIODS_A_SECOND;
 static const double BRAKES_S = 0.2;
 static const double TORQUE_NM =
@@ -209,7 +214,7 @@ static void format_row(const fault_case_t *fault, char row[ROW_BYTES])
                    fault->resets ? "watchdog" : "none", can, line);
 }
 
-/* The same row, with a time that differs by a tenth or two periods at most. */
+/* The same row, with a time that differs by a tenth or a slow step at most. */
 static bool is_like(const char *row, const char *wanted, const fault_case_t *fault)
 {
     if (fault->instant == AT_BOOT) {
@@ -220,7 +225,7 @@ static bool is_like(const char *row, const char *wanted, const fault_case_t *fau
     char *wanted_end;
     const double time_ms = strtod(&row[before], &end);
     const double wanted_ms = strtod(&wanted[before], &wanted_end);
-    return fabs(time_ms - wanted_ms) <= fmax(0.1 * wanted_ms, 2000.0 * PERIOD_S) &&
+    return fabs(time_ms - wanted_ms) <= fmax(0.1 * wanted_ms, SLOW_STEP_ms) &&
            strncmp(end, wanted_end, strlen(wanted_end)) == 0;
 }
 
