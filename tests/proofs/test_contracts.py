@@ -11,6 +11,7 @@ import contract_harness
 import contracts
 import prove_contracts
 import pytest
+from planted_errors import PLANTED, PLANTED_IN_PROOFS
 
 HEADER = """
 /* A speed.
@@ -57,6 +58,15 @@ def test_every_contract_is_proved_once_or_tested() -> None:
 def test_a_function_of_the_modules_is_never_only_tested() -> None:
     for name in contract_harness.TESTED:
         assert contracts.known()[name].part.startswith("core/")
+
+
+def test_every_planted_error_has_its_place_in_the_source() -> None:
+    planted = (*PLANTED, *PLANTED_IN_PROOFS)
+    assert [
+        error.function
+        for error in planted
+        if (contracts.FIRMWARE / error.source).read_text(encoding="utf-8").count(error.right) != 1
+    ] == []
 
 
 def test_a_precondition_alone_is_no_contract() -> None:
