@@ -2,6 +2,7 @@
 #include "controller/controller.h"
 
 #include "config/bases.h"
+#include "core/fault.h"
 #include "core/q15.h"
 #include "monitor/monitor_fast.h"
 
@@ -125,6 +126,16 @@ static monitor_rotor_output_t judge_rotor(controller_slow_t *slow, const config_
     return out;
 }
 
+/* The fast part's trip. Each can be acknowledged, but for that of the bus sensor, which heals; any
+ * other number is a word in memory that was damaged. */
+static reason_t trip_of(const fast_report_t *report)
+{
+    const reason_t trip = report->trip;
+    const bool given = trip == REASON_NONE || trip == REASON_BUS_SENSOR ||
+                       fault_clearing(trip) == FAULT_CLEARING_ACKNOWLEDGED;
+    return given ? trip : REASON_MEMORY;
+}
+
 /* The input is built in its place: a copy of it would cost 90 instructions. */
 static monitor_output_t step_monitor(controller_slow_t *slow, const config_t *config,
                                      const fast_report_t *report, const slow_input_t *in,
@@ -132,7 +143,7 @@ static monitor_output_t step_monitor(controller_slow_t *slow, const config_t *co
                                      const monitor_rotor_output_t *rotor)
 {
     const monitor_slow_input_t watched = {
-        .fast_trip = report->trip,
+        .fast_trip = trip_of(report),
         .current_sum_pu = report->current_sum_pu,
         .offsets_known = report->offsets_done,
         .current_saturated = report->adc_saturated,

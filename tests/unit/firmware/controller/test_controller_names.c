@@ -109,3 +109,53 @@ void test_torque_of_a_wrong_sensor_ramps_out_with_the_observer_s_angle_only(void
         TEST_ASSERT_EQUAL_INT32(used != 0 ? -19600 : 0, rig.out.motor_torque_command_mNm);
     }
 }
+
+/* By the monitor's bound of the speed, which no sensor of the rotor makes smaller. */
+void test_a_wrong_rotor_sensor_is_acknowledged_at_rest_only(void)
+{
+    rig.slow_in.demand.enable = false;
+    rig_run(&rig, 200);
+    TEST_ASSERT_NOT_EQUAL_INT(BRIDGE_PWM, rig.pwm.bridge);
+    rig.controller.slow.rotor.sensor_wrong = true;
+    rig.slow_in.demand.fault_reset = true;
+    rig_run(&rig, 5);
+    TEST_ASSERT_FALSE(rig.out.standstill);
+    TEST_ASSERT_TRUE(rig.controller.slow.rotor.sensor_wrong);
+    rig_set_speed_rpm(&rig, 0.0);
+    int rest_ms = 0;
+    for (; !rig.out.standstill; rest_ms++) {
+        TEST_ASSERT_TRUE(rig.controller.slow.rotor.sensor_wrong);
+        TEST_ASSERT_LESS_THAN_INT(60000, rest_ms);
+        rig_run(&rig, 1);
+    }
+    rig_run(&rig, 1);
+    TEST_ASSERT_FALSE(rig.controller.slow.rotor.sensor_wrong);
+}
+
+/* Without a trip one bit of its word makes a power of two, which no trip is; in the word of a trip
+ * it makes that of another one at most. */
+void test_a_trip_that_the_fast_part_never_gives_is_damaged_memory(void)
+{
+    static const reason_t GIVEN[] = {REASON_HARDWARE_BREAK, REASON_OVERCURRENT,
+                                     REASON_CURRENT_SENSOR, REASON_PROGRAM_FLOW};
+    for (unsigned bit = 0; bit < 8U; bit++) {
+        setUp();
+        rig.to_slow.trip = (reason_t)(1U << bit);
+        rig_slow(&rig);
+        TEST_ASSERT_EQUAL_INT(REASON_MEMORY, rig.out.fault_reason);
+        TEST_ASSERT_EQUAL_INT(MODE_FAULT, rig.out.mode);
+        TEST_ASSERT_EQUAL_INT32(0, rig.out.motor_torque_command_mNm);
+        TEST_ASSERT_EQUAL_INT32(20000, rig.out.hydraulic_torque_mNm);
+    }
+    for (unsigned k = 0; k < sizeof GIVEN / sizeof GIVEN[0]; k++) {
+        setUp();
+        rig.to_slow.trip = GIVEN[k];
+        rig_slow(&rig);
+        TEST_ASSERT_EQUAL_INT(GIVEN[k], rig.out.fault_reason);
+    }
+    setUp();
+    rig.to_slow.trip = REASON_BUS_SENSOR; /* a warning that heals */
+    rig_slow(&rig);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, rig.out.fault_reason);
+    TEST_ASSERT_EQUAL_INT(REASON_BUS_SENSOR, rig.out.warning_reason);
+}

@@ -34,10 +34,13 @@ void tearDown(void) {}
 
 /* ---- what a row is brought about by ---- */
 
-/* The monitor's fault in the next slow step: a trip in its report. */
+/* In the next slow step: a trip in its report, or what is withdrawn from it. */
 static void put_fault(reason_t reason)
 {
-    rig.to_slow.trip = reason;
+    rig.slow_in.config_accepted = reason != REASON_CONFIG_INVALID;
+    rig.slow_in.selftest_passed = reason != REASON_SELFTEST_FAILED;
+    const bool withdrawn = !rig.slow_in.config_accepted || !rig.slow_in.selftest_passed;
+    rig.to_slow.trip = withdrawn ? REASON_NONE : reason;
     rig_slow(&rig);
 }
 
