@@ -97,6 +97,12 @@ void controller_fast_report(const controller_fast_t *fast, fast_report_t *report
     controller_fast_report_complete(report);
 }
 
+/* By the bound of the step before, which the rotor sensor alone does not make smaller. */
+static bool was_at_rest(const controller_slow_t *slow, const config_t *config)
+{
+    return slow->monitor.speed.rest_urad_s < INT64_C(1000) * config->monitor.standstill_mrad_s;
+}
+
 /* speed: by the sensor; on return by what is used. */
 static monitor_rotor_output_t judge_rotor(controller_slow_t *slow, const config_t *config,
                                           const fast_report_t *report, bool cleared,
@@ -116,7 +122,7 @@ static monitor_rotor_output_t judge_rotor(controller_slow_t *slow, const config_
         .acquired = report->observer.acquired,
         .sensor_valid = report->rotor_valid,
         .switching = report->bridge == BRIDGE_PWM,
-        .cleared = cleared && report->bridge != BRIDGE_PWM,
+        .cleared = cleared && report->bridge != BRIDGE_PWM && was_at_rest(slow, config),
     };
     const monitor_rotor_output_t out = monitor_rotor_step(&slow->rotor, config, &in);
     if (out.observer_used) {
