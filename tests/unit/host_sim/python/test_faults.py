@@ -343,10 +343,11 @@ def test_a_flipped_bit_of_a_safety_variable_is_found_in_two_milliseconds(
     assert bridge != 1.0
 
 
-def test_a_flipped_bit_of_the_trip_ends_the_torque_at_once() -> None:
+def test_a_flipped_bit_of_the_trip_ends_the_torque_at_once_and_is_named() -> None:
     wheel = _Wheel("state_bit_trip")
     assert wheel.after(0.0012, "bridge") != [1.0]
-    assert wheel.engine.mode_text(wheel.after(0.002, "mode")[0]) == "FAULT"
+    mode, found = wheel.after(0.002, "mode", "first_fault_reason")
+    assert (wheel.engine.mode_text(mode), reasons.identifier(found)) == ("FAULT", "MEMORY")
 
 
 def test_a_fault_is_acknowledged_at_standstill_and_not_while_the_wheel_turns() -> None:
