@@ -178,7 +178,9 @@
     X(stop_lamp, stop_lamp, stop_lamp, FLAG, PLAIN, 0, 1, 0, "", \
       "1: the stop lamp is lit") \
     X(standstill, standstill, standstill, FLAG, PLAIN, 0, 1, 0, "", \
-      "the wheel is known to be at rest (firmware/monitor, Standstill)")
+      "the wheel is known to be at rest (firmware/monitor, Standstill)") \
+    X(present_warning, present_warning, present_warning, CODE, PLAIN, 0, 255, 0, "", \
+      "the present warning, behind a latched one too; 0: none")
 /* clang-format on */
 
 #define EXCHANGE_COUNT_LINE(...) +1

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pyarrow.parquet as pq
+from black_box_memory import memory, printed
 from hubsim import scenario
 from hubsim.engine import ROOT
 from hubsim_command import Hubsim
@@ -35,6 +36,7 @@ def commands() -> list[list[str]]:
 
 def test_every_command_of_the_readme_works(hubsim: Hubsim, tmp_path: Path) -> None:
     (tmp_path / "my_scenario.toml").write_text(block("my_scenario.toml"), encoding="utf-8")
+    (tmp_path / "log.txt").write_text(printed(memory()), encoding="utf-8")
     (tmp_path / "tools").symlink_to(ROOT / "tools")
     found = commands()
     assert {arguments[0] for arguments in found} == {
@@ -45,6 +47,7 @@ def test_every_command_of_the_readme_works(hubsim: Hubsim, tmp_path: Path) -> No
         "sweep",
         "sim",
         "report",
+        "blackbox",
     }
     for arguments in found:
         done = hubsim(*arguments)
@@ -66,6 +69,7 @@ def test_every_command_of_the_readme_works(hubsim: Hubsim, tmp_path: Path) -> No
         "my.parquet",
         "report/index.html",
         "page.html",
+        "DIR/blackbox.svg",
     ):
         assert (tmp_path / name).is_file(), name
     assert pq.read_table(tmp_path / "grid.parquet").num_rows == 8
