@@ -347,13 +347,14 @@ static bool is_at_standstill(const slow_output_t *output)
     return app.config == NULL || (!switched_on && output->standstill);
 }
 
-/* Torque is not enabled and the wheel at rest. A board that is kept so writes a record a second at
+/* Torque is not enabled and the wheel at rest. A board that is kept so begins a record a second at
  * most, and after a failure the next start finds the place behind it. */
 static void write_journal(const snapshot_t *snapshot, uint32_t now_ms)
 {
     const recorder_memory_t *box = app.recorder.memory;
-    if (box == NULL || now_ms - app.journal_ms < JOURNAL_PERIOD_ms ||
-        !is_at_standstill(&snapshot->output) || !fault_journal_is_due(&app.journal, box)) {
+    const uint32_t pause_ms = app.journal.written_bytes > 0 ? 1 : JOURNAL_PERIOD_ms;
+    if (box == NULL || now_ms - app.journal_ms < pause_ms || !is_at_standstill(&snapshot->output) ||
+        !fault_journal_is_due(&app.journal, box)) {
         return;
     }
     app.journal_ms = now_ms;

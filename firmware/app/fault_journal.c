@@ -114,7 +114,7 @@ uint32_t fault_journal_total(const fault_journal_t *journal, const recorder_memo
 
 bool fault_journal_is_due(const fault_journal_t *journal, const recorder_memory_t *box)
 {
-    bool due = false;
+    bool due = journal->written_bytes > 0;
     for (uint32_t i = 0; i < RECORDER_COUNTED; i++) {
         due = due || fresh(journal, box->supply, i, box->counts[i]) > 0;
     }
@@ -151,7 +151,8 @@ static uint32_t word_of(const fault_journal_t *journal, const recorder_memory_t 
 
 flash_status_t fault_journal_append(fault_journal_t *journal, const recorder_memory_t *box)
 {
-    if (journal->next >= places(journal->sector)) {
+    const uint32_t at = journal->written_bytes;
+    if (at == 0 && journal->next >= places(journal->sector)) {
         const flash_sector_t to = other(journal->sector);
         if (places(to) == 0 || used(to) > 0) {
             return places(to) == 0 ? FLASH_UNSUPPORTED : FLASH_TOO_LARGE;
@@ -161,17 +162,18 @@ flash_status_t fault_journal_append(fault_journal_t *journal, const recorder_mem
     }
     const fault_record_t *place = record_at(journal->sector, journal->next);
     const uint32_t begin = journal->next * (uint32_t)sizeof(fault_record_t);
-    flash_status_t status = FLASH_OK;
-    uint32_t at = 0;
-    for (; at < sizeof *place && status == FLASH_OK; at += FLASH_UNIT_BYTES) {
-        uint32_t unit[2] = {word_of(journal, box, place, at / 4U), 0};
-        unit[1] = at + 4U < offsetof(fault_record_t, crc32)
-                      ? word_of(journal, box, place, at / 4U + 1U)
-                      : config_crc32_continue(config_crc32(place, at), unit, 4U);
-        status = flash_program(journal->sector, begin + at, unit, sizeof unit);
+    uint32_t unit[2] = {word_of(journal, box, place, at / 4U), 0};
+    unit[1] = at + 4U < offsetof(fault_record_t, crc32)
+                  ? word_of(journal, box, place, at / 4U + 1U)
+                  : config_crc32_continue(config_crc32(place, at), unit, 4U);
+    const flash_status_t status = flash_program(journal->sector, begin + at, unit, sizeof unit);
+    if (status == FLASH_OK && at + FLASH_UNIT_BYTES < sizeof *place) {
+        journal->written_bytes = at + FLASH_UNIT_BYTES;
+        return FLASH_OK;
     }
+    journal->written_bytes = 0;
     /* A place of which something was written is used up. */
-    journal->next += status == FLASH_BRIDGE_ON && at <= FLASH_UNIT_BYTES ? 0U : 1U;
+    journal->next += status == FLASH_BRIDGE_ON && at == 0 ? 0U : 1U;
     if (status == FLASH_OK) {
         journal->newest = place;
     }

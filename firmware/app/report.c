@@ -123,7 +123,7 @@ bool report_boot(const boot_report_t *boot, uint32_t number, text_t *line)
 {
     const char *const words[] = {
         boot->brown_out_low ? "brown-out level is below 3: ./tools/dev flash sets it" : NULL,
-        boot->clock_good ? NULL : "clock fault: the crystal did not start, staying in BOOT",
+        boot->clock_good ? NULL : "clock fault: crystal or PLL did not start, staying in BOOT",
         boot->ram_good ? "self-test RAM: good" : "self-test RAM: FAILED",
         boot->firmware_good ? "self-test firmware CRC: good" : "self-test firmware CRC: FAILED",
     };

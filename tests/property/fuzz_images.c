@@ -213,7 +213,11 @@ static void append(fault_journal_t *journal, const recorder_memory_t *box)
     for (uint32_t i = 0; i < RECORDER_COUNTED; i++) {
         before[i] = fault_journal_total(journal, box, i);
     }
-    if (fault_journal_append(journal, box) == FLASH_OK) {
+    flash_status_t status = fault_journal_append(journal, box);
+    while (journal->written_bytes > 0) {
+        status = fault_journal_append(journal, box);
+    }
+    if (status == FLASH_OK) {
         fault_journal_t again;
         fault_journal_init(&again);
         require(again.newest == journal->newest && is_record(again.newest));

@@ -80,6 +80,13 @@ add_test(NAME chip_keeps_its_journal_in_a_failure_at_each_write
 set_tests_properties(chip_keeps_its_journal_in_a_failure_at_each_write
   PROPERTIES LABELS "target;full" TIMEOUT 3600)
 
+# The core stands still while a word is programmed; no step is missed for it.
+add_test(NAME chip_has_no_fault_after_a_record_of_the_journal
+  COMMAND "${PROJECT_SOURCE_DIR}/build/host/tests/target/chip/chip_journal"
+    "$<TARGET_FILE:hubfoc_stm32f405>" status)
+set_tests_properties(chip_has_no_fault_after_a_record_of_the_journal
+  PROPERTIES LABELS target TIMEOUT 120)
+
 # Errors planted in it.
 if(HUBFOC_PYTHON) # pwm_interrupt_budget says so
   include("${CMAKE_CURRENT_LIST_DIR}/planted.cmake")

@@ -27,6 +27,8 @@ function(chip_g431_tests elf)
     "${elf}" "target;full" 1000 100)
   chip_g431_test(chip_g431_keeps_a_configuration_in_a_failure_at_each_write chip_cuts_g431
     "${elf}" "target;full" every)
+  chip_g431_test(chip_g431_has_no_fault_after_a_record_of_the_journal chip_journal_g431 "${elf}"
+    target status)
   chip_g431_test(chip_g431_keeps_its_journal_in_a_failure_at_each_write chip_journal_g431
     "${elf}" "target;full")
   set_tests_properties(chip_g431_keeps_a_configuration_in_1000_failures_of_the_supply

@@ -109,7 +109,8 @@ planted_protection(variables_that_can_be_executed startup.c
 
 # The flash while the bridge switches. If the application does not look, the port refuses; what
 # happens if that does not look either is seen by the model.
-set(looks "!is_at_standstill(&snapshot->output) || !fault_journal_is_due")
+set(looks "!is_at_standstill(&snapshot->output) ||
+        !fault_journal_is_due")
 planted_image(an_application_that_does_not_look stm32f405 firmware/app app.c "${looks}"
   "!fault_journal_is_due")
 add_test(NAME chip_port_refuses_flash_while_the_bridge_switches

@@ -84,9 +84,9 @@ static void supply(chip_faults_t *fault)
  */
 static const fault_case_t FAULTS[] = {
     {"crystal dead at the start", AT_BOOT, crystal, 0.0, 0.0, false, REASON_NONE,
-     "clock fault: the crystal did not start"},
+     "clock fault: crystal or PLL did not start"},
     {"PLL does not lock", AT_BOOT, pll, 0.0, 0.0, false, REASON_NONE,
-     "clock fault: the crystal did not start"},
+     "clock fault: crystal or PLL did not start"},
     {"TIM1 without its clock at the start", AT_BOOT, timer, 0.0, 0.0, false, REASON_NONE,
      "self-test failed: the PWM timer does not update at the top of its count"},
     {"converters stop", BRAKING, converter, 0.005, 0.15, true, REASON_PROGRAM_FLOW,
@@ -95,7 +95,7 @@ static const fault_case_t FAULTS[] = {
     {"supply falls", BRAKING, supply, 0.001, 0.2, true, REASON_HARDWARE_BREAK,
      "started by watchdog"},
     {"crystal stops", BRAKING, crystal, 0.001, 0.9, true, REASON_NONE,
-     "clock fault: the crystal did not start"},
+     "clock fault: crystal or PLL did not start"},
 };
 
 /* What was seen from a fault on. */

@@ -2,7 +2,7 @@
 /*
  * Power cuts while a record of the journal is written, on the model of the chip.
  *
- *     chip_journal ELF [EACH]
+ *     chip_journal ELF [EACH | status]
  *
  * The flashable image counts a start by the reset pin and records it a second later. Just before,
  * the chip is copied (a process each), loses its supply in one operation of the flash, gets it
@@ -12,6 +12,8 @@
  *     append   of a record behind another one
  *     erase    of the older sector, at the start that finds the newer one full
  *     change   the first record in the sector that was erased
+ *
+ * status: one record without a cut, after which the shell has to report READY, without a fault.
  *
  * Exit code 0: the count is the old one until the last operation of a record, the old or the new
  * one in this, the new one after it; every eighth copy records another start behind; nothing that
@@ -75,17 +77,23 @@ static void start_by_supply(void)
     run_ms(1);
 }
 
-/* Starts by the pin since production, as the shell says after the supply was gone. */
-static unsigned counted(void)
+/* What the shell says, to its prompt. */
+static const char *answer(const char *command)
 {
-    start_by_supply();
     const size_t from = strlen(chip_text(rig.chip));
-    chip_type(rig.chip, "blackbox\r");
+    chip_type(rig.chip, command);
     for (unsigned ms = 0; ms < ANSWER_ms && strstr(&chip_text(rig.chip)[from], "> ") == NULL;
          ms++) {
         run_ms(1);
     }
-    const char *line = strstr(&chip_text(rig.chip)[from], ASKED);
+    return &chip_text(rig.chip)[from];
+}
+
+/* Starts by the pin since production, as the shell says after the supply was gone. */
+static unsigned counted(void)
+{
+    start_by_supply();
+    const char *line = strstr(answer("blackbox\r"), ASKED);
     return line == NULL ? 0U : (unsigned)strtoul(line + strlen(ASKED), NULL, 10);
 }
 
@@ -195,6 +203,22 @@ static bool changes_sector(uint32_t size, uint32_t operations, uint32_t each)
            cut_each("first record of a sector", operations, each, 2, false);
 }
 
+/* The core stands still while a word is programmed: no step may be missed for it. */
+static bool keeps_its_status(const char *elf)
+{
+    if (!open_rig(elf)) {
+        return wrong("the image cannot be loaded");
+    }
+    boot();
+    start_by_pin(BEFORE_ms);
+    const uint32_t before = chip_flash_operations(rig.chip);
+    run_ms(RECORD_ms);
+    return expect(before == 0 && chip_flash_operations(rig.chip) > 0, "a record is written") &&
+           expect(strstr(answer("status\r"), "READY, torque demand timed out") != NULL,
+                  "and no fault comes") &&
+           obeys_the_manuals();
+}
+
 static bool passes(const char *elf, uint32_t each)
 {
     if (!open_rig(elf)) {
@@ -221,8 +245,11 @@ static bool passes(const char *elf, uint32_t each)
 int main(int argc, char **argv)
 {
     if (argc < 2 || argc > 3) {
-        (void)fprintf(stderr, "usage: chip_journal ELF [EACH]\n");
+        (void)fprintf(stderr, "usage: chip_journal ELF [EACH | status]\n");
         return 2;
+    }
+    if (argc > 2 && strcmp(argv[2], "status") == 0) {
+        return rig_result(keeps_its_status(argv[1]), NULL);
     }
     const uint32_t each = argc > 2 ? (uint32_t)strtoul(argv[2], NULL, 10) : 1U;
     printf("| supply fails in | cuts | wrong |\n|---|---|---|\n");

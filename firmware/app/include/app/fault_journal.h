@@ -11,8 +11,11 @@
  * written leaves the one before.
  *
  * The older sector is erased at a start by the supply (fault_journal_make_space()) when the newer
- * one is nearly full: an erase takes up to a second, a record 2 ms. A sector lasts 10 000 erases:
- * of 16 KiB, which hold 60 records, 600 000 records; of 2 KiB, seven records, 70 000.
+ * one is nearly full: an erase takes up to a second, a record 2 ms. A record is written one unit of
+ * the flash at a time, because the core may stand still meanwhile (a double word of an STM32G431:
+ * 83 us, two PWM interrupts that do not come): a record at a stretch would be a fault of the
+ * program flow. A sector lasts 10 000 erases: of 16 KiB, which hold 60 records, 600 000 records; of
+ * 2 KiB, seven records, 70 000.
  *
  * Warnings are counted only while torque may be enabled and written only while it is not, so a
  * warning that stays, or comes and goes, makes one record at most each time the driver switches
@@ -47,6 +50,7 @@ typedef struct {
     const fault_record_t *newest; /* NULL: there is none */
     flash_sector_t sector;        /* that the next record goes to */
     uint32_t next;                /* its index there */
+    uint32_t written_bytes;       /* of a record that is being written; 0: none is */
 } fault_journal_t;
 
 /* Finds the newest record. Reads only. */
@@ -63,12 +67,15 @@ void fault_journal_make_space(const fault_journal_t *journal);
 uint32_t fault_journal_total(const fault_journal_t *journal, const recorder_memory_t *box,
                              uint32_t index);
 
-/* The black box has counted something that the newest record does not include. */
+/* A record is being written, or the black box has counted something that the newest one does not
+ * include. */
 bool fault_journal_is_due(const fault_journal_t *journal, const recorder_memory_t *box);
 
-/* Appends a record. Precondition: the wheel at rest, torque not enabled. FLASH_BRIDGE_ON: the
- * bridge switches, nothing was written. FLASH_TOO_LARGE: both sectors are full until the next
- * start. After other failures the next call takes the place behind. */
+/* Appends a record, one unit a call; journal->written_bytes is 0 again with the last one, and after
+ * a failure. At most one call a millisecond. Precondition: the wheel at rest, torque not enabled.
+ * FLASH_BRIDGE_ON: the bridge switches, nothing was written. FLASH_TOO_LARGE: both sectors are full
+ * until the next start. After other failures, and in the middle of a record, the next call takes
+ * the place behind. */
 flash_status_t fault_journal_append(fault_journal_t *journal, const recorder_memory_t *box);
 
 #endif
