@@ -36,7 +36,7 @@ void emf_observer_init(emf_observer_t *observer, const config_t *config);
 /* Bridge not switching: the next period is a start. */
 void emf_observer_reset(emf_observer_t *observer);
 
-/* Every fourth period. In the acquisition: sets the angle to the octant of x once that shows, and
+/* Once in four periods. In the acquisition: sets the angle to the octant of x once that shows, and
  * at the end lowers the gains. */
 void emf_observer_acquire(emf_observer_t *observer);
 

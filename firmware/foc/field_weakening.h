@@ -3,7 +3,7 @@
  * field_weakening.h: demagnetising d current at the voltage limit, driving and braking alike. An
  * integrator of the voltage margin: a voltage above current_loop.modulation_target lowers i_d, one
  * below returns it to zero.
- * Every fourth PWM period, because the margin changes with the speed.
+ * Once in four PWM periods, because the margin changes with the speed.
  */
 #ifndef FOC_FIELD_WEAKENING_H
 #define FOC_FIELD_WEAKENING_H

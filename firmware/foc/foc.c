@@ -15,9 +15,8 @@
 #include "sense.h"
 #include "sensor_isolation.h"
 #include "setpoint.h"
+#include "spare_tasks.h"
 #include "transforms.h"
-
-enum { FIELD_WEAKENING_PERIODS = EMF_OBSERVER_ACQUIRE_PERIODS };
 
 void foc_current_step(foc_state_t *restrict state, const uint16_t *restrict codes)
 {
@@ -61,12 +60,22 @@ static bool setpoint_is_due(foc_state_t *state)
     return !state->postponed;
 }
 
-/* Not in a period with a hall edge, whose computation is long. */
-static bool currents_frozen(foc_state_t *state, const foc_input_t *in, uint32_t step_count)
+/* Returns true if the readings are frozen. A look comes one period before the other tasks. */
+static bool do_spare_task(foc_state_t *state, const config_t *config, const foc_input_t *in)
 {
-    return frozen_currents_due(&state->period) && !at_hall_edge(&state->rotor) &&
-           frozen_currents_step(&state->current.frozen, &state->period, in->phase_current_code,
-                                step_count);
+    frozen_currents_t *const frozen = &state->current.frozen;
+    const uint32_t step_count = state->spare_step++;
+    if (at_hall_edge(&state->rotor)) {
+        return false;
+    }
+    if (frozen_currents_due(&state->period) &&
+        step_count - frozen->last_step >= SPARE_TASKS_PERIODS - 1U) {
+        return frozen_currents_step(frozen, &state->period, in->phase_current_code, step_count);
+    }
+    state->spare_step = spare_tasks_next(step_count);
+    weaken_field(state, config);
+    emf_observer_acquire(&state->observer);
+    return false;
 }
 
 /* |u| <= 1 and |i| <= 1.42: the sum of products is below 2^31. */
@@ -105,14 +114,13 @@ bool foc_step(foc_state_t *state, const config_t *config, const fast_setpoint_t 
     const uint32_t step_count = begin_period(state, config, setpoint, in);
     if (state->sequence != setpoint->sequence && setpoint_is_due(state)) {
         setpoint_apply(state, setpoint);
+        state->spare_step = spare_tasks_after_setpoint(state->spare_step, step_count);
     }
     const ab16_t acting = state->observer.u;
     foc_current_step(state, in->phase_current_code);
     bool frozen = false;
-    if (step_count % FIELD_WEAKENING_PERIODS == 0) {
-        frozen = currents_frozen(state, in, step_count);
-        weaken_field(state, config);
-        emf_observer_acquire(&state->observer);
+    if (step_count == state->spare_step) {
+        frozen = do_spare_task(state, config, in);
     }
     emf_observer_step(&state->observer, acting, state->period.i_ab_pu, &setpoint->observer);
     end_period(state, in);
@@ -207,6 +215,7 @@ void foc_init(foc_state_t *state, const config_t *config, int32_t timer_Hz)
     rotor_init(&state->rotor, config);
     emf_observer_init(&state->observer, config);
     state->sequence = FOC_NO_SETPOINT;
+    state->spare_step = spare_tasks_next(0);
     idle_centre_on_times(&state->current);
 }
 

@@ -19,7 +19,7 @@
 #include "foc/state.h"
 
 enum {
-    FROZEN_CURRENTS_GAP_PERIODS = 8,   /* from look to look at most: one may be left out */
+    FROZEN_CURRENTS_GAP_PERIODS = 8,   /* from look to look at most: one may fail to come */
     FROZEN_CURRENTS_STAY_PERIODS = 12, /* without a movement */
     FROZEN_CURRENTS_SHORT_PERIODS = 8, /* likewise, with a very large error */
     FROZEN_CURRENTS_SENSORS = 2,       /* that have not moved */
@@ -33,7 +33,7 @@ Q_TARGET_INLINE uint32_t frozen_currents_error(const foc_period_t *latest)
     return q_pair_square(q_pair_subtract(latest->i_reference_pu.v, latest->i_pu.v));
 }
 
-/* Whether the error calls for a look. Every fourth period while the bridge switches. */
+/* Whether the error calls for a look. Once in four periods while the bridge switches. */
 Q_TARGET_INLINE bool frozen_currents_due(const foc_period_t *latest)
 {
     return frozen_currents_error(latest) >> FROZEN_CURRENTS_ERROR_LOG2 != 0;

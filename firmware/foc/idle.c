@@ -8,6 +8,7 @@
 #include "reference_prefilter.h"
 #include "sense.h"
 #include "sensor_isolation.h"
+#include "spare_tasks.h"
 #include "transforms.h"
 
 static void calibrate(foc_state_t *state, const uint16_t codes[SENSE_PHASES])
@@ -72,5 +73,6 @@ void idle_step(foc_state_t *state, const fast_setpoint_t *setpoint,
     }
     state->calibrating = setpoint->calibrate_offsets;
     state->sequence = FOC_NO_SETPOINT;
+    state->spare_step = spare_tasks_next(state->step_count);
     state->postponed = true; /* a start applies its setpoint at once, also at a hall edge */
 }

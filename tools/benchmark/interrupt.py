@@ -18,7 +18,8 @@ from typing import Any
 from benchmark import blocks, build, count, cycles, elf
 from benchmark.build import BenchError
 
-RIDE, OTHERS = "ride", ("stop", "encoder", "faults")
+RIDE, WITHOUT_FAULT = "ride", ("stop", "encoder")
+OTHERS = (*WITHOUT_FAULT, "faults")
 PWM, MILLISECOND = "pwm", "millisecond"
 SLOW_STEP_AT_MOST = 16000  # instructions; the goal over the envelope (measure.py)
 PERIODS_A_MILLISECOND = 20

@@ -259,13 +259,24 @@ def measure_interrupt(
 ) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     """Measure the PWM interrupt of the linked image; returns it and its outcomes.
 
-    others: the other rides, too, which have no budget.
+    others: the other rides, too. Those without a fault have the same budget of cycles.
     """
     measured = interrupt.measure(image, others=others)
     goal = goal_with(compiler, INTERRUPT_BUDGET)
-    judged = {"core": IMAGE_CORE, "function": INTERRUPT, **cycles.judge(measured["cycles"])}
-    outcomes = [outcome_of(goal, measured["config"], measured["instructions"]), judged]
+    longest = {INTERRUPT: measured["cycles"]["pwm_interrupt"]["most"]["max"]}
+    for ride in interrupt.WITHOUT_FAULT if others else ():
+        longest[f"PWM interrupt, {ride}"] = measured["other_rides"][ride]["most"]
+    outcomes = [outcome_of(goal, measured["config"], measured["instructions"])]
+    outcomes += judge_cycles(longest)
     return measured, [*outcomes, judge_load(IMAGE_CORE, measured)]
+
+
+def judge_cycles(longest: dict[str, int]) -> list[dict[str, Any]]:
+    """Compare the cycles of the longest PWM interrupt of each ride with the budget."""
+    return [
+        {"core": IMAGE_CORE, "function": ride, **cycles.judge(most)}
+        for ride, most in longest.items()
+    ]
 
 
 def judge_load(core: str, measured: dict[str, Any]) -> dict[str, Any]:

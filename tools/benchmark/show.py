@@ -91,8 +91,6 @@ def budgets(console: Console, outcomes: list[dict[str, Any]]) -> None:
             else f"{outcome['median']} of {outcome['median_at_most']} instructions, max/median"
             f" {outcome['spread']}"
         )
-        if "cycles_goal" in outcome and outcome["cycles"] > outcome["cycles_goal"]:
-            amount += f", beyond the goal of {outcome['cycles_goal']}"
         if outcome.get("p99_at_most") is not None:
             amount += f", 99 % within {outcome['p99']} of {outcome['p99_at_most']}"
         if outcome.get("max_at_most") is not None:

@@ -243,6 +243,7 @@ typedef struct {
     field_weakening_t weakening;
     foc_sums_t sums;
     uint32_t step_count;                  /* periods since the start, wrapping */
+    uint32_t spare_step;                  /* step_count at which the spare tasks are due */
     int32_t sequence;                     /* of the setpoint in use, or FOC_NO_SETPOINT */
     uint32_t quadrant;                    /* of the current vector with the bridge off, 0 .. 3 */
     uint16_t quadrant_transitions;        /* wrapping; forward counts up */

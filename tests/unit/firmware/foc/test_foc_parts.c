@@ -69,14 +69,6 @@ void test_exactly_sufficient_voltage_changes_only_what_is_weakened_already(void)
     assert_weakened(0, 5, 7);
 }
 
-void test_every_fourth_period_weakens_the_field_and_acquires_the_angle(void)
-{
-    for (uint32_t n = 1; n <= 8; n++) {
-        step(true);
-        TEST_ASSERT_EQUAL_UINT32(n / 4 * 4, foc.observer.periods);
-    }
-}
-
 /* ---- Setpoint, sums, angle ---- */
 
 static bool due(int32_t sensor, int32_t periods_since_edge)

