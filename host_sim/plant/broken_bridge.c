@@ -248,8 +248,8 @@ broken_bridge_flow_t broken_bridge_step(const fault_params_t *params, broken_bri
     protect(params, state, command, duty, inverter->period_s);
     phases_t phases = phases_at(machine, step->omega_rad_s);
     phases_state_t windings = phases_from(&phases, rotor);
-    phases.open_ohm = phases_open_ohm(&phases, &windings);
     const double h = step->duration_s / STEPS;
+    phases.open_ohm = phases_open_ohm(&phases, &windings, h);
     const double inductance_h =
         plant_min(machine->params.d_inductance_h, machine->params.q_inductance_h);
     period_t p = {

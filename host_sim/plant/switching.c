@@ -277,7 +277,7 @@ static period_t begin(const switching_t *bridge, const pmsm_t *machine, const pm
                   .bus_v = bus_voltage_v,
                   .watch = NULL};
     p.state = phases_from(&p.phases, rotor);
-    p.phases.open_ohm = phases_open_ohm(&p.phases, &p.state);
+    p.phases.open_ohm = phases_open_ohm(&p.phases, &p.state, PHASES_OPEN_STEP_S);
     for (int x = 0; x < PHASES; x++) {
         p.gate[x] = gate;
         p.path[x] = gate == DEAD ? FLOATS : SWITCH_LOW;

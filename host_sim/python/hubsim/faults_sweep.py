@@ -21,6 +21,7 @@ from regen_table.schema import Drive
 
 from hubsim import faults, overrides, reasons, run, stops
 from hubsim.engine import Engine, Rows, parameters
+from hubsim.errors import HubsimError
 from hubsim.faults import Fault
 from hubsim.faults_outcome import Outcome
 from hubsim.scenario import Scenario
@@ -294,7 +295,12 @@ class _Vehicle:
         self.engine.set("driver.fault_reset_every_s", RESETS_S)
         before = self.rows[self.rows[:, TIME] < case.instant_s - 1e-9]
         longest_s = self.brake_s + LONGEST * (self.end_s - self.brake_s) + 1.0
-        after = self._until(longest_s, math.inf)
+        try:
+            after = self._until(longest_s, math.inf)
+        except HubsimError as error:
+            run = f"{case.fault}, {case.group.config}, {case.group.rotor_sensor}"
+            where = f"{case.group.situation} at {case.group.demand_nm:g} N m"
+            raise HubsimError(f"{run}, {where}, from {case.instant_s:g} s on: {error}") from error
         return self._outcome(case, np.concatenate([before, after]), len(before))
 
     def _outcome(self, case: Case, rows: Rows, begins: int) -> Outcome:

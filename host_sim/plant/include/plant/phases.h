@@ -63,8 +63,9 @@ phases_t phases_at(const pmsm_t *machine, double omega_rad_s);
 
 phases_state_t phases_from(const phases_t *phases, const pmsm_state_t *rotor);
 
-/* open_ohm for this state: a current decays faster in saturated iron, too fast for the step. */
-double phases_open_ohm(const phases_t *phases, const phases_state_t *state);
+/* open_ohm for this state and steps of step_s: the current of the smaller inductance, and of
+ * saturated iron, decays faster, too fast for a long step. */
+double phases_open_ohm(const phases_t *phases, const phases_state_t *state, double step_s);
 
 /* Back to the rotor's frame; the angle is the caller's to advance. */
 void phases_to(const phases_t *phases, const phases_state_t *state, pmsm_state_t *rotor);
