@@ -66,8 +66,7 @@ static bool torque_unwanted(const config_t *config, const monitor_slow_input_t *
            braking_mNm > monitor_forced_torque_mNm(config, in->speed_mrad_s, in->bus_voltage_mV);
 }
 
-/* Without a valid angle the torque leaves in its ramp; torque must not be disabled in the middle of
- * it, for that would be the step that the ramp is there to avoid. */
+/* Without a valid angle the torque leaves in its ramp, which must not be cut off in the middle. */
 static int32_t rotor_qualify_steps(const config_t *config)
 {
     return q_scale(config->motor.max_torque_mNm, 1000, config->brake.torque_rate_mNm_s) +
@@ -217,8 +216,7 @@ static reason_t current_sensor_warning(const monitor_slow_input_t *in)
     }
 }
 
-/* A sum that the fast loop could not assign to one sensor has been qualified there, in eight
- * periods. The slow check remains for sums with the bridge off. */
+/* While switching, the fast loop has qualified it; this is for sums with the bridge off. */
 static bool current_sum_wrong(monitor_slow_state_t *state, const config_t *config,
                               const monitor_slow_input_t *in)
 {
@@ -319,10 +317,12 @@ static monitor_speed_input_t speed_input(const monitor_slow_input_t *in)
     return out;
 }
 
-static monitor_stuck_input_t stuck_input(const config_t *config, const monitor_slow_input_t *in)
+static monitor_stuck_input_t stuck_input(const config_t *config, const monitor_slow_input_t *in,
+                                         bool standstill)
 {
     const monitor_stuck_input_t out = {
         .tripped = in->fast_trip != REASON_NONE,
+        .turning = !standstill,
         .bridge = in->bridge,
         .currents_known = in->offsets_known && current_sensor_warning(in) == REASON_NONE &&
                           in->fast_trip != REASON_CURRENT_SENSOR,
@@ -413,9 +413,9 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
         qualified(&state->temperature_steps, temperature != REASON_NONE, sensor_time_ms);
     const monitor_speed_input_t turning = speed_input(in);
     const int32_t speed_mrad_s = monitor_speed_step(&state->speed, config, &turning);
-
+    const bool standstill = speed_mrad_s < config->monitor.standstill_mrad_s;
     const safe_state_input_t letting_go = safe_state_input(state, in, speed_mrad_s);
-    const monitor_stuck_input_t tripped = stuck_input(config, in);
+    const monitor_stuck_input_t tripped = stuck_input(config, in, standstill);
     const monitor_stuck_output_t stuck = monitor_stuck_step(&state->stuck, config, &tripped);
     const safe_state_t safe = stuck.side == BRIDGE_OFF
                                   ? without_surge(state, config, &letting_go, in->bridge,
@@ -425,7 +425,7 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
         rotor_warning(state, config, (uint16_t)(in->rotor_faults + state->speed.sudden_stops));
 
     monitor_output_t out = {
-        .fault = REASON_NONE,
+        .fault = stuck.fault,
         .warning = battery_lost                     ? bus_warning(state, in)
                    : current_warning != REASON_NONE ? current_warning
                    : sensor_warns != REASON_NONE    ? sensor_warns
@@ -441,7 +441,7 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
         .release_trip = state->release_trip,
         .release_break = stuck.release_break,
         .offsets_plausible = offsets_plausible(config, in->offset_q4),
-        .standstill = speed_mrad_s < config->monitor.standstill_mrad_s,
+        .standstill = standstill,
         .at_rest = state->speed.rest_urad_s < INT64_C(1000) * config->monitor.standstill_mrad_s,
         .speed_bound_mrad_s = speed_mrad_s,
     };

@@ -36,10 +36,20 @@ static bridge_mode_t side_of_window(const monitor_stuck_state_t *state, const co
     const int64_t beta_q10 = INT64_C(1) * SQRT3_Q10 * (int32_t)(in->beta_pu - state->begin_beta_pu);
     const int64_t twice_q10[3] = {2 * alpha_q10, beta_q10 - alpha_q10, -beta_q10 - alpha_q10};
     int64_t largest_q10 = 0;
+    int64_t most_q10 = 0; /* its magnitude, and the second one */
+    int64_t second_q10 = 0;
     for (int x = 0; x < 3; x++) {
         const int64_t magnitude_q10 = twice_q10[x] < 0 ? -twice_q10[x] : twice_q10[x];
-        const int64_t before_q10 = largest_q10 < 0 ? -largest_q10 : largest_q10;
-        largest_q10 = magnitude_q10 > before_q10 ? twice_q10[x] : largest_q10;
+        if (magnitude_q10 > most_q10) {
+            second_q10 = most_q10;
+            most_q10 = magnitude_q10;
+            largest_q10 = twice_q10[x];
+        } else if (magnitude_q10 > second_q10) {
+            second_q10 = magnitude_q10;
+        }
+    }
+    if (MONITOR_STUCK_PARTS * (most_q10 - second_q10) < most_q10) {
+        return BRIDGE_OFF;
     }
     const int32_t periods = (uint16_t)(in->fast_step_count - state->begin_step);
     const int64_t least_q10 =
@@ -93,9 +103,10 @@ monitor_stuck_output_t monitor_stuck_step(monitor_stuck_state_t *state, const co
                                           const monitor_stuck_input_t *in)
 {
     state->release_steps = in->tripped ? q_max(state->release_steps - 1, 0) : 0;
-    state->side = in->tripped ? state->side : BRIDGE_OFF;
-    const bool looks = in->tripped && in->bridge != BRIDGE_PWM && in->currents_known &&
-                       in->rotor_valid && state->side == BRIDGE_OFF;
+    state->side = in->tripped || in->turning ? state->side : BRIDGE_OFF;
+    const bool looks =
+        (in->tripped ? in->bridge != BRIDGE_PWM : in->turning && in->bridge == BRIDGE_OFF) &&
+        in->currents_known && in->rotor_valid && state->side == BRIDGE_OFF;
     /* A window has one bridge mode: a short circuit's current has a mean in freewheel as well. */
     const bool same = in->bridge == state->bridge;
     state->bridge = in->bridge;
@@ -105,7 +116,9 @@ monitor_stuck_output_t monitor_stuck_step(monitor_stuck_state_t *state, const co
     } else {
         forget(state, in);
     }
-    const monitor_stuck_output_t out = {.side = state->side,
-                                        .release_break = state->release_steps > 0};
+    const monitor_stuck_output_t out = {.fault = state->side == BRIDGE_OFF ? REASON_NONE
+                                                                           : REASON_HARDWARE_BREAK,
+                                        .side = state->side,
+                                        .release_break = in->tripped && state->release_steps > 0};
     return out;
 }

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * monitor_stuck.h: on which side a switch of the tripped bridge is stuck closed. Slow loop, 1 kHz.
+ * monitor_stuck.h: on which side a switch of the bridge that is off is stuck closed. Slow loop,
+ * 1 kHz.
  *
  * In freewheel a stuck switch and the diodes of its own side carry half waves: the mean of one
  * phase current over an electrical turn is far from zero, negative with a stuck low side, positive
  * with a stuck high side. README, A switch that is stuck closed. The answer is the active short
- * circuit on that side, from then on until the trip is acknowledged.
+ * circuit on that side, from then on until the trip is acknowledged, or, without a trip (found
+ * while coasting with the bridge off), until the wheel is at rest.
  *
  * Windows of at least one electrical turn by the valid rotor sensor in one mode of the bridge, and
  * at most MONITOR_STUCK_STEPS; no side is determined without a valid rotor sensor, with a named
@@ -20,12 +22,16 @@
 
 #include "config/config.h"
 #include "core/bridge.h"
+#include "core/reason.h"
 
 enum {
     MONITOR_STUCK_STEPS = 250, /* longest window: a turn at 4 Hz electrical */
     MONITOR_STUCK_SHARE = 4,   /* half waves have a mean of more than a quarter of the trip current;
                                   a whole number of turns and a bit of a healthy current at its
                                   limit has less: sin(1.43 pi)/(1.43 pi) = 0.22 */
+    MONITOR_STUCK_PARTS = 8,   /* each of the other two brings back an eighth at least: a
+                                 sensor that shows a constant makes two equal means, where
+                                 the third phase is computed */
     MONITOR_STUCK_SHORT_WINDOWS = 3,    /* equal windows while a short circuit is commanded, whose
                                            own direct current has decayed */
     MONITOR_STUCK_LONGEST_STEPS = 1000, /* for which that decay is waited for */
@@ -48,6 +54,7 @@ typedef struct {
 
 typedef struct {
     bool tripped;         /* the fast monitor's trip is latched */
+    bool turning;         /* by the bound of the speed, above standstill */
     bridge_mode_t bridge; /* commanded since the last step */
     bool currents_known;  /* offsets measured, no sensor named */
     bool sum_good;        /* the latest currents add up to zero */
@@ -59,6 +66,7 @@ typedef struct {
 
 typedef struct {
     bridge_mode_t side; /* as in the state */
+    reason_t fault;     /* HARDWARE_BREAK while there is a side; a trip has its own name */
     bool release_break; /* the bridge is to leave the hardware's latch, for the short circuit */
 } monitor_stuck_output_t;
 
@@ -83,12 +91,17 @@ typedef struct {
  * @post is_within(state->same_steps, 0, MONITOR_STUCK_LONGEST_STEPS) &&
  * is_within(state->turned_mrad, -6283, 6283)
  *
- * @post in->tripped || (result.side == BRIDGE_OFF && !result.release_break)
+ * @post in->tripped || in->turning || result.side == BRIDGE_OFF
+ *
+ * @post in->tripped || !result.release_break
+ *
+ * @post result.fault == (result.side == BRIDGE_OFF ? REASON_NONE : REASON_HARDWARE_BREAK)
  *
  * @post result.side == BRIDGE_OFF || old(state->side) != BRIDGE_OFF || (in->bridge != BRIDGE_PWM
  * && in->currents_known && in->rotor_valid)
  *
- * @post !in->tripped || old(state->side) == BRIDGE_OFF || result.side == old(state->side)
+ * @post !(in->tripped || in->turning) || old(state->side) == BRIDGE_OFF || result.side ==
+ * old(state->side)
  */
 monitor_stuck_output_t monitor_stuck_step(monitor_stuck_state_t *state, const config_t *config,
                                           const monitor_stuck_input_t *in);

@@ -199,19 +199,79 @@ void test_a_short_circuit_whose_direct_current_lasts_for_many_turns_has_no_side(
     }
 }
 
-/* Any input: a side only with a trip, and no undefined behaviour. */
+/* Any input: a side only with a trip or while the wheel turns, and no undefined behaviour. */
 void test_extreme_inputs_are_harmless(void)
 {
     static const int32_t SPEEDS[] = {INT32_MIN, -1, 0, 1, INT32_MAX};
     for (unsigned n = 0; n < 5000; n++) {
         in.tripped = n % 7 != 0;
+        in.turning = n % 3 == 0;
         in.speed_mrad_s = SPEEDS[n % 5];
         in.alpha_pu = n * 2654435761U;
         in.beta_pu = n * 40503U * 65537U;
         in.fast_step_count = (uint16_t)(n * 977U);
         out = monitor_stuck_step(&state, &CONFIG_LU2013, &in);
-        TEST_ASSERT_TRUE(in.tripped || out.side == BRIDGE_OFF);
+        TEST_ASSERT_TRUE(in.tripped || in.turning || out.side == BRIDGE_OFF);
+        TEST_ASSERT_TRUE(in.tripped || !out.release_break);
         TEST_ASSERT_NOT_EQUAL_INT(BRIDGE_PWM, out.side);
+    }
+}
+
+/* ---- Without a trip: a wheel that coasts with the bridge off ---- */
+
+void test_half_waves_of_a_coasting_wheel_tell_the_side_until_it_is_at_rest(void)
+{
+    for (int phase = 0; phase < 3; phase++) {
+        for (int high = 0; high < 2; high++) {
+            setUp();
+            in.tripped = false;
+            in.turning = true;
+            milliseconds(60, 40.0, 1.2 * trip_pu(), phase, high != 0);
+            TEST_ASSERT_EQUAL_INT(high != 0 ? BRIDGE_SHORT_HIGH : BRIDGE_SHORT, out.side);
+            TEST_ASSERT_FALSE(out.release_break); /* there is no latch */
+            in.bridge = out.side;
+            milliseconds(100, 40.0, 0.0, -1, false);
+            TEST_ASSERT_EQUAL_INT(in.bridge, out.side);
+            in.turning = false;
+            milliseconds(1, 0.0, 0.0, -1, false);
+            TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.side);
+        }
+    }
+}
+
+void test_without_a_trip_only_a_bridge_that_is_off_is_watched(void)
+{
+    static const bridge_mode_t MODES[] = {BRIDGE_PWM, BRIDGE_SHORT, BRIDGE_SHORT_HIGH};
+    for (int k = 0; k < 3; k++) {
+        setUp();
+        in.tripped = false;
+        in.turning = true;
+        in.bridge = MODES[k];
+        milliseconds(2000, 40.0, 1.2 * trip_pu(), 0, false);
+        TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.side);
+    }
+}
+
+/* Two sensors, the third phase computed: a constant and its opposite, their sum always right. */
+void test_a_sensor_that_shows_a_constant_is_no_stuck_switch(void)
+{
+    for (int shown = 0; shown < 3; shown++) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            setUp();
+            in.tripped = false;
+            in.turning = true;
+            in.speed_mrad_s = 5000;
+            for (int n = 0; n < 2000; n++) {
+                double i[3] = {0.0, 0.0, 0.0};
+                i[shown] = sign * trip_pu();
+                i[(shown + 1) % 3] = -sign * trip_pu();
+                for (int k = 0; k < PERIODS; k++) {
+                    add(i[0], i[1], i[2]);
+                }
+                out = monitor_stuck_step(&state, &motor, &in);
+                TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.side);
+            }
+        }
     }
 }
 

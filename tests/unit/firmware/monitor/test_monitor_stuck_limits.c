@@ -59,33 +59,44 @@ void test_a_mean_above_a_quarter_of_the_trip_current_has_a_side(void)
     }
 }
 
-/* Of beta the second phase has sqrt(3)/2 and the third as much of the other sign; alpha decides
- * which is the larger one. Of a factor that is rounded to 1774/1024 0.02 % are known. */
+/* The largest mean M is that of b or c, the others have -M/2: alpha -M/2, beta +-sqrt(3)/2 M. Of a
+ * factor that is rounded to 1774/1024 0.02 % are known. */
 void test_the_mean_of_the_other_phases_is_compared_likewise(void)
 {
-    const double quarter = QUARTER_pu * 2.0 / sqrt(3.0) * 60000.0;
     for (int above = 0; above < 2; above++) {
         for (int sign = -1; sign <= 1; sign += 2) {
-            setUp();
-            in.fast_step_count = (uint16_t)(60000 - PERIODS);
-            state.begin_step = 0;
-            state.bridge = BRIDGE_OFF;
-            const int64_t beta = llround(quarter * (above != 0 ? 1.0003 : 0.9995));
-            const bridge_mode_t side = sign > 0 ? BRIDGE_SHORT : BRIDGE_SHORT_HIGH;
-            TEST_ASSERT_EQUAL_INT(above != 0 ? side : BRIDGE_OFF,
-                                  add(TURN_mrad, sign * INT64_C(10), beta));
+            for (int phase = -1; phase <= 1; phase += 2) {
+                setUp();
+                in.fast_step_count = (uint16_t)(60000 - PERIODS);
+                state.begin_step = 0;
+                state.bridge = BRIDGE_OFF;
+                const double mean = sign * QUARTER_pu * 60000.0 * (above != 0 ? 1.0003 : 0.9995);
+                const bridge_mode_t side = sign > 0 ? BRIDGE_SHORT_HIGH : BRIDGE_SHORT;
+                TEST_ASSERT_EQUAL_INT(
+                    above != 0 ? side : BRIDGE_OFF,
+                    add(TURN_mrad, llround(-0.5 * mean), llround(phase * 0.5 * sqrt(3.0) * mean)));
+            }
         }
     }
 }
 
-/* 1024 of alpha and 1774/2 of beta: the first phase and the third have equal means of opposite
- * sign, the second one none. */
-void test_of_two_equal_means_that_of_the_first_phase_counts(void)
+/* Means M, -M/8 and -7/8 M: 6144 alpha = 14192 beta in units of 1024. A sensor that shows a
+ * constant, the third phase computed, has M, 0 and -M. */
+void test_each_of_the_other_phases_brings_back_an_eighth_at_least(void)
 {
+    const int64_t k = 1 + (int64_t)QUARTER_pu * PERIODS / 14192;
     for (int sign = -1; sign <= 1; sign += 2) {
-        setUp();
         const bridge_mode_t side = sign > 0 ? BRIDGE_SHORT_HIGH : BRIDGE_SHORT;
-        TEST_ASSERT_EQUAL_INT(side, add(TURN_mrad, sign * INT64_C(887000), INT64_C(512000) * sign));
+        for (int turned = -1; turned <= 1; turned += 2) {
+            setUp();
+            TEST_ASSERT_EQUAL_INT(side, add(TURN_mrad, sign * 14192 * k, turned * 6144 * k));
+            setUp();
+            TEST_ASSERT_EQUAL_INT(BRIDGE_OFF,
+                                  add(TURN_mrad, sign * 14192 * k, turned * (6144 * k + 1)));
+        }
+        setUp();
+        TEST_ASSERT_EQUAL_INT(BRIDGE_OFF,
+                              add(TURN_mrad, sign * INT64_C(887000), INT64_C(512000) * sign));
     }
 }
 

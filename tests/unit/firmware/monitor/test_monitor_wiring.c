@@ -165,6 +165,20 @@ static monitor_output_t half_waves(int sign)
     return half_waves_after(REASON_HARDWARE_BREAK, sign);
 }
 
+/* Found while coasting: a fault of the power stage, until the wheel is at rest. */
+void test_half_waves_without_a_trip_are_a_fault_of_the_power_stage(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        setUp();
+        monitor_output_t out = half_waves_after(REASON_NONE, sign);
+        TEST_ASSERT_EQUAL_INT(sign > 0 ? BRIDGE_SHORT_HIGH : BRIDGE_SHORT, out.safe_bridge);
+        TEST_ASSERT_EQUAL_INT(REASON_HARDWARE_BREAK, out.fault);
+        TEST_ASSERT_FALSE(out.release_break);
+        in.fast_trip = REASON_OVERCURRENT; /* the trip has its own name */
+        TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, step().fault);
+    }
+}
+
 /* Frozen readings have a mean that is no current. */
 void test_readings_that_a_trip_has_called_wrong_show_no_stuck_switch(void)
 {
