@@ -19,6 +19,7 @@ BEGINS, ENDS = "<!-- from faults.csv: {} -->\n", "<!-- end -->\n"
 LIMITS = ("distance", "wrong sign", "excess", "current", "bus")
 EXCEPTIONS = Path(__file__).with_name("fault_exceptions.toml")
 WHOLE = "whole_vehicle.csv"
+OTHERS = "others.csv"
 OTHERS_BELOW = 5  # faults with fewer runs without a right reason share a line
 
 
@@ -65,12 +66,48 @@ def by_group(outcomes: Sequence[Outcome]) -> str:
     return "\n".join(lines) + "\n"
 
 
+def by_drive(outcomes: Sequence[Outcome]) -> str:
+    """Return a line for each drive and situation, and their sum."""
+    columns = [
+        "drive",
+        "situation",
+        "runs",
+        "harmless",
+        *LIMITS,
+        "right reason",
+        "hold every limit",
+    ]
+    lines = ["| " + " | ".join(columns) + " |", "|" + " --- |" * len(columns)]
+    places = dict.fromkeys((o.config, o.situation, o.demand_nm) for o in outcomes)
+    for place in (*places, None):
+        here = [o for o in outcomes if place in (None, (o.config, o.situation, o.demand_nm))]
+        missed = Counter(limit for o in here for limit in o.misses())
+        harmful = [o for o in here if not o.harmless]
+        drive, situation = (
+            ("all", "") if place is None else (place[0], f"{place[1]}, {place[2]:g} N m")
+        )
+        cells = [
+            drive,
+            situation,
+            len(here),
+            len(here) - len(harmful),
+            *(missed[limit] for limit in LIMITS),
+            _share(harmful),
+            sum(not o.misses() for o in here),
+        ]
+        lines.append("| " + " | ".join(str(cell) for cell in cells) + " |")
+    return "\n".join(lines) + "\n"
+
+
 def unnamed(outcomes: Sequence[Outcome]) -> str:
     """Return a line for each fault with harmful runs that lack a right first reason."""
     without = [o for o in outcomes if "reason" in o.misses()]
     count = Counter(base(o.fault) for o in without)
     harmful = Counter(base(o.fault) for o in outcomes if not o.harmless)
-    lines = ["| fault | without | of harmful | shown instead |", "| --- | --- | --- | --- |"]
+    lines = [
+        "| fault | without | of harmful | shown instead |",
+        "| --- | --- | --- | --- |",
+    ]
     few: list[str] = []
     for name, number in sorted(count.items(), key=lambda one: (-one[1], one[0])):
         shown = Counter(o.first_reason or "none" for o in without if base(o.fault) == name)
@@ -176,6 +213,7 @@ def replaced(text: str, outcomes: Sequence[Outcome]) -> str:
         "notes": notes(outcomes),
         "bounds": faults_bounds.table(outcomes),
         "whole vehicle": whole_vehicle(outcomes, stored(WHOLE)),
+        "others": by_drive(stored(OTHERS)),
     }
     for name, table in tables.items():
         before, rest = text.split(BEGINS.format(name), 1)

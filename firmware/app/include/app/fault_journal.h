@@ -11,11 +11,11 @@
  * written leaves the one before.
  *
  * The older sector is erased at a start by the supply (fault_journal_make_space()) when the newer
- * one is nearly full: an erase takes up to a second, a record 2 ms. A record is written one unit of
- * the flash at a time, because the core may stand still meanwhile (a double word of an STM32G431:
- * 83 us, two PWM interrupts that do not come): a record at a stretch would be a fault of the
- * program flow. A sector lasts 10 000 erases: of 16 KiB, which hold 60 records, 600 000 records; of
- * 2 KiB, seven records, 70 000.
+ * one is nearly full: an erase takes up to a second. A record is written one unit of the flash at a
+ * time, because the core may stand still meanwhile (a double word of an STM32G431: 83 us, two PWM
+ * interrupts that do not come): a record at a stretch would be a fault of the program flow. A
+ * sector lasts 10 000 erases: of 16 KiB, which hold 60 records, 600 000 records; of 2 KiB, seven
+ * records, 70 000.
  *
  * Warnings are counted only while torque may be enabled and written only while it is not, so a
  * warning that stays, or comes and goes, makes one record at most each time the driver switches
