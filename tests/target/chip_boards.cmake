@@ -93,7 +93,7 @@ planted_vesc4(amplifiers_that_do_not_measure hal/stm32 power.c "(pin_t){port, nu
   "${boards_long_pulses}")
 planted_vesc4(one_shunt_for_two_currents hal/stm32f405 analog.c
   "configure(ADC1, BOARD_CHANNEL_CURRENT_A" "configure(ADC1, BOARD_CHANNEL_CURRENT_C"
-  "fault: current sensor saturated or stuck" chip_test stop "${boards_long_pulses}")
+  "fault: phase over-current" chip_test stop "${boards_long_pulses}")
 planted_vesc4(a_driver_fault_at_another_interrupt hal/stm32f405 gate_driver.c
   ": INTERRUPT_PINS_10_TO_15" ": INTERRUPT_PINS_5_TO_9"
   "the fault line takes all gates within 1 us" chip_test stop "${boards_long_pulses}")

@@ -91,7 +91,7 @@ function(chip_g431_planted_tests)
   planted_g431(too_few_wait_states ${own} clock.c "FLASH_WAIT_STATES = 4" "FLASH_WAIT_STATES = 3"
     "flash read at 170 MHz with 3 of 4 wait states" ${stop})
   planted_g431(no_boost ${own} clock.c "PWR->CR5 &= ~(uint32_t)PWR_CR5_R1MODE" ""
-    "clock fault: the crystal did not start" ${stop})
+    "clock fault: crystal or PLL did not start" ${stop})
   planted_g431(full_frequency_at_once ${own} clock.c "<< RCC_CFGR_HPRE_Pos |" "* 0U |"
     "the core's clock steps from 16 to 170 MHz" ${stop})
   planted_g431(a_wrong_can_filter ${own} can.c "27 | first << 16" "27 | first << 15"
