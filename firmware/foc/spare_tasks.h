@@ -21,7 +21,7 @@ static inline uint32_t spare_tasks_next(uint32_t step_count)
 }
 
 /* A setpoint is applied in this period: not in the same one. Returns when they are due, one to four
- * periods ahead whatever due_step was: it has been a bit flip's, for a millisecond at most. */
+ * periods ahead whatever due_step is: a flipped bit of it lasts until the next setpoint. */
 static inline uint32_t spare_tasks_after_setpoint(uint32_t due_step, uint32_t step_count)
 {
     return due_step - step_count - 1U < SPARE_TASKS_PERIODS ? due_step : step_count + 1U;
