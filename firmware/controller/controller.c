@@ -116,7 +116,7 @@ static monitor_rotor_output_t judge_rotor(controller_slow_t *slow, const config_
         .difference_turn = observer.difference_turn,
         .flux_q14 = (int16_t)observer.flux_q14.d,
         .across_q14 = (int16_t)observer.flux_q14.q,
-        .expected_q14 = observer.expected_q14,
+        .expected_q14 = (int16_t)observer.expected_q14,
         .i_pu = dq_of(report->i_pu),
         .gain_suspected = slow->monitor.gain.level > 0,
         .acquired = report->observer.acquired,

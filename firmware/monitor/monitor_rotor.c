@@ -8,14 +8,18 @@
 enum {
     OPPOSED_TURN = 10923, /* 60 degrees */
     SLIPPED_TURN = 2913,  /* 16 degrees */
+    ASKEW_TURN = 5461,    /* 30 degrees */
     AGREED_TURN = 2185,   /* 12 degrees */
     OPPOSED_STEPS = 2,
-    OPPOSED_SLOW_STEPS = 5, /* below the observer's speed */
-    NAME_STEPS = 10,        /* until a sensor's speed has followed its angle */
-    GAIN_STEPS = UINT8_MAX, /* until a message of the battery tells a gain error from a slip */
-    HALF_GAIN_TURN = 3260,  /* 5/16 of a radian: sensors that show from 8/13 of the current on */
-    LENGTH_SHARE = 9,       /* a slip of 16 degrees changes the flux by more */
+    OPPOSED_SLOW_STEPS = 12, /* below the observer's speed */
+    LACKING_STEPS = 5,       /* without its flux */
+    LEAST_PU = 2048,         /* a sixteenth of the current's full scale */
+    NAME_STEPS = 10,         /* until a sensor's speed has followed its angle */
+    GAIN_STEPS = UINT8_MAX,  /* until a message of the battery tells a gain error from a slip */
+    HALF_GAIN_TURN = 3260,   /* 5/16 of a radian: sensors that show from 8/13 of the current on */
+    LENGTH_SHARE = 9,        /* a slip of 16 degrees changes the flux by more */
     SLIPPED_STEPS = 12,
+    SALIENT_PERMILLE = 1500,
     CONFIRM_STEPS = 2,
     LOSE_STEPS = 2,
     STEADY_STEPS = 11 /* in one direction, but for a start */
@@ -59,14 +63,41 @@ static void watch_direction(monitor_rotor_state_t *state, const monitor_rotor_in
     state->direction = (int8_t)(same ? direction : state->direction);
 }
 
+/* L i, of the magnets' flux. */
+static int32_t linked_permille(const config_t *config, int32_t inductance_nH, int32_t current_pu)
+{
+    const int64_t linked_pWb = (int64_t)inductance_nH * bases_current_mA(config, current_pu);
+    return q_saturate16(q_saturate64(linked_pWb / config->motor.flux_linkage_nWb));
+}
+
+/* The active flux psi - (L_q - L_d) i_d, of the magnets'. Divides. */
+static int32_t active_permille(const config_t *config, int32_t i_d_pu)
+{
+    const config_motor_t *motor = &config->motor;
+    return 1000 - linked_permille(config, motor->q_inductance_nH - motor->d_inductance_nH, i_d_pu);
+}
+
+/* Half a turn from the rotor the current of a salient motor turns the active flux round, so that
+ * the observer, which follows it, agrees with the wrong angle. But there is little of it left: less
+ * than the magnets' alone, to which a current adds half at least, and a third of both. */
+static bool lacks_flux(const config_t *config, const monitor_rotor_input_t *in)
+{
+    if (in->flux_q14 >= in->expected_q14) {
+        return false;
+    }
+    const int32_t active = active_permille(config, in->i_pu.d);
+    return active >= SALIENT_PERMILLE && in->flux_q14 * 3000 < active * in->expected_q14;
+}
+
 static void confirm(monitor_rotor_state_t *state, const config_t *config,
                     const monitor_rotor_input_t *in)
 {
     watch_direction(state, in);
+    state->lacks_flux = in->acquired && lacks_flux(config, in);
     const bool plausible =
         in->switching && in->acquired && in->flux_q14 >= 4 * q_abs(in->across_q14) &&
         in->flux_q14 >= in->expected_q14 / 2 && in->flux_q14 / 4 <= in->expected_q14 &&
-        (state->confirmed || settled(state, config, in));
+        (state->confirmed || settled(state, config, in)) && !state->lacks_flux;
     state->last_mrad_s = in->observer_mrad_s;
     state->plausible = counted(state->plausible, plausible);
     state->implausible = counted(state->implausible, !plausible);
@@ -87,29 +118,38 @@ static bool watches(const monitor_rotor_state_t *state, const config_t *config,
             q_abs(in->observer_mrad_s) >= config->rotor.observer_speed_mrad_s / 2);
 }
 
-/* Halls know of an acceleration at their next edge only. One that has slipped has the speed right;
- * halls that stand are 60 degrees off soon. */
-static bool lags(const config_t *config, const monitor_rotor_input_t *in)
+/* The angle tells a slip where the sensor turns as fast as the observer. Halls do not while they
+ * know of an acceleration at their next edge only; halls that stand are 60 degrees off soon. Below
+ * its speed an observer does not for a moment where the current changes, and with little current is
+ * 35 degrees wrong; halls are half a sector late there. */
+static bool slips(const monitor_rotor_state_t *state, const config_t *config,
+                  const monitor_rotor_input_t *in)
 {
+    const bool hall = config->rotor.sensor == CONFIG_ROTOR_HALL;
     const int32_t size_mrad_s = q_abs(in->observer_mrad_s);
-    return config->rotor.sensor == CONFIG_ROTOR_HALL &&
-           size_mrad_s - q_abs(in->sensor_mrad_s) > size_mrad_s / 4;
+    const bool as_fast = q_abs(size_mrad_s - q_abs(in->sensor_mrad_s)) <= size_mrad_s / 4;
+    const int32_t slow_turn = hall ? OPPOSED_TURN : ASKEW_TURN;
+    return q_abs(in->difference_turn) >= (state->confirmed ? SLIPPED_TURN : slow_turn) &&
+           (as_fast || (state->confirmed && !hall)) &&
+           (state->confirmed || q_abs(in->i_pu.q) >= LEAST_PU);
 }
 
 /* A sensor that is wrong agrees with the observer in passing: it has to for a long time. */
 static void compare(monitor_rotor_state_t *state, const config_t *config,
                     const monitor_rotor_input_t *in)
 {
-    if (!watches(state, config, in) || !in->sensor_valid) {
+    const bool lacks = state->lacks_flux && in->switching &&
+                       q_abs(in->sensor_mrad_s / 2) >= config->rotor.observer_speed_mrad_s / 4;
+    if (!(lacks || watches(state, config, in)) || !in->sensor_valid) {
         state->opposed_steps = 0;
         state->slipped = 0;
         state->agreed_steps = 0;
         return;
     }
     const int32_t size_turn = q_abs(in->difference_turn);
-    state->opposed_steps = counted(state->opposed_steps, size_turn >= OPPOSED_TURN);
-    if (size_turn >= SLIPPED_TURN && state->confirmed && !lags(config, in)) {
-        state->slipped = (uint8_t)q_min(state->slipped + 1, SLIPPED_STEPS);
+    state->opposed_steps = counted(state->opposed_steps, lacks || size_turn >= OPPOSED_TURN);
+    if (slips(state, config, in)) {
+        state->slipped = (uint8_t)q_min(state->slipped + (state->confirmed ? 1 : 2), SLIPPED_STEPS);
     } else if (state->slipped > 0) {
         state->slipped--;
     }
@@ -117,7 +157,8 @@ static void compare(monitor_rotor_state_t *state, const config_t *config,
         size_turn < AGREED_TURN && state->confirmed
             ? q_min(state->agreed_steps + 1, config->monitor.rotor_warning_time_ms)
             : 0;
-    const int32_t opposed = state->confirmed ? OPPOSED_STEPS : OPPOSED_SLOW_STEPS;
+    const int32_t opposed_slow = lacks ? LACKING_STEPS : OPPOSED_SLOW_STEPS;
+    const int32_t opposed = state->confirmed ? OPPOSED_STEPS : opposed_slow;
     if (state->opposed_steps >= opposed || state->slipped >= SLIPPED_STEPS) {
         state->sensor_wrong = true;
     } else if (state->agreed_steps >= config->monitor.rotor_warning_time_ms) {
@@ -126,17 +167,21 @@ static void compare(monitor_rotor_state_t *state, const config_t *config,
 }
 
 /* Halls and an absolute angle that have contradicted themselves are soon valid again, with whatever
- * angle they show now. Where no observer sees whether it is right they stay wrong; an encoder
- * returns with a confirmed index. */
+ * angle they show now. Where no confirmed observer sees whether it is right they are wrong then,
+ * and where the observer does not even watch at once; an encoder returns with a confirmed index. */
 static void watch_return(monitor_rotor_state_t *state, const config_t *config,
                          const monitor_rotor_input_t *in)
 {
-    const bool slow = q_abs(in->sensor_mrad_s / 2) < config->rotor.observer_speed_mrad_s / 4 &&
-                      !watches(state, config, in);
-    if (state->was_valid && !in->sensor_valid && in->switching && slow &&
-        config->rotor.sensor != CONFIG_ROTOR_ENCODER) {
+    const int32_t half_mrad_s = q_abs(in->sensor_mrad_s / 2);
+    const int32_t least_mrad_s = config->rotor.observer_speed_mrad_s;
+    const bool fails = state->was_valid && !in->sensor_valid &&
+                       config->rotor.sensor != CONFIG_ROTOR_ENCODER && !state->confirmed;
+    const bool creeps = half_mrad_s < least_mrad_s / 4 && !watches(state, config, in);
+    if (in->switching && (in->sensor_valid ? state->failed : fails && creeps)) {
         state->sensor_wrong = true;
     }
+    state->failed = in->switching && !in->sensor_valid &&
+                    (state->failed || (fails && half_mrad_s < least_mrad_s / 2));
     state->was_valid = in->sensor_valid;
 }
 
@@ -151,21 +196,12 @@ static reason_t name_of(const monitor_rotor_input_t *in)
     return along_mrad_s > -half_mrad_s ? REASON_ROTOR_FROZEN : REASON_ROTOR_REVERSED;
 }
 
-/* L i, of the magnets' flux. */
-static int32_t linked_permille(const config_t *config, int32_t inductance_nH, int32_t current_pu)
-{
-    const int64_t linked_pWb = (int64_t)inductance_nH * bases_current_mA(config, current_pu);
-    return q_saturate16(q_saturate64(linked_pWb / config->motor.flux_linkage_nWb));
-}
-
 /* Currents that read too small leave a part of L_q i_q, at most 5/8 of it here, across the flux,
  * which keeps its length; a slip changes that where the current is large (README, Rotor). */
 static bool explained_by_gain(const config_t *config, const monitor_rotor_input_t *in)
 {
-    const config_motor_t *motor = &config->motor;
-    const int32_t saliency_nH = motor->q_inductance_nH - motor->d_inductance_nH;
-    const int32_t along = 1000 - linked_permille(config, saliency_nH, in->i_pu.d);
-    const int32_t across = linked_permille(config, motor->q_inductance_nH, in->i_pu.q);
+    const int32_t along = active_permille(config, in->i_pu.d);
+    const int32_t across = linked_permille(config, config->motor.q_inductance_nH, in->i_pu.q);
     const int32_t flux = q_saturate16(in->flux_q14 * 1000 / q_max(in->expected_q14, 1));
     const int32_t ahead = -in->difference_turn * flux;
     const int32_t half = across * HALF_GAIN_TURN; /* the part of L_q i_q is 0 to twice this */

@@ -8,14 +8,15 @@
  * lies within 14 degrees of its angle, the speed is at least rotor.observer_speed, and its
  * direction is that of before or 11 ms old. It then watches the sensor: 60 degrees for 2 ms, or 16
  * degrees for 12 ms, make the sensor wrong, until they have agreed for monitor.rotor_warning_time.
- * From half that speed on 60 degrees for 5 ms do. While the sensor is wrong or invalid the
- * observer's angle is used. Above 15/16 of its speed torque is permitted with it; below, the angle
- * is still there for the torque to ramp out.
+ * From half that speed on 60 degrees for 5 ms do, and 30 degrees for 12 ms of a sensor other than
+ * halls; and a salient motor's flux below a third of what its current should make of it, for 5 ms.
+ * While the sensor is wrong or invalid the observer's angle is used. Above 15/16 of its speed
+ * torque is permitted with it; below, the angle is still there for the torque to ramp out.
  *
  * A sensor that was invalid is used again once it is within 12 degrees of a confirmed observer.
- * Halls or an absolute angle that become invalid while the bridge switches, below half the
- * observer's speed by sensor and observer, are wrong: torque ends there and does not return with
- * them.
+ * Halls or an absolute angle that become invalid while the bridge switches, below the observer's
+ * speed and without it confirmed, are wrong once they are valid again; below half of it by sensor
+ * and observer at once. Torque ends there and does not return with them.
  *
  * 10 ms after 60 degrees a wrong sensor gets its name, by its speed: frozen below half the
  * observer's, reversed against it, else slipped. At 16 degrees it has slipped at once, but 255 ms
@@ -48,7 +49,9 @@ typedef struct {
     uint8_t slipped;       /* steps with 16 degrees and more, less steps without */
     uint8_t wrong_steps;   /* until it has its name */
     bool gain_explains;    /* a slip, by a gain error of the current sensors as well */
+    bool lacks_flux;       /* the observer's is much less than the current should make */
     bool was_valid;        /* the sensor, in the step before */
+    bool failed;           /* it was valid, and stopped to be at low speed */
     bool confirmed;
     bool sensor_wrong;
     bool observer_used;
@@ -62,7 +65,7 @@ typedef struct {
     int16_t difference_turn; /* rotor angle of the sensor less that of the observer */
     int16_t flux_q14;        /* of the observer along its angle */
     int16_t across_q14;      /* and across it */
-    int32_t expected_q14;    /* of the magnets at its speed */
+    int16_t expected_q14;    /* of the magnets at its speed, not negative */
     dq_t i_pu;               /* latest sample, in the frame of the angle in use */
     bool gain_suspected;     /* the battery's current contradicts the loop's: monitor_gain.h */
     bool acquired;           /* the observer's start is over */
@@ -80,7 +83,8 @@ typedef struct {
 
 /* 1 kHz. Any speed, angle and flux; magnitudes of the speed fit 32 bits.
  *
- * @pre config->rotor.observer_speed_mrad_s >= 0 && in->observer_mrad_s > INT32_MIN
+ * @pre config->rotor.observer_speed_mrad_s >= 0 && in->observer_mrad_s > INT32_MIN &&
+ * in->expected_q14 >= 0
  *
  * @pre config->motor.flux_linkage_nWb > 0 && config->motor.d_inductance_nH > 0 &&
  * config->motor.q_inductance_nH > 0

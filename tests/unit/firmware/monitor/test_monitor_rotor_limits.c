@@ -9,13 +9,17 @@ static monitor_rotor_input_t at;
 static monitor_rotor_output_t seen;
 static config_t config;
 
-/* 60, 16 and 12 degrees of 65 536, rounded up; times of the header. */
+/* 60, 30, 16 and 12 degrees of 65 536, rounded up; times of the header. */
 enum {
     FROM_mrad_s = 16000,
     OPPOSED = 10923,
+    ASKEW = 5461,
     SLIPPED = 2913,
     AGREED = 2184,
+    LEAST_PU = 2048, /* a sixteenth of the current's full scale */
     SLIP_ms = 12,
+    SLOW_SLIP_ms = 6,
+    SLOW_ms = 12,
     NAME_ms = 10,
     HEAL_ms = 20
 };
@@ -218,14 +222,14 @@ void test_the_observer_watches_from_half_its_speed_on(void)
 
 /* ---- comparison ---- */
 
-void test_an_opposed_sensor_is_wrong_in_the_second_step_and_below_the_speed_in_the_fifth(void)
+void test_an_opposed_sensor_is_wrong_in_the_second_step_and_below_the_speed_in_the_twelfth(void)
 {
     for (int sign = -1; sign <= 1; sign += 2) {
         for (int slow = 0; slow < 2; slow++) {
             setUp();
             at.observer_mrad_s = slow != 0 ? FROM_mrad_s * 3 / 4 : 20000;
             run(100);
-            const int steps = slow != 0 ? 5 : 2;
+            const int steps = slow != 0 ? SLOW_ms : 2;
             run_at(steps - 1, (int16_t)(sign * OPPOSED));
             run_at(1, (int16_t)(sign * (slow != 0 ? OPPOSED - 1 : 0)));
             TEST_ASSERT_FALSE(seen.sensor_wrong);
@@ -261,6 +265,62 @@ void test_a_slip_is_wrong_in_its_twelfth_step_more_than_those_without(void)
     }
 }
 
+/* With the current that makes torque. Halls are half a sector late there: 60 degrees. */
+static bool is_a_slow_slip(int32_t sensor, int sign, int16_t size_turn, int steps)
+{
+    const int16_t difference_turn = (int16_t)(sign * size_turn);
+    setUp();
+    config.rotor.sensor = sensor;
+    at.observer_mrad_s = -sign * FROM_mrad_s / 2;
+    at.sensor_mrad_s = at.observer_mrad_s;
+    at.i_pu.q = sign * LEAST_PU;
+    run(100);
+    run_at(steps, difference_turn);
+    return seen.sensor_wrong;
+}
+
+void test_below_the_observer_s_speed_30_degrees_are_a_slip_or_60_of_halls(void)
+{
+    static const int32_t SENSORS[] = {CONFIG_ROTOR_ENCODER, CONFIG_ROTOR_ANGLE, CONFIG_ROTOR_HALL};
+    for (int sign = -1; sign <= 1; sign += 2) {
+        for (int k = 0; k < 3; k++) {
+            const int16_t least = SENSORS[k] == CONFIG_ROTOR_HALL ? OPPOSED : ASKEW;
+            TEST_ASSERT_FALSE(is_a_slow_slip(SENSORS[k], sign, (int16_t)(least - 1), 100));
+            TEST_ASSERT_FALSE(is_a_slow_slip(SENSORS[k], sign, least, SLOW_SLIP_ms - 1));
+            TEST_ASSERT_TRUE(is_a_slow_slip(SENSORS[k], sign, least, SLOW_SLIP_ms));
+            TEST_ASSERT_TRUE(seen.observer_used && !seen.valid);
+        }
+    }
+}
+
+/* Less current makes no torque that could be wrong. A sensor that does not turn as fast as the
+ * observer is judged by 60 degrees, in twice the time. */
+void test_a_slow_slip_has_a_current_and_the_observer_s_speed(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        TEST_ASSERT_FALSE(is_a_slow_slip(CONFIG_ROTOR_ANGLE, sign, ASKEW, 0));
+        at.i_pu.q = sign * (LEAST_PU - 1);
+        run_at(100, ASKEW);
+        TEST_ASSERT_FALSE(seen.sensor_wrong);
+        at.i_pu.q = sign * LEAST_PU;
+        for (int faster = -1; faster <= 1; faster += 2) {
+            at.sensor_mrad_s = at.observer_mrad_s + faster * (FROM_mrad_s / 8 + 1);
+            run_at(100, ASKEW);
+            TEST_ASSERT_FALSE(seen.sensor_wrong);
+        }
+        run_at(SLOW_ms - 1, OPPOSED);
+        TEST_ASSERT_FALSE(seen.sensor_wrong);
+        run(1);
+        TEST_ASSERT_TRUE(seen.sensor_wrong);
+        for (int faster = -1; faster <= 1; faster += 2) {
+            TEST_ASSERT_FALSE(is_a_slow_slip(CONFIG_ROTOR_ANGLE, sign, ASKEW, 0));
+            at.sensor_mrad_s = at.observer_mrad_s + faster * FROM_mrad_s / 8;
+            run_at(SLOW_SLIP_ms, ASKEW);
+            TEST_ASSERT_TRUE(seen.sensor_wrong);
+        }
+    }
+}
+
 /* Below 12 degrees, in the same step; or at any angle once the observer is not confirmed. */
 void test_a_sensor_that_is_valid_again_is_used_once_it_agrees(void)
 {
@@ -282,12 +342,13 @@ void test_a_sensor_that_is_valid_again_is_used_once_it_agrees(void)
     }
 }
 
-/* Halls with less than three quarters of the observer's speed lag behind it. */
+/* Halls with less than three quarters of the observer's speed lag behind it, with more than five
+ * quarters behind its slowing down. */
 void test_the_angle_of_halls_that_lag_is_no_slip(void)
 {
-    static const int32_t SENSOR_mrad_s[] = {14999, 15000, -14999, -15000};
+    static const int32_t SENSOR_mrad_s[] = {14999, 15000, -14999, -15000, 25001, 25000};
     for (int sign = -1; sign <= 1; sign += 2) {
-        for (int k = 0; k < 4; k++) {
+        for (int k = 0; k < 6; k++) {
             setUp();
             at.observer_mrad_s = sign * 20000;
             at.sensor_mrad_s = SENSOR_mrad_s[k];
@@ -406,7 +467,7 @@ void test_names_beside_an_observer_that_hardly_turns_are_exact(void)
         config.rotor.observer_speed_mrad_s = 1;
         at.observer_mrad_s = CASES[k].observer_mrad_s;
         at.sensor_mrad_s = CASES[k].sensor_mrad_s;
-        run_at(5 + NAME_ms, OPPOSED);
+        run_at(SLOW_ms + NAME_ms, OPPOSED);
         TEST_ASSERT_EQUAL_INT(CASES[k].name, seen.reason);
     }
 }
