@@ -238,7 +238,7 @@ def draw(outcomes: Sequence[Outcome], directory: Path) -> list[Path]:
                     fontsize=6,
                     color="white" if share[k, j] > 0.5 else "black",
                 )
-    axes.set_xticks(range(len(LIMITS)), LIMITS)
+    axes.set_xticks(range(len(LIMITS)), LIMITS, fontsize=7)
     axes.tick_params(top=True, labeltop=True)
     axes.set_yticks(range(len(names)), names, fontsize=6)
     axes.grid(visible=False)
