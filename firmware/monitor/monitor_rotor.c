@@ -174,8 +174,8 @@ static void watch_return(monitor_rotor_state_t *state, const config_t *config,
 {
     const int32_t half_mrad_s = q_abs(in->sensor_mrad_s / 2);
     const int32_t least_mrad_s = config->rotor.observer_speed_mrad_s;
-    const bool fails = state->was_valid && !in->sensor_valid &&
-                       config->rotor.sensor != CONFIG_ROTOR_ENCODER && !state->confirmed;
+    const bool fails = state->was_valid && config->rotor.sensor != CONFIG_ROTOR_ENCODER &&
+                       !state->confirmed; /* if it is invalid now */
     const bool creeps = half_mrad_s < least_mrad_s / 4 && !watches(state, config, in);
     if (in->switching && (in->sensor_valid ? state->failed : fails && creeps)) {
         state->sensor_wrong = true;

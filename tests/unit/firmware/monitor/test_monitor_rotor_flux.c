@@ -90,18 +90,31 @@ void test_an_angle_that_the_observer_agrees_with_is_wrong_where_the_flux_lacks(v
     }
 }
 
-/* A third of psi - (L_q - L_d) i_d, of a current that adds half of psi at least. */
-void test_bounds_of_the_lacking_flux(void)
+/* psi = 1 uWb, L_q - L_d = 1 uH, and mA as the unit of the current: the active flux in thousandths
+ * of psi is 1000 - i_d. */
+static bool lacks(int32_t i_d_pu, int16_t flux_q14, int16_t expected_q14)
 {
-    const double half_a = -0.5 * FLUX_WB / (Q_H - D_H);
-    for (int enough = 0; enough < 2; enough++) {
-        for (int lacks = 0; lacks < 2; lacks++) {
-            setUp();
-            displace(0.0, half_a * (enough != 0 ? 1.01 : 0.99), 0.0, lacks != 0 ? 0.332 : 0.335);
-            run(100);
-            TEST_ASSERT_EQUAL(enough != 0 && lacks != 0, seen.sensor_wrong);
-        }
-    }
+    setUp();
+    config.motor.flux_linkage_nWb = 1000;
+    config.motor.d_inductance_nH = 1000;
+    config.motor.q_inductance_nH = 2000;
+    config.drive.current_full_scale_mA = 32768;
+    at.i_pu.d = i_d_pu;
+    at.flux_q14 = flux_q14;
+    at.expected_q14 = expected_q14;
+    run(100);
+    return seen.sensor_wrong;
+}
+
+/* Half of psi is added; less than a third of all of it is there, and less than psi. */
+void test_bounds_of_the_lacking_flux_are_exact(void)
+{
+    TEST_ASSERT_TRUE(lacks(-500, 1499, 3000));
+    TEST_ASSERT_FALSE(lacks(-500, 1500, 3000));
+    TEST_ASSERT_TRUE(lacks(-500, 1501, 3003)); /* 1501 * 3 < 1.5 * 3003 */
+    TEST_ASSERT_FALSE(lacks(-499, 1, 3000));
+    TEST_ASSERT_FALSE(lacks(-4000, 3000, 3000));
+    TEST_ASSERT_TRUE(lacks(-4000, 2999, 3000));
 }
 
 /* L_q and L_d a quarter wrong, and 40 % of the voltage of half the speed missing. */

@@ -265,6 +265,23 @@ void test_a_slip_is_wrong_in_its_twelfth_step_more_than_those_without(void)
     }
 }
 
+/* Nor is it compared below half of its speed, or where its flux is not plausible. */
+void test_an_observer_that_does_not_watch_contradicts_nothing(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        setUp();
+        at.observer_mrad_s = sign * (FROM_mrad_s / 2 - 1);
+        at.sensor_mrad_s = at.observer_mrad_s;
+        at.i_pu.q = LEAST_PU;
+        run_at(100, OPPOSED);
+        TEST_ASSERT_FALSE(seen.sensor_wrong);
+        at.observer_mrad_s = sign * FROM_mrad_s / 2;
+        at.flux_q14 = 0;
+        run_at(100, OPPOSED);
+        TEST_ASSERT_FALSE(seen.sensor_wrong);
+    }
+}
+
 /* With the current that makes torque. Halls are half a sector late there: 60 degrees. */
 static bool is_a_slow_slip(int32_t sensor, int sign, int16_t size_turn, int steps)
 {

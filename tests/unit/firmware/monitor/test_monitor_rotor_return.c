@@ -148,6 +148,18 @@ void test_from_half_the_speed_on_it_is_wrong_at_its_return(void)
     }
 }
 
+void test_below_half_the_speed_it_is_wrong_at_once(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        setUp();
+        at.sensor_mrad_s = sign * (HALF_mrad_s - 2);
+        run(10);
+        at.sensor_valid = false;
+        run(1);
+        TEST_ASSERT_TRUE(seen.sensor_wrong && !seen.observer_used);
+    }
+}
+
 /* Not one that comes back with an open bridge. */
 void test_an_open_bridge_forgets_it(void)
 {
@@ -175,6 +187,9 @@ void test_a_confirmed_observer_decides_instead(void)
     at.sensor_valid = false;
     run(1);
     TEST_ASSERT_TRUE(!seen.sensor_wrong && seen.observer_used && seen.valid);
+    at.sensor_valid = true;
+    run(1);
+    TEST_ASSERT_TRUE(!seen.sensor_wrong && !seen.observer_used && seen.valid);
 }
 
 void test_an_acknowledgement_makes_it_right(void)
