@@ -6,12 +6,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hubsim import run, stops
+from hubsim import reasons, run, stops
 from hubsim.engine import Rows
 from hubsim.faults_sweep import BRAKE_S, STOP, Group, _Vehicle, drive_of, stop_s
 from hubsim.scenario import Scenario
-from test_creeping_rotor import SIGNALS, SPEED, TORQUE, names
 
+SIGNALS = (
+    *("vehicle.speed_m_per_s", "wheel0.motor_torque_nm"),
+    *("wheel0.fault_reason", "wheel0.warning_reason"),
+)
+SPEED, TORQUE, FAULT, WARNING = range(len(SIGNALS))
 KMH = 1.0 / 3.6
 # Draws in which the torque that changes turned the observed flux for 5 to 8 ms, by more than 60
 # degrees, and those in which 30 degrees without a current lasted for long.
@@ -64,7 +68,8 @@ def healthy_ride(number: int) -> Rows:
 
 def test_a_healthy_sensor_has_no_name_near_half_of_the_observer_s_speed() -> None:
     for number in (*TURNED, *range(30)):
-        found = names(healthy_ride(number))
+        rows = healthy_ride(number)
+        found = {reasons.shown(code) for code in np.unique(rows[:, (FAULT, WARNING)]) if code}
         assert not any(name.startswith("ROTOR") for name in found), (number, found)
 
 
