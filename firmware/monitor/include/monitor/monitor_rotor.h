@@ -8,8 +8,9 @@
  * lies within 14 degrees of its angle, the speed is at least rotor.observer_speed, and its
  * direction is that of before or 11 ms old. It then watches the sensor: 60 degrees for 2 ms, or 16
  * degrees for 12 ms, make the sensor wrong, until they have agreed for monitor.rotor_warning_time.
- * From half that speed on 60 degrees for 5 ms do, and 30 degrees for 12 ms of a sensor other than
- * halls; and a salient motor's flux below a third of what its current should make of it, for 5 ms.
+ * From half that speed on 60 degrees for 12 ms do; 30 degrees (halls: 60) for 6 ms of a sensor that
+ * turns as fast as the observer, with a sixteenth of the current's full scale as i_q; and a salient
+ * motor's flux below a third of what its current should make of it, for 5 ms.
  * While the sensor is wrong or invalid the observer's angle is used. Above 15/16 of its speed
  * torque is permitted with it; below, the angle is still there for the torque to ramp out.
  *
@@ -45,13 +46,13 @@ typedef struct {
     uint8_t implausible;   /* likewise */
     uint8_t against;       /* consecutive steps against the direction */
     int8_t direction;      /* of the observer, +-1; 0 until it has acquired the rotor */
-    uint8_t opposed_steps; /* at 60 degrees and more */
-    uint8_t slipped;       /* steps with 16 degrees and more, less steps without */
+    uint8_t opposed_steps; /* at 60 degrees and more, or without its flux */
+    uint8_t slipped;       /* steps apart as above, twice if not confirmed, less steps without */
     uint8_t wrong_steps;   /* until it has its name */
     bool gain_explains;    /* a slip, by a gain error of the current sensors as well */
     bool lacks_flux;       /* the observer's is much less than the current should make */
     bool was_valid;        /* the sensor, in the step before */
-    bool failed;           /* it was valid, and stopped to be at low speed */
+    bool failed;           /* it became invalid at low speed, while the bridge switched */
     bool confirmed;
     bool sensor_wrong;
     bool observer_used;
