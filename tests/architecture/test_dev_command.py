@@ -25,6 +25,7 @@ COMMANDS = (
     "bench",
     "coverage",
     "mutants",
+    "oracle",
     "report",
     "format",
     "lint",

@@ -22,6 +22,7 @@ work.
   bench                         instructions, stack, code size, simulation speed
   coverage [--mcdc]             which lines, branches and conditions the C tests reach
   mutants [MODULE...]           which changes of the control modules no unit test notices
+  oracle --check [--quick]      whether the firmware computes what it did, by stored hashes
   report                        show the page that sim wrote
   format                        rewrite all sources in the project's format
   lint                          format, types and static checks
@@ -182,6 +183,31 @@ whose mutant is killed.
   --file NAME    only those of one file, e.g. monitor_speed.c
   --thorough     what is explained meets the slow test programs (over 0.25 s) as well
   --write-open   list in tests/mutants/open_MODULE.txt what survives without an explanation
+TEXT
+}
+
+help_oracle() {
+    cat <<'TEXT'
+Usage: tools/dev oracle --check [--quick] [--baseline FILE] [--part PART]... [--reached] [--jobs N]
+       tools/dev oracle -o FILE [--quick] [--part PART]... [--reached] [--jobs N]
+       tools/dev oracle --values PART ENTRY -o FILE
+
+Runs both control steps through many thousand drives and hashes every value that they give
+(tests/oracle/README.md): for changes of the firmware that are to change nothing.
+
+  --check           compare with the stored hashes; status 1 if any differs, with the part, what of
+                    it (fast, slow, events, bytes), and the first entry that differs
+  --quick           a part of everything, for every commit: no long cycle, a third of the random
+                    drives and of the faults
+  --baseline FILE   compare with this file; default: tests/oracle/f363e21b.json
+  -o FILE           write the hashes into a file
+  --part PART       only this one, several with several options: sequences, random_slow,
+                    random_fast, application, scenarios, cycle, faults
+  --reached         print how many slow steps reached each mode, bridge mode, fault and limit
+  --jobs N          so many processes; default: two
+  --values PART ENTRY -o FILE
+                    write every change of a value in one entry: "step controller value number" a
+                    line. The files of two trees, compared, show where they begin to differ.
 TEXT
 }
 
