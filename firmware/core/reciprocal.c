@@ -38,17 +38,6 @@ static uint32_t mantissa_of(uint32_t x)
     return point[0] - ((drop * (x & 511U) + 256U) >> 9);
 }
 
-reciprocal_t reciprocal_of(uint16_t n)
-{
-    const uint32_t least = n == 0 ? 1U : n;
-    const unsigned shift = normalising_shift(least);
-    const reciprocal_t out = {
-        .mantissa = (uint16_t)mantissa_of(least << shift),
-        .shift = (uint8_t)shift,
-    };
-    return out;
-}
-
 uint32_t reciprocal_scale(uint32_t x, uint16_t n)
 {
     const uint32_t least = n == 0 ? 1U : n;

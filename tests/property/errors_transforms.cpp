@@ -143,7 +143,7 @@ Measured reciprocal()
     for (int n = 1; n <= 65535; n++) {
         largest.see(1e6 * (kernel_reciprocal(static_cast<uint16_t>(n)) * n - 1.0));
     }
-    return {"reciprocal_of", largest.value, 80.0, "ppm"};
+    return {"reciprocal_scale", largest.value, 80.0, "ppm"};
 }
 
 } // namespace

@@ -105,8 +105,7 @@ int32_t kernel_circle_other(int32_t radius, int32_t x)
 
 double kernel_reciprocal(uint16_t n)
 {
-    const reciprocal_t r = reciprocal_of(n);
-    return (double)r.mantissa * (double)(1U << r.shift) / 1073741824.0;
+    return reciprocal_scale(0x80000000U, n) / 2147483648.0;
 }
 
 static sense_state_t sense_of(const int32_t offset_q4[3])

@@ -128,28 +128,6 @@ static inline int16_t q15_saturate(int32_t x)
     return (int16_t)q_saturate16(x);
 }
 
-/* x / 2^bits rounded towards minus infinity, 0 <= bits <= 31. */
-static inline int32_t q_shift_right(int32_t x, unsigned bits)
-{
-    return x >> bits;
-}
-
-/* a * b, rounded to nearest (halves upwards); -1 * -1 saturates. */
-static inline int16_t q15_multiply(int16_t a, int16_t b)
-{
-    return q15_saturate(((int32_t)a * b + (1 << 14)) >> 15);
-}
-
-static inline int16_t q15_add(int16_t a, int16_t b)
-{
-    return q15_saturate((int32_t)a + b);
-}
-
-static inline int16_t q15_subtract(int16_t a, int16_t b)
-{
-    return q15_saturate((int32_t)a - b);
-}
-
 /* int64_t to int32_t, saturated: the lower half, where the upper one only repeats its sign. A port
  * may supply its own. */
 static inline int32_t q_saturate64(int64_t x)

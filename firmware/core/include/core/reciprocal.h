@@ -12,16 +12,8 @@
 
 #include <stdint.h>
 
-/* 1/n = mantissa * 2^shift / 2^30, mantissa in [2^14, 2^15]. */
-typedef struct {
-    uint16_t mantissa;
-    uint8_t shift;
-} reciprocal_t;
-
-/* 1 <= n <= 65535; n = 0 gives the reciprocal of 1. */
-reciprocal_t reciprocal_of(uint16_t n);
-
-/* x / n for 0 <= x < 2^32: x times the reciprocal above, rounded down. */
+/* x / n for 0 <= x < 2^32 and 1 <= n <= 65535: x times the reciprocal, rounded down. n = 0 counts
+ * as 1. */
 uint32_t reciprocal_scale(uint32_t x, uint16_t n);
 
 #endif

@@ -87,53 +87,6 @@ void test_the_magnitude_of_the_most_negative_number_saturates(void)
     TEST_ASSERT_EQUAL_INT32(1, q_abs(-1));
 }
 
-void test_a_right_shift_rounds_towards_minus_infinity(void)
-{
-    /* -1 / 2^n lies between -1 and 0: the floor is -1 for every n. */
-    for (unsigned bits = 0; bits <= 31; bits++) {
-        TEST_ASSERT_EQUAL_INT32(-1, q_shift_right(-1, bits));
-        TEST_ASSERT_EQUAL_INT32(bits == 0 ? 1 : 0, q_shift_right(1, bits));
-        TEST_ASSERT_EQUAL_INT32(bits == 31 ? -1 : INT32_MIN / (1 << bits),
-                                q_shift_right(INT32_MIN, bits));
-    }
-}
-
-void test_a_product_is_the_exact_one_rounded_to_nearest_with_halves_upwards(void)
-{
-    for (int i = 0; i < CORNER_COUNT; i++) {
-        for (int32_t b = INT16_MIN; b <= INT16_MAX; b++) {
-            /* floor(x / 2^15 + 1/2) without relying on the shift under test: make the dividend
-             * positive first. */
-            const int64_t exact = (int64_t)CORNERS[i] * b;
-            const int64_t rounded =
-                (exact + (INT64_C(1) << 14) + (INT64_C(1) << 40)) / 32768 - (INT64_C(1) << 25);
-            TEST_ASSERT_EQUAL_INT64(clamped(rounded, -32768, 32767),
-                                    q15_multiply(CORNERS[i], (int16_t)b));
-        }
-    }
-}
-
-void test_only_minus_one_times_minus_one_saturates(void)
-{
-    TEST_ASSERT_EQUAL_INT16(32767, q15_multiply(-32768, -32768));
-    TEST_ASSERT_EQUAL_INT16(32767, q15_multiply(-32768, -32767));
-    TEST_ASSERT_EQUAL_INT16(-32767, q15_multiply(-32768, 32767));
-    TEST_ASSERT_EQUAL_INT16(32766,
-                            q15_multiply(32767, 32767)); /* (1 - 2^-15)^2 = 1 - 2^-14 + 2^-30 */
-}
-
-void test_sums_and_differences_saturate_and_never_wrap(void)
-{
-    for (int i = 0; i < CORNER_COUNT; i++) {
-        for (int32_t b = INT16_MIN; b <= INT16_MAX; b++) {
-            TEST_ASSERT_EQUAL_INT64(clamped(CORNERS[i] + b, -32768, 32767),
-                                    q15_add(CORNERS[i], (int16_t)b));
-            TEST_ASSERT_EQUAL_INT64(clamped(CORNERS[i] - b, -32768, 32767),
-                                    q15_subtract(CORNERS[i], (int16_t)b));
-        }
-    }
-}
-
 void test_share_of_a_quantity_is_rounded_towards_zero(void)
 {
     static const int32_t VALUES[] = {INT32_MIN, -1000000, -32769, -3,       -1,       0,
