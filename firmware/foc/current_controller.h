@@ -5,8 +5,17 @@
  *     u_d = PI(i_d* - i_d) - w L_q i_q            u_q = PI(i_q* - i_q) + w L_d i_d + w psi
  *
  * Voltages are in modulation units: the voltage limit is the unit circle. The d axis has priority
- * (field weakening needs it); q gets the remaining voltage. Both integrators are updated with the
- * applied voltage. Gains for the present bus voltage and speed come from tuning.h.
+ * (field weakening needs it); q gets the remaining voltage. Gains for the present bus voltage and
+ * speed come from tuning.h.
+ *
+ * Anti-windup by back-calculation: when u was limited, the integrator advances with the error that
+ * would just have produced the applied voltage (self-conditioning, Hanus 1987), e_applied = e +
+ * (u_applied - u) / k_p, so
+ *     integrator += k_i e + k_i/k_p (u_applied - u)
+ * It leaves a limit without overshoot and needs no switching logic.
+ *
+ * Everything is added up in Q25 before it is rounded once; what the limit takes counts up to 4, so
+ * that no sum overflows.
  */
 #ifndef FOC_CURRENT_CONTROLLER_H
 #define FOC_CURRENT_CONTROLLER_H
@@ -15,7 +24,6 @@
 
 #include "core/circle.h"
 #include "core/frames.h"
-#include "core/pi.h"
 #include "core/q15.h"
 #include "foc/foc.h"
 
@@ -49,8 +57,7 @@ static inline current_gains_t current_gains_of(const current_tuning_t *tuning, i
     return out;
 }
 
-/* One period. reference: inside the unit circle. The integrators follow core/pi.h: k_i error, and
- * anti-windup by the voltage that the circle took. */
+/* One period. reference: inside the unit circle. */
 Q_TARGET_INLINE void current_controller_step(current_controller_t *restrict state,
                                              const current_gains_t *restrict gains,
                                              dq16_t reference, dq16_t i,

@@ -4,7 +4,6 @@
 #include "core/circle.h"
 #include "core/filter.h"
 #include "core/grid.h"
-#include "core/pi.h"
 #include "core/q15.h"
 #include "core/ramp.h"
 #include "core/reciprocal.h"
@@ -77,26 +76,6 @@ void prove_circle_of_any_radius(void)
     ASSUME(x >= -radius && x <= radius);
     const int32_t y = circle_other(&circle, x);
     PROVE(y >= 0 && y <= radius);
-    PROOF_END();
-}
-
-void prove_pi(void)
-{
-    const pi_gains_t gains = {
-        .proportional_q10 = any_within(0, PI_LARGEST_PROPORTIONAL_Q10),
-        .integral_q15 = any_within(0, PI_LARGEST_INTEGRAL_Q15),
-        .anti_windup_q15 = any_within(0, PI_LARGEST_ANTI_WINDUP_Q15),
-    };
-    pi_state_t state = {.integrator_q30 = any_within(-(1 << 30), (1 << 30) - 1)};
-    const int32_t error = any_within(-32768, 32767);
-    const int32_t forward_q25 = any_within(-46 * (1 << 25), 46 * (1 << 25));
-    const int32_t u_q25 = pi_output_q25(&state, &gains, error, forward_q25);
-    PROVE(u_q25 - forward_q25 >= -17 * (1 << 25) && u_q25 - forward_q25 <= 17 * (1 << 25));
-    /* Any applied voltage; unsaturated voltage including cross-coupling and back-EMF. */
-    const int32_t wanted = any_within(-64 * 32768, 64 * 32768);
-    const int32_t realised = any_within(-32768, 32768);
-    pi_update(&state, &gains, error, wanted, realised);
-    PROVE(state.integrator_q30 >= -(1 << 30) && state.integrator_q30 <= (1 << 30) - 1);
     PROOF_END();
 }
 

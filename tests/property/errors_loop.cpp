@@ -34,44 +34,6 @@ Measured sense(int64_t count)
     return {"sense_step", largest.value, 0.53, "LSB"};
 }
 
-// Everything is added up in Q25, where only the integrator was rounded, and then once.
-Measured pi_output(int64_t count)
-{
-    Random random(8);
-    Largest largest;
-    for (int64_t n = 0; n < count; n++) {
-        const kernel_pi_gains_t gains = any_gains(random);
-        const int32_t integrator = random.any(INTEGRATOR_LOWEST, INTEGRATOR_HIGHEST);
-        const int32_t error = random.any(LOWEST, HIGHEST);
-        const int32_t forward_q25 = random.any(-(1 << 30), 1 << 30);
-        const double exact =
-            twin::Gains(gains).proportional * error + integrator / ONE + forward_q25 / 1024.0;
-        largest.see((kernel_pi_output_q25(integrator, gains, error, forward_q25) >> 10) - exact);
-    }
-    return {"pi_output_q25", largest.value, 1.0, "LSB"};
-}
-
-// Exact, as long as neither the error by itself fills the integrator nor more than four units are
-// missing.
-Measured pi_update(int64_t count)
-{
-    Random random(9);
-    Largest largest;
-    for (int64_t n = 0; n < count; n++) {
-        const kernel_pi_gains_t plain = any_gains(random);
-        const twin::Gains gains(plain);
-        const int32_t integrator = random.any(INTEGRATOR_LOWEST, INTEGRATOR_HIGHEST);
-        const int32_t error = random.any(LOWEST, HIGHEST);
-        const int32_t missing = random.any(-131072, 131071);
-        const double with_error = integrator / ONE + gains.integral * error;
-        if (std::abs(with_error) < ONE - 1.0) {
-            const double exact = std::clamp(with_error + gains.anti_windup * missing, -ONE, ONE);
-            largest.see(kernel_pi_update(integrator, plain, error, 0, missing) / ONE - exact);
-        }
-    }
-    return {"pi_update", largest.value, 1e-4, "LSB"};
-}
-
 // One rounding of the whole sum; what is realised inside the circle is the same number.
 Measured wanted_voltage(int64_t count)
 {
@@ -88,6 +50,39 @@ Measured wanted_voltage(int64_t count)
         largest.see(vector(out.wanted) - exact.wanted);
     }
     return {"current_controller_step", largest.value, 1.0, "LSB"};
+}
+
+// Of one axis, by the firmware's own wanted and applied voltage: exact, as long as the error by
+// itself does not fill the integrator. What is missing counts up to four units.
+double integrator_error(double before, const twin::Gains &gains, double error, int32_t wanted,
+                        int32_t realised, int32_t after_q30)
+{
+    const double with_error = before + gains.integral * error;
+    if (std::abs(with_error) >= ONE - 1.0) {
+        return 0.0;
+    }
+    const double missing = std::clamp(realised - wanted, -131072, 131071);
+    return after_q30 / ONE - std::clamp(with_error + gains.anti_windup * missing, -ONE, ONE);
+}
+
+Measured integrators(int64_t count)
+{
+    Random random(9);
+    Largest largest;
+    for (int64_t n = 0; n < count; n++) {
+        const kernel_tuning_t plain = any_tuning(random);
+        const twin::Tuning tuning(plain);
+        const pair_t before = any_integrators(random);
+        const pair_t reference = inside_circle(random);
+        const pair_t i = measured_dq(random);
+        const Vector2d error = twin::saturated(vector(reference) - vector(i));
+        const kernel_voltage_t out = kernel_current_loop(before, &plain, reference, i);
+        largest.see(integrator_error(before.x / ONE, tuning.d, error.x(), out.wanted.x,
+                                     out.realised.x, out.integrator_q30.x));
+        largest.see(integrator_error(before.y / ONE, tuning.q, error.y(), out.wanted.y,
+                                     out.realised.y, out.integrator_q30.y));
+    }
+    return {"current_controller_step, integrators", largest.value, 1e-4, "LSB"};
 }
 
 // The first leg is rounded by half a count at most, the second follows it within a half, the third
@@ -222,9 +217,8 @@ Measured whole_loop(int64_t count)
 std::vector<Measured> measure_loop(int64_t count)
 {
     return {sense(count),
-            pi_output(count),
-            pi_update(count),
             wanted_voltage(count),
+            integrators(count),
             dead_time(count),
             field_weakening(count),
             line_voltages(count, 4200, "modulation_step, 4 200 counts", 1.0),

@@ -143,23 +143,6 @@ static kernel_pi_gains_t plain_gains(pi_gains_t gains)
     return out;
 }
 
-int32_t kernel_pi_output_q25(int32_t integrator_q30, kernel_pi_gains_t gains, int32_t error,
-                             int32_t forward_q25)
-{
-    const pi_state_t state = {.integrator_q30 = integrator_q30};
-    const pi_gains_t pi_gains = gains_of(gains);
-    return pi_output_q25(&state, &pi_gains, error, forward_q25);
-}
-
-int32_t kernel_pi_update(int32_t integrator_q30, kernel_pi_gains_t gains, int32_t error,
-                         int32_t wanted, int32_t realised)
-{
-    pi_state_t state = {.integrator_q30 = integrator_q30};
-    const pi_gains_t pi_gains = gains_of(gains);
-    pi_update(&state, &pi_gains, error, wanted, realised);
-    return state.integrator_q30;
-}
-
 int32_t kernel_pi_largest_proportional_q10(void)
 {
     return PI_LARGEST_PROPORTIONAL_Q10;

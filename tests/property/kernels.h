@@ -42,10 +42,6 @@ typedef struct {
     int32_t proportional_q10, integral_q15, anti_windup_q15;
 } kernel_pi_gains_t;
 
-int32_t kernel_pi_output_q25(int32_t integrator_q30, kernel_pi_gains_t gains, int32_t error,
-                             int32_t forward_q25);
-int32_t kernel_pi_update(int32_t integrator_q30, kernel_pi_gains_t gains, int32_t error,
-                         int32_t wanted, int32_t realised);
 int32_t kernel_pi_largest_proportional_q10(void);
 int32_t kernel_pi_largest_integral_q15(void);
 int32_t kernel_pi_largest_anti_windup_q15(void);

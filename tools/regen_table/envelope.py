@@ -3,7 +3,7 @@
 
 The envelope: bus voltage from undervoltage to overvoltage trip, electrical speed up to 5 % above
 the largest, currents and current errors up to the converter's range. Every quantity below is the
-firmware's own (foc/current_controller, core/pi, foc/modulation); the bound is what its number
+firmware's own (foc/current_controller, foc/modulation); the bound is what its number
 format holds, voltages being shares of the voltage circle.
 """
 

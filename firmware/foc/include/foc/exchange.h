@@ -17,10 +17,22 @@
 #include "core/angle.h"
 #include "core/bridge.h"
 #include "core/frames.h"
-#include "core/pi.h"
 #include "core/reason.h"
 
 enum { SENSE_PHASES = 3, SENSE_CODE_MID = 2048 /* zero current, 12 bit */ };
+
+enum {
+    PI_LARGEST_PROPORTIONAL_Q10 = 16383,
+    PI_LARGEST_INTEGRAL_Q15 = 16383,
+    PI_LARGEST_ANTI_WINDUP_Q15 = 4095
+};
+
+/* PI controller of one axis (current_controller.h). */
+typedef struct {
+    int32_t proportional_q10; /* 0 .. PI_LARGEST_PROPORTIONAL_Q10: below 16 */
+    int32_t integral_q15;     /* 0 .. PI_LARGEST_INTEGRAL_Q15: a step, below one half */
+    int32_t anti_windup_q15;  /* 0 .. PI_LARGEST_ANTI_WINDUP_Q15: k_i/k_p, below one eighth */
+} pi_gains_t;
 
 /* Coefficients of the current controller for one bus voltage, speed and winding temperature. Per
  * unit of current to modulation units. */

@@ -13,7 +13,6 @@
 #include "config/config.h"
 #include "core/circle.h"
 #include "core/frames.h"
-#include "core/pi.h"
 #include "foc/exchange.h"
 
 /* sense.h */
@@ -142,6 +141,11 @@ typedef struct {
     uint32_t last_step;  /* at the latest look */
     uint16_t code[SENSE_PHASES];
 } frozen_currents_t;
+
+/* current_controller.h */
+typedef struct {
+    int32_t integrator_q30; /* voltage, |.| < 1 */
+} pi_state_t;
 
 /* current_controller.h */
 typedef struct {

@@ -131,6 +131,88 @@ void test_each_integrator_is_updated_with_the_applied_voltage(void)
     TEST_ASSERT_EQUAL_INT32(400 * 100, state.q.integrator_q30);
 }
 
+static current_tuning_t tuning_with_gains(double proportional, double integral)
+{
+    current_tuning_t tuning = plain_tuning();
+    tuning.d.proportional_q10 = (int32_t)lround(proportional * 1024.0);
+    tuning.d.integral_q15 = (int32_t)lround(integral * 32768.0);
+    tuning.d.anti_windup_q15 = (int32_t)lround(integral / proportional * 32768.0);
+    tuning.q = tuning.d;
+    return tuning;
+}
+
+/* With u at the limit, u_applied = k_p e_r + I defines the conditioned error e_r that gives the
+ * applied voltage. The integrator follows I' = I + k_i e_r = I + k_i (u_applied - I) / k_p: it
+ * tends to u_applied with the time constant k_p / k_i, for any error and any duration of the
+ * limit, in the last case with four times the circle wanted. */
+void test_an_integrator_settles_at_what_the_circle_leaves(void)
+{
+    static const struct {
+        double proportional;
+        int32_t error, applied_d;
+    } CASES[] = {{2.0, 16000, 31727}, {2.0, -16000, 31727}, {4.0, 32767, 14283}};
+    const double integral = 1600.0 / 32768.0; /* of which a half and a quarter are exact as well */
+    for (int c = 0; c < 3; c++) {
+        current_tuning_t tuning = tuning_with_gains(CASES[c].proportional, integral);
+        tuning.forward_d_q25 = CASES[c].applied_d * 1024;
+        const double limit = copysign(circle_other_q15(CASES[c].applied_d), CASES[c].error);
+        double expected = 0.0;
+        current_controller_reset(&state);
+        for (int n = 0; n < 500; n++) {
+            step(&tuning, 0, CASES[c].error, 0, 0);
+            expected += integral * (limit - expected) / CASES[c].proportional;
+            TEST_ASSERT_DOUBLE_WITHIN(1.0, expected, state.q.integrator_q30 / 32768.0);
+        }
+        TEST_ASSERT_EQUAL_INT32(0, state.d.integrator_q30);
+    }
+}
+
+/* The integrator is at the limit. An error of -0.05 with k_p = 2 takes 0.1 of it in the next step.
+ */
+void test_a_voltage_leaves_its_limit_in_the_first_step_after_the_error_changes_sign(void)
+{
+    current_tuning_t tuning = tuning_with_gains(2.0, 0.05);
+    tuning.forward_d_q25 = 28377 * 1024; /* leaves one half */
+    for (int n = 0; n < 10000; n++) {
+        step(&tuning, 0, 20000, 0, 0);
+    }
+    TEST_ASSERT_INT32_WITHIN(70, 16384 - 3277, step(&tuning, 0, -1638, 0, 0).applied.q);
+}
+
+void test_the_integrators_saturate_at_full_scale_and_do_not_wrap(void)
+{
+    const int32_t full_q30 = (1 << 30) - 1;
+    current_tuning_t tuning = plain_tuning();
+    tuning.d.proportional_q10 = 1;
+    tuning.d.integral_q15 = PI_LARGEST_INTEGRAL_Q15;
+    tuning.d.anti_windup_q15 = PI_LARGEST_ANTI_WINDUP_Q15;
+    tuning.q = tuning.d;
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        current_controller_reset(&state);
+        for (int n = 0; n < 10; n++) {
+            step(&tuning, sign * 32767, 0, 0, 0);
+        }
+        TEST_ASSERT_INT32_WITHIN(1, sign * full_q30, state.d.integrator_q30);
+        current_controller_reset(&state);
+        for (int n = 0; n < 10; n++) {
+            step(&tuning, 0, sign * 32767, 0, 0);
+        }
+        TEST_ASSERT_INT32_WITHIN(1, sign * full_q30, state.q.integrator_q30);
+    }
+}
+
+void test_an_error_of_one_lsb_is_never_lost(void)
+{
+    current_tuning_t tuning = plain_tuning();
+    tuning.d.integral_q15 = 1;
+    tuning.q.integral_q15 = 1;
+    for (int n = 0; n < 1000; n++) {
+        step(&tuning, -1, 1, 0, 0);
+    }
+    TEST_ASSERT_EQUAL_INT32(-1000, state.d.integrator_q30);
+    TEST_ASSERT_EQUAL_INT32(1000, state.q.integrator_q30);
+}
+
 void test_a_reset_clears_the_integrators(void)
 {
     const current_tuning_t tuning = plain_tuning();
@@ -224,6 +306,19 @@ void test_an_integrator_is_a_voltage(void)
     const voltages_t out = step(&tuning, 0, 0, 0, 0);
     TEST_ASSERT_EQUAL_INT32(32, out.applied.d);
     TEST_ASSERT_EQUAL_INT32(96, out.applied.q);
+}
+
+/* 32 of 2^30 are one of 2^25. */
+void test_gain_feed_forward_and_integrator_add_up_with_all_their_bits(void)
+{
+    current_tuning_t tuning = tuning_with_gains(1.0, 0.0);
+    tuning.forward_d_q25 = -1234567;
+    tuning.forward_q_q25 = 7654321;
+    state.d.integrator_q30 = 32;
+    state.q.integrator_q30 = -64;
+    step(&tuning, 7, -9, 0, 0);
+    TEST_ASSERT_EQUAL_INT32(7 * 1024 - 1234567 + 1, period.unsaturated_d_q25);
+    TEST_ASSERT_EQUAL_INT32(-9 * 1024 + 7654321 - 2, period.unsaturated_q_q25);
 }
 
 /* 36 times the circle, nearly the end of the format: what d leaves of the circle, odd and even. */
