@@ -195,12 +195,6 @@ void foc_report_complete(fast_report_t *report)
         transforms_park(sample->flux_q14, angle_rotation(report->observer.theta_turn));
 }
 
-void foc_report(const foc_state_t *state, fast_report_t *report)
-{
-    foc_report_copy(state, report);
-    foc_report_complete(report);
-}
-
 void foc_init(foc_state_t *state, const config_t *config, int32_t timer_Hz)
 {
     const foc_state_t zero = {0};

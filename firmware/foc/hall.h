@@ -78,13 +78,4 @@ static inline bool hall_extrapolate(hall_t *hall, uint8_t sensors)
     return true;
 }
 
-/* One period without an observed angle. */
-static inline void hall_step(hall_t *hall, const config_t *config, uint8_t sensors)
-{
-    if (!hall_extrapolate(hall, sensors)) {
-        const hall_observed_t observed = {.known = false};
-        hall_process_event(hall, config, sensors, observed);
-    }
-}
-
 #endif

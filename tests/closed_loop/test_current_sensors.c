@@ -108,7 +108,8 @@ static outcome_t fail(const failure_t *failure, int phases, int instant)
         if (out.named == 0 && implausible) {
             out.implausible_periods++;
             fast_report_t report;
-            foc_report(foc, &report);
+            foc_report_copy(foc, &report);
+            foc_report_complete(&report);
             out.named = report.wrong_current_sensor;
         }
     }

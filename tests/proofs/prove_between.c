@@ -64,7 +64,8 @@ void prove_report(void)
     }
     state.weakening.current_q28 = any_within(-32767 * 8192, 0);
     fast_report_t report;
-    foc_report(&state, &report);
+    foc_report_copy(&state, &report);
+    foc_report_complete(&report);
     PROVE(report.voltage_use_q15 >= 0 && report.voltage_use_q15 <= 65536);
     PROVE(report.i_d_weakening_pu <= 0 && report.i_d_weakening_pu >= -32767);
     PROOF_END();

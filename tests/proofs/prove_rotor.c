@@ -85,13 +85,23 @@ static hall_t any_hall(const config_t *config)
     return hall;
 }
 
+/* As rotor_step() makes it: any reading, with or without an observed angle. */
+static void any_period(hall_t *hall, const config_t *config)
+{
+    const uint8_t sensors = nondet_uint8();
+    const hall_observed_t observed = {.theta_turn = nondet_uint16(), .known = nondet_bool()};
+    if (!hall_extrapolate(hall, sensors)) {
+        hall_process_event(hall, config, sensors, observed);
+    }
+}
+
 void prove_hall_begin(void)
 {
     config_t config;
     any_rotor_configuration(&config);
     hall_t hall;
     hall_init(&hall, &config);
-    hall_step(&hall, &config, nondet_uint8());
+    any_period(&hall, &config);
     PROVE(!hall.started || hall_invariant(&hall, &config));
     PROVE(!hall.valid || hall.started);
     PROOF_END();
@@ -102,11 +112,7 @@ void prove_hall_step(void)
     config_t config;
     any_rotor_configuration(&config);
     hall_t hall = any_hall(&config);
-    const uint8_t sensors = nondet_uint8();
-    const hall_observed_t observed = {.theta_turn = nondet_uint16(), .known = nondet_bool()};
-    if (!hall_extrapolate(&hall, sensors)) {
-        hall_process_event(&hall, &config, sensors, observed);
-    }
+    any_period(&hall, &config);
     PROVE(hall_invariant(&hall, &config));
     PROOF_END();
 }

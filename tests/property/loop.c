@@ -70,7 +70,8 @@ loop_output_t loop_step(loop_t *loop, const loop_input_t *in, bool run)
     if (--loop->periods_to_slow_step <= 0) {
         loop->periods_to_slow_step = loop->config.drive.pwm_frequency_Hz / 1000;
         fast_report_t report;
-        foc_report(&loop->foc, &report);
+        foc_report_copy(&loop->foc, &report);
+        foc_report_complete(&report);
         (void)operating_point_of(&loop->operating_point, &loop->config, &report,
                                  operating_point_speed(&loop->config, report.speed_q32),
                                  loop->winding_temperature_cC);

@@ -74,13 +74,9 @@ bool foc_step(foc_state_t *state, const config_t *config, const fast_setpoint_t 
 void foc_idle_step(foc_state_t *state, const config_t *config, const fast_setpoint_t *setpoint,
                    const foc_input_t *in);
 
-/* Fills the report with the state after the latest step, all but `trip` and `bridge`. Same context
- * as the steps. */
-void foc_report(const foc_state_t *state, fast_report_t *report);
-
-/* The same in two parts. foc_report_copy(): same context as the steps, copies only.
- * foc_report_complete(): any context, the fields that follow from the copied ones; once more
- * changes nothing. */
+/* Fills the report with the state after the latest step, all but `trip` and `bridge`, in two parts.
+ * foc_report_copy(): same context as the steps, copies only. foc_report_complete(): any context,
+ * the fields that follow from the copied ones; once more changes nothing. */
 void foc_report_copy(const foc_state_t *state, fast_report_t *report);
 void foc_report_complete(fast_report_t *report);
 

@@ -242,7 +242,7 @@ static void bounce(int times, double speed_turns_per_period)
     }
     for (int n = 0; n < times; n++) {
         theta_turns += speed_turns_per_period;
-        hall_step(&hall, &config, STATE_OF_SECTOR[sector]);
+        period(STATE_OF_SECTOR[sector]);
         turn(speed_turns_per_period);
     }
 }
@@ -285,7 +285,7 @@ void test_only_the_three_sensor_bits_are_read(void)
 {
     turn(0.0);
     const uint32_t theta_q32 = hall.theta_q32;
-    hall_step(&hall, &config, (uint8_t)(STATE_OF_SECTOR[true_sector()] | 0xF8U));
+    period((uint8_t)(STATE_OF_SECTOR[true_sector()] | 0xF8U));
     TEST_ASSERT_EQUAL_UINT32(theta_q32, hall.theta_q32);
     TEST_ASSERT_TRUE(hall.valid);
 }
@@ -297,7 +297,7 @@ void test_no_counter_wraps_during_hours_without_an_edge(void)
     turn_for(4000, 0.005);
     TEST_ASSERT_DOUBLE_WITHIN(0.005 * 0.006, 0.005, speed_turns());
     for (int n = 0; n < 200000; n++) {
-        hall_step(&hall, &config, 7);
+        period(7);
     }
     TEST_ASSERT_FALSE(hall.valid);
 }

@@ -15,7 +15,7 @@ void test_short_impossible_state_is_ignored_like_a_bounce(void)
     turn_for(4000, 0.005);
     for (int n = 0; n < HALL_INVALID_PERIODS - 1; n++) {
         theta_turns += 0.005;
-        hall_step(&hall, &config, n % 2 == 0 ? 0 : 7);
+        period(n % 2 == 0 ? 0 : 7);
         TEST_ASSERT_TRUE(hall.valid);
         TEST_ASSERT_DOUBLE_WITHIN(
             0.02, 0.0, angle_error_turns()); /* extrapolated with a speed known to 0.5 % */
@@ -48,7 +48,7 @@ void test_lasting_impossible_state_is_a_fault_that_heals_after_a_turn_in_order(v
         for (int n = 0; n < HALL_INVALID_PERIODS; n++) {
             TEST_ASSERT_TRUE(hall.valid);
             theta_turns += 0.005;
-            hall_step(&hall, &config, (uint8_t)state);
+            period((uint8_t)state);
         }
         TEST_ASSERT_EQUAL_UINT16(1, hall.faults);
         /* Dead reckoning: 64 periods with a speed known to 0.5 %, and a period of the last edge. */
@@ -63,14 +63,14 @@ void test_impossible_state_during_ride_through_restarts_the_count_of_edges(void)
     turn_for(4000, 0.005);
     for (int n = 0; n < HALL_INVALID_PERIODS; n++) {
         theta_turns += 0.005;
-        hall_step(&hall, &config, 7);
+        period(7);
     }
     while (hall.plausible_edges < HALL_PLAUSIBLE_EDGES - 1) {
         turn(0.005);
         TEST_ASSERT_FALSE(hall.valid);
     }
     theta_turns += 0.005;
-    hall_step(&hall, &config, 7);
+    period(7);
     assert_healed_after_six_edges(0.005);
 }
 
@@ -79,7 +79,7 @@ void test_bouncing_edge_during_ride_through_counts_once(void)
     turn_for(4000, 0.005);
     for (int n = 0; n < HALL_INVALID_PERIODS; n++) {
         theta_turns += 0.005;
-        hall_step(&hall, &config, 7);
+        period(7);
     }
     TEST_ASSERT_FALSE(hall.valid);
     int edges = 0;
@@ -90,7 +90,7 @@ void test_bouncing_edge_during_ride_through_counts_once(void)
             edges++;
             theta_turns +=
                 0.005; /* back for one period, of the four that are an eighth of a sector's time */
-            hall_step(&hall, &config, STATE_OF_SECTOR[left]);
+            period(STATE_OF_SECTOR[left]);
         }
     }
     TEST_ASSERT_INT_WITHIN(1, 6,
@@ -108,7 +108,7 @@ void test_dead_reckoning_lasts_for_the_torque_ramp_after_loss_of_all_sensors(voi
         turn_for(4000, 0.005);
         for (int n = 0; n < 2000; n++) {
             theta_turns += 0.005;
-            hall_step(&hall, &config, (uint8_t)state);
+            period((uint8_t)state);
             TEST_ASSERT_DOUBLE_WITHIN(0.06, 0.0, angle_error_turns());
         }
         TEST_ASSERT_FALSE(hall.valid);
@@ -119,7 +119,7 @@ void test_standstill_heals_a_fault_only_with_a_valid_state(void)
 {
     turn_for(4000, 0.005);
     for (int n = 0; n < 20000; n++) {
-        hall_step(&hall, &config, 7);
+        period(7);
     }
     TEST_ASSERT_FALSE(hall.valid);
     TEST_ASSERT_EQUAL_INT32(0, hall.speed_q32);
@@ -130,9 +130,9 @@ void test_standstill_heals_a_fault_only_with_a_valid_state(void)
 
 void test_angle_is_invalid_before_the_first_valid_state(void)
 {
-    hall_step(&hall, &config, 0);
+    period(0);
     TEST_ASSERT_FALSE(hall.valid);
-    hall_step(&hall, &config, 7);
+    period(7);
     TEST_ASSERT_FALSE(hall.valid);
     turn(0.0);
     TEST_ASSERT_TRUE(hall.valid);
@@ -144,9 +144,7 @@ void test_skipped_sector_is_counted_and_heals_after_a_turn_in_order(void)
         for (int jump = 2; jump <= 4; jump++) {
             restart();
             turn_for(4000, back * 0.005);
-            hall_step(
-                &hall, &config,
-                STATE_OF_SECTOR[(true_sector() + jump) % 6]); /* a disturbance of one period */
+            period(STATE_OF_SECTOR[(true_sector() + jump) % 6]); /* a disturbance of one period */
             TEST_ASSERT_EQUAL_UINT16(1, hall.faults);
             theta_turns += back * 0.005;
             TEST_ASSERT_DOUBLE_WITHIN(0.02, 0.0, angle_error_turns());
@@ -164,7 +162,7 @@ void test_impossible_reversal_starts_ride_through(void)
     }
     turn_for(10, 0.005); /* past the time of a bounce */
     theta_turns += 0.005;
-    hall_step(&hall, &config, STATE_OF_SECTOR[sector]);
+    period(STATE_OF_SECTOR[sector]);
     TEST_ASSERT_EQUAL_UINT16(1, hall.faults);
     TEST_ASSERT_DOUBLE_WITHIN(0.02, 0.0, angle_error_turns());
     TEST_ASSERT_DOUBLE_WITHIN(0.005 * 0.01, 0.005, speed_turns());
@@ -207,8 +205,7 @@ void test_stuck_sensor_keeps_a_bounded_angle_error_and_never_heals(void)
                         theta_turns += SPEEDS[s];
                         const unsigned healthy = STATE_OF_SECTOR[true_sector()];
                         const unsigned bit = 1U << sensor;
-                        hall_step(&hall, &config,
-                                  (uint8_t)(stuck != 0 ? (healthy | bit) : (healthy & ~bit)));
+                        period((uint8_t)(stuck != 0 ? (healthy | bit) : (healthy & ~bit)));
                         const bool late = n * fabs(SPEEDS[s]) > 1.0;
                         TEST_ASSERT_FALSE(late && hall.valid);
                         worst = fmax(worst, fabs(angle_error_turns()));
@@ -243,8 +240,7 @@ void test_stuck_sensor_is_detected_within_one_electrical_turn(void)
                         theta_turns += SPEEDS[s];
                         const unsigned healthy = STATE_OF_SECTOR[true_sector()];
                         const unsigned bit = 1U << sensor;
-                        hall_step(&hall, &config,
-                                  (uint8_t)(stuck != 0 ? (healthy | bit) : (healthy & ~bit)));
+                        period((uint8_t)(stuck != 0 ? (healthy | bit) : (healthy & ~bit)));
                         noticed = hall.faults > 0 || !hall.valid;
                     }
                     TEST_ASSERT_TRUE(noticed);

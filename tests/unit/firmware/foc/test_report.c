@@ -24,7 +24,8 @@ void tearDown(void) {}
 static fast_report_t reported(void)
 {
     fast_report_t report;
-    foc_report(&foc, &report);
+    foc_report_copy(&foc, &report);
+    foc_report_complete(&report);
     return report;
 }
 

@@ -26,13 +26,19 @@ static const foc_period_t *const period = &foc.period;
 static foc_input_t in;
 static uint16_t *const codes = in.phase_current_code;
 
+static inline void read_report(void)
+{
+    foc_report_copy(&foc, &report);
+    foc_report_complete(&report);
+}
+
 static inline void restart(void)
 {
     foc_init(&foc, &config, BASES_MODEL_TIMER_Hz);
     const fast_setpoint_t at_rest = {.sequence = 0};
     setpoint = at_rest;
     operating_point_initial_setpoint(&config, BASES_MODEL_TIMER_Hz, &setpoint);
-    foc_report(&foc, &report);
+    read_report();
 }
 
 static inline void rig_up(void)
@@ -63,7 +69,7 @@ static inline void step(bool run)
     } else {
         foc_idle_step(&foc, &config, &setpoint, &in);
     }
-    foc_report(&foc, &report);
+    read_report();
 }
 
 #endif

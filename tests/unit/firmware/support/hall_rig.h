@@ -52,10 +52,24 @@ static inline double speed_turns(void)
     return hall.speed_q32 / 4294967296.0;
 }
 
+/* One period, as rotor_step() makes it. */
+static inline void period_observed(uint8_t sensors, hall_observed_t observed)
+{
+    if (!hall_extrapolate(&hall, sensors)) {
+        hall_process_event(&hall, &config, sensors, observed);
+    }
+}
+
+static inline void period(uint8_t sensors)
+{
+    const hall_observed_t unknown = {.known = false};
+    period_observed(sensors, unknown);
+}
+
 static inline void turn(double speed_turns_per_period)
 {
     theta_turns += speed_turns_per_period;
-    hall_step(&hall, &config, STATE_OF_SECTOR[true_sector()]);
+    period(STATE_OF_SECTOR[true_sector()]);
 }
 
 /* The same with an EMF observer that is wrong by a constant angle. */
@@ -65,10 +79,7 @@ static inline void turn_observed(double speed_turns_per_period, double observed_
     const double seen_turns = theta_turns + observed_error_turns;
     const hall_observed_t observed = {
         .theta_turn = (uint16_t)lround((seen_turns - floor(seen_turns)) * 65535.0), .known = true};
-    const uint8_t sensors = STATE_OF_SECTOR[true_sector()];
-    if (!hall_extrapolate(&hall, sensors)) {
-        hall_process_event(&hall, &config, sensors, observed);
-    }
+    period_observed(STATE_OF_SECTOR[true_sector()], observed);
 }
 
 static inline void turn_for(int periods, double speed_turns_per_period)
