@@ -123,13 +123,4 @@ static inline int32_t bases_at_winding_temperature(const config_t *config, int32
     return q_saturate64(((int64_t)at_reference * share_q24) >> 24);
 }
 
-/* The magnets' flux linkage, peak phase, with magnets as warm as the winding (as the stored tables
- * have them). */
-static inline int32_t bases_flux_nWb(const config_t *config, int32_t winding_temperature_cC)
-{
-    const int32_t coefficient_ppm_K = config->motor.flux_coefficient_ppm_K;
-    const int32_t share_q24 = bases_share_at_q24(config, coefficient_ppm_K, winding_temperature_cC);
-    return q_saturate64(((int64_t)config->motor.flux_linkage_nWb * share_q24) >> 24);
-}
-
 #endif

@@ -5,12 +5,10 @@
  * modes acts by two of these columns: a warning whose reaction is NONE leaves the mode alone, a
  * latched fault is acknowledged or not by its clearing. The other words say what monitor, torque
  * and controller do; test_fault_rows.c compares each row with it. The reason that a monitor gives
- * as its fault must be one of those with fault_latches().
+ * as its fault must be one that stays until it is acknowledged or until a restart.
  */
 #ifndef CORE_FAULT_H
 #define CORE_FAULT_H
-
-#include <stdbool.h>
 
 #include "core/reason.h"
 
@@ -68,13 +66,6 @@ fault_clearing_t fault_clearing(reason_t reason);
 
 /* Reaction of a code; SAFE_STATE for a number that is not in the table. */
 fault_reaction_t fault_reaction(reason_t reason);
-
-/* True if the code, once it is a fault, stays one until it is acknowledged or until a restart. */
-static inline bool fault_latches(reason_t reason)
-{
-    const fault_clearing_t clearing = fault_clearing(reason);
-    return clearing == FAULT_CLEARING_ACKNOWLEDGED || clearing == FAULT_CLEARING_RESTART;
-}
 
 /* The words of the lists above. Never NULL. */
 const char *fault_reaction_text(fault_reaction_t reaction);

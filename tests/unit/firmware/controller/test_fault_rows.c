@@ -3,6 +3,7 @@
  * bridge, mode and acknowledgement are what its reaction and its clearing say. */
 #include "controller_rig.h"
 #include "core/fault.h"
+#include "fault_rows.h"
 #include "unity.h"
 
 enum { LONG_ms = 3000, LATCHED_ms = 2500, LOST_ms = 100000 };
@@ -286,7 +287,7 @@ static void check_safe_state(const fault_t *row)
     TEST_ASSERT_EQUAL_INT_MESSAGE(BRIDGE_OFF, rig.pwm.bridge, name);
     rig_slow(&rig);
     TEST_ASSERT_EQUAL_INT_MESSAGE(BRIDGE_OFF, rig.to_fast.safe_bridge, name);
-    if (fault_latches(row->reason)) {
+    if (is_latched(row)) {
         prefer_short();
         rig_run(&rig, 300);
         TEST_ASSERT_EQUAL_INT_MESSAGE(MODE_FAULT, rig.out.mode, name);
@@ -471,7 +472,7 @@ void test_end_of_each_row_follows_from_its_clearing(void)
 {
     const fault_t *row = fault_row(0);
     for (unsigned i = 0; row != NULL; row = fault_row(++i)) {
-        if (fault_latches(row->reason)) {
+        if (is_latched(row)) {
             check_latched(row);
         } else {
             check_warning(row);

@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "core/fault.h"
+#include "fault_rows.h"
 #include "modes_rig.h"
 #include "random_values.h"
 
@@ -249,7 +250,7 @@ static reason_t random_latched(random_t *random)
 {
     for (;;) {
         const fault_t *row = fault_row((unsigned)random_between(random, 0, 63));
-        if (row != NULL && fault_latches(row->reason)) {
+        if (row != NULL && is_latched(row)) {
             return row->reason;
         }
     }

@@ -74,7 +74,9 @@ static inline dq_t slow_rig_voltage_pu(const slow_rig_t *rig, dq_t i_pu)
     const double turned = w / rig->config.drive.pwm_frequency_Hz;
     const double g = turned * turned / 12.0;
     const int32_t winding_cC = q_limit(rig->in.temperature.winding_cC, 30000);
-    const double psi = bases_flux_nWb(&rig->config, winding_cC) * 1e-9;
+    const double warmer_K = (winding_cC - m->reference_temperature_cC) * 1e-2;
+    const double psi =
+        m->flux_linkage_nWb * 1e-9 * (1.0 + m->flux_coefficient_ppm_K * 1e-6 * warmer_K);
     const double r =
         bases_at_winding_temperature(&rig->config, m->phase_resistance_uOhm, winding_cC) * 1e-6;
     const double i_d =
