@@ -81,12 +81,3 @@ int32_t loss_maps_row_rise_mA(const loss_maps_row_t *row, int32_t along_mNm)
     const int32_t point = q_min((along_mNm + row->zero_mNm) >> row->step_log2, row->points - 2);
     return at_torque_mA(row, point + 1) - at_torque_mA(row, point);
 }
-
-int32_t loss_maps_d_current_mA(const config_t *config, int32_t speed_mrad_s,
-                               int32_t winding_temperature_cC, int32_t airgap_torque_mNm)
-{
-    const loss_maps_row_t row = loss_maps_row_at(config, speed_mrad_s, winding_temperature_cC);
-    const int32_t along_mNm =
-        speed_mrad_s >= 0 ? airgap_torque_mNm : -q_max(airgap_torque_mNm, -INT32_MAX);
-    return loss_maps_row_d_mA(&row, along_mNm);
-}

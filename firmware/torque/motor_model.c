@@ -165,15 +165,6 @@ int32_t motor_model_torque_mNm(const motor_model_t *model, motor_point_t at)
     return motor_model_shaft_mNm(model, motor_model_airgap_b(model, at));
 }
 
-int32_t motor_model_current_q_mA(const motor_model_t *model, int32_t torque_mNm, int32_t i_d_mA)
-{
-    motor_point_t at = {.d_b = motor_model_current_b(model->constants, i_d_mA), .x_b = 0};
-    at.x_b =
-        motor_model_x_of_airgap_b(model, motor_model_airgap_of_shaft_b(model, torque_mNm), at.d_b);
-    const int32_t along_mA = motor_model_current_mA(model->constants, motor_model_i_q_b(model, at));
-    return model->speed_mrad_s >= 0 ? along_mA : -along_mA;
-}
-
 int32_t motor_model_bus_current_mA(const motor_model_t *model, motor_point_t at, int32_t bus_mV)
 {
     const motor_constants_t *k = model->constants;

@@ -68,7 +68,7 @@ VALUES: dict[str, tuple[str, ...]] = {
         "loss_maps_row_at", "loss_maps_torque_mNm", "loss_braking_at", "loss_braking_torque_mNm",
     ),
     "motor_model": (
-        "motor_model_torque_mNm", "motor_model_current_q_mA", "motor_model_bus_current_mA",
+        "motor_model_torque_mNm", "motor_model_bus_current_mA",
         "motor_model_airgap_b", "motor_model_x_of_airgap_b", "motor_model_airgap_per_x",
         "motor_model_airgap_per_d", "motor_model_x_per_d",
     ),
@@ -84,7 +84,7 @@ VALUES: dict[str, tuple[str, ...]] = {
     "short_surges": ("safe_state_short_surges",),
     "exit_fits": ("short_exit_fits",),
     "grid": ("grid_interpolate", "grid_weights", "grid_weighted"),
-    "map_row": ("loss_maps_row_rise_mA", "loss_maps_row_d_mA", "loss_maps_d_current_mA"),
+    "map_row": ("loss_maps_row_rise_mA", "loss_maps_row_d_mA"),
     "feasible_points": ("feasible_holds", "feasible_excess_b", "feasible_point"),
     "feasible_parts": ("feasible_circle_d_b", "feasible_ellipse_root"),
     "available_ahead": ("available_ahead_step", "torque_look_ahead"),

@@ -90,7 +90,8 @@ static void check_current_map(int32_t layers)
     used = map->torque_points * map->speed_points * map->temperature_points;
     ASSUME(used <= CONFIG_CURRENT_MAP_POINTS_MAX);
     values = layers == 2; /* these take every path */
-    (void)loss_maps_d_current_mA(&config, nondet_int32(), nondet_int32(), nondet_int32());
+    const loss_maps_row_t row = loss_maps_row_at(&config, nondet_int32(), nondet_int32());
+    (void)loss_maps_row_d_mA(&row, nondet_int32());
 }
 
 /* As many as the validator accepts; a product of three unknowns would take the checker a minute. */

@@ -19,13 +19,15 @@ tables_current_t tables_currents(const config_t *config, int32_t speed_mrad_s,
     motor_constants_init(&constants, config);
     const motor_model_t model =
         motor_model_at(&constants, config, speed_mrad_s, winding_temperature_cC);
-    const int32_t d_mA =
-        loss_maps_d_current_mA(config, speed_mrad_s, winding_temperature_cC, airgap_torque_mNm);
     const int32_t forward = speed_mrad_s >= 0 ? 1 : -1;
-    const int32_t shaft_mNm = motor_model_shaft_mNm(
-        &model, forward * scaled_shift(airgap_torque_mNm, constants.torque_shift));
-    const tables_current_t out = {.d_mA = d_mA,
-                                  .q_mA = motor_model_current_q_mA(&model, shaft_mNm, d_mA)};
+    const int32_t along_mNm = forward * airgap_torque_mNm;
+    const loss_maps_row_t row = loss_maps_row_at(config, speed_mrad_s, winding_temperature_cC);
+    const int32_t d_mA = loss_maps_row_d_mA(&row, along_mNm);
+    motor_point_t at = {.d_b = motor_model_current_b(&constants, d_mA), .x_b = 0};
+    at.x_b =
+        motor_model_x_of_airgap_b(&model, scaled_shift(along_mNm, constants.torque_shift), at.d_b);
+    const int32_t q_mA = motor_model_current_mA(&constants, motor_model_i_q_b(&model, at));
+    const tables_current_t out = {.d_mA = d_mA, .q_mA = forward * q_mA};
     return out;
 }
 

@@ -61,12 +61,4 @@ int32_t loss_maps_row_d_mA(const loss_maps_row_t *row, int32_t along_mNm);
  */
 int32_t loss_maps_row_rise_mA(const loss_maps_row_t *row, int32_t along_mNm);
 
-/* The same for one torque, signed, positive forward.
- *
- * @post is_within(result, -CURRENT_MAP_MOST_lsb * (1 << config->current_map.lsb_log2),
- * CURRENT_MAP_MOST_lsb * (1 << config->current_map.lsb_log2))
- */
-int32_t loss_maps_d_current_mA(const config_t *config, int32_t speed_mrad_s,
-                               int32_t winding_temperature_cC, int32_t airgap_torque_mNm);
-
 #endif

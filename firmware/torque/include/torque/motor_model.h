@@ -127,26 +127,6 @@ motor_point_t motor_model_point(const motor_model_t *model, motor_current_t i);
  */
 int32_t motor_model_torque_mNm(const motor_model_t *model, motor_point_t at);
 
-/* Terminal i_q that makes a shaft torque together with a terminal i_d, within eight times the phase
- * current limit. The effective flux is taken as at least a quarter of the magnet flux and at least
- * half of the flux at this i_d. It is lower only where i_d or i_q acts against the saliency; there
- * no current gives the torque, and the result is finite, has the correct sign and gives less
- * torque.
- *
- * @pre is_within(model->constants->current_shift, 1, 16) &&
- * is_within(model->constants->torque_shift, -30, 30) && is_within(model->friction_b, 0, 1 << 26)
- *
- * @pre model->flux_b >= 4 && model->constants->torque_inverse_q24 >= 0 && model->x_per_airgap_q23
- * >= 0
- *
- * @post is_within(result, -(1 << 30), 1 << 30)
- *
- * @post model->iron_current_b != 0 || model->cross_d != 0 || model->one_plus_a2 != SCALED_ONE ||
- * torque_mNm == 0 || (torque_mNm > 0) != (model->speed_mrad_s >= 0) || (torque_mNm > 0 ? result >=
- * 0 : result <= 0)
- */
-int32_t motor_model_current_q_mA(const motor_model_t *model, int32_t torque_mNm, int32_t i_d_mA);
-
 /* Direct current of a point at a bus voltage, positive out of the battery, with the inverter's
  * loss.
  *
@@ -228,7 +208,10 @@ static inline int32_t motor_model_bridge_loss_b(const motor_constants_t *constan
  */
 int32_t motor_model_airgap_b(const motor_model_t *model, motor_point_t at);
 
-/* i_qt that makes an airgap torque with a terminal i_d, both along the rotation.
+/* i_qt that makes an airgap torque with a terminal i_d, both along the rotation. The effective flux
+ * is taken as at least a quarter of the magnet flux and at least half of the flux at this i_d. It
+ * is lower only where i_d or i_q acts against the saliency; there no current gives the torque, and
+ * the result is finite, has the correct sign and gives less torque.
  *
  * @post is_within(result, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b)
  *

@@ -50,18 +50,16 @@ static inline double volts(const drive_t *drive, reference_point_t p)
 
 static inline reference_point_t at_map(const drive_t *drive, double airgap_nm)
 {
-    const double map_a =
-        1e-3 * loss_maps_d_current_mA(drive->config, drive->speed_mrad_s, drive->winding_cC,
-                                      (int32_t)lround(1e3 * airgap_nm));
+    const double map_a = 1e-3 * map_d_mA(drive->config, drive->speed_mrad_s, drive->winding_cC,
+                                         (int32_t)lround(1e3 * airgap_nm));
     return at_d(drive, map_a, airgap_nm);
 }
 
 /* With the map's i_d, or the i_d on the voltage limit, down to the largest field weakening. */
 static inline reference_point_t at_torque(const drive_t *drive, double airgap_nm)
 {
-    const double map_a =
-        1e-3 * loss_maps_d_current_mA(drive->config, drive->speed_mrad_s, drive->winding_cC,
-                                      (int32_t)lround(1e3 * airgap_nm));
+    const double map_a = 1e-3 * map_d_mA(drive->config, drive->speed_mrad_s, drive->winding_cC,
+                                         (int32_t)lround(1e3 * airgap_nm));
     double high_a = map_a;
     double low_a = fmin(map_a, drive->weakest_a);
     if (volts(drive, at_d(drive, map_a, airgap_nm)) <= drive->phase_v) {

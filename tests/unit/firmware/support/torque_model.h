@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * torque_model.h: the motor model of a configuration for tests, and its binary scales in SI units.
+ * torque_model.h: motor model and d-current map of a configuration for tests, and the binary scales
+ * in SI units.
  */
 #ifndef TORQUE_MODEL_H
 #define TORQUE_MODEL_H
 
 #include <math.h>
 
+#include "core/q15.h"
+#include "torque/loss_maps.h"
 #include "torque/motor_model.h"
 
 /* Each model keeps its own constants; the latest eight of them stay valid. */
@@ -18,6 +21,25 @@ static inline motor_model_t model_at(const config_t *config, int32_t speed_mrad_
     next = (next + 1) % 8;
     motor_constants_init(&constants[next], config);
     return motor_model_at(&constants[next], config, speed_mrad_s, winding_temperature_cC);
+}
+
+/* Terminal i_q that makes a shaft torque together with a terminal i_d; signed, positive forward. */
+static inline int32_t model_q_mA(const motor_model_t *model, int32_t torque_mNm, int32_t d_mA)
+{
+    const int32_t airgap_b = motor_model_airgap_of_shaft_b(model, torque_mNm);
+    motor_point_t at = {.d_b = motor_model_current_b(model->constants, d_mA), .x_b = 0};
+    at.x_b = motor_model_x_of_airgap_b(model, airgap_b, at.d_b);
+    const int32_t along_mA = motor_model_current_mA(model->constants, motor_model_i_q_b(model, at));
+    return model->speed_mrad_s >= 0 ? along_mA : -along_mA;
+}
+
+/* i_d of the map for an airgap torque, signed, positive forward. */
+static inline int32_t map_d_mA(const config_t *config, int32_t speed_mrad_s, int32_t winding_cC,
+                               int32_t airgap_mNm)
+{
+    const loss_maps_row_t row = loss_maps_row_at(config, speed_mrad_s, winding_cC);
+    return loss_maps_row_d_mA(&row,
+                              speed_mrad_s >= 0 ? airgap_mNm : -q_max(airgap_mNm, -INT32_MAX));
 }
 
 static inline double model_current_mA(const motor_model_t *model, int32_t current_b)

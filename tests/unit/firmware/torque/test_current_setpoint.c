@@ -59,9 +59,9 @@ void test_d_current_is_that_of_the_map_at_the_airgap_torque(void)
     config.motor.friction_torque_mNm = 5000; /* airgap torque = shaft torque + 5 Nm, forward */
     config.motor.viscous_friction_uNm_s = 0;
     for (int32_t torque_mNm = -200000; torque_mNm <= 200000; torque_mNm += 7777) {
-        TEST_ASSERT_EQUAL_INT32(loss_maps_d_current_mA(&config, 100000, 2500, torque_mNm + 5000),
+        TEST_ASSERT_EQUAL_INT32(map_d_mA(&config, 100000, 2500, torque_mNm + 5000),
                                 reference(100000, torque_mNm).i_d_mA);
-        TEST_ASSERT_EQUAL_INT32(loss_maps_d_current_mA(&config, -100000, 2500, torque_mNm - 5000),
+        TEST_ASSERT_EQUAL_INT32(map_d_mA(&config, -100000, 2500, torque_mNm - 5000),
                                 reference(-100000, torque_mNm).i_d_mA);
     }
 }
@@ -330,7 +330,7 @@ void test_the_current_has_the_torque_s_sign_at_the_smallest_speed(void)
 static int32_t wanted_q_mA(int32_t torque_mNm)
 {
     const motor_model_t model = model_at(&config, 0, 2500);
-    return motor_model_current_q_mA(&model, torque_mNm, 0);
+    return model_q_mA(&model, torque_mNm, 0);
 }
 
 /* 65.28 A: a 256th is 255 mA, a 16th 4080 mA. The flux is varied to meet every milliampere. */

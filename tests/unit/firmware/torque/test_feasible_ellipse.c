@@ -41,9 +41,8 @@ void test_setpoints_on_the_voltage_ellipse_make_the_torque_with_the_voltage_ther
             TEST_ASSERT_DOUBLE_WITHIN(1e-3 * configs[c]->motor.max_torque_mNm, 1e3 * airgap_nm,
                                       1e3 * at.torque_nm);
             TEST_ASSERT_TRUE(volts(&drive, at) <= 1.004 * drive.phase_v);
-            const double map_a =
-                1e-3 * loss_maps_d_current_mA(configs[c], drive.speed_mrad_s, drive.winding_cC,
-                                              (int32_t)lround(1e3 * airgap_nm));
+            const double map_a = 1e-3 * map_d_mA(configs[c], drive.speed_mrad_s, drive.winding_cC,
+                                                 (int32_t)lround(1e3 * airgap_nm));
             if (volts(&drive, at_d(&drive, map_a, airgap_nm)) > 1.005 * drive.phase_v) {
                 on_ellipse++;
                 TEST_ASSERT_TRUE(volts(&drive, at) >= 0.998 * drive.phase_v);

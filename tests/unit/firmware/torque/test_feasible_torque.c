@@ -135,8 +135,8 @@ static void assert_end(const reference_motor_t *m, const motor_model_t *model, d
                        double sign, int32_t found_mNm)
 {
     const int32_t airgap_mNm = found_mNm + (int32_t)lround(model_friction_mNm(model));
-    map_d_a = 1e-3 * loss_maps_d_current_mA(&config, model->speed_mrad_s,
-                                            model->winding_temperature_cC, airgap_mNm);
+    map_d_a =
+        1e-3 * map_d_mA(&config, model->speed_mrad_s, model->winding_temperature_cC, airgap_mNm);
     map_d_a = fmax(map_d_a, -1e-3 * config.motor.max_phase_current_mA);
     const double middle_a = least_volts_at_a(m);
     const double inner_mNm = shaft_mNm(m, model, end_a(m, middle_a, most_v - 0.015, sign)) * sign;

@@ -6,6 +6,7 @@
 #include "random_values.h"
 #include "reference_motor.h"
 #include "torque/loss_maps.h"
+#include "torque_model.h"
 #include "unity.h"
 
 static config_t config;
@@ -287,9 +288,9 @@ void test_d_current_map_is_linear_between_its_points_along_every_axis(void)
         const int32_t torque_mNm = random_between(&random, -2000, 2000);
         /* Up to two roundings to the nearest milliampere, one after the other, and 2^-17 of the
          * product of two fractions, which weighs a sum of differences of at most 2^17 entries. */
-        TEST_ASSERT_DOUBLE_WITHIN(
-            1.0 + CURRENT_LSB_mA, trilinear(speed_mrad_s, temperature_cC, torque_mNm),
-            loss_maps_d_current_mA(&config, speed_mrad_s, temperature_cC, torque_mNm));
+        TEST_ASSERT_DOUBLE_WITHIN(1.0 + CURRENT_LSB_mA,
+                                  trilinear(speed_mrad_s, temperature_cC, torque_mNm),
+                                  map_d_mA(&config, speed_mrad_s, temperature_cC, torque_mNm));
     }
 }
 
@@ -299,11 +300,10 @@ void test_d_current_map_equals_the_stored_current_at_its_points(void)
     for (int32_t w = 0; w < LAYERS; w++) {
         for (int32_t s = 0; s < SPEED_POINTS; s++) {
             for (int32_t t = 0; t < TORQUE_POINTS; t++) {
-                TEST_ASSERT_EQUAL_INT32(
-                    entry(w, s, t),
-                    loss_maps_d_current_mA(&config, s * SPEED_STEP_mrad_s,
-                                           ORIGIN_cC + w * TEMPERATURE_STEP_cC,
-                                           (t - TORQUE_POINTS / 2) * TORQUE_STEP_mNm));
+                TEST_ASSERT_EQUAL_INT32(entry(w, s, t),
+                                        map_d_mA(&config, s * SPEED_STEP_mrad_s,
+                                                 ORIGIN_cC + w * TEMPERATURE_STEP_cC,
+                                                 (t - TORQUE_POINTS / 2) * TORQUE_STEP_mNm));
             }
         }
     }
@@ -316,8 +316,7 @@ void test_single_layer_applies_at_any_temperature(void)
     for (int n = 0; n < 10000; n++) {
         const int32_t speed_mrad_s = random_between(&random, 0, 4000);
         const int32_t torque_mNm = random_between(&random, -2000, 2000);
-        const int32_t found_mA =
-            loss_maps_d_current_mA(&config, speed_mrad_s, random_wild(&random), torque_mNm);
+        const int32_t found_mA = map_d_mA(&config, speed_mrad_s, random_wild(&random), torque_mNm);
         TEST_ASSERT_DOUBLE_WITHIN(1.5, bilinear_d(0, speed_mrad_s, torque_mNm), found_mA);
     }
 }
@@ -330,27 +329,20 @@ void test_d_current_map_is_symmetric_in_the_direction_of_rotation(void)
         const int32_t speed_mrad_s = random_between(&random, 1, 4000);
         const int32_t temperature_cC = random_between(&random, -4000, 9000);
         const int32_t torque_mNm = random_between(&random, -2000, 2000);
-        TEST_ASSERT_EQUAL_INT32(
-            loss_maps_d_current_mA(&config, speed_mrad_s, temperature_cC, torque_mNm),
-            loss_maps_d_current_mA(&config, -speed_mrad_s, temperature_cC, -torque_mNm));
+        TEST_ASSERT_EQUAL_INT32(map_d_mA(&config, speed_mrad_s, temperature_cC, torque_mNm),
+                                map_d_mA(&config, -speed_mrad_s, temperature_cC, -torque_mNm));
     }
 }
 
 void test_d_current_map_is_clamped_to_its_edges(void)
 {
     random_d_map(6, LAYERS);
-    TEST_ASSERT_EQUAL_INT32(entry(0, 0, 0),
-                            loss_maps_d_current_mA(&config, 0, INT32_MIN, INT32_MIN));
-    TEST_ASSERT_EQUAL_INT32(entry(0, 0, 6),
-                            loss_maps_d_current_mA(&config, 0, INT32_MIN, INT32_MAX));
-    TEST_ASSERT_EQUAL_INT32(entry(0, 3, 6),
-                            loss_maps_d_current_mA(&config, INT32_MAX, INT32_MIN, INT32_MAX));
-    TEST_ASSERT_EQUAL_INT32(entry(2, 3, 0),
-                            loss_maps_d_current_mA(&config, INT32_MAX, INT32_MAX, INT32_MIN));
-    TEST_ASSERT_EQUAL_INT32(entry(2, 3, 6),
-                            loss_maps_d_current_mA(&config, INT32_MIN, INT32_MAX, INT32_MIN));
-    TEST_ASSERT_EQUAL_INT32(entry(2, 3, 0),
-                            loss_maps_d_current_mA(&config, INT32_MIN, INT32_MAX, INT32_MAX));
+    TEST_ASSERT_EQUAL_INT32(entry(0, 0, 0), map_d_mA(&config, 0, INT32_MIN, INT32_MIN));
+    TEST_ASSERT_EQUAL_INT32(entry(0, 0, 6), map_d_mA(&config, 0, INT32_MIN, INT32_MAX));
+    TEST_ASSERT_EQUAL_INT32(entry(0, 3, 6), map_d_mA(&config, INT32_MAX, INT32_MIN, INT32_MAX));
+    TEST_ASSERT_EQUAL_INT32(entry(2, 3, 0), map_d_mA(&config, INT32_MAX, INT32_MAX, INT32_MIN));
+    TEST_ASSERT_EQUAL_INT32(entry(2, 3, 6), map_d_mA(&config, INT32_MIN, INT32_MAX, INT32_MIN));
+    TEST_ASSERT_EQUAL_INT32(entry(2, 3, 0), map_d_mA(&config, INT32_MIN, INT32_MAX, INT32_MAX));
 }
 
 /* The rise over the step in which the torque lies, the last point's as that of the step before it,
@@ -400,12 +392,11 @@ void test_largest_valid_grid_is_read_up_to_its_last_point(void)
     const int32_t hot_cC = -10000 + (1 << 15);
     const int32_t top_mrad_s = 18 * (1 << 20);
     const int32_t most_mNm = 15 * (1 << 20);
-    TEST_ASSERT_EQUAL_INT32(1177, loss_maps_d_current_mA(&config, top_mrad_s, hot_cC, most_mNm));
-    TEST_ASSERT_EQUAL_INT32(1177 - 30,
-                            loss_maps_d_current_mA(&config, top_mrad_s, hot_cC, -most_mNm));
-    TEST_ASSERT_EQUAL_INT32(588, loss_maps_d_current_mA(&config, top_mrad_s, -10000, most_mNm));
-    TEST_ASSERT_EQUAL_INT32(15, loss_maps_d_current_mA(&config, 0, -10000, 0));
-    TEST_ASSERT_EQUAL_INT32(31, loss_maps_d_current_mA(&config, 1 << 20, -10000, -most_mNm));
+    TEST_ASSERT_EQUAL_INT32(1177, map_d_mA(&config, top_mrad_s, hot_cC, most_mNm));
+    TEST_ASSERT_EQUAL_INT32(1177 - 30, map_d_mA(&config, top_mrad_s, hot_cC, -most_mNm));
+    TEST_ASSERT_EQUAL_INT32(588, map_d_mA(&config, top_mrad_s, -10000, most_mNm));
+    TEST_ASSERT_EQUAL_INT32(15, map_d_mA(&config, 0, -10000, 0));
+    TEST_ASSERT_EQUAL_INT32(31, map_d_mA(&config, 1 << 20, -10000, -most_mNm));
 }
 
 void test_d_current_of_the_paper_s_vehicle_is_that_of_least_iron_and_copper_loss(void)
@@ -419,6 +410,6 @@ void test_d_current_of_the_paper_s_vehicle_is_that_of_least_iron_and_copper_loss
     const double r_ohm = 0.0365 + 0.0033;
     const double expected_a = -w * w * 76e-6 * 0.0204 / (r_ohm * iron_ohm + w * w * 76e-6 * 76e-6);
     TEST_ASSERT_DOUBLE_WITHIN(0.25 * fabs(expected_a) * 1e3, expected_a * 1e3,
-                              loss_maps_d_current_mA(&config, 50000, 7000, -20000));
-    TEST_ASSERT_INT32_WITHIN(10, 0, loss_maps_d_current_mA(&config, 0, 7000, 40000));
+                              map_d_mA(&config, 50000, 7000, -20000));
+    TEST_ASSERT_INT32_WITHIN(10, 0, map_d_mA(&config, 0, 7000, 40000));
 }

@@ -100,7 +100,7 @@ static void compare_current_of_random_torques(const config_t *config, uint64_t s
 
         const motor_model_t model = model_at(config, speed_mrad_s, temperature_cC);
         const double shaft_mNm = point.torque_nm * 1e3 - friction_mNm(config, speed_mrad_s);
-        const int32_t current_mA = motor_model_current_q_mA(&model, (int32_t)lround(shaft_mNm), 0);
+        const int32_t current_mA = model_q_mA(&model, (int32_t)lround(shaft_mNm), 0);
         TEST_ASSERT_DOUBLE_WITHIN(CURRENT_TOLERANCE_mA + 2e-4 * fabs(point.i_q_a) * 1e3,
                                   point.i_q_a * 1e3, current_mA);
     }
@@ -146,9 +146,9 @@ static void compare_current_at_any_i_d(const config_t *config, uint64_t seed)
             fabs(saliency_h * motor.w_rad_s * motor.l_q_h * motor.iron_siemens * i_qt_a) /
             (motor.psi_wb + saliency_h * point.i_d_a);
         const double left_mA = 2.0 * pow(share, 4.0) * fabs(i_qt_a) * 1e3;
-        TEST_ASSERT_DOUBLE_WITHIN(
-            CURRENT_TOLERANCE_mA + left_mA + 4e-4 * fabs(point.i_q_a) * 1e3, point.i_q_a * 1e3,
-            motor_model_current_q_mA(&model, (int32_t)lround(shaft_mNm), i_d_mA));
+        TEST_ASSERT_DOUBLE_WITHIN(CURRENT_TOLERANCE_mA + left_mA + 4e-4 * fabs(point.i_q_a) * 1e3,
+                                  point.i_q_a * 1e3,
+                                  model_q_mA(&model, (int32_t)lround(shaft_mNm), i_d_mA));
     }
     TEST_ASSERT_GREATER_THAN_INT(ROUNDS / 2, compared);
 }
@@ -167,14 +167,14 @@ void test_current_is_bounded_and_has_the_sign_of_the_torque_where_i_d_cancels_th
     const config_t config = salient_vehicle();
     const motor_model_t model = model_at(&config, 0, 2500);
     for (int32_t i_d_mA = 160000; i_d_mA <= 400000; i_d_mA += 1000) {
-        const int32_t driving_mA = motor_model_current_q_mA(&model, 100000, i_d_mA);
-        const int32_t braking_mA = motor_model_current_q_mA(&model, -100000, i_d_mA);
+        const int32_t driving_mA = model_q_mA(&model, 100000, i_d_mA);
+        const int32_t braking_mA = model_q_mA(&model, -100000, i_d_mA);
         TEST_ASSERT_TRUE(driving_mA > 0);
         TEST_ASSERT_INT32_WITHIN(10, -driving_mA, braking_mA);
         /* 100 Nm over 3/2 * 4 * a quarter of 0.09 Wb */
         TEST_ASSERT_TRUE(driving_mA <= 740741 + 100);
     }
-    TEST_ASSERT_INT32_WITHIN(100, 740741, motor_model_current_q_mA(&model, 100000, 400000));
+    TEST_ASSERT_INT32_WITHIN(100, 740741, model_q_mA(&model, 100000, 400000));
 }
 
 static void compare_round_trip(const config_t *config, uint64_t seed)
@@ -187,7 +187,7 @@ static void compare_round_trip(const config_t *config, uint64_t seed)
         const int32_t most = config->motor.max_torque_mNm;
         const int32_t torque_mNm = random_between(&random, -most, most);
         const int32_t i_d_mA = random_between(&random, -config->motor.max_phase_current_mA / 2, 0);
-        const int32_t current_mA = motor_model_current_q_mA(&model, torque_mNm, i_d_mA);
+        const int32_t current_mA = model_q_mA(&model, torque_mNm, i_d_mA);
         TEST_ASSERT_DOUBLE_WITHIN(torque_tolerance_mNm(config), torque_mNm,
                                   torque_of_mNm(&model, currents(i_d_mA, current_mA)));
     }
@@ -213,12 +213,12 @@ void test_current_has_the_sign_of_the_torque_where_saliency_cancels_the_flux(voi
     config.motor.iron_loss_resistance_slope_nOhm_s = 0;
     const motor_model_t model = model_at(&config, 400000, 2500); /* w L_q / R_i = 1.04 */
     const double magnet_alone_mA = 200000.0 / (1.5 * 4 * 0.09);
-    const double net_mA = motor_model_current_q_mA(&model, 200000, 0) -
-                          model_current_mA(&model, model.iron_current_b);
+    const double net_mA =
+        model_q_mA(&model, 200000, 0) - model_current_mA(&model, model.iron_current_b);
     TEST_ASSERT_TRUE(net_mA > 0.0);
     TEST_ASSERT_DOUBLE_WITHIN(1e-4 * magnet_alone_mA,
                               2.0 * magnet_alone_mA * model.one_plus_a2 / SCALED_ONE, net_mA);
-    TEST_ASSERT_TRUE(motor_model_current_q_mA(&model, -200000, 0) <
+    TEST_ASSERT_TRUE(model_q_mA(&model, -200000, 0) <
                      model_current_mA(&model, model.iron_current_b));
 }
 
@@ -273,7 +273,7 @@ void test_flux_falls_by_11_percent_over_100_kelvin_with_a_coefficient_of_minus_1
     TEST_ASSERT_DOUBLE_WITHIN(100.0, 21409800.0, flux_nWb(&config, -2000));
     /* 20 Nm take 20 / (1.5 * 23 * 0.018156) A, 30 A make 1.5 * 23 * 0.018156 * 30 Nm. */
     const motor_model_t hot = model_at(&config, 0, 12500);
-    TEST_ASSERT_INT32_WITHIN(2, 31929, motor_model_current_q_mA(&hot, 20000, 0));
+    TEST_ASSERT_INT32_WITHIN(2, 31929, model_q_mA(&hot, 20000, 0));
     TEST_ASSERT_INT32_WITHIN(2, 18791, torque_of_mNm(&hot, currents(0, 30000)));
 }
 
@@ -334,7 +334,7 @@ void test_torque_saturates_at_any_currents_and_speed(void)
             for (int q = 0; q < 5; q++) {
                 const motor_current_t i = currents(ends[d], ends[q]);
                 TEST_ASSERT_INT32_WITHIN(1000000000, 0, torque_of_mNm(&model, i));
-                (void)motor_model_current_q_mA(&model, ends[q], ends[d]);
+                (void)model_q_mA(&model, ends[q], ends[d]);
             }
         }
     }

@@ -224,10 +224,12 @@ def test_look_up_of_generator_and_firmware_is_bit_identical(
         check=True,
     )
     ffi = cffi.FFI()
-    ffi.cdef(
-        "int32_t loss_maps_d_current_mA(const void *config, int32_t speed_mrad_s,"
-        " int32_t winding_temperature_cC, int32_t airgap_torque_mNm);"
-    )
+    ffi.cdef("""
+        typedef struct { int64_t words[16]; } row_t;
+        row_t loss_maps_row_at(const void *config, int32_t speed_mrad_s,
+                               int32_t winding_temperature_cC);
+        int32_t loss_maps_row_d_mA(const row_t *row, int32_t along_mNm);
+    """)
     firmware: Any = ffi.dlopen(str(library))
     raw = ffi.from_buffer(image.build(drive))
     table = current_audit.choose(drive)
@@ -239,10 +241,11 @@ def test_look_up_of_generator_and_firmware_is_bit_identical(
     speeds, torques, warm = (
         rng.integers(low, high, 3000) for low, high in ((-top, top), (-most, most), (-5000, 20000))
     )
-    expected = [
-        firmware.loss_maps_d_current_mA(raw, int(s), int(w), int(t))
-        for s, w, t in zip(speeds, warm, torques, strict=True)
-    ]
+    row = ffi.new("row_t *")
+    expected = []
+    for s, w, t in zip(speeds, warm, torques, strict=True):
+        row[0] = firmware.loss_maps_row_at(raw, int(s), int(w))
+        expected.append(firmware.loss_maps_row_d_mA(row, int(t) if s >= 0 else -int(t)))
     found = current_map.read(table, torques / 1000.0, speeds / 1000.0, warm / 100.0)
     assert np.rint(found * 1000.0).astype(int).tolist() == expected
 
