@@ -134,6 +134,7 @@ static bool battery_may_hold(const config_t *config, int32_t bus_mV)
     return bus_is_known(config, bus_mV) && bus_mV >= config->battery.undervoltage_trip_mV;
 }
 
+/* Diodes that rectify the EMF into the bus. Zero torque and current where it does not reach. */
 static letting_go_t freewheel_at(machine_t *m, const config_t *config, const safe_state_input_t *in,
                                  int32_t bus_voltage_mV)
 {
@@ -159,12 +160,6 @@ static letting_go_t freewheel_at(machine_t *m, const config_t *config, const saf
     out.current_mA = share_of(m->infinite_mA, y_q24);
     out.charging_mA = q_scale(out.current_mA, SQRT3_HALF_Q15, 32768);
     return out;
-}
-
-letting_go_t safe_state_freewheel(const config_t *config, const safe_state_input_t *in)
-{
-    machine_t m = machine_at(config, in->speed_mrad_s);
-    return freewheel_at(&m, config, in, in->bus_voltage_mV);
 }
 
 static bool may_open(const config_t *config, const safe_state_input_t *in)

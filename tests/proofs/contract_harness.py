@@ -39,7 +39,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
 FULL = (
     "recorder", "torque", "feasible_torque", "torque_init", "motor_model", "motor_constants",
     "heat_and_brake", "loss_braking", "speed_and_emf",
-    "freewheel", "short", "safe_state", "shorted", "short_surges", "exit_fits",
+    "short", "safe_state", "shorted", "short_surges", "exit_fits",
     "grid", "map_row",
     "feasible_points", "feasible_parts", "available_ahead",
     "hydraulic_finding", "controller_init", "controller_slow", "controller_fast",
@@ -77,7 +77,6 @@ VALUES: dict[str, tuple[str, ...]] = {
     "loss_braking": ("loss_braking_setpoint",),
     "speed_and_emf": ("monitor_emf_step", "monitor_speed_step", "monitor_bus_swings"),
     # One by one: together they do not finish.
-    "freewheel": ("safe_state_freewheel",),
     "short": ("safe_state_short",),
     "safe_state": ("safe_state_step",),
     "shorted": ("safe_state_shorted",),

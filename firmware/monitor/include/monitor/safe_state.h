@@ -39,18 +39,10 @@ typedef struct {
 typedef struct {
     bridge_mode_t bridge;   /* BRIDGE_OFF or a short circuit */
     int32_t emf_mV;         /* w psi, peak phase */
-    letting_go_t freewheel; /* zero below the EMF limit; only with BRIDGE_OFF */
+    letting_go_t freewheel; /* the diodes rectify the EMF into the bus: zero below the EMF limit; at
+                               the present bus voltage only with BRIDGE_OFF */
     int32_t torque_mNm;     /* braking, of the state chosen */
 } safe_state_t;
-
-/* Diodes that rectify the EMF into the bus. Zero torque and current where it does not reach.
- *
- * @post !in->battery_open || (result.current_mA == 0 && result.charging_mA == 0 &&
- * result.torque_mNm == 0)
- *
- * @post result.current_mA == 0 || result.bus_mV == in->bus_voltage_mV
- */
-letting_go_t safe_state_freewheel(const config_t *config, const safe_state_input_t *in);
 
 /* Switches of one side closed.
  *
@@ -64,6 +56,12 @@ letting_go_t safe_state_short(const config_t *config, const safe_state_input_t *
  * bus below the devices' rating (short_exit.h).
  *
  * @post result.bridge == BRIDGE_OFF || result.bridge == BRIDGE_SHORT
+ *
+ * @post !in->battery_open || (result.freewheel.current_mA == 0 && result.freewheel.charging_mA == 0
+ * && result.freewheel.torque_mNm == 0)
+ *
+ * @post result.bridge != BRIDGE_OFF || result.freewheel.current_mA == 0 || result.freewheel.bus_mV
+ * == in->bus_voltage_mV
  */
 safe_state_t safe_state_step(const config_t *config, const safe_state_input_t *in);
 

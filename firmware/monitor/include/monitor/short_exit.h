@@ -4,8 +4,9 @@
  * bridge opens. Slow loop, only while the bridge is shorted.
  *
  * The current of a short circuit that has just begun circles around the settled one once an
- * electrical turn, and the bridge opens up to SHORT_EXIT_WINDOW_us after the sample: the largest
- * energy in that time counts (README, The safe state). Nothing wraps for any input.
+ * electrical turn, and the bridge opens up to 500 us after the sample (age of the report, slow
+ * step, and period in which it acts): the largest energy in that time counts (README, The safe
+ * state). Nothing wraps for any input.
  */
 #ifndef MONITOR_SHORT_EXIT_H
 #define MONITOR_SHORT_EXIT_H
@@ -15,10 +16,7 @@
 
 #include "config/config.h"
 
-enum {
-    SHORT_EXIT_WINDOW_us = 500, /* age of the report, slow step, and period in which it acts */
-    SHORT_EXIT_POINTS = 4       /* of the window, after its beginning */
-};
+enum { SHORT_EXIT_POINTS = 4 /* of that time, after its beginning */ };
 
 typedef struct {
     int32_t i_d_mA, i_q_mA; /* of the latest period, peak phase */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Limits of the slow monitor on both sides: torque, program flow, rotor, temperature, what the
  * missing flux is, and the wait before a short circuit that surges. */
+#include "freewheel.h"
 #include "monitor_rig.h"
 
 enum { TOLERANCE_mNm = 4000 };
@@ -221,7 +222,7 @@ static int32_t diode_current_mA(int32_t speed_mrad_s, int32_t bus_mV)
                                      .winding_temperature_cC = 2500,
                                      .bus_voltage_mV = bus_mV,
                                      .charge_current_mA = 1000000};
-    return safe_state_freewheel(&config, &open).current_mA;
+    return freewheel_of(&config, &open).current_mA;
 }
 
 /* 1 ohm: a millivolt above the bus drives about half a milliampere through the diodes. */
@@ -270,8 +271,7 @@ static void assert_waits(void)
                                          .bus_voltage_mV = in.bus_voltage_mV};
         const monitor_output_t out = step();
         TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.safe_bridge);
-        TEST_ASSERT_EQUAL_INT32(safe_state_freewheel(&config, &open).torque_mNm,
-                                out.safe_torque_mNm);
+        TEST_ASSERT_EQUAL_INT32(freewheel_of(&config, &open).torque_mNm, out.safe_torque_mNm);
     }
     for (int n = 0; n < 20; n++) {
         TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().safe_bridge);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What the slow step passes to its checks and takes from them: each condition that switches a check
  * off, and each field of the output. */
+#include "freewheel.h"
 #include "monitor_rig.h"
 
 enum {
@@ -259,7 +260,7 @@ void test_safe_state_is_that_of_the_speed_bound(void)
                                         .winding_temperature_cC = 2500,
                                         .bus_voltage_mV = 50000,
                                         .charge_current_mA = 1000000};
-    const letting_go_t off = safe_state_freewheel(&config, &turning);
+    const letting_go_t off = freewheel_of(&config, &turning);
     TEST_ASSERT_TRUE(off.charging_mA > 0 && off.torque_mNm > 0);
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.safe_bridge);
     TEST_ASSERT_TRUE(out.emf_conducts);

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "freewheel.h"
 #include "monitor/safe_state.h"
 #include "random_values.h"
 #include "unity.h"
@@ -158,7 +159,7 @@ void test_freewheel_of_every_configuration_is_that_of_the_circuit(void)
         /* With saliency the resistance is left out: rho is the error. */
         const bool salient = c->motor.d_inductance_nH != c->motor.q_inductance_nH;
         const double share = 4e-3 + (salient ? 1.2 * circuit.r / circuit.x_d : 0.0);
-        const letting_go_t found = safe_state_freewheel(c, &in);
+        const letting_go_t found = freewheel_of(c, &in);
         char text[160];
         snprintf(text, sizeof text, "%s %d mrad/s %d mV: %.2f A %.2f N m", c->name,
                  (int)in.speed_mrad_s, (int)in.bus_voltage_mV, expected.length, expected.torque_nm);
@@ -177,7 +178,7 @@ void test_power_of_the_rectified_current_is_the_braking_power(void)
 {
     in.speed_mrad_s = 73000;
     in.bus_voltage_mV = 50000;
-    const letting_go_t found = safe_state_freewheel(&config, &in);
+    const letting_go_t found = freewheel_of(&config, &in);
     const double i = found.current_mA * 1e-3;
     const double heat_w = 1.5 * config.motor.phase_resistance_uOhm * 1e-6 * i * i;
     const double diodes_w = 2.0 * 0.8 * found.charging_mA * 1e-3;
@@ -216,7 +217,7 @@ void test_the_state_with_less_torque_is_chosen_among_those_admissible(void)
         in.speed_mrad_s = in.speed_mrad_s / 2 * (2 + k % 2);
         in.charge_current_mA = random_between(&random, 0, config.battery.max_charge_current_mA);
         in.bridge = BRIDGE_OFF;
-        const letting_go_t off = safe_state_freewheel(&config, &in);
+        const letting_go_t off = freewheel_of(&config, &in);
         const letting_go_t shorted = safe_state_short(&config, &in);
         const safe_state_t out = choose();
         const bool off_good = off.current_mA <= config.motor.max_phase_current_mA &&
@@ -358,8 +359,7 @@ void test_states_of_any_accepted_motor_are_bounded(void)
         in.bridge = random_chance(&random, 0.5) ? BRIDGE_SHORT : BRIDGE_OFF;
         const safe_state_t chosen = safe_state_step(&config, &in);
         TEST_ASSERT_TRUE(chosen.bridge == BRIDGE_SHORT || chosen.bridge == BRIDGE_OFF);
-        const letting_go_t states[] = {safe_state_short(&config, &in),
-                                       safe_state_freewheel(&config, &in)};
+        const letting_go_t states[] = {safe_state_short(&config, &in), freewheel_of(&config, &in)};
         for (int k = 0; k < 2; k++) {
             TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, states[k].torque_mNm);
             TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, states[k].current_mA);

@@ -5,6 +5,7 @@
  */
 #include <math.h>
 
+#include "freewheel.h"
 #include "monitor/safe_state.h"
 #include "paper_vehicle.h"
 #include "unity.h"
@@ -70,7 +71,7 @@ void test_an_emf_beyond_the_number_format_saturates(void)
     in.battery_open = true;
     const safe_state_t out = safe_state_step(&config, &in);
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, out.emf_mV);
-    TEST_ASSERT_EQUAL_INT32(INT32_MAX - 10000, safe_state_freewheel(&config, &in).bus_mV);
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX - 10000, freewheel_of(&config, &in).bus_mV);
 }
 
 /* R is 10 uOhm against w L of at least 400 Ohm: the ratio is zero in 24 fraction bits, and the
@@ -124,7 +125,7 @@ void test_diodes_at_a_bus_far_below_the_emf_carry_flux_over_inductance_exactly(v
     config.motor.phase_resistance_uOhm = 10;
     set_emf(2000000000);
     in.bus_voltage_mV = 500;
-    TEST_ASSERT_EQUAL_INT32(1000000, safe_state_freewheel(&config, &in).current_mA);
+    TEST_ASSERT_EQUAL_INT32(1000000, freewheel_of(&config, &in).current_mA);
 }
 
 /* With R = 11.29 w L and u = 1/2: (sqrt(rho^2 + 1 - u^2) - rho u)/(1 + rho^2). The square of rho is
@@ -137,8 +138,7 @@ void test_a_resistance_at_the_end_of_its_format_leaves_the_rectified_current(voi
     in.bus_voltage_mV = 866025;
     const double rho = 11.29;
     const double y = (sqrt(rho * rho + 0.75) - 0.5 * rho) / (1.0 + rho * rho);
-    TEST_ASSERT_DOUBLE_WITHIN(0.01 * y * 1e6, y * 1e6,
-                              safe_state_freewheel(&config, &in).current_mA);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * y * 1e6, y * 1e6, freewheel_of(&config, &in).current_mA);
 }
 
 void test_a_resistance_beyond_its_format_never_makes_a_rectified_current_negative(void)
@@ -147,7 +147,7 @@ void test_a_resistance_beyond_its_format_never_makes_a_rectified_current_negativ
     config.motor.phase_resistance_uOhm = 60000000;
     set_emf(1000000);
     in.bus_voltage_mV = 1500000;
-    const letting_go_t off = safe_state_freewheel(&config, &in);
+    const letting_go_t off = freewheel_of(&config, &in);
     TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, off.current_mA);
     TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, off.torque_mNm);
 }
@@ -180,7 +180,7 @@ void test_the_rectified_current_of_a_salient_motor_without_resistance_is_that_of
             const double expected_mA =
                 1e5 * salient_current(Q_nH[k] * 1e-7, bus_mV * 1e-6 / sqrt(3.0));
             TEST_ASSERT_DOUBLE_WITHIN(1e-3 * expected_mA, expected_mA,
-                                      safe_state_freewheel(&config, &in).current_mA);
+                                      freewheel_of(&config, &in).current_mA);
         }
     }
 }
@@ -195,14 +195,14 @@ void test_the_rectified_current_follows_the_root_of_three(void)
     in.bus_voltage_mV = 1731185; /* 0.9995 sqrt(3) kV */
     const double expected_mA = 1e6 * sqrt(1.0 - 0.9995 * 0.9995);
     TEST_ASSERT_DOUBLE_WITHIN(1e6 * 7e-6 / 0.0316, expected_mA,
-                              safe_state_freewheel(&config, &in).current_mA);
+                              freewheel_of(&config, &in).current_mA);
 }
 
 /* ---- where diodes conduct ---- */
 
 static bool conducts(void)
 {
-    return safe_state_freewheel(&config, &in).current_mA > 0;
+    return freewheel_of(&config, &in).current_mA > 0;
 }
 
 /* sqrt(3) 1 V is 1.73205 V: a millivolt above 1.731 V, and not above 1.732 V. */
@@ -230,12 +230,12 @@ void test_a_bus_reading_below_zero_counts_as_an_empty_bus(void)
     in.battery_open = true;
     set_emf(1001);
     in.bus_voltage_mV = 0;
-    TEST_ASSERT_EQUAL_INT32(1, safe_state_freewheel(&config, &in).bus_mV);
+    TEST_ASSERT_EQUAL_INT32(1, freewheel_of(&config, &in).bus_mV);
     set_emf(1000);
     in.bus_voltage_mV = -5;
-    TEST_ASSERT_EQUAL_INT32(-5, safe_state_freewheel(&config, &in).bus_mV);
+    TEST_ASSERT_EQUAL_INT32(-5, freewheel_of(&config, &in).bus_mV);
     in.bus_voltage_mV = -1000;
-    TEST_ASSERT_EQUAL_INT32(-1000, safe_state_freewheel(&config, &in).bus_mV);
+    TEST_ASSERT_EQUAL_INT32(-1000, freewheel_of(&config, &in).bus_mV);
 }
 
 /* 4095 of 4096 codes of 409.6 V: 409.5 V. */
@@ -270,7 +270,7 @@ void test_a_voltage_drop_beyond_its_format_leaves_a_braking_torque(void)
     set_emf(1000000);
     for (int32_t bus_mV = 20000; bus_mV < 1730000; bus_mV += 20000) {
         in.bus_voltage_mV = bus_mV;
-        TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, safe_state_freewheel(&config, &in).torque_mNm);
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, freewheel_of(&config, &in).torque_mNm);
     }
 }
 
@@ -289,13 +289,13 @@ static void conduct_a_little(void)
     set_emf(1000000);
     in.bus_voltage_mV = 1731880;
     TEST_ASSERT_LESS_THAN_INT32(safe_state_short(&config, &in).torque_mNm,
-                                safe_state_freewheel(&config, &in).torque_mNm);
+                                freewheel_of(&config, &in).torque_mNm);
 }
 
 void test_a_charging_current_of_all_that_is_admissible_is_admissible(void)
 {
     conduct_a_little();
-    in.charge_current_mA = safe_state_freewheel(&config, &in).charging_mA;
+    in.charge_current_mA = freewheel_of(&config, &in).charging_mA;
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, chosen());
     in.charge_current_mA--;
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, chosen());
@@ -319,8 +319,7 @@ void test_a_short_circuit_of_less_torque_needs_an_admissible_current(void)
     conduct_a_little();
     in.bus_voltage_mV = 866025;
     const letting_go_t shorted = safe_state_short(&config, &in);
-    TEST_ASSERT_GREATER_THAN_INT32(shorted.torque_mNm,
-                                   safe_state_freewheel(&config, &in).torque_mNm);
+    TEST_ASSERT_GREATER_THAN_INT32(shorted.torque_mNm, freewheel_of(&config, &in).torque_mNm);
     config.motor.max_phase_current_mA = shorted.current_mA;
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, chosen());
     config.motor.max_phase_current_mA--;
@@ -335,7 +334,7 @@ static void conduct_without_torque(int32_t q_nH)
     in.speed_mrad_s = 100000000; /* 10 V, 17.3 V line to line */
     in.bus_voltage_mV = 10000;
     TEST_ASSERT_TRUE(conducts());
-    TEST_ASSERT_EQUAL_INT32(0, safe_state_freewheel(&config, &in).torque_mNm);
+    TEST_ASSERT_EQUAL_INT32(0, freewheel_of(&config, &in).torque_mNm);
     TEST_ASSERT_EQUAL_INT32(0, safe_state_short(&config, &in).torque_mNm);
 }
 
@@ -350,7 +349,7 @@ void test_of_two_states_with_equal_torque_the_bridge_opens(void)
 void test_a_rectified_current_beyond_the_phase_s_is_not_admissible(void)
 {
     conduct_without_torque(250000);
-    const int32_t off_mA = safe_state_freewheel(&config, &in).current_mA;
+    const int32_t off_mA = freewheel_of(&config, &in).current_mA;
     TEST_ASSERT_LESS_THAN_INT32(off_mA, safe_state_short(&config, &in).current_mA);
     config.motor.max_phase_current_mA = off_mA;
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, chosen());
@@ -426,7 +425,7 @@ void test_a_short_circuit_that_ends_reports_the_freewheel_at_the_bus_voltage(voi
     in.bridge = BRIDGE_SHORT;
     for (int32_t bus_mV = 1731880; bus_mV < 1740000; bus_mV += 8000) {
         in.bus_voltage_mV = bus_mV;
-        const letting_go_t off = safe_state_freewheel(&config, &in);
+        const letting_go_t off = freewheel_of(&config, &in);
         const safe_state_t out = safe_state_step(&config, &in);
         TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.bridge);
         TEST_ASSERT_EQUAL_INT32(off.current_mA, out.freewheel.current_mA);
