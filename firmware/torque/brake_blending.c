@@ -319,7 +319,6 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
     const brake_blending_out_t out = {
         .electric_mNm = electric.torque_mNm,
         .hydraulic_mNm = hydraulic_mNm,
-        .hydraulic_now_mNm = now.torque_mNm,
         .slower_mrad_s = state->slower_mrad_s,
         .road_mNm = q_max(-state->watch.beside_mNm, 0),
         .beside_mNm = q_max(beside_mNm, 0),

@@ -64,7 +64,6 @@ static demand_t lost_demand(demand_state_t *state, const config_t *config, const
         .engaged = state->engaged,
         .reason = REASON_DEMAND_TIMEOUT,
         .drive_withdrawn = true,
-        .lost = true,
         .hydraulic_valid = kept,
         .handed_over = handed_over,
     };

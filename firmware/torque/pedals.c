@@ -125,7 +125,6 @@ static void take_accelerator(pedals_state_t *state, const config_pedals_t *pedal
 
     const int32_t wanted_mNm = usable ? accelerator_mNm(pedals, travel) : 0;
     const int32_t along_mNm = state->must_release ? q_min(wanted_mNm, 0) : wanted_mNm;
-    out->accelerator_q15 = usable ? travel->smaller_q15 : 0;
     out->demand.drive_torque_mNm = along_mNm * drive_direction_sign(out->demand.direction);
     if (state->accelerator_fault) {
         out->demand.reason = REASON_ACCELERATOR_SENSOR;
@@ -145,8 +144,8 @@ pedals_output_t pedals_step(pedals_state_t *state, const config_t *config, const
         const travel_t travel = read_pedal(pedals, in, BRAKE, pedals->brake_channels, sampled);
         state->brake_fault = qualify(&state->brake_fault_ms, state->brake_fault, travel.plausible,
                                      pedals->fault_time_ms);
-        out.brake_q15 = brake_travel_q15(state, &travel);
-        out.demand.brake_torque_mNm = pedals_brake_torque_mNm(pedals, out.brake_q15);
+        out.demand.brake_torque_mNm =
+            pedals_brake_torque_mNm(pedals, brake_travel_q15(state, &travel));
         out.age_ms = state->no_brake_ms >= pedals->fault_time_ms ? UINT32_MAX : 0;
     }
     if (pedals->accelerator_channels > 0) {

@@ -88,11 +88,10 @@ typedef struct {
     reason_t hydraulic_reason; /* REASON_HYDRAULIC_LIMIT if both brakes cannot meet the demand,
                                   REASON_HYDRAULIC_FEEDBACK if feedback is lost */
     int32_t beside_mNm;        /* of the demand beside the hydraulic torque, >= 0 */
-    int32_t arrived_mNm; /* hydraulic torque that came in this step, >= 0: the motor torque beyond
-                            beside_mNm falls by it at once */
-    int32_t hydraulic_now_mNm; /* measured or estimated torque of the hydraulic brake */
-    int32_t slower_mrad_s;     /* speed expected when it has followed a command, magnitude */
-    int32_t road_mNm;          /* with which the road brakes, magnitude; 0: not known */
+    int32_t arrived_mNm;   /* hydraulic torque that came in this step, >= 0: the motor torque beyond
+                              beside_mNm falls by it at once */
+    int32_t slower_mrad_s; /* speed expected when it has followed a command, magnitude */
+    int32_t road_mNm;      /* with which the road brakes, magnitude; 0: not known */
 } brake_blending_out_t;
 
 /* @post state->hydraulic.next == 0 && state->hydraulic.torque_q6_mNm == 0 && !state->feedback.seen

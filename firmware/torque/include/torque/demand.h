@@ -47,7 +47,6 @@ typedef struct {
     drive_direction_t engaged;
     reason_t reason; /* why driving torque is not as demanded, or why the demand is an old one */
     bool drive_withdrawn; /* no driving torque is allowed: it must go at once, not at its rate */
-    bool lost;
     bool hydraulic_valid; /* false: the brake system takes its own path */
     bool handed_over;     /* it arrives there, and the braking torque falls */
 } demand_t;
@@ -71,10 +70,9 @@ void demand_init(demand_state_t *state);
  * @post result.lift_off_mNm >= 0 && result.brake_mNm >= 0 && result.lift_off_mNm <=
  * state->lift_off_mNm
  *
- * @post !result.lost || result.brake_mNm <= old(state->brake_mNm)
+ * @post !demand_is_lost(config, in->age_ms) || result.brake_mNm <= old(state->brake_mNm)
  *
- * @post result.lost == demand_is_lost(config, in->age_ms) && (!result.lost ||
- * result.drive_withdrawn)
+ * @post !demand_is_lost(config, in->age_ms) || result.drive_withdrawn
  *
  * @post result.drive_mNm == 0 || (!result.drive_withdrawn && result.brake_mNm == 0)
  *
@@ -84,8 +82,8 @@ void demand_init(demand_state_t *state);
  * @post result.drive_mNm >= 0 ? result.drive_mNm <= q_max(in->drive_mNm, 0) : result.drive_mNm >=
  * in->drive_mNm
  *
- * @post result.hydraulic_valid || (result.lost && (in->standstill || config->driver.no_other_brake
- * == 0))
+ * @post result.hydraulic_valid || (demand_is_lost(config, in->age_ms) && (in->standstill ||
+ * config->driver.no_other_brake == 0))
  *
  * @post !in->abs_active || result.lift_off_mNm == 0
  *

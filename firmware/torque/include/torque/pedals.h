@@ -46,9 +46,8 @@ typedef struct {
 } pedals_state_t;
 
 typedef struct {
-    wheel_demand_t demand;              /* of a wheel of share 1 */
-    uint32_t age_ms;                    /* as demand.h takes it */
-    int32_t accelerator_q15, brake_q15; /* travel that counts, 0 .. 32 768, without dead band */
+    wheel_demand_t demand; /* of a wheel of share 1 */
+    uint32_t age_ms;       /* as demand.h takes it */
 } pedals_output_t;
 
 /* @post state->must_release && state->no_brake_ms == INT32_MAX && !state->was_received
@@ -74,8 +73,6 @@ void pedals_init(pedals_state_t *state);
  * @post is_within(state->accelerator_fault_ms, 0, config->pedals.fault_time_ms) &&
  * is_within(state->brake_fault_ms, 0, config->pedals.fault_time_ms) && state->no_brake_ms >= 0 &&
  * is_within(state->brake_travel_q15, 0, 32768)
- *
- * @post is_within(result.accelerator_q15, 0, 32768) && is_within(result.brake_q15, 0, 32768)
  *
  * @post config->pedals.brake_channels == 0 || is_within(result.demand.brake_torque_mNm, 0,
  * config->pedals.brake_torque_mNm)
