@@ -8,9 +8,10 @@
 #include "torque/loss_maps.h"
 
 enum {
-    FILTER_LOG2 = 3, /* 8 rounds of 16 ms */
-    /* A low-pass of a ramp lags it by 7 rounds, 112 ms. Results are 14 to 30 ms old: 322 ms. */
-    AHEAD_q5 = 92,
+    FILTER_LOG2 = 3,                          /* 8 rounds of 16 ms */
+    LAG_ms = 7 * AVAILABLE_AHEAD_ROUND_steps, /* of a low-pass behind a ramp */
+    AGE_ms = 22,                              /* of results: 14 to 30 ms */
+    AHEAD_q5 = 32 * (AVAILABLE_AHEAD_ms + AGE_ms) / LAG_ms,
     PHASE_steps = 2, /* of a round's eight phases */
     MOST_SOLVED = 1, /* bounds of a step that has effort left */
     MOST_VALUE = 1 << 25,

@@ -69,8 +69,8 @@ pair_t kernel_clarke(triple_t phases)
 {
     /* Readings of mid-range whose zeros lie apart by the currents wanted; c is worked out, which
      * changes nothing when they add up. */
-    const int32_t middle_q4 = SENSE_CODE_MID * 16;
-    const uint16_t codes[3] = {SENSE_CODE_MID, SENSE_CODE_MID, SENSE_CODE_MID};
+    const int32_t middle_q4 = 2048 * 16;
+    const uint16_t codes[3] = {2048, 2048, 2048};
     const int32_t on_q16[3] = {0, 0, 1};
     const int32_t offset_q4[3] = {middle_q4 - phases.a, middle_q4 - phases.b, middle_q4 - phases.c};
     return kernel_sense(codes, offset_q4, on_q16);

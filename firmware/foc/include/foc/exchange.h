@@ -19,7 +19,7 @@
 #include "core/frames.h"
 #include "core/reason.h"
 
-enum { SENSE_PHASES = 3, SENSE_CODE_MID = 2048 /* zero current, 12 bit */ };
+enum { SENSE_PHASES = 3 };
 
 enum {
     PI_LARGEST_PROPORTIONAL_Q10 = 16383,

@@ -42,7 +42,7 @@ void test_the_initial_report_is_unlimited_with_mid_range_offsets(void)
     TEST_ASSERT_FALSE(report.voltage_limited);
     TEST_ASSERT_FALSE(report.adc_saturated);
     TEST_ASSERT_FALSE(report.offsets_done);
-    TEST_ASSERT_EQUAL_INT32(SENSE_CODE_MID * 16, report.offset_q4[2]);
+    TEST_ASSERT_EQUAL_INT32(2048 * 16, report.offset_q4[2]);
 }
 
 /* The slow context may complete the same copy again if the fast loop has made no new one. */

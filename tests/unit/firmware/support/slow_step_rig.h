@@ -60,7 +60,7 @@ static inline void slow_rig_start(slow_rig_t *rig, const config_t *config)
     rig->report.offsets_done = true;
     rig->report.rotor_valid = true;
     for (int x = 0; x < SENSE_PHASES; x++) {
-        rig->report.offset_q4[x] = SENSE_CODE_MID * 16;
+        rig->report.offset_q4[x] = 2048 * 16;
     }
 }
 
