@@ -28,7 +28,6 @@ bool background_check_step(background_check_t *check, uint32_t stack_free_bytes)
         const bool differs = check->crc != right;
         check->damaged = check->damaged || differs;
         check->config_damaged = check->config_damaged || (differs && !check->in_firmware);
-        check->rounds += check->in_firmware ? 1U : 0U;
         check->in_firmware = !check->in_firmware;
         check->at_bytes = 0;
         check->crc = 0;

@@ -33,7 +33,6 @@ typedef struct {
     bool in_firmware; /* else in the configuration */
     bool damaged;
     bool config_damaged; /* what is damaged is the configuration */
-    uint32_t rounds;     /* complete, of both images */
 } background_check_t;
 
 /* config: accepted at boot. */

@@ -52,7 +52,6 @@ typedef struct {
     char waiting[SHELL_PENDING_BYTES];
     uint32_t pending_bytes; /* in the buffer; the first `sent_bytes` of them are sent */
     uint32_t sent_bytes;
-    uint32_t dropped_lines;
 } shell_t;
 
 void shell_init(shell_t *shell, const shell_command_t *commands, uint32_t command_count);
@@ -64,8 +63,7 @@ text_t *shell_line(shell_t *shell);
 /* One byte that was typed. */
 void shell_receive(shell_t *shell, uint8_t byte);
 
-/* A line that is not an answer; its end of line is added. Dropped whole, and counted, if the buffer
- * is full. */
+/* A line that is not an answer; its end of line is added. Dropped whole if the buffer is full. */
 void shell_print(shell_t *shell, const text_t *line);
 
 /* True if one of the owner's commands has been typed and the buffer has space for the next line of

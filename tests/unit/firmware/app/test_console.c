@@ -183,7 +183,6 @@ void test_whole_configuration_is_printed_on_a_slow_line(void)
     TEST_ASSERT_TRUE(screen_bytes > SHELL_PENDING_BYTES);
     TEST_ASSERT_EQUAL_INT(1, times_shown("\nmotor.type "));
     TEST_ASSERT_EQUAL_INT(1, times_shown("\nregen_map.temperature_origin_cC "));
-    TEST_ASSERT_EQUAL_UINT32(0, console.shell.dropped_lines);
 }
 
 void test_two_commands_in_one_input_are_answered_in_order(void)
@@ -224,20 +223,20 @@ void test_no_byte_is_lost_on_a_line_that_takes_one_byte_at_a_time(void)
     console_greet(&console);
     type_and_wait("");
     assert_shows("configuration accepted\r\n");
-    TEST_ASSERT_EQUAL_UINT32(0, console.shell.dropped_lines);
 }
 
-void test_lines_are_discarded_whole_and_counted_on_a_blocked_line(void)
+void test_lines_are_discarded_whole_on_a_blocked_line(void)
 {
     line_takes = 0;
     for (int i = 0; i < 50; i++) {
         console_status(&console, &status);
         pump(0);
     }
-    TEST_ASSERT_TRUE(console.shell.dropped_lines > 0);
     line_takes = 1000;
     type_and_wait("");
-    TEST_ASSERT_EQUAL_INT(50 - (int)console.shell.dropped_lines, times_shown("\r\n"));
+    const int lines = times_shown("\r\n");
+    TEST_ASSERT_TRUE(lines > 0 && lines < 50);
+    TEST_ASSERT_EQUAL_INT(lines, times_shown("READY, "));
     TEST_ASSERT_EQUAL_CHAR('\n', screen[screen_bytes - 1]);
 }
 
