@@ -2,7 +2,6 @@
 #include "torque/hydraulic_watch.h"
 
 #include "core/q15.h"
-#include "hydraulic_tolerance.h"
 
 enum {
     ONE_Q15 = 1 << 15,
@@ -12,12 +11,15 @@ enum {
     ACQUIRE_LOG2 = 5,
     MOST_mNm = (1 << 23) - 1, /* largest input of the filter, and of a road with 8 fraction bits */
     MOST_GAIN_Q15 = 2 * ONE_Q15,
-    SLOW_LOG2 = 8,           /* 256 ms */
-    FADE_LOG2 = 13,          /* 8 s */
-    MOST_STEP_mNm = 1 << 22, /* largest input of the slow filters */
-    QUIET_SHARE = 3,         /* of the tolerance, without a command */
-    REPORT_SHARE = 3,        /* of the sum, where two of three agree */
-    AGREES_SHARE = 4         /* of the tolerance: smallest torque that shows a brake at work */
+    SLOW_LOG2 = 8,             /* 256 ms */
+    FADE_LOG2 = 13,            /* 8 s */
+    MOST_STEP_mNm = 1 << 22,   /* largest input of the slow filters */
+    QUIET_SHARE = 3,           /* of the tolerance, without a command */
+    REPORT_SHARE = 3,          /* of the sum, where two of three agree */
+    AGREES_SHARE = 4,          /* of the tolerance: smallest torque that shows a brake at work */
+    GAIN_PART = 5,             /* of its torque, that a brake may make more or less */
+    INERTIA_PART = 10,         /* of the known torque, that another inertia may take */
+    FOLLOWED_MOST_q8 = 1 << 23 /* largest change of the road in a millisecond */
 };
 
 static void end_finding(hydraulic_watch_t *watch)
@@ -361,6 +363,46 @@ static void follow_report(hydraulic_watch_t *watch, const config_brake_t *brake,
     }
 }
 
+/* An error by a part of a torque looks like a road: what of it the road has had no time to follow.
+ * |torque| < 2^24. */
+static int32_t unfollowed_mNm(int32_t *followed_q4_mNm, int32_t torque_mNm, int32_t change_q8_mNm,
+                              int32_t part)
+{
+    const int32_t apart_q4_mNm = torque_mNm * 16 - *followed_q4_mNm;
+    const int32_t most_q8_mNm = q_min(change_q8_mNm, FOLLOWED_MOST_q8);
+    const int32_t follows_q4_mNm = q_limit(apart_q4_mNm, most_q8_mNm * part / 16);
+    *followed_q4_mNm += follows_q4_mNm;
+    return q_abs(apart_q4_mNm - follows_q4_mNm) / (16 * part);
+}
+
+/* Of the gain of a healthy brake and of an inertia that is not learned, after a change of the road
+ * by up to that much. */
+static int32_t parts_unfollowed_mNm(hydraulic_watch_t *watch, int32_t hydraulic_mNm,
+                                    int32_t known_mNm, int32_t change_q8_mNm)
+{
+    return unfollowed_mNm(&watch->hydraulic_q4_mNm, hydraulic_mNm, change_q8_mNm, GAIN_PART) +
+           unfollowed_mNm(&watch->known_q4_mNm, known_mNm, change_q8_mNm, INERTIA_PART);
+}
+
+/* Of a ramp, a brake twice as late as configured misses two thirds of what lies between that and
+ * one twice as early. */
+static int32_t late_mNm(int32_t uncertain_mNm)
+{
+    return uncertain_mNm - uncertain_mNm / 4;
+}
+
+/* What is found without reports: a sixteenth more, since less is tolerated. */
+static int32_t end_of_sum_mNm_ms(int32_t enough_mNm_ms)
+{
+    return q_min(enough_mNm_ms, INT32_MAX / 2) / 16 * 17;
+}
+
+/* Sum of what exceeds the tolerance, from zero up to the end. */
+static int32_t summed_mNm_ms(int32_t sum_mNm_ms, int32_t beyond_mNm, int32_t end_mNm_ms)
+{
+    return q_clamp(q_saturate64((int64_t)sum_mNm_ms + beyond_mNm), 0, end_mNm_ms);
+}
+
 static void age(hydraulic_watch_t *watch)
 {
     watch->found_ms = q_min(watch->found_ms + 1, INT16_MAX);
@@ -449,22 +491,22 @@ void hydraulic_watch_step(hydraulic_watch_t *watch, const config_t *config,
         q_min(hydraulic_watch_corrected_mNm(watch, in->modelled_mNm), MOST_mNm);
     const int32_t shares_mNm = times_q15(expected_mNm, share_q15) +
                                times_q15(q_abs(in->motor_mNm - motor_mNm), share_q15) / 2;
-    const int32_t parts_mNm = hydraulic_unfollowed_mNm(
+    const int32_t parts_mNm = parts_unfollowed_mNm(
         watch, expected_mNm, watch->known_lp_mNm.accumulator >> FILTER_LOG2, change_q8);
-    const int32_t tolerated_mNm = floor_mNm + unlike_mNm + hydraulic_late_mNm(in->uncertain_mNm) +
+    const int32_t tolerated_mNm = floor_mNm + unlike_mNm + late_mNm(in->uncertain_mNm) +
                                   (in->reported ? shares_mNm : q_min(shares_mNm, parts_mNm));
     /* Without a command an excess may be a hill, sand, another load, a brake not commanded here. */
     const int32_t excess_mNm =
         commanded ? -lacking_mNm - tolerated_mNm
                   : -lacking_mNm - unlike_mNm - QUIET_SHARE * floor_mNm -
                         QUIET_SHARE * times_q15(q_abs(in->motor_mNm - motor_mNm), share_q15);
-    const int32_t end_mNm_ms = hydraulic_end_mNm_ms(enough_mNm_ms);
+    const int32_t end_mNm_ms = end_of_sum_mNm_ms(enough_mNm_ms);
     watch->missing_mNm_ms =
         commanded || watch->extra_mNm > 0
-            ? hydraulic_summed(watch->missing_mNm_ms, lacking_mNm - tolerated_mNm, end_mNm_ms)
+            ? summed_mNm_ms(watch->missing_mNm_ms, lacking_mNm - tolerated_mNm, end_mNm_ms)
             : 0;
     watch->excess_mNm_ms =
-        watch->provisional ? 0 : hydraulic_summed(watch->excess_mNm_ms, excess_mNm, end_mNm_ms);
+        watch->provisional ? 0 : summed_mNm_ms(watch->excess_mNm_ms, excess_mNm, end_mNm_ms);
     if (in->reported && !hidden && (undecided || in->contradicts_mNm != 0)) {
         decide_report(watch, in, lacking_mNm, enough_mNm_ms);
     } else if (in->reported && watch->reason == REASON_NONE) {
