@@ -24,15 +24,15 @@
 
 #include <stdint.h>
 
-#include "config/map_fields.h"
-#include "config/pedals_fields.h"
-
 #define CONFIG_MAGIC 0x434F4648 /* "HFOC" in memory, little endian */
 #define CONFIG_FORMAT_VERSION 17
 #define CONFIG_NAME_LENGTH 32
 #define CONFIG_HALL_EDGES 6
-#define CONFIG_PEDAL_CHANNELS 4 /* accelerator a and b, brake pedal a and b */
-#define CONFIG_WHEELS 4         /* in the order of vehicle.wheel_position */
+#define CONFIG_PEDAL_CHANNELS 4     /* accelerator a and b, brake pedal a and b */
+#define CONFIG_WHEELS 4             /* in the order of vehicle.wheel_position */
+#define CONFIG_REGEN_POINTS_MAX 800 /* such as 47 speeds at 17 temperatures, or 65 at 12 */
+/* such as 31 torques and 19 speeds at 2 temperatures */
+#define CONFIG_CURRENT_MAP_POINTS_MAX 1178
 
 #define CONFIG_MOTOR_SPMSM 0
 #define CONFIG_MOTOR_IPMSM 1
@@ -290,6 +290,40 @@
     X(demand_rise_ms,     0, 1000, "ms", "from zero to the largest, faster is refused; 0: none") \
     X(demand_lost_frames, 0, 3,    "1",  "Demand frames in a row that may be missing; default 2")
 
+#define CONFIG_PEDALS_FIELDS(X) \
+    X(accelerator_channels,   0,   2,        "1",   "0: the driving demand comes by CAN") \
+    X(brake_channels,         0,   2,        "1",   "0: the braking demand comes by CAN") \
+    X(interpretation,         0,   1,        "",    "brake pedal: 0 proportional, 1 free travel") \
+    X(drive_torque_mNm,       0,   20000000, "mNm", \
+      "whole accelerator, wheel of share 1; default motor.max_torque_mNm") \
+    X(lift_off_torque_mNm,    0,   20000000, "mNm", \
+      "braking torque of the released accelerator, wheel of share 1; 0: it coasts") \
+    X(lift_off_travel_q15,    328, 16384,    "1", \
+      "share of the accelerator over which lift-off braking fades out; default 0.15") \
+    X(brake_torque_mNm,       0,   20000000, "mNm", \
+      "whole brake pedal, motor and hydraulic, wheel of share 1; default both limits' sum") \
+    X(free_travel_q15,        328, 32440,    "1", \
+      "share of the brake pedal that is the friction brake's free travel; default 0.3") \
+    X(free_travel_torque_mNm, 0,   20000000, "mNm", \
+      "braking torque at its end; default brake.electric_rated_torque_mNm") \
+    X(dead_band_q15,          164, 8192,     "1",   "travel of a released pedal; default 0.05") \
+    X(difference_q15,         328, 16384,    "1", \
+      "of the travel: two channels farther apart are implausible; default 0.1") \
+    X(fault_time_ms,          1,   1000,     "ms", \
+      "qualify and heal time of a channel that is implausible or out of range; default 100") \
+    X(override_q15,           0,   32768,    "1", \
+      "accelerator beyond it with the brake pressed must be released; 1: never; default 0.25") \
+    X(other_wheels,           0,   15,       "",    "bit of each wheel position to send Demand to")
+
+/* Channels: accelerator a and b, brake pedal a and b; ratios are of the sensors' supply. */
+#define CONFIG_PEDALS_ARRAY(Y) \
+    Y(lowest_q15,      CONFIG_PEDAL_CHANNELS, 0, 32768, "1", "below: shorted to ground, or open") \
+    Y(highest_q15,     CONFIG_PEDAL_CHANNELS, 0, 32768, "1", "above: shorted to the supply") \
+    Y(released_q15,    CONFIG_PEDAL_CHANNELS, 0, 32768, "1", "ratio at 0 % travel") \
+    Y(pressed_q15,     CONFIG_PEDAL_CHANNELS, 0, 32768, "1", "ratio at 100 % travel") \
+    Y(drive_share_q15, CONFIG_WHEELS,         0, 32768, "1", "of drive and lift-off torque") \
+    Y(brake_share_q15, CONFIG_WHEELS,         0, 32768, "1", "of the braking torque")
+
 #define CONFIG_MODES_FIELDS(X) \
     X(limp_drive_share_q15,                  0,         32767,      "1", \
       "share of motor.max_torque_mNm enabled for driving in LIMP, after a warning; braking is " \
@@ -377,6 +411,54 @@
       "of one inverter's heat sink; 0: none between switches and ambient") \
     X(heatsink_thermal_resistance_mK_W,      0,         1000000,    "mK/W", \
       "heat sink to ambient; 0: insulated")
+
+/* The entries of a map have 16 bits: half the flash, and in the finest power of two of a milli-unit
+ * in which the largest one fits, which costs less than a ten-thousandth of a per cent of the
+ * energy. */
+#define CONFIG_REGEN_MAP_FIELDS(X) \
+    X(speed_points,                          2,         65,         "1", \
+      "points along speed, from standstill") \
+    X(speed_step_log2,                       6,         20,         "", \
+      "distance of the points is 2^this mrad/s, mechanical") \
+    X(temperature_points,                    2,         17,         "1", \
+      "points along winding temperature") \
+    X(temperature_step_log2,                 6,         15,         "", \
+      "distance of the points is 2^this hundredths of a degree") \
+    X(temperature_origin_cC,                 -10000,    20000,      "cC", \
+      "winding temperature of the first point") \
+    X(lsb_log2,                              0,         10,         "", \
+      "the entries count in 2^this mNm, the finest in which the largest fits")
+
+/* Row after row of equal temperature: torque[t * speed_points + s]; unused entries are 0. */
+#define CONFIG_REGEN_MAP_ARRAY(Y) \
+    Y(torque_lsb, CONFIG_REGEN_POINTS_MAX,   -32767,    32767,      "2^lsb_log2 mNm", \
+      "unclamped braking torque that returns the most energy with the i_d of current_map, " \
+      "magnitude; near standstill negative by extrapolation, which counts as 0")
+
+#define CONFIG_CURRENT_MAP_FIELDS(X) \
+    X(torque_points,                         3,         65,         "1", \
+      "odd: points along torque in the direction of rotation, braking first; the middle " \
+      "one is zero torque") \
+    X(torque_step_log2,                      0,         20,         "", \
+      "distance of the points is 2^this mNm at the airgap") \
+    X(speed_points,                          2,         65,         "1", \
+      "points along speed, from standstill") \
+    X(speed_step_log2,                       6,         20,         "", \
+      "distance of the points is 2^this mrad/s, mechanical") \
+    X(temperature_points,                    1,         5,          "1", \
+      "points along winding temperature; 1: the map does not depend on it") \
+    X(temperature_step_log2,                 6,         15,         "", \
+      "distance of the points is 2^this hundredths of a degree") \
+    X(temperature_origin_cC,                 -10000,    20000,      "cC", \
+      "winding temperature of the first point") \
+    X(lsb_log2,                              0,         6,          "", \
+      "the entries count in 2^this mA, the finest in which the largest fits")
+
+/* Layer after layer of equal temperature, row after row of equal speed:
+ * current_d[(w * speed_points + s) * torque_points + t]; unused entries at the end are 0. */
+#define CONFIG_CURRENT_MAP_ARRAY(Y) \
+    Y(current_d_lsb, CONFIG_CURRENT_MAP_POINTS_MAX, -32767, 32767, "2^lsb_log2 mA", \
+      "terminal i_d of least loss, before field weakening; all 0: i_d = 0")
 
 #define CONFIG_SCALAR_MEMBER(name, lowest, highest, unit, text) int32_t name;
 #define CONFIG_ARRAY_MEMBER(name, count, lowest, highest, unit, text) int32_t name[count];
