@@ -115,34 +115,103 @@ static inline void random_conditions(random_t *random)
     in.torque_enable.reason = REASON_TORQUE_ENABLE;
 }
 
-/* A brake whose torque does not move within a step. */
+/* ---- states of the parts, each by its own steps ---- */
+
+/* A model after five milliseconds of commands, of which a brake without lag makes the third last
+ * now, one twice as early the second last, and one twice as late the first. */
+static inline void model_after(hydraulic_model_t *model, const int32_t commands_mNm[5])
+{
+    config_t quick = config;
+    quick.brake.hydraulic_dead_time_ms = 2;
+    quick.brake.hydraulic_time_constant_ms = 0;
+    quick.brake.hydraulic_rate_mNm_s = 2000000000;
+    quick.brake.hydraulic_report_delay_ms = 0;
+    for (int n = 0; n < 5; n++) {
+        hydraulic_model_step(model, &quick, commands_mNm[n]);
+    }
+}
+
+/* A brake whose torque does not move within a step: the first one takes a tenth of a mN m. */
 static inline void slow_brake(int32_t torque_mNm)
 {
+    const int32_t steady_mNm = torque_mNm + 1;
+    const int32_t commands_mNm[5] = {steady_mNm, steady_mNm, steady_mNm, steady_mNm, steady_mNm};
+    model_after(&state.hydraulic, commands_mNm);
     config.brake.hydraulic_dead_time_ms = 40;
     config.brake.hydraulic_time_constant_ms = 60;
     config.brake.hydraulic_rate_mNm_s = 100;
-    state.hydraulic.torque_q6_mNm = torque_mNm * 64 + 32;
-    state.hydraulic.early_q6_mNm = torque_mNm * 64 + 32;
-    state.hydraulic.late_q6_mNm = torque_mNm * 64 + 32;
 }
 
-/* Reports of a torque, in use, and an interval of gains. */
-static inline void measured(int32_t report_mNm, int32_t least_q15, int32_t gain_q15,
-                            int32_t most_q15)
+/* A report of a torque in the next step, which no gain of the band contradicts. */
+static inline void reported(int32_t report_mNm, int32_t band_q15)
 {
     config.brake.hydraulic_timeout_ms = 50;
-    config.brake.hydraulic_gain_band_q15 = 16384;
+    config.brake.hydraulic_gain_band_q15 = band_q15;
     config.brake.hydraulic_tolerance_mNm = 20000000;
-    state.feedback.seen = true;
-    state.feedback.good = true;
-    state.feedback.heal_ms = 0;
-    state.feedback.report_mNm = report_mNm;
-    state.feedback.least_q15 = least_q15;
-    state.feedback.gain_q15 = gain_q15;
-    state.feedback.most_q15 = most_q15;
+    hydraulic_feedback_init(&state.feedback, &config);
     in.hydraulic.torque_mNm = report_mNm;
-    in.hydraulic.age_ms = 1000; /* that of the last step stands */
+    in.hydraulic.age_ms = 0;
     in.hydraulic.valid = true;
+}
+
+/* The same before the next step, in use. The brake made no torque before, so that the interval of
+ * its gain is still the band's. */
+static inline void measured(int32_t report_mNm, int32_t band_q15)
+{
+    const hydraulic_model_t released = {.next = 0};
+    reported(report_mNm, band_q15);
+    (void)hydraulic_feedback_step(&state.feedback, &config, &released, &in.hydraulic);
+    in.hydraulic.age_ms = 1000; /* that one stands */
+}
+
+/* Before that, reports of a torque that lies between two until they make the interval no smaller,
+ * which is within 3 of 32 768; without noise. */
+static inline void learned(int32_t band_q15, int32_t late_mNm, int32_t early_mNm,
+                           int32_t report_mNm)
+{
+    const int32_t commands_mNm[5] = {late_mNm, late_mNm, late_mNm, early_mNm, 0};
+    const hydraulic_feedback_t report = {.torque_mNm = report_mNm, .age_ms = 0, .valid = true};
+    const hydraulic_feedback_t zero = {.torque_mNm = 0, .age_ms = 0, .valid = true};
+    const hydraulic_model_t released = {.next = 0};
+    hydraulic_model_t model = {.next = 0};
+    measured(0, band_q15);
+    config_t exact = config;
+    model_after(&model, commands_mNm);
+    exact.brake.max_hydraulic_torque_mNm = 400; /* the resolution is a 512th of it */
+    for (int n = 0; n < 100; n++) {
+        (void)hydraulic_feedback_step(&state.feedback, &exact, &model, &report);
+    }
+    for (int n = 0; n < 2; n++) {
+        (void)hydraulic_feedback_step(&state.feedback, &config, &released, &zero);
+    }
+}
+
+/* The watch of a vehicle of 10.3 kg m2 a wheel that rolls at a constant speed, its road known. */
+static inline config_t watching(void)
+{
+    config_t out = config;
+    out.brake.hydraulic_watch_inertia_g_m2 = 10300;
+    out.brake.hydraulic_watch_speed_mrad_s = 480;
+    out.brake.hydraulic_watch_floor_mrad_s2 = 400;
+    out.brake.hydraulic_watch_drag_uNm_s2 = 0;
+    out.brake.blend_out_start_mrad_s = 2618;
+    out.brake.blend_out_end_mrad_s = 838;
+    out.vehicle.wheel_radius_um = 250000;
+    out.monitor.tyre_grip_mm_s2 = 11768;
+    return out;
+}
+
+static inline void rolls(int steps, int32_t motor_mNm, int32_t commanded_mNm)
+{
+    const config_t watched = watching();
+    const hydraulic_watch_input_t seen = {.speed_mrad_s = FAST_mrad_s,
+                                          .motor_mNm = motor_mNm,
+                                          .modelled_mNm = commanded_mNm,
+                                          .commanded_mNm = commanded_mNm,
+                                          .trusted = true};
+    for (int n = 0; n < steps; n++) {
+        hydraulic_watch_step(&state.watch, &watched, &seen);
+    }
 }
 
 #endif

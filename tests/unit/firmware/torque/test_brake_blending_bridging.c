@@ -77,13 +77,8 @@ void test_a_bridging_time_up_to_the_dead_time_ends_at_once(void)
 /* A brake that is measured may be twice as slow: 80 ms, then a 121st (276 ms/2.3 + 1 ms). */
 void test_beside_a_measured_brake_bridging_takes_twice_as_long(void)
 {
-    config.brake.hydraulic_timeout_ms = 50;
-    config.brake.hydraulic_gain_band_q15 = 0;
-    in.hydraulic.valid = true;
-    in.hydraulic.torque_mNm = 0;
+    measured(0, 0);
     in.hydraulic.age_ms = 0;
-    state.feedback.seen = true;
-    state.feedback.good = true;
     TEST_ASSERT_EQUAL_INT32(LIMIT_mNm + 190, bridged(2 * KEPT_ms - 1, 12161));
     TEST_ASSERT_EQUAL_INT32(12161, left_q6);
     TEST_ASSERT_EQUAL_INT32(2 * KEPT_ms, state.bridging_ms);
@@ -191,7 +186,7 @@ void test_what_is_bridged_ends_at_a_blend_out_of_zero_width(void)
  * ms is 19.7 rad/s of 160 ms. */
 static int32_t slower_mrad_s(int32_t speed_mrad_s)
 {
-    state.speed_lp_mrad_s.accumulator = 20000 * 64;
+    filter_reset(&state.speed_lp_mrad_s, 20000, 6);
     in.speed_mrad_s = speed_mrad_s;
     return step().slower_mrad_s;
 }
@@ -208,8 +203,8 @@ void test_the_expected_speed_is_that_of_the_slope_of_64_ms(void)
 
 void test_beside_a_measured_brake_the_expected_speed_is_that_a_lag_later(void)
 {
-    config.brake.hydraulic_timeout_ms = 50;
-    state.feedback.seen = true;
+    measured(0, 0);
+    in.hydraulic.age_ms = 0;
     TEST_ASSERT_EQUAL_INT32(19000 - 984 * 220 / 64, slower_mrad_s(19000));
 }
 

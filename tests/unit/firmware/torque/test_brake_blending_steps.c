@@ -33,6 +33,15 @@ void test_a_start_leaves_no_number_of_before(void)
     TEST_ASSERT_EQUAL_INT32(0, state.speed_lp_mrad_s.accumulator);
 }
 
+/* Reports that a brake twice as late as configured may make 32765 of 32 768 of its command at
+ * most, and one twice as early any share: the interval is 3/4 .. 1. */
+static void makes_at_most_its_command(void)
+{
+    learned(8192, 32768, 65536, 32765 - 2048);
+    TEST_ASSERT_EQUAL_INT32(24576, state.feedback.least_q15);
+    TEST_ASSERT_EQUAL_INT32(ONE_q15, state.feedback.most_q15);
+}
+
 /* ---- what the motor is expected to make ---- */
 
 static int32_t beside_short_mNm(int32_t short_mNm, int32_t achieved_mNm)
@@ -49,7 +58,7 @@ void test_a_shorted_motor_that_shows_an_eighth_of_its_torque_makes_it(void)
     TEST_ASSERT_EQUAL_INT32(DEMAND_mNm - 8000, beside_short_mNm(8000, 1000));
     TEST_ASSERT_EQUAL_INT32(DEMAND_mNm, beside_short_mNm(8000, 999));
     TEST_ASSERT_EQUAL_INT32(DEMAND_mNm, beside_short_mNm(8000, 0));
-    measured(0, 24576, ONE_q15, ONE_q15); /* zero takes no part of a command back */
+    makes_at_most_its_command(); /* zero takes no part of a command back */
     TEST_ASSERT_EQUAL_INT32(DEMAND_mNm, beside_short_mNm(8000, 0));
 }
 
@@ -62,7 +71,7 @@ void test_beside_a_measured_brake_the_motor_arrives_in_half_its_build_up(void)
     motor_follows(5000);
     config.brake.motor_arrival_ms = 100;
     TEST_ASSERT_EQUAL_INT32(DEMAND_mNm - 6000, step().hydraulic_mNm);
-    measured(0, ONE_q15, ONE_q15, ONE_q15);
+    measured(0, 0);
     TEST_ASSERT_EQUAL_INT32(DEMAND_mNm - 5510, step().hydraulic_mNm);
     config.brake.motor_arrival_ms = 30;
     TEST_ASSERT_EQUAL_INT32(DEMAND_mNm - 5300, step().hydraulic_mNm);
@@ -116,22 +125,21 @@ static int32_t commanded_mNm(int32_t required_mNm, int32_t motor_mNm)
  * whose gain is 5/4. */
 void test_a_command_is_larger_by_what_may_be_missing_and_smaller_by_what_may_be_too_much(void)
 {
-    measured(0, 24576, ONE_q15, 40960);
+    measured(0, 8192);
     TEST_ASSERT_EQUAL_INT32(20000 - 2400 + 1500, commanded_mNm(20000, 2000));
     TEST_ASSERT_EQUAL_INT32(20000 + 3750, commanded_mNm(20000, 10000));
-    measured(0, 24576, ONE_q15, ONE_q15);
+    TEST_ASSERT_EQUAL_INT32(20000 - 1 + 3750, commanded_mNm(20000, 4999)); /* an excess of 1 */
+    makes_at_most_its_command();
     TEST_ASSERT_EQUAL_INT32(20000 + 1500, commanded_mNm(20000, 2000));
     TEST_ASSERT_EQUAL_INT32(20000, commanded_mNm(20000, 0));
-    measured(0, 24576, 24576, 24576);
-    TEST_ASSERT_EQUAL_INT32(20000, commanded_mNm(15000, 1000));
-    measured(0, 24576, 24576, ONE_q15); /* an excess of 1 mN m, of gain one at the most */
-    TEST_ASSERT_EQUAL_INT32(19999, commanded_mNm(15000, 4999));
+    learned(16384, 32768, 32768, 24576); /* three quarters */
+    TEST_ASSERT_INT32_WITHIN(4, 20000, commanded_mNm(15000, 1000));
 }
 
 void test_a_command_is_smaller_by_no_more_than_the_motor_can_make_up_for(void)
 {
     capability.regenerating = limit_init(2500, REASON_MAX_TORQUE);
-    measured(0, 24576, ONE_q15, 40960);
+    measured(0, 8192);
     TEST_ASSERT_EQUAL_INT32(20000 - 500 + 1500, commanded_mNm(20000, 2000));
     /* 10 N m that it cannot release at once, and may not make any more */
     capability.regenerating = limit_init(4000, REASON_MAX_TORQUE);
@@ -142,7 +150,7 @@ void test_a_command_is_smaller_by_no_more_than_the_motor_can_make_up_for(void)
 void test_a_motor_without_torque_changes_no_command(void)
 {
     slow_brake(0);
-    measured(0, 24576, ONE_q15, ONE_q15);
+    makes_at_most_its_command();
     in.motor_growth_mNm = -100000;
     config.brake.torque_rate_mNm_s = 400000;
     in.demand_mNm = 20000;
@@ -152,7 +160,7 @@ void test_a_motor_without_torque_changes_no_command(void)
 
 void test_commands_of_the_largest_numbers_do_not_overflow(void)
 {
-    measured(0, 16384, 49152, 49152);
+    measured(0, 16384);
     in.demand_mNm = INT32_MAX;
     in.motor_command_mNm = -INT32_MAX;
     in.motor_achieved_mNm = 0;
@@ -167,7 +175,7 @@ static int32_t raised_mNm(void)
 {
     brake_blending_init(&state, &config);
     slow_brake(40000);
-    measured(0, 24576, ONE_q15, 40960);
+    measured(0, 8192);
     return step().electric_mNm;
 }
 
@@ -195,7 +203,7 @@ void test_the_bound_never_falls_by_what_may_be_missing(void)
 {
     brake_blending_init(&state, &config);
     slow_brake(1000);
-    measured(0, 24576, ONE_q15, 40960);
+    measured(0, 8192);
     config.brake.bridging_time_ms = 178;
     capability.optimal = limit_init(50000, REASON_LOSS_OPTIMUM);
     motor_follows(30000);
@@ -208,17 +216,17 @@ void test_the_bound_never_falls_by_what_may_be_missing(void)
 void test_the_bound_does_not_rise_in_the_step_of_the_first_or_after_the_last_report(void)
 {
     slow_brake(40000);
-    measured(0, 24576, ONE_q15, 40960);
-    state.feedback.seen = false;
-    in.hydraulic.age_ms = 0;
+    reported(0, 8192);
     capability.optimal = limit_init(0, REASON_LOSS_OPTIMUM);
     TEST_ASSERT_EQUAL_INT32(0, step().electric_mNm);
     TEST_ASSERT_TRUE(state.feedback.seen);
     capability.optimal = limit_init(24000, REASON_LOSS_OPTIMUM);
     brake_blending_init(&state, &config);
     slow_brake(40000);
-    measured(0, 24576, ONE_q15, 40960);
-    state.feedback.since_ms = 50;
+    measured(0, 8192);
+    for (int ms = 1; ms <= 50; ms++) {
+        (void)hydraulic_feedback_step(&state.feedback, &config, &state.hydraulic, &in.hydraulic);
+    }
     in.demand_mNm = 100000;
     const brake_blending_out_t out = step(); /* 51 ms old: not used */
     TEST_ASSERT_EQUAL_INT32(24000, out.electric_mNm);
@@ -230,8 +238,10 @@ void test_the_bound_does_not_rise_in_the_step_of_the_first_or_after_the_last_rep
 static int32_t beside_weak_mNm(int32_t speed_mrad_s)
 {
     brake_blending_init(&state, &config);
-    measured(0, ONE_q15, ONE_q15, ONE_q15);
-    state.watch.reason = REASON_HYDRAULIC_WEAK;
+    measured(0, 0);
+    rolls(1000, 0, 0);
+    rolls(300, 0, 40000); /* of which the constant speed shows nothing */
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_WEAK, state.watch.reason);
     in.speed_mrad_s = speed_mrad_s;
     return step().electric_mNm;
 }
@@ -307,9 +317,9 @@ void test_what_is_sent_beyond_the_split_is_added(void)
 /* The road brakes with what is beside the brakes against the rotation; driving it is zero. */
 void test_the_road_is_the_torque_beside_both_brakes(void)
 {
-    state.watch.beside_mNm = -3000;
+    rolls(1000, 3000, 0);
     TEST_ASSERT_EQUAL_INT32(3000, step().road_mNm);
-    state.watch.beside_mNm = 3000;
+    rolls(1000, -3000, 0);
     TEST_ASSERT_EQUAL_INT32(0, step().road_mNm);
 }
 

@@ -1,9 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What brake blending tells the watch of the hydraulic brake, and takes from it, in single steps
- * from given states. */
+/* What brake blending tells the watch of the hydraulic brake, and takes from it. The wheel rolls at
+ * a constant speed, which shows a brake that makes what the road drives, or none. */
 #include <string.h>
 
 #include "blending_rig.h"
+
+enum {
+    FLOOR_mNm = 4023, /* 10300 g m2 * 400 mrad/s2, over 1024 */
+    TIMEOUT_ms = 50,
+    LONG_ms = 1000
+};
 
 void setUp(void)
 {
@@ -12,175 +18,207 @@ void setUp(void)
     config.brake.hydraulic_timeout_ms = 0;
     config.brake.hydraulic_report_delay_ms = 0;
     in.demand_mNm = 60000;
+    in.watched = true;
 }
 
 void tearDown(void) {}
 
-enum { FLOOR_mNm = 4023 /* 10300 g m2 * 400 mrad/s2, over 1024 */ };
-
-/* A wheel that rolls at a constant speed, and a road that is known. */
-static void rolling(void)
+/* A road that drives with the torque that the brake has made on it. */
+static void rolling(int32_t made_mNm)
 {
     brake_blending_init(&state, &config);
-    config.brake.hydraulic_watch_inertia_g_m2 = 10300;
-    config.brake.hydraulic_watch_speed_mrad_s = 480;
-    config.brake.hydraulic_watch_floor_mrad_s2 = 400;
-    config.vehicle.wheel_radius_um = 250000;
-    config.brake.hydraulic_watch_drag_uNm_s2 = 0;
-    config.monitor.tyre_grip_mm_s2 = 11768;
-    in.watched = true;
-    state.watch.rolls = true;
-    state.watch.speed_lp_q8_mrad_s = FAST_mrad_s * 256;
-    state.watch.acquired_ms = HYDRAULIC_WATCH_ACQUIRE_ms;
+    config = watching();
+    rolls(LONG_ms, 0, made_mNm);
+    TEST_ASSERT_EQUAL_INT32(HYDRAULIC_WATCH_ACQUIRE_ms, state.watch.acquired_ms);
 }
+
+/* Reports in every step from now on, which a tolerance makes a contradiction or not. */
+static void reports(int32_t report_mNm, int32_t tolerance_mNm)
+{
+    reported(report_mNm, 0);
+    config.brake.hydraulic_tolerance_mNm = tolerance_mNm;
+}
+
+static void reports_end(void)
+{
+    in.hydraulic.valid = false;
+    for (int ms = 0; ms <= TIMEOUT_ms; ms++) {
+        (void)hydraulic_feedback_step(&state.feedback, &config, &state.hydraulic, &in.hydraulic);
+    }
+    TEST_ASSERT_FALSE(hydraulic_feedback_used(&state.feedback));
+}
+
+/* ---- what it is told ---- */
 
 /* All known torque that brakes, of the first step. */
 static int32_t known_mNm(void)
 {
-    state.watch.rolls = false;
+    hydraulic_watch_init(&state.watch);
     in.motor_achieved_mNm = -2000;
     (void)step();
     return -state.watch.known_lp_mNm.accumulator / 64;
 }
 
-void test_the_watch_gets_the_modelled_torque_or_the_measured_one_while_it_is_used(void)
+void test_the_watch_gets_the_measured_torque_while_it_is_used(void)
 {
-    rolling();
+    rolling(0);
     slow_brake(10000);
-    state.feedback.gain_q15 = 29491; /* learned before the reports ended */
+    learned(16384, 32768, 32768, 29491); /* a gain of 0.9 */
+    reports_end();
     TEST_ASSERT_EQUAL_INT32(12000, known_mNm());
-    rolling();
+    rolling(0);
     slow_brake(10000);
-    measured(7000, ONE_q15, ONE_q15, ONE_q15);
+    measured(7000, 0);
     TEST_ASSERT_EQUAL_INT32(9000, known_mNm());
-    for (int confirmed = 0; confirmed < 2; confirmed++) {
-        rolling();
-        slow_brake(40000);
-        measured(0, ONE_q15, ONE_q15, ONE_q15);
-        state.watch.provisional = true; /* until there is no hydraulic torque */
-        state.feedback.confirmed = confirmed != 0;
-        state.watch.confirms_report = confirmed != 0;
-        (void)step();
-        TEST_ASSERT_TRUE(state.watch.provisional == (confirmed != 0));
-    }
 }
 
-/* Without torque, uncertain by the models, and by the last change of reports. */
-static bool is_quiet(int32_t early_mNm, int32_t late_mNm, int32_t change_mNm, bool used)
+/* A road that was acquired beside 5 N m is acquired anew once there is no torque. */
+void test_the_watch_gets_the_modelled_torque_beside_reports_that_are_confirmed(void)
 {
-    config.brake.hydraulic_timeout_ms = 0;
-    rolling();
-    slow_brake(0);
-    state.hydraulic.early_q6_mNm = early_mNm * 64 + 32;
-    state.hydraulic.late_q6_mNm = late_mNm * 64 + 32;
-    if (used) {
-        measured(0, ONE_q15, ONE_q15, ONE_q15);
-    }
-    state.feedback.change_mNm = change_mNm;
+    rolling(5000);
+    slow_brake(40000);
+    measured(0, 0);
+    TEST_ASSERT_TRUE(state.watch.provisional);
     (void)step();
-    return state.watch.quiet_ms == 1;
+    TEST_ASSERT_FALSE(state.watch.provisional);
+    rolling(5000);
+    slow_brake(40000);
+    reports(0, 15000);
+    for (int ms = 0; !state.watch.confirms_report; ms++) {
+        TEST_ASSERT_LESS_THAN_INT(LONG_ms, ms);
+        (void)step();
+    }
+    config.brake.hydraulic_tolerance_mNm = 20000000; /* within the band again */
+    (void)step();
+    TEST_ASSERT_TRUE(state.watch.provisional);
+}
+
+static int32_t more(int32_t torque_mNm)
+{
+    return torque_mNm > 0 ? torque_mNm + 1 : 0; /* slow_brake() */
+}
+
+/* Without torque: uncertain by the models, and by the last change of reports. */
+static bool is_quiet(int32_t early_mNm, int32_t late_mNm, int32_t report_mNm, int32_t next_mNm,
+                     bool ends)
+{
+    const hydraulic_model_t released = {.next = 0};
+    const int32_t commands_mNm[5] = {more(late_mNm), 0, 0, more(early_mNm), 0};
+    rolling(0);
+    slow_brake(0);
+    model_after(&state.hydraulic, commands_mNm);
+    measured(report_mNm, 0);
+    in.hydraulic.torque_mNm = next_mNm;
+    in.hydraulic.age_ms = 0;
+    (void)hydraulic_feedback_step(&state.feedback, &config, &released, &in.hydraulic);
+    in.hydraulic.age_ms = 1000;
+    if (ends) {
+        reports_end();
+    }
+    (void)step();
+    return state.watch.quiet_ms > 0;
 }
 
 void test_hydraulic_torque_is_uncertain_by_its_models_and_the_change_of_its_reports(void)
 {
-    TEST_ASSERT_TRUE(is_quiet(FLOOR_mNm, 0, 9999, false));
-    TEST_ASSERT_FALSE(is_quiet(FLOOR_mNm + 1, 0, 0, false));
-    TEST_ASSERT_FALSE(is_quiet(0, FLOOR_mNm + 1, 0, false));
-    for (int sign = -1; sign <= 1; sign += 2) {
-        TEST_ASSERT_TRUE(is_quiet(3000, 1000, sign * (FLOOR_mNm - 2000), true));
-        TEST_ASSERT_FALSE(is_quiet(3000, 1000, sign * (FLOOR_mNm - 1999), true));
-    }
+    TEST_ASSERT_TRUE(is_quiet(FLOOR_mNm, 0, 9999, 0, true));
+    TEST_ASSERT_FALSE(is_quiet(FLOOR_mNm + 1, 0, 0, 0, true));
+    TEST_ASSERT_FALSE(is_quiet(0, FLOOR_mNm + 1, 0, 0, true));
+    TEST_ASSERT_TRUE(is_quiet(3000, 1000, FLOOR_mNm - 2000, 0, false));
+    TEST_ASSERT_FALSE(is_quiet(3000, 1000, FLOOR_mNm - 1999, 0, false));
+    /* A torque that is reported counts twice: by itself, and as a change. */
+    TEST_ASSERT_TRUE(is_quiet(3000, 1000, 0, (FLOOR_mNm - 2000) / 2, false));
+    TEST_ASSERT_FALSE(is_quiet(3000, 1000, 0, (FLOOR_mNm - 2000) / 2 + 1, false));
 }
 
-void test_reports_that_are_not_used_are_outside_no_band(void)
+void test_without_reports_the_brake_is_outside_no_band(void)
 {
-    rolling();
+    rolling(0);
     (void)step();
     TEST_ASSERT_EQUAL_INT32(0, state.watch.pause_ms); /* a finding that ends pauses */
 }
 
-/* A brake found by its reports stays found as long as they come. */
-static reason_t found_with(bool seen, int32_t since_ms)
+/* Reports of no torque, in use and short of 10 N m by more than a quarter of the tolerance. */
+void test_a_brake_found_by_its_reports_counts_as_reported_for_the_timeout(void)
 {
-    rolling();
+    rolling(10000);
     slow_brake(10000);
-    measured(0, ONE_q15, ONE_q15, ONE_q15);
+    reports(0, 15000);
+    for (int ms = 0; ms <= TIMEOUT_ms; ms++) {
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, state.watch.reason);
+        (void)step();
+    }
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_WEAK, state.watch.reason);
     in.hydraulic.valid = false;
-    state.feedback.seen = seen;
-    state.feedback.since_ms = since_ms - 1;
-    state.feedback.outside_ms = -1;
-    state.watch.by_report = true;
-    state.watch.reason = REASON_HYDRAULIC_WEAK;
+    for (int ms = 0; ms < TIMEOUT_ms; ms++) {
+        (void)step();
+        TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_WEAK, state.watch.reason);
+    }
     (void)step();
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, state.watch.reason);
+}
+
+/* ---- what is taken from it ---- */
+
+/* Reports of half of the 40 N m that the road shows. */
+static void refute(void)
+{
+    rolling(40000);
+    slow_brake(40000);
+    reports(20000, 30000);
+    for (int ms = 0; !state.watch.refutes_report; ms++) {
+        TEST_ASSERT_LESS_THAN_INT(LONG_ms, ms);
+        TEST_ASSERT_FALSE(state.feedback.refuted);
+        (void)step();
+    }
+}
+
+void test_refuted_reports_are_not_used_until_they_heal(void)
+{
+    refute();
+    TEST_ASSERT_TRUE(state.feedback.refuted);
+    TEST_ASSERT_FALSE(state.feedback.good);
+    TEST_ASSERT_EQUAL_INT32(HYDRAULIC_FEEDBACK_HEAL_ms, state.feedback.heal_ms);
+    TEST_ASSERT_FALSE(hydraulic_feedback_used(&state.feedback));
+}
+
+/* The wheel gains 4 mrad/s a millisecond: all of the brake's torque is missing. Reports that agree
+ * with the commands leave that to the road, refuted ones to the brake. */
+static reason_t found_of_a_dead_brake(void)
+{
+    in.hydraulic.torque_mNm = 40000;
+    for (int ms = 0; ms < 700; ms++) {
+        in.speed_mrad_s += 4;
+        (void)step();
+    }
     return state.watch.reason;
 }
 
-void test_a_brake_counts_as_reported_for_the_timeout(void)
-{
-    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_WEAK, found_with(true, 50));
-    TEST_ASSERT_EQUAL_INT(REASON_NONE, found_with(true, 51));
-    TEST_ASSERT_EQUAL_INT(REASON_NONE, found_with(false, 1));
-}
-
-/* Reports of half of 40 N m, in use and short of the band, of a brake that makes all of it: the sum
- * lacks what they differ by, or one more, of a third of 10300 * 480. */
-void test_refuted_reports_are_not_used_until_they_heal(void)
-{
-    for (int32_t short_mNm_ms = 0; short_mNm_ms <= 1; short_mNm_ms++) {
-        rolling();
-        slow_brake(40000);
-        measured(20000, ONE_q15, ONE_q15, ONE_q15);
-        state.feedback.outside_ms = -1;
-        state.watch.known_lp_mNm.accumulator = -40000 * 64;
-        state.watch.road_q8_mNm = 40000 * 256;
-        state.watch.report_mNm_ms = -(10300 * 480 / 3) + 10000 + short_mNm_ms;
-        (void)step();
-        const bool refuted = short_mNm_ms == 0;
-        TEST_ASSERT_TRUE(state.feedback.refuted == refuted);
-        TEST_ASSERT_TRUE(state.feedback.good == !refuted);
-        TEST_ASSERT_EQUAL_INT32(refuted ? HYDRAULIC_FEEDBACK_HEAL_ms : 0, state.feedback.heal_ms);
-        TEST_ASSERT_TRUE(hydraulic_feedback_used(&state.feedback) == !refuted);
-    }
-}
-
-/* Reports that agree with the commands leave what is missing to the road. Refuted ones leave it to
- * the brake. */
 void test_refuted_reports_do_not_keep_the_deceleration_from_finding_the_brake(void)
 {
-    for (int refuted = 0; refuted < 2; refuted++) {
-        rolling();
-        slow_brake(40000);
-        measured(40000, ONE_q15, ONE_q15, ONE_q15);
-        state.feedback.refuted = refuted != 0;
-        state.feedback.heal_ms = 500;
-        state.watch.known_lp_mNm.accumulator = -40000 * 64; /* all of it, of a steady speed */
-        (void)step();
-        if (refuted != 0) {
-            TEST_ASSERT_GREATER_THAN_INT32(10000, state.watch.missing_mNm_ms);
-        } else {
-            TEST_ASSERT_EQUAL_INT32(0, state.watch.missing_mNm_ms);
-        }
-    }
+    refute();
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_WEAK, found_of_a_dead_brake());
+    rolling(40000);
+    slow_brake(40000);
+    reports(40000, 30000);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, found_of_a_dead_brake());
 }
 
-/* 40 N m are missing of a deceleration that is zero: more than half of what the reports differ by.
- * The sum lacks 1 of a third of 10300 * 480. Reports that were confirmed before heal as others do.
- */
+/* The wheel does not slow down: as reports have it that contradict the commands. */
 void test_confirmed_reports_are_used_at_once(void)
 {
-    for (int before = 0; before < 2; before++) {
-        rolling();
-        slow_brake(40000);
-        measured(0, ONE_q15, ONE_q15, ONE_q15);
-        state.feedback.good = before != 0;
-        state.feedback.heal_ms = 500;
-        state.feedback.contradicts_mNm = -30000;
-        state.feedback.confirmed = before != 0;
-        state.watch.confirms_report = before != 0;
-        state.watch.known_lp_mNm.accumulator = -40000 * 64;
-        state.watch.report_mNm_ms = 10300 * 480 / 3 - 1;
+    rolling(0);
+    slow_brake(40000);
+    reports(0, 15000);
+    for (int ms = 0; ms <= TIMEOUT_ms; ms++) {
         (void)step();
-        TEST_ASSERT_TRUE(state.watch.confirms_report && state.feedback.confirmed);
-        TEST_ASSERT_EQUAL_INT32(before != 0 ? 499 : 0, state.feedback.heal_ms);
     }
+    TEST_ASSERT_EQUAL_INT32(HYDRAULIC_FEEDBACK_HEAL_ms, state.feedback.heal_ms);
+    for (int ms = 0; !state.watch.confirms_report; ms++) {
+        TEST_ASSERT_LESS_THAN_INT(LONG_ms, ms);
+        TEST_ASSERT_FALSE(hydraulic_feedback_used(&state.feedback));
+        (void)step();
+    }
+    TEST_ASSERT_TRUE(state.feedback.confirmed);
+    TEST_ASSERT_TRUE(hydraulic_feedback_used(&state.feedback));
 }

@@ -172,31 +172,43 @@ void test_a_current_has_the_power_of_the_lower_voltage(void)
     TEST_ASSERT_EQUAL_INT32(0, table.drawn_b);
 }
 
-/* From a tenth of the charge current's share, one step of the fold-back at a voltage. */
-static int32_t charge_share_at(int32_t bus_mV, int32_t battery_mV)
+/* What a voltage has left of the currents. */
+static torque_limits_state_t settled_at(int32_t bus_mV)
 {
     conditions.bus_voltage_mV = bus_mV;
+    settle_foldback(20000);
+    return state;
+}
+
+/* One step of the fold-back at a voltage. */
+static int32_t charge_share_at(int32_t bus_mV, int32_t battery_mV,
+                               const torque_limits_state_t *from)
+{
+    state = *from;
+    conditions.bus_voltage_mV = bus_mV;
     conditions.battery_voltage_mV = battery_mV;
-    state.charge.allowed_q24 = SCALED_ONE / 10;
     (void)folded_mA(&state.charge, CHARGE_mA);
     return state.charge.allowed_q24;
 }
 
-/* Up to twice the trip's voltage count. */
+/* From a tenth of the charge current. Up to twice the trip's voltage count. */
 void test_charging_folds_back_at_the_higher_voltage(void)
 {
     const int32_t most_mV = 2 * config.battery.overvoltage_trip_mV;
     config.battery.max_voltage_mV = most_mV; /* at which the fold-back ends */
     config.battery.foldback_voltage_mV = most_mV - 1000;
-    const int32_t at_50_V = charge_share_at(50000, 0);
-    TEST_ASSERT_EQUAL_INT32(charge_share_at(55000, 0), charge_share_at(50000, 55000));
-    TEST_ASSERT_EQUAL_INT32(charge_share_at(55000, 0), charge_share_at(55000, 50000));
-    TEST_ASSERT_TRUE(at_50_V > charge_share_at(55000, 0));
-    TEST_ASSERT_EQUAL_INT32(charge_share_at(0, 0), charge_share_at(-5000, 0));
-    TEST_ASSERT_EQUAL_INT32(charge_share_at(most_mV, 0), charge_share_at(most_mV + 900, 0));
-    TEST_ASSERT_TRUE(charge_share_at(most_mV - 900, 0) > charge_share_at(most_mV, 0));
-    TEST_ASSERT_EQUAL_INT32(charge_share_at(most_mV, 0), charge_share_at(50000, most_mV + 900));
-    TEST_ASSERT_TRUE(charge_share_at(50000, most_mV - 900) > charge_share_at(most_mV, 0));
+    const torque_limits_state_t tenth = settled_at(most_mV - 100);
+    TEST_ASSERT_INT32_WITHIN(SCALED_ONE / 1000, SCALED_ONE / 10, tenth.charge.allowed_q24);
+    const int32_t at_55_V = charge_share_at(55000, 0, &tenth);
+    TEST_ASSERT_EQUAL_INT32(at_55_V, charge_share_at(50000, 55000, &tenth));
+    TEST_ASSERT_EQUAL_INT32(at_55_V, charge_share_at(55000, 50000, &tenth));
+    TEST_ASSERT_TRUE(charge_share_at(50000, 0, &tenth) > at_55_V);
+    TEST_ASSERT_EQUAL_INT32(charge_share_at(0, 0, &tenth), charge_share_at(-5000, 0, &tenth));
+    const int32_t at_most = charge_share_at(most_mV, 0, &tenth);
+    TEST_ASSERT_EQUAL_INT32(at_most, charge_share_at(most_mV + 900, 0, &tenth));
+    TEST_ASSERT_TRUE(charge_share_at(most_mV - 900, 0, &tenth) > at_most);
+    TEST_ASSERT_EQUAL_INT32(at_most, charge_share_at(50000, most_mV + 900, &tenth));
+    TEST_ASSERT_TRUE(charge_share_at(50000, most_mV - 900, &tenth) > at_most);
 }
 
 /* ---- the battery's resistance ---- */
@@ -205,43 +217,45 @@ void test_charging_folds_back_at_the_higher_voltage(void)
  * far as 0.75 V more, as a battery without resistance at 58.15 V; likewise discharging. */
 void test_a_current_moves_the_voltage_by_the_battery_s_resistance(void)
 {
+    const torque_limits_state_t whole = state;
+    TEST_ASSERT_EQUAL_INT32(SCALED_ONE, whole.charge.allowed_q24);
     config.battery.resistance_uOhm = 20000;
-    state.charge.allowed_q24 = SCALED_ONE;
-    conditions.bus_voltage_mV = 57400;
     conditions.bus_current_mA = -CHARGE_mA / 4;
-    (void)folded_mA(&state.charge, CHARGE_mA);
-    const int32_t with_q24 = state.charge.allowed_q24;
+    const int32_t with_q24 = charge_share_at(57400, 0, &whole);
     config.battery.resistance_uOhm = 0;
-    conditions.bus_voltage_mV = 58150;
-    state.charge.allowed_q24 = SCALED_ONE;
-    (void)folded_mA(&state.charge, CHARGE_mA);
-    TEST_ASSERT_INT32_WITHIN(1200, state.charge.allowed_q24, with_q24); /* 1 mV */
+    TEST_ASSERT_LESS_THAN_INT32(SCALED_ONE, with_q24);
+    TEST_ASSERT_INT32_WITHIN(1200, charge_share_at(58150, 0, &whole), with_q24); /* 1 mV */
 }
 
-/* Nothing wraps, and the largest current is that of -INT32_MAX. */
+/* From half of both currents. Nothing wraps, and the largest current is that of -INT32_MAX. */
 void test_a_current_of_any_size_is_one(void)
 {
+    config.battery.min_voltage_mV = config.battery.foldback_voltage_mV = BUS_mV - 3000;
+    config.battery.max_voltage_mV = config.battery.discharge_foldback_voltage_mV = BUS_mV + 3000;
+    const torque_limits_state_t half = settled_at(BUS_mV);
+    TEST_ASSERT_INT32_WITHIN(SCALED_ONE / 1000, SCALED_ONE / 2, half.charge.allowed_q24);
+    TEST_ASSERT_INT32_WITHIN(SCALED_ONE / 1000, SCALED_ONE / 2, half.discharge.allowed_q24);
     config.battery.resistance_uOhm = 100000000;
     static const int32_t FLOWING_mA[] = {-INT32_MAX, INT32_MIN};
     int32_t shares_q24[2];
     for (int k = 0; k < 2; k++) {
         conditions.bus_current_mA = FLOWING_mA[k];
-        state.charge.allowed_q24 = SCALED_ONE / 2;
-        state.discharge.allowed_q24 = SCALED_ONE / 2;
-        (void)folded_mA(&state.charge, CHARGE_mA);
-        shares_q24[k] = state.charge.allowed_q24;
+        shares_q24[k] = charge_share_at(BUS_mV, 0, &half);
     }
     TEST_ASSERT_EQUAL_INT32(shares_q24[0], shares_q24[1]);
-    TEST_ASSERT_TRUE(shares_q24[0] > SCALED_ONE / 2);
+    TEST_ASSERT_TRUE(shares_q24[0] > half.charge.allowed_q24);
 }
 
 /* ---- the range of the fold-back ---- */
 
-/* A step from half of the limit, by the table and by foldback.h: the span is the battery's whole
- * range, and a resistance of 100 Ohm moves the voltage by four times that. */
-static void assert_folds_back_over_the_range(int32_t resistance_uOhm)
+/* A step from the share that a voltage leaves, by the table and by foldback.h: the span is the
+ * battery's whole range, and a resistance of 100 Ohm moves the voltage by four times that. */
+static void assert_folds_back_over_the_range(int32_t resistance_uOhm, int32_t from_mV)
 {
     const config_battery_t *b = &config.battery;
+    config.battery.resistance_uOhm = 0;
+    conditions.bus_current_mA = 0;
+    const torque_limits_state_t from = settled_at(from_mV);
     config.battery.resistance_uOhm = resistance_uOhm;
     const int32_t span_mV = b->max_voltage_mV - b->min_voltage_mV;
     const int32_t rise_mV = resistance_uOhm > 0 ? 4 * span_mV : 0;
@@ -253,9 +267,8 @@ static void assert_folds_back_over_the_range(int32_t resistance_uOhm)
                                   .width_mV = b->discharge_foldback_voltage_mV - b->min_voltage_mV,
                                   .span_mV = span_mV,
                                   .rise_mV = rise_mV};
-    foldback_state_t expected[] = {{.allowed_q24 = SCALED_ONE / 2},
-                                   {.allowed_q24 = SCALED_ONE / 2}};
-    state.charge = state.discharge = expected[0];
+    foldback_state_t expected[] = {from.charge, from.discharge};
+    conditions.bus_voltage_mV = BUS_mV;
     conditions.bus_current_mA = -CHARGE_mA * 2 / 5;
     const int32_t flowing_mA = conditions.bus_current_mA;
     foldback_step(&expected[0], &charge, b->max_voltage_mV - BUS_mV, -flowing_mA);
@@ -267,8 +280,13 @@ static void assert_folds_back_over_the_range(int32_t resistance_uOhm)
 
 void test_the_fold_back_spans_the_battery_s_range_and_counts_four_of_it_as_rise(void)
 {
-    assert_folds_back_over_the_range(0);
-    assert_folds_back_over_the_range(100000000);
+    const config_battery_t *b = &config.battery;
+    const int32_t charge_mV = (b->foldback_voltage_mV + b->max_voltage_mV) / 2;
+    const int32_t discharge_mV = (b->min_voltage_mV + b->discharge_foldback_voltage_mV) / 2;
+    for (int32_t resistance_uOhm = 0; resistance_uOhm <= 100000000; resistance_uOhm += 100000000) {
+        assert_folds_back_over_the_range(resistance_uOhm, charge_mV);
+        assert_folds_back_over_the_range(resistance_uOhm, discharge_mV);
+    }
 }
 
 /* ---- the peak of the charge current ---- */

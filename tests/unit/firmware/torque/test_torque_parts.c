@@ -8,7 +8,7 @@
 #include "torque_rig.h"
 #include "unity.h"
 
-enum { HOLD = 30000, STALE_mNm = 12345, CREEP_mrad_s = 100 };
+enum { HOLD = 30000, CREEP_mrad_s = 100 };
 
 void setUp(void)
 {
@@ -45,12 +45,11 @@ void test_every_part_begins_anew(void)
 /* The watch pauses while it is not trusted, and after the first step's change of speed. */
 static void settle_watch(void)
 {
-    run(300);
+    run(HYDRAULIC_WATCH_PAUSE_ms + 1);
 }
 
 static bool is_watched(void)
 {
-    state.blending.watch.pause_ms = 0;
     step();
     return state.blending.watch.pause_ms == 0;
 }
@@ -104,35 +103,45 @@ void test_a_brake_that_is_not_commanded_is_neither_watched_nor_read(void)
 
 /* ---- whose limits are solved ---- */
 
-static bool is_solved_in_this_step(bool braking)
+/* In how many of eight steps a line follows the speed, on which the losses depend. */
+static int steps_solved(bool braking)
 {
-    limit_t *const lines = braking ? state.table.braking : state.table.driving;
-    state.limits.turn.step = 2; /* nothing of the other side */
-    lines[TORQUE_LINE_PHASE_CURRENT] = limit_init(STALE_mNm, REASON_NONE);
-    step();
-    return lines[TORQUE_LINE_PHASE_CURRENT].torque_mNm != STALE_mNm;
+    const limit_t *line =
+        &(braking ? state.table.braking : state.table.driving)[TORQUE_LINE_PHASE_CURRENT];
+    int solved = 0;
+    for (int n = 0; n < TORQUE_LIMITS_TURN_steps; n++) {
+        const int32_t before_mNm = line->torque_mNm;
+        in.speed_mrad_s += 100;
+        step();
+        solved += line->torque_mNm != before_mNm ? 1 : 0;
+    }
+    return solved;
 }
 
-static void assert_solved(bool driving, bool braking)
+/* The other side once in eight steps. */
+static void assert_demanded(side_t side)
 {
-    TEST_ASSERT_EQUAL_INT(driving, is_solved_in_this_step(false));
-    TEST_ASSERT_EQUAL_INT(braking, is_solved_in_this_step(true));
+    TEST_ASSERT_EQUAL_INT(side == SIDE_DRIVING ? TORQUE_LIMITS_TURN_steps : 1, steps_solved(false));
+    TEST_ASSERT_EQUAL_INT(side == SIDE_BRAKING ? TORQUE_LIMITS_TURN_steps : 1, steps_solved(true));
 }
 
 void test_the_limits_of_the_demanded_side_alone_are_solved_in_every_step(void)
 {
-    assert_solved(true, false);
+    config.motor.max_phase_current_mA = 20000; /* less than the largest torque takes */
+    torque_init(&state, &config);
+    step();
+    assert_demanded(SIDE_DRIVING);
     in.drive_torque_mNm = 1;
-    assert_solved(true, false);
+    assert_demanded(SIDE_DRIVING);
     in.drive_torque_mNm = -1; /* lift-off braking */
-    assert_solved(false, true);
+    assert_demanded(SIDE_BRAKING);
     in.drive_torque_mNm = 0;
     in.brake_torque_mNm = 1;
-    assert_solved(false, true);
+    assert_demanded(SIDE_BRAKING);
     in.brake_torque_mNm = 0;
     in.drive_torque_mNm = 1000;
-    in.speed_mrad_s = -CREEP_mrad_s; /* rolls back */
-    assert_solved(false, true);
+    in.speed_mrad_s = -in.speed_mrad_s; /* rolls back */
+    assert_demanded(SIDE_BRAKING);
 }
 
 /* ---- the hold ---- */
