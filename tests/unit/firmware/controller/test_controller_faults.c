@@ -83,7 +83,7 @@ void test_active_short_circuit_above_the_freewheel_limit_in_every_mode_without_t
     rig_run(&rig, 100); /* 163 A on the way to 81.6: it waits for PWM, which does not come */
     TEST_ASSERT_EQUAL_INT(MODE_SELFTEST, rig.out.mode);
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, rig.pwm.bridge);
-    rig_run(&rig, 100);
+    rig_run(&rig, 200);
     TEST_ASSERT_EQUAL_INT(MODE_SELFTEST, rig.out.mode);
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, rig.pwm.bridge);
     rig_run(&rig, 2000);

@@ -18,6 +18,9 @@
 
 enum { RIG_FAST_PER_SLOW = 20 /* 20 kHz over 1 kHz */ };
 
+/* 300 r/min in 29 ms: what an absolute angle's check for jumps follows. */
+#define RIG_TURN_PER_PERIOD_SQUARED 1e-5
+
 typedef struct {
     config_t config;
     controller_t controller;
@@ -29,9 +32,11 @@ typedef struct {
     fast_output_t pwm;
     double angle_turn;
     double turn_per_period;
+    double wanted_turn_per_period;
     bool follows;          /* the phase currents are the reference's */
     double wrong_codes[3]; /* what the sensors show too much, with `follows` */
     double dither_codes;   /* what the converter rounds, evenly over the code */
+    int noise_codes;       /* of two phases, without `follows` */
 } rig_t;
 
 static inline uint16_t rig_bus_code(const rig_t *rig, double volts)
@@ -64,11 +69,9 @@ static inline void rig_start(rig_t *rig)
     }
 }
 
-/* At once, which no rotor does: the sensor's check for jumps begins anew. */
 static inline void rig_set_speed_rpm(rig_t *rig, double rpm)
 {
-    rig->controller.fast.foc.rotor.absolute.settled = 0;
-    rig->turn_per_period =
+    rig->wanted_turn_per_period =
         rpm / 60.0 * rig->config.motor.pole_pairs / rig->config.drive.pwm_frequency_Hz;
 }
 
@@ -93,6 +96,9 @@ static inline void rig_follow(rig_t *rig)
 
 static inline void rig_period(rig_t *rig)
 {
+    const double wanted = rig->wanted_turn_per_period - rig->turn_per_period;
+    rig->turn_per_period +=
+        fmax(fmin(wanted, RIG_TURN_PER_PERIOD_SQUARED), -RIG_TURN_PER_PERIOD_SQUARED);
     rig->angle_turn += rig->turn_per_period;
     rig->angle_turn -= floor(rig->angle_turn);
     rig->fast_in.rotor_angle_turn = (uint16_t)(uint32_t)(rig->angle_turn * 65536.0);
@@ -104,11 +110,21 @@ static inline void rig_period(rig_t *rig)
     controller_fast_report(&rig->controller.fast, &rig->to_slow);
 }
 
-/* No motor, so readings that stay are not frozen: a look long ago is compared with none. */
+/* Without a motor no current answers the voltage: while the bridge switches the noise of two
+ * sensors shows that the readings are not frozen. Looks at them are 4 or 5 periods apart. */
 static inline void rig_fast(rig_t *rig)
 {
-    rig->controller.fast.foc.current.frozen.last_step = rig->controller.fast.foc.step_count - 1000U;
+    uint16_t codes[3];
+    memcpy(codes, rig->fast_in.phase_current_code, sizeof codes);
+    if (rig->pwm.bridge == BRIDGE_PWM) {
+        rig->noise_codes = rig->noise_codes < 1 ? rig->noise_codes + 1 : -1;
+        rig->fast_in.phase_current_code[1] = (uint16_t)(codes[1] + rig->noise_codes);
+        rig->fast_in.phase_current_code[2] = (uint16_t)(codes[2] - rig->noise_codes);
+    }
     rig_period(rig);
+    if (!rig->follows) {
+        memcpy(rig->fast_in.phase_current_code, codes, sizeof codes);
+    }
 }
 
 static inline void rig_run(rig_t *rig, int milliseconds)
@@ -127,6 +143,18 @@ static inline void rig_start_running(rig_t *rig)
     rig_start(rig);
     rig->slow_in.demand.enable = true;
     rig_run(rig, 100);
+}
+
+/* Reports of a torque that is more than the commands, in every step from now on, and less than a
+ * sensor's error: a brake that is found by them where the wheel rolls. */
+static inline void rig_report_brake(rig_t *rig, int32_t torque_mNm)
+{
+    rig->config.brake.hydraulic_timeout_ms = 50;
+    rig->config.brake.hydraulic_gain_band_q15 = 8192;
+    rig->config.brake.hydraulic_tolerance_mNm = 2 * torque_mNm;
+    rig->slow_in.hydraulic.torque_mNm = torque_mNm;
+    rig->slow_in.hydraulic.age_ms = 0;
+    rig->slow_in.hydraulic.valid = true;
 }
 
 #endif
