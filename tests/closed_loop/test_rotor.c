@@ -355,8 +355,12 @@ void test_index_shift_at_speed_is_a_fault_within_the_documented_time(void)
     bench_t *bench = with_encoder(300.0, 77.0, 77.0, false);
     bench->params.driver.drive_demand_nm = 20.0;
     fixture_run(bench, 0.5);
-    /* The encoder slips on its shaft: the angle is wrong by 60 degrees from then on. */
-    bench->wheel[0].controller.fast.foc.rotor.encoder.base_q32 += UINT32_C(0x2AAAAAAA);
+    /* The encoder slips on its shaft by 30 of its counts, one in half a millisecond: the angle is
+     * wrong by 60 degrees from then on. */
+    for (int n = 0; n < 30; n++) {
+        bench->params.encoder.index_deg -= 2.0;
+        fixture_run(bench, 0.0005);
+    }
     reason_t fault = REASON_NONE;
     const double before_s = bench->time_s;
     const double at_s = time_to_fault_s(bench, 20.0, &fault);
