@@ -111,12 +111,9 @@ double kernel_reciprocal(uint16_t n)
 static sense_state_t sense_of(const int32_t offset_q4[3])
 {
     sense_state_t state;
-    const config_drive_t middle = {
-        .offset_a_q4 = 32768, .offset_b_q4 = 32768, .offset_c_q4 = 32768};
-    sense_init(&state, &middle);
-    for (int x = 0; x < SENSE_PHASES; x++) {
-        state.offset_q4[x] = offset_q4[x];
-    }
+    const config_drive_t stored = {
+        .offset_a_q4 = offset_q4[0], .offset_b_q4 = offset_q4[1], .offset_c_q4 = offset_q4[2]};
+    sense_init(&state, &stored);
     return state;
 }
 

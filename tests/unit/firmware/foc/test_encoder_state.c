@@ -59,9 +59,9 @@ void test_first_index_moves_the_tracked_angle_with_the_origin(void)
 {
     encoder.base_q32 = encoder.origin_q32 - 5000U;
     encoder.position_counts = 3;
-    encoder.tracker.theta_q32 = 100000;
+    angle_tracker_step(&encoder.tracker, &config, 1); /* the first angle, 65 536 of 2^32 */
     process_index(&encoder, 2);
-    TEST_ASSERT_EQUAL_HEX32(100000U + 5000U - 2U * 4294967U, encoder.tracker.theta_q32);
+    TEST_ASSERT_EQUAL_HEX32(65536U + 5000U - 2U * 4294967U, encoder.tracker.theta_q32);
     TEST_ASSERT_EQUAL_HEX32(encoder.origin_q32, encoder.base_q32);
     TEST_ASSERT_EQUAL_INT32(1, encoder.position_counts);
     TEST_ASSERT_TRUE(encoder.valid);

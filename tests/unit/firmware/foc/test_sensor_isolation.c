@@ -43,13 +43,17 @@ static void sample(double turns)
     step(true);
 }
 
-/* Steady at 600 codes of i_q, 48 A, braking. */
+/* Steady at 600 codes of i_q, 48 A, braking, once the angle's speed is known. */
 static void settle(double turns)
 {
+    for (int n = 0; n < 4000; n++) {
+        turn += turns;
+        turn -= floor(turn);
+        in.rotor_angle_turn = (uint16_t)(uint32_t)(turn * 65536.0);
+        foc_idle_step(&foc, &config, &setpoint, &in);
+    }
     q_codes = -600.0;
     setpoint.i_reference_pu.q = -600 * 16;
-    sample(0.0);
-    foc.rotor.absolute.tracker.speed_q32 = (int32_t)(turns * 4294967296.0);
     for (int n = 0; n < 200; n++) {
         sample(turns);
     }

@@ -41,9 +41,16 @@ static inline void states_up(void)
 
 static inline void modelled(int32_t torque_mNm, int32_t early_mNm, int32_t late_mNm)
 {
-    model.torque_q6_mNm = torque_mNm * 64;
-    model.early_q6_mNm = early_mNm * 64;
-    model.late_q6_mNm = late_mNm * 64;
+    const int32_t commands_mNm[5] = {late_mNm, 0, torque_mNm, early_mNm, 0};
+    config_t quick = config; /* without lag: 2 ms later, 1 ms if early, 4 ms if late */
+    quick.brake.hydraulic_dead_time_ms = 2;
+    quick.brake.hydraulic_time_constant_ms = 0;
+    quick.brake.hydraulic_rate_mNm_s = 2000000000;
+    quick.brake.hydraulic_report_delay_ms = 0;
+    quick.brake.max_hydraulic_torque_mNm = 20000000;
+    for (int n = 0; n < 5; n++) {
+        hydraulic_model_step(&model, &quick, commands_mNm[n]);
+    }
 }
 
 static inline void step(void)
