@@ -11,6 +11,8 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
+from unit_programs import programs_of
+
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build" / "host-mcdc"
 MODULES = ("core", "config", "foc", "torque", "monitor", "modes", "controller")
@@ -35,9 +37,7 @@ def _run(words: Iterable[str], folder: Path = ROOT) -> str:
 def _programs(jobs: int) -> list[Path]:
     """Return the unit test programs of the modules, built."""
     _run(("cmake", "--preset", "host-mcdc"))
-    folder = rf"tests/unit/firmware/(?:{'|'.join(MODULES)})"
-    listed = _run(("ninja", "-t", "targets", "all"), BUILD)
-    targets = sorted(set(re.findall(rf"(?m)^({folder}/test_\w+): C_EXECUTABLE", listed)))
+    targets = programs_of(MODULES, _run(("ninja", "-t", "targets", "all"), BUILD))
     if not targets:
         raise ConditionsError("no unit tests in build/host-mcdc")
     _run(("ninja", "-j", str(jobs), *targets), BUILD)

@@ -7,7 +7,6 @@ coverage: two evaluations that differ in this condition only and in the outcome)
 """
 
 import re
-from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,14 +15,6 @@ from typing import Any
 Place = tuple[int, int, int, int]
 # A compile-time constant has one value only.
 _CONSTANT = re.compile(r"true|false|[01]|\(?[A-Z][A-Z0-9_]+\)?")
-
-
-@dataclass(frozen=True)
-class Missing:
-    """A value of a condition that no test shows."""
-
-    name: str
-    where: str
 
 
 @dataclass
@@ -35,7 +26,13 @@ class Module:
     branches_reached: int = 0
     conditions: int = 0
     conditions_shown: int = 0
-    missing: list[Missing] = field(default_factory=list)
+    missing: list[str] = field(default_factory=list)
+
+    @property
+    def share(self) -> float:
+        """The share of its branches that the tests reach, or of its conditions if that is less."""
+        branches = self.branches_reached / max(self.branches, 1)
+        return min(branches, self.conditions_shown / self.conditions if self.conditions else 1.0)
 
 
 @dataclass
@@ -118,27 +115,19 @@ def modules_of(
 
 
 def _add(module: Module, path: Path, function: str, counts: Function, lines: Sequence[str]) -> None:
-    seen: Counter[str] = Counter()
-
-    def miss(place: Place, text: str, what: str) -> None:
-        where = f"{path.parent.name}/{path.name}:{place[0]}"
-        module.missing.append(Missing(f"{path.name}: {function}: {text}: {what}", where))
-
     for place, (true, false) in sorted(counts.branches.items()):
         text = text_at(lines, place)
         if _CONSTANT.fullmatch(text):
             continue
-        seen[text] += 1
-        if seen[text] > 1:
-            text += f" #{seen[text]}"
+        where = f"{path.parent.name}/{path.name}:{place[0]}: {function}: {text}"
         module.branches += 2
         module.branches_reached += (true > 0) + (false > 0)
         if not true:
-            miss(place, text, "true")
+            module.missing.append(f"{where}: true")
         if not false:
-            miss(place, text, "false")
+            module.missing.append(f"{where}: false")
         if place in counts.alone:
             module.conditions += 1
             module.conditions_shown += counts.alone[place]
             if true and false and not counts.alone[place]:
-                miss(place, text, "alone")
+                module.missing.append(f"{where}: alone")

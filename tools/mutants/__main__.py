@@ -4,36 +4,16 @@
 import argparse
 import json
 import os
+import random
 import sys
-from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
-from mutants import explained, measure, programs
+from mutants import measure, programs
 from mutants.programs import ROOT, MutantsError
+from mutants.report import Result, Survivor
 
-TABLES = ROOT / "tests" / "mutants"
-
-
-@dataclass
-class Result:
-    """The mutants of one module: how many, and by name those that are in no table."""
-
-    module: str
-    mutants: int = 0
-    killed: int = 0
-    same_code: int = 0
-    explained: int = 0
-    open: int = 0
-    unexplained: list[str] = field(default_factory=list)
-    stale: list[str] = field(default_factory=list)
-
-    def line(self) -> str:
-        """Return the closing line."""
-        return (
-            f"{self.module}: {self.mutants} mutants, {self.killed} killed, {self.same_code} the"
-            f" same code, {self.explained} explained, {self.open} open,"
-            f" {len(self.unexplained)} not explained, {len(self.stale)} stale"
-        )
+LEAST = 0.92
+SEED = 1
 
 
 def show_progress(count: int, total: int) -> None:
@@ -43,72 +23,57 @@ def show_progress(count: int, total: int) -> None:
 
 
 def test_module(module: str, arguments: argparse.Namespace) -> Result:
-    """Let the unit tests of one module meet its mutants, and compare with the tables."""
+    """Let the unit tests of one module meet its mutants."""
     numbered = programs.changes_of(module)
-    wanted = [
-        number
-        for number, (path, _) in numbered.items()
-        if number % arguments.every == 0 and arguments.file in (None, path.name)
-    ]
-    folder = programs.FOLDER / f"{module}-{arguments.file or arguments.every}"
+    all_wanted = [n for n, (path, _) in numbered.items() if arguments.file in (None, path.name)]
+    wanted = all_wanted
+    if arguments.sample is not None and arguments.sample < len(all_wanted):
+        wanted = sorted(random.Random(SEED).sample(all_wanted, arguments.sample))
+    if not wanted:
+        raise MutantsError("no mutants")
+    folder = programs.FOLDER / f"{module}-{arguments.file or arguments.sample or 'all'}"
     built = programs.build(module, folder, arguments.jobs, numbered)
-    tables = explained.Tables(TABLES, module)
-    name = explained.names(numbered)
-    same = programs.SameCode(built, folder)
-
-    def settled(number: int) -> str | None:
-        if name[number] in tables.explained:
-            return None if arguments.thorough else "left"
-        return "same" if same(number) else None
-
-    left, same_code = measure.survivors(built, wanted, arguments.jobs, settled, show_progress)
-    known = {number for number in left if name[number] in tables.explained}
-    rest = [number for number in left if number not in known]
-    killed = len(wanted) - len(left) - len(same_code)
-    result = Result(module, len(wanted), killed, len(same_code), len(known))
-    if arguments.write_open:
-        tables.write_open([name[number] for number in rest])
-        tables.open = {name[number] for number in rest}
-    fine = {name[number] for number in (*wanted, *numbered) if number not in wanted}
-    fine |= {name[number] for number in left}
-    result.open = sum(name[number] in tables.open for number in rest)
-    for number in rest:
-        path, change = numbered[number]
-        if name[number] not in tables.open:
-            where = f"{path.relative_to(ROOT)}:{change.line}"
-            result.unexplained.append(f"{where}: {name[number].partition(': ')[2]}")
-    result.stale = sorted((tables.explained.keys() | tables.open) - fine) + tables.wrong
-    return result
+    same_code = programs.SameCode(built, folder)
+    found = measure.outcomes(built, wanted, arguments.jobs, same_code, show_progress)
+    survivors = [
+        Survivor.of(path.relative_to(ROOT), change)
+        for path, change in (numbered[n] for n in found["survived"])
+    ]
+    return Result(
+        module, len(all_wanted), len(wanted), len(found["same"]), len(found["killed"]), survivors
+    )
 
 
 def show_list(module: str) -> None:
     """Print every mutant of a module without building anything."""
     for path, change in programs.changes_of(module).values():
-        print(
-            f"{path.relative_to(ROOT)}:{change.line}: {change.kind}: {change.original} ->"
-            f" {change.replacement or '(removed)'}"
-        )
+        print(Survivor.of(path.relative_to(ROOT), change).text())
 
 
-def main() -> int:
-    """Test the mutants of the modules that were asked for."""
+def parsed() -> argparse.Namespace:
+    """Return the command line."""
     parser = argparse.ArgumentParser(prog="tools/dev mutants")
     parser.add_argument("modules", nargs="*", metavar="MODULE")
     parser.add_argument("--list", action="store_true")
     parser.add_argument("--json", type=Path, metavar="FILE")
+    parser.add_argument("--least", type=float, default=LEAST, metavar="SCORE")
     parser.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)), metavar="N")
-    parser.add_argument("--every", type=int, default=1, metavar="N")
+    parser.add_argument("--sample", type=int, metavar="N")
     parser.add_argument("--file", metavar="NAME")
-    parser.add_argument("--thorough", action="store_true")
-    parser.add_argument("--write-open", action="store_true")
     arguments = parser.parse_args()
     for module in arguments.modules:
         if module not in programs.MODULES:
             parser.error(f"no module '{module}'; there are: {' '.join(programs.MODULES)}")
-    if arguments.jobs < 1 or arguments.every < 1:
-        parser.error("--jobs and --every need a number of at least 1")
-    if arguments.write_open and (arguments.every != 1 or arguments.file):
-        parser.error("--write-open needs all mutants, without --every and --file")
+    if arguments.jobs < 1 or (arguments.sample is not None and arguments.sample < 1):
+        parser.error("--jobs and --sample need a number of at least 1")
+    if not 0.0 <= arguments.least <= 1.0:
+        parser.error("--least needs a score from 0 to 1")
+    return arguments
+
+
+def main() -> int:
+    """Test the mutants of the modules that were asked for."""
+    arguments = parsed()
     results = []
     for module in arguments.modules or programs.MODULES:
         if arguments.list:
@@ -119,16 +84,14 @@ def main() -> int:
         except (MutantsError, ValueError) as error:
             print(f"tools/dev mutants: {module}: {error}", file=sys.stderr)
             return 1
-        for line in result.unexplained:
-            print(f"survived: {line}")
-        for line in result.stale:
-            print(f"stale: {line}: killed, or not there any more")
-        print(result.line(), flush=True)
+        for survivor in result.survivors:
+            print(survivor.text())
+        print(result.text(arguments.least), flush=True)
         results.append(result)
     if arguments.json and not arguments.list:
-        text = json.dumps([asdict(result) for result in results], indent=1)
+        text = json.dumps({result.module: result.as_json() for result in results}, indent=1)
         arguments.json.write_text(text + "\n", encoding="utf-8")
-    return 1 if any(result.unexplained or result.stale for result in results) else 0
+    return 0 if all(result.meets(arguments.least) for result in results) else 1
 
 
 if __name__ == "__main__":

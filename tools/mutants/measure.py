@@ -71,35 +71,34 @@ def is_killed(program: Program, number: int) -> bool:
     return done.returncode != 0
 
 
-def survivors(
+def outcomes(
     build: Build,
     wanted: Collection[int],
     jobs: int,
-    settled: Callable[[int], str | None],
+    same_code: Callable[[int], bool],
     progress: Callable[[int, int], None],
-) -> tuple[list[int], list[int]]:
-    """Return the mutants that no program kills: those with code of their own, and the others.
+) -> dict[str, list[int]]:
+    """Return which mutants are ``killed``, which have the ``same`` code, and which ``survived``.
 
-    Between the fast programs and the slow ones `settled` is asked, which may compile: "same" and
-    "left" are what the mutant then counts as, without another program.
+    `same_code`, which compiles, is asked between the fast programs and the slow ones.
     """
     programs = sorted((profile(path) for path in build.programs), key=lambda one: one.cpu_ms)
-    fast = [program for program in programs if program.cpu_ms < SLOW_MS]
 
     def outcome(number: int) -> str:
         met = [program for program in programs if number in program.reached]
-        if any(is_killed(program, number) for program in met if program in fast):
+        fast = [program for program in met if program.cpu_ms < SLOW_MS]
+        if any(is_killed(program, number) for program in fast):
             return "killed"
-        slow = (program for program in met if program not in fast)
-        known = settled(number)
-        if known is None and any(is_killed(program, number) for program in slow):
-            return "killed"
-        return known or "left"
+        if same_code(number):
+            return "same"
+        killed = any(is_killed(program, number) for program in met[len(fast) :])
+        return "killed" if killed else "survived"
 
-    found: dict[str, list[int]] = {"killed": [], "same": [], "left": []}
+    found: dict[str, list[int]] = {"killed": [], "same": [], "survived": []}
     with ThreadPoolExecutor(jobs) as pool:
-        outcomes = zip(wanted, pool.map(outcome, wanted), strict=True)
-        for count, (number, result) in enumerate(outcomes, 1):
+        for count, (number, result) in enumerate(
+            zip(wanted, pool.map(outcome, wanted), strict=True), 1
+        ):
             found[result].append(number)
             progress(count, len(wanted))
-    return found["left"], found["same"]
+    return found

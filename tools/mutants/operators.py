@@ -79,8 +79,6 @@ class Change:
     start: int
     end: int
     line: int
-    function: str
-    line_text: str
     original: str
     replacement: str
     removed: bool = False
@@ -118,12 +116,9 @@ def changes(source: Source) -> list[Change]:
     """Return every change of a file, in the order of its text."""
     found: list[Change] = []
     for function in _functions(source.root):
-        declarator = function.child_by_field_name("declarator")
         body = function.child_by_field_name("body")
-        if declarator is None or body is None:
+        if body is None:
             continue
-        while (inner := declarator.child_by_field_name("declarator")) is not None:
-            declarator = inner
         is_void = _is_void(source, function)
         for node in _changeable(source, body):
             for kind, replacement, removed in _of_node(source, node, is_void):
@@ -133,8 +128,6 @@ def changes(source: Source) -> list[Change]:
                         node.start_byte,
                         node.end_byte,
                         node.start_point.row + 1,
-                        source.of(declarator),
-                        _line_of(source, node),
                         one_line(source.of(node)),
                         one_line(replacement),
                         removed,
@@ -174,12 +167,6 @@ def _functions(node: Node) -> Iterator[Node]:
 def _is_void(source: Source, function: Node) -> bool:
     result = function.child_by_field_name("type")
     return result is not None and source.of(result) == "void"
-
-
-def _line_of(source: Source, node: Node) -> str:
-    begin = source.text.rfind(b"\n", 0, node.start_byte) + 1
-    end = source.text.find(b"\n", node.start_byte)
-    return one_line(source.text[begin:end].decode().partition("/*")[0])
 
 
 def _changeable(source: Source, node: Node) -> Iterator[Node]:

@@ -15,6 +15,8 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
+from unit_programs import programs_of
+
 from mutants import schema
 from mutants.operators import Change, changes, parse
 
@@ -24,7 +26,8 @@ _GIVEN = os.environ.get("HUBFOC_BUILD_DIR")
 HOST = Path(_GIVEN) if _GIVEN else ROOT / "build" / "host"
 FOLDER = HOST.parent / "mutants"
 TOOL = Path(__file__).resolve().parent
-MODULES = ("modes", "monitor", "foc", "torque")
+_LIST = ROOT / "tests" / "mutants" / "modules.txt"
+MODULES = tuple(re.findall(r"(?m)^[a-z]\w*$", _LIST.read_text(encoding="utf-8")))
 # As the sanitizers' build has no undefined result to hide behind, a mutant's overflow wraps, and
 # its null pointer is read.
 _DEFINED = ("-fwrapv", "-fno-delete-null-pointer-checks")
@@ -85,13 +88,6 @@ def _run(words: Iterable[str], folder: Path = HOST) -> str:
     return done.stdout
 
 
-def _targets(module: str) -> list[str]:
-    """Return the unit test programs of a module, by their path in the host preset's build."""
-    folder = re.escape(f"tests/unit/firmware/{module}/")
-    listed = _run(("ninja", "-t", "targets", "all"))
-    return sorted(set(re.findall(rf"(?m)^({folder}test_\w+): C_EXECUTABLE", listed)))
-
-
 def _compile(words: list[str]) -> Compile:
     kept, skip, source, output = [], False, "", ""
     for word, after in zip(words, [*words[1:], ""], strict=True):
@@ -109,7 +105,7 @@ def _compile(words: list[str]) -> Compile:
 def build(module: str, folder: Path, jobs: int, numbered: dict[int, tuple[Path, Change]]) -> Build:
     """Write the module with its mutants into a folder, compile it and link its test programs."""
     shutil.rmtree(folder, ignore_errors=True)
-    targets = _targets(module)
+    targets = programs_of([module], _run(("ninja", "-t", "targets", "all")))
     if not targets:
         raise MutantsError(f"no unit tests of {module} in build/host")
     if not _GIVEN:

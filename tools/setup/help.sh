@@ -153,36 +153,39 @@ TEXT
 
 help_coverage() {
     cat <<'TEXT'
-Usage: tools/dev coverage [--mcdc]
+Usage: tools/dev coverage
+       tools/dev coverage --mcdc [--least SHARE] [--jobs N]
 
 Builds the host-coverage preset, runs the unit and closed-loop tests in C and prints lines and
 branches reached in each file of the firmware; build/coverage/index.html shows them line by line,
 build/coverage/summary.json is for machines.
 
-  --mcdc   builds the host-mcdc preset instead (clang 19), runs the unit tests of the pure modules
-           and prints branches and conditions (MC/DC) of each; fails with those that are neither
-           reached nor explained in tests/conditions
+  --mcdc         builds the host-mcdc preset instead (clang 19), runs the unit tests of the pure
+                 modules, prints how many branches and conditions (MC/DC) of each they reach, and
+                 names the others
+  --least SHARE  exit status 1 if a module has a smaller share of either; default: 0.95
+  --jobs N       so many at the same time; default: one for each processor
 TEXT
 }
 
 help_mutants() {
     cat <<'TEXT'
-Usage: tools/dev mutants [MODULE...] [--list] [--json FILE] [--jobs N] [--every N] [--file NAME]
-                         [--thorough] [--write-open]
+Usage: tools/dev mutants [MODULE...] [--json FILE] [--least SCORE] [--sample N] [--file NAME]
+                         [--jobs N] [--list]
 
-Mutation testing of firmware/modes, monitor, foc and torque (default: all four). Every relation,
-sum, constant, condition, limit and statement is changed, one at a time, and the unit tests of the
-module must notice. A mutant that survives must be in the tables of tests/mutants, with the reason
-why no test can kill it, or as open; another one is a failure, and so is an entry of the tables
-whose mutant is killed.
+Mutation testing of modules of the firmware (default: those of tests/mutants/modules.txt). Every
+relation, sum, constant, condition, limit and statement is changed, one at a time, and the unit
+tests of the module meet each change. Changes that survive are listed. The score of a module is
+killed / (compiled - same_code), where same_code are changes that make no other instructions.
 
-  --list         print the mutants; nothing is built
-  --json FILE    also write the figures and the survivors to FILE
-  --jobs N       so many at the same time; default: one for each processor
-  --every N      only every Nth mutant
+  --json FILE    also write to FILE, by module: compiled, same_code, killed, score, and survivors,
+                 each with file, line, operator, before, after
+  --least SCORE  exit status 1 if a module scores less; default: 0.92. With --sample: if a module
+                 with this score would be drawn so badly once in a hundred times
+  --sample N     only N mutants, drawn at random, the same ones each time
   --file NAME    only those of one file, e.g. monitor_speed.c
-  --thorough     what is explained meets the slow test programs (over 0.25 s) as well
-  --write-open   list in tests/mutants/open_MODULE.txt what survives without an explanation
+  --jobs N       so many at the same time; default: one for each processor
+  --list         print the mutants; nothing is built
 TEXT
 }
 

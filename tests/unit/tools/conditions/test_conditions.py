@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""tools/conditions: what is missing of an export of the compiler's counts, and what explains it."""
+"""tools/conditions: what is missing of an export of the compiler's counts, module by module."""
 
+import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
-from conditions.explained import Table
+from conditions import __main__ as command
+from conditions import measure
 from conditions.reached import Module, modules_of
 
 FIRMWARE = Path("/project/firmware")
@@ -49,8 +51,8 @@ def measured(*records: dict[str, Any], path: str = "core/f.c") -> Module:
 
 
 def names(module: Module) -> list[str]:
-    """Return what is missing, without file and function."""
-    return [one.name.removeprefix("f.c: f: ") for one in module.missing]
+    """Return what is missing, without its place."""
+    return [one.removeprefix("core/f.c:3: f: ") for one in module.missing]
 
 
 def test_everything_reached_is_counted_and_a_constant_is_not() -> None:
@@ -73,8 +75,7 @@ def test_what_is_missing_is_named_by_condition_and_value(
 ) -> None:
     module = measured(record(a, b, alone))
     assert names(module) == missing
-    assert module.missing[0].where == "core/f.c:3"
-    assert module.missing[0].name.startswith("f.c: f: ")
+    assert module.missing[0].startswith("core/f.c:3: f: ")
 
 
 def test_instances_of_an_inline_function_count_together() -> None:
@@ -93,14 +94,21 @@ def test_other_files_are_not_counted(path: str) -> None:
     assert (module.branches, module.missing) == (0, [])
 
 
-def test_an_explanation_names_what_it_explains_and_needs_a_reason(tmp_path: Path) -> None:
-    path = tmp_path / "explained.toml"
-    path.write_text(
-        '[[explained]]\nfile = "f.c"\nfunction = "f"\nreason = "r"\nmissing = ["a: true"]\n'
-        '[[explained]]\nfile = "g.c"\nfunction = "g"\nmissing = ["b: false"]\n',
-        encoding="utf-8",
-    )
-    table = Table(path)
-    assert table.reasons["f.c: f: a: true"] == "r"
-    assert len(table.wrong) == 1
-    assert "g.c: g" in table.wrong[0]
+@pytest.mark.parametrize(
+    ("a", "alone", "share"),
+    [((5, 0), [True, True], 3 / 4), ((5, 3), [True, False], 1 / 2)],
+)
+def test_a_module_below_the_least_share_of_branches_or_conditions_fails(
+    a: tuple[int, int], alone: list[bool], share: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    module = measured(record(a, (2, 3), alone))
+    assert module.share == pytest.approx(share)
+    monkeypatch.setattr(measure, "run", lambda _: {})
+    monkeypatch.setattr(command, "modules_of", lambda *_: [module])
+    for least, status in ((share, 0), (share + 0.01, 1)):
+        monkeypatch.setattr(sys, "argv", ["conditions", "--least", str(least)])
+        assert command.main() == status
+
+
+def test_a_module_of_which_nothing_is_counted_fails() -> None:
+    assert Module("renamed").share == 0.0

@@ -1,12 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""tools/mutants: which changes are found in a C file, and that each acts alone."""
+"""tools/mutants: which changes are found in a C file, that each acts alone, and the report."""
 
+import json
 import subprocess
+import sys
+from math import comb
 from pathlib import Path
 
 import pytest
-from mutants import explained, schema
+from mutants import __main__ as command
+from mutants import schema
 from mutants.operators import Change, changes, parse
+from mutants.report import Result, Survivor
+from unit_programs import programs_of
 
 RUNTIME = "int hubfoc_mutant; unsigned char hubfoc_reached[99];\n"
 
@@ -147,34 +153,63 @@ def test_a_place_is_reached_by_a_value_that_the_mutant_changes(tmp_path: Path) -
     assert {text: seen[text] for text in expected} == expected
 
 
-def test_a_name_stays_when_lines_are_moved_and_tells_equal_changes_apart() -> None:
-    def names_of(body: str) -> list[str]:
-        numbered = dict(enumerate(((Path("x.c"), one) for one in found_in(body)), 1))
-        return list(explained.names(numbered).values())
-
-    names = names_of("a = 2;\na = 2;")
-    assert names == names_of("\n\n a = 2;\n\n  a = 2;")
-    assert len(set(names)) == len(names)
-    assert names[0] == "x.c: f: a = 2; -> (removed)"
-    assert names[1] == "x.c: f: 2 -> 2 + 1 in: a = 2;"
+def result(killed: int, tested: int, mutants: int = 0, same_code: int = 0) -> Result:
+    """Return a module's result: of so many mutants so many met the tests."""
+    survivors = [
+        Survivor.of(Path("firmware/x/x.c"), change)
+        for change in found_in("return 7;")[:1] * (tested - killed)
+    ]
+    compiled = tested + same_code
+    return Result("x", mutants or compiled, compiled, same_code, killed, survivors)
 
 
-def test_an_entry_without_a_reason_or_of_an_unknown_kind_is_wrong(tmp_path: Path) -> None:
-    entry = '[[explained]]\nfile = "x.c"\nfunction = "f"\nchanges = ["a -> b"]\n'
-    file = tmp_path / "explained_x.toml"
-    for more, wrong in (
-        ('kind = "equivalent"\nreason = "because"', 0),
-        ('kind = "equivalent"\nreason = " "', 1),
-        ('kind = "boring"\nreason = "because"', 1),
-    ):
-        file.write_text(entry + more, encoding="utf-8")
-        tables = explained.Tables(tmp_path, "x")
-        assert len(tables.wrong) == wrong
-        assert list(tables.explained) == ["x.c: f: a -> b"]
+def test_the_score_is_the_share_of_killed_mutants_without_those_of_the_same_code() -> None:
+    assert result(killed=6, tested=8, same_code=2).score == pytest.approx(6 / 8)
+    assert result(killed=92, tested=100, same_code=7).meets(0.92)
+    assert not result(killed=91, tested=100, same_code=7).meets(0.92)
 
 
-def test_open_mutants_are_written_and_read_back(tmp_path: Path) -> None:
-    explained.Tables(tmp_path, "x").write_open(["x.c: f: a -> b"])
-    assert explained.Tables(tmp_path, "x").open == {"x.c: f: a -> b"}
-    explained.Tables(tmp_path, "x").write_open([])
-    assert not (tmp_path / "open_x.txt").exists()
+@pytest.mark.parametrize(("mutants", "sample"), [(500, 150), (500, 400), (6000, 150)])
+def test_one_in_a_hundred_samples_fails_that_are_drawn_from_a_module_with_the_least_score(
+    mutants: int, sample: int
+) -> None:
+    """Hypergeometric distribution: sample of mutants of which 92 % are killed by the tests."""
+    killable = round(0.92 * mutants)
+    fails = sum(
+        comb(killable, k) * comb(mutants - killable, sample - k) / comb(mutants, sample)
+        for k in range(max(0, sample - (mutants - killable)), min(sample, killable) + 1)
+        if not result(k, sample, mutants).meets(0.92)
+    )
+    assert 0.003 < fails < 0.025
+
+
+def test_the_report_names_survivors_by_place_and_change_and_a_low_score_fails(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "report.json"
+    one = result(killed=11, tested=12, same_code=3)
+    monkeypatch.setattr(command, "test_module", lambda *_: one)
+    call = ["mutants", "modes", "--json", str(file)]
+    for least, status in (("0.92", 1), ("0.91", 0)):
+        monkeypatch.setattr(sys, "argv", [*call, "--least", least])
+        assert command.main() == status
+    assert "firmware/x/x.c:3: constant: 7 -> 7 + 1\n" in capsys.readouterr().out
+    found = json.loads(file.read_text(encoding="utf-8"))["x"]
+    assert found.pop("score") == pytest.approx(11 / 12)
+    survivor = {"file": "firmware/x/x.c", "line": 3, "operator": "constant", "before": "7"}
+    survivors = [{**survivor, "after": "7 + 1"}]
+    assert found == {"compiled": 15, "same_code": 3, "killed": 11, "survivors": survivors}
+
+
+def test_the_programs_of_a_module_are_its_own_unit_tests() -> None:
+    listed = """\
+tests/unit/firmware/foc/test_sense: C_EXECUTABLE_LINKER__test_sense_
+tests/unit/firmware/foc/all: phony
+tests/unit/firmware/foc_other/test_sense: C_EXECUTABLE_LINKER__test_other_
+tests/unit/firmware/foc/test_hall: C_EXECUTABLE_LINKER__test_hall_
+tests/unit/firmware/modes/test_modes: C_EXECUTABLE_LINKER__test_modes_
+firmware/foc/libhubfoc_foc.a: C_STATIC_LIBRARY_LINKER__hubfoc_foc_
+"""
+    folder = "tests/unit/firmware"
+    assert programs_of(["foc"], listed) == [f"{folder}/foc/test_hall", f"{folder}/foc/test_sense"]
+    assert programs_of(["modes", "core"], listed) == [f"{folder}/modes/test_modes"]

@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The unit test programs of the firmware's modules in a build.
+
+The only place that knows their names: mutation testing (``mutants``) and coverage of branches and
+conditions (``conditions``) build and run what is found here.
+"""
+
+import re
+from collections.abc import Iterable
+
+
+def programs_of(modules: Iterable[str], listed: str) -> list[str]:
+    """Return the unit test programs of modules, by their paths in the folder of the build.
+
+    Parameters
+    ----------
+    modules : iterable of str
+        Folders of ``firmware``; the tests of ``foc`` are built in ``tests/unit/firmware/foc``.
+    listed : str
+        What ``ninja -t targets all`` prints in that folder.
+    """
+    folder = rf"tests/unit/firmware/(?:{'|'.join(map(re.escape, modules))})"
+    return sorted(set(re.findall(rf"(?m)^({folder}/test_\w+): C_EXECUTABLE", listed)))
