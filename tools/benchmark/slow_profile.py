@@ -9,20 +9,16 @@ state; its median is not the sum of the medians.
 from __future__ import annotations
 
 import statistics
-import sys
 from collections import Counter
 from pathlib import Path
 from typing import Any
 
 from benchmark import build, count, elf
-from benchmark.readme import RELEASE
 
 SLOW_STEP = "controller_slow_step"
 BEGIN = "begin_measuring"
 STATES = 4000
 README = build.HERE / "README.md"
-DEVIATION = 0.1
-"""Share of a group's figure by which the table may be off before it is called out of date."""
 BEGINS, ENDS = "<!-- parts of the slow step -->\n", "<!-- end of the parts -->\n"
 LIMITS = "Messages, translation between the loops, limits, plausibility"
 EDGES = "Braking at the edges"
@@ -162,33 +158,6 @@ def updated(text: str, profile: dict[str, Any]) -> str:
     return before + BEGINS + table(profile) + ENDS + rest.partition(ENDS)[2]
 
 
-def _figures(text: str) -> dict[str, list[int]]:
-    """Figures of the rows in bold: of the step and the groups."""
-    rows = [line.split("|")[1:-1] for line in text.splitlines() if line.startswith("| **")]
-    return {row[0].strip(): [int(n) for cell in row[1:] for n in cell.split("/")] for row in rows}
-
-
-def out_of_date(text: str, profile: dict[str, Any]) -> list[str]:
-    """Name the sums of the table that are off by more than ``DEVIATION``."""
-    shown = _figures(text.partition(BEGINS)[2].partition(ENDS)[0])
-    counted = _figures(table(profile))
-    return [
-        f"{name}: shown {shown.get(name)}, counted {now}"
-        for name, now in counted.items()
-        if len(shown.get(name, [])) != len(now)
-        or any(abs(a - b) > DEVIATION * b for a, b in zip(shown[name], now, strict=True))
-    ]
-
-
-def status(report: dict[str, Any], update: bool) -> int:
-    """Bring the table up to date if asked to; else return 1, and say so, if it is not."""
-    profile = report["slow_profile"]
-    if update:
-        README.write_text(updated(README.read_text(), profile))
-        return 0
-    complaints = out_of_date(README.read_text(), profile) if RELEASE in report["compiler"] else []
-    for complaint in complaints:
-        print(f"bench: table of tools/benchmark/README.md: {complaint}", file=sys.stderr)
-    if complaints:
-        print("bench: ./tools/dev bench --update-readme writes that table", file=sys.stderr)
-    return 1 if complaints else 0
+def update(report: dict[str, Any]) -> None:
+    """Bring the table up to date."""
+    README.write_text(updated(README.read_text(), report["slow_profile"]))

@@ -145,9 +145,8 @@ Usage: tools/dev bench [--config NAME] [--no-simulation] [--update-readme]
 
 Measures both step functions on emulated cores (instructions, code, stack), the interrupts of the
 flashable images on the models of their chips, the firmware's size and the simulation's speed;
-prints them and writes build/bench.json. A missed budget is a failure, and so is a table in
-firmware/foc/README.md or tools/benchmark/README.md that is out of date; --update-readme writes
-them.
+prints them and writes build/bench.json. A missed budget is a failure. --update-readme writes the
+tables of firmware/foc/README.md and tools/benchmark/README.md.
 TEXT
 }
 

@@ -32,13 +32,6 @@ def test_counted_rows_are_replaced_and_the_others_unchanged() -> None:
     assert readme.updated(text, REPORT) == text
 
 
-def test_a_row_is_out_of_date_if_a_figure_deviates_by_more_than_2_percent() -> None:
-    complaints = readme.out_of_date(TEXT, REPORT)
-    assert len(complaints) == 1
-    assert complaints[0].startswith("foc_current_step, cortex-m4: shown [100, 101, 102, 103]")
-    assert readme.out_of_date(readme.updated(TEXT, REPORT), REPORT) == []
-
-
 def test_the_readme_contains_the_rows_of_the_benchmark() -> None:
     rows = {(match[1], match[2]) for match in readme._ROW.finditer(readme.README.read_text())}
     assert rows == {
