@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The repository itself.
 
-Top-level entries, length of files and lines, and text that no tracked file may contain.
+Top-level entries, length of lines, and text that no tracked file may contain.
 """
 
 import re
@@ -18,7 +18,6 @@ TOP_LEVEL = {
     *("firmware", "hal", "host_sim", "tests", "tools"),
 }
 
-LONGEST_FILE = 480  # lines; a longer file should be two modules
 LONGEST_LINE = 100  # characters, as in .editorconfig, .clang-format and ruff.toml
 
 # Files that are generated or taken over from others; not checked.
@@ -84,11 +83,6 @@ def test_the_top_level_contains_exactly_the_entries_of_the_design() -> None:
     top = {name_of(path).split("/", maxsplit=1)[0] for path in git_files()}
     assert top <= TOP_LEVEL
     assert {"CMakeLists.txt", "README.md", "LICENSE", "firmware", "hal", "tests", "tools"} <= top
-
-
-def test_no_file_is_longer_than_the_limit() -> None:
-    lengths = {name: text.count("\n") for name, text in own_text().items() if CODE.search(name)}
-    assert {name: lines for name, lines in lengths.items() if lines > LONGEST_FILE} == {}
 
 
 def test_no_line_of_code_is_longer_than_a_hundred_columns() -> None:
