@@ -10,9 +10,9 @@
 #include <vector>
 
 struct Measured {
-    std::string kernel; // the name in the first column of the table in firmware/foc/README.md
-    double error;       // the largest found
-    double bound;       // what the design allows, derived where it is measured
+    std::string kernel;
+    double error; // the largest found
+    double bound; // what the design allows, derived where it is measured
     std::string unit;
 };
 

@@ -12,10 +12,9 @@ chip_test(chip_boots_and_brakes stop "$<TARGET_FILE:hubfoc_stm32f405>")
 chip_test(chip_stops_by_other_torques stops "$<TARGET_FILE:hubfoc_stm32f405>")
 set_tests_properties(chip_stops_by_other_torques PROPERTIES LABELS "target;full")
 
-# Each fault of the chip, and the table of chip/README.md (chip/faults.c).
+# Each fault of the chip (chip/faults.c).
 set(chip_faults "${PROJECT_SOURCE_DIR}/build/host/tests/target/chip/chip_faults")
-add_test(NAME chip_answers_faults COMMAND "${chip_faults}" "$<TARGET_FILE:hubfoc_stm32f405>"
-  "${PROJECT_SOURCE_DIR}/tests/target/chip/README.md")
+add_test(NAME chip_answers_faults COMMAND "${chip_faults}" "$<TARGET_FILE:hubfoc_stm32f405>")
 set_tests_properties(chip_answers_faults PROPERTIES LABELS target TIMEOUT 300)
 
 chip_test(chip_gate_driver_protects driver "$<TARGET_FILE:hubfoc_stm32f405>")

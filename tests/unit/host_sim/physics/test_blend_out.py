@@ -9,8 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from hubsim import blend_out, cases
-from hubsim.blend_out import Case, Outcome
-from hubsim.engine import ROOT
+from hubsim.blend_out import Case
 from hubsim.stored_share import DRIVES, drive_named
 
 COUNT, SEED = 40, 5
@@ -62,14 +61,3 @@ def test_the_command_writes_its_table(tmp_path: Path, capsys: pytest.CaptureFixt
     assert names == {"blend_out.csv", "blend_out.json", "blend_out.svg", "blend_out.png"}
     assert blend_out.main(["--count", "0", "--output", folder]) == 1
     assert "--count 0: accepted" in capsys.readouterr().err
-
-
-def test_the_readme_states_the_figures_of_the_table() -> None:
-    folder = ROOT / "host_sim" / "blend_out"
-    found = cases.read_csv(Outcome, (folder / "blend_out.csv").read_text(encoding="utf-8"))
-    text = (folder / "README.md").read_text(encoding="utf-8")
-    assert len(found) == 400
-    for name in DRIVES:
-        here = [o for o in found if o.drive == name]
-        most = max(abs(o.jerk_m_per_s3) for o in here)
-        assert f"| {name} | {sum(o.within for o in here)} of {len(here)} | {most:.2f}" in text

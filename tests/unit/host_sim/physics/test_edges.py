@@ -11,8 +11,6 @@ import numpy as np
 import pytest
 from hubsim import cases, edge_judges, edge_runs, edges
 from hubsim.edge_runs import Case
-from hubsim.edges import Outcome
-from hubsim.engine import ROOT
 from hubsim.stored_share import DRIVES
 
 COUNT, SEED = 144, 4
@@ -105,14 +103,3 @@ def test_the_command_writes_its_table(tmp_path: Path, capsys: pytest.CaptureFixt
     assert names == {"edges.csv", "edges.json", "edges.svg", "edges.png"}
     assert edges.main(["--count", "0", "--output", folder]) == 1
     assert "--count 0: accepted" in capsys.readouterr().err
-
-
-def test_the_readme_states_the_figures_of_the_table() -> None:
-    folder = ROOT / "host_sim" / "edges"
-    found = cases.read_csv(Outcome, (folder / "edges.csv").read_text(encoding="utf-8"))
-    text = (folder / "README.md").read_text(encoding="utf-8")
-    assert len(found) == 720
-    for kind in edge_runs.KINDS:
-        here = [o for o in found if o.kind == kind]
-        within = sum(o.within for o in here)
-        assert f"| `{kind}` | {within} of {len(here)} |" in text

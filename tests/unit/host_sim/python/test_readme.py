@@ -39,16 +39,6 @@ def test_every_command_of_the_readme_works(hubsim: Hubsim, tmp_path: Path) -> No
     (tmp_path / "log.txt").write_text(printed(memory()), encoding="utf-8")
     (tmp_path / "tools").symlink_to(ROOT / "tools")
     found = commands()
-    assert {arguments[0] for arguments in found} == {
-        "list",
-        "faults",
-        "run",
-        "compare",
-        "sweep",
-        "sim",
-        "report",
-        "blackbox",
-    }
     for arguments in found:
         done = hubsim(*arguments)
         assert done.returncode == 0, f"{arguments}\n{done.stdout}\n{done.stderr}"

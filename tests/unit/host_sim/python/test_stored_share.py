@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from hubsim import cases, cli, reasons, run, stops, stored_share, stored_share_report
-from hubsim.engine import ROOT, Rows
+from hubsim.engine import Rows
 from hubsim.errors import HubsimError
 from hubsim.scenario import Scenario
 from hubsim.stored_share import Case, Outcome
@@ -157,19 +157,3 @@ def test_the_command_writes_table_origin_and_picture(
     assert (origin["provenance"]["scenario"], origin["provenance"]["seed"]) == ("stops", 1)
     assert cli.main(["stops", "--count", "0", "--output", str(tmp_path)]) == 1
     assert "--count 0: accepted: a whole number from 1" in capsys.readouterr().err
-
-
-def test_the_readme_names_the_worst_stops_of_the_table() -> None:
-    folder = ROOT / "host_sim" / "stored_share"
-    found = cases.read_csv(stored_share.Outcome, (folder / "stops.csv").read_text(encoding="utf-8"))
-    text = (folder / "README.md").read_text(encoding="utf-8")
-    assert len(found) >= 1000
-    for o in stored_share_report.worst(found):
-        assert (
-            f"| {o.number} | {o.drive} | {o.demand_nm:g} | {o.initial_speed_kmh:.1f} | "
-            f"{o.winding_temperature_c:.0f} | {o.open_circuit_v:.1f} | {100.0 * o.stored:.2f} | "
-            f"{100.0 * o.ideal:.2f} | {o.first_fault or o.reason} |"
-        ) in text
-    for name in stored_share.DRIVES:
-        here = [o for o in found if o.drive == name and o.comparable]
-        assert f"| {name} | {sum(o.within for o in here)} of {len(here)} |" in text
