@@ -74,10 +74,7 @@ static inline line_t line_from(const motor_model_t *m, motor_point_t at, int32_t
 }
 
 /* The upper (sign 1) or lower (-1) intersection t of the line with the ellipse; without one false
- * and the t of the least voltage.
- *
- * @post is_within(*t_b, -(1 << 25), (1 << 25) - 1)
- */
+ * and the t of the least voltage. */
 bool feasible_ellipse_root(const feasible_set_t *set, const line_t *line, int32_t sign,
                            int32_t *t_b);
 
@@ -101,10 +98,7 @@ static inline int32_t map_d_b(const feasible_set_t *set, int32_t airgap_b)
         k, loss_maps_row_d_mA(&set->row, scaled_shift(airgap_b, -k->torque_shift)));
 }
 
-/* The cap's torque with the i_d of the voltage ellipse.
- *
- * @post side->sign == old(side->sign) && side->cap_mNm == old(side->cap_mNm)
- */
+/* The cap's torque with the i_d of the voltage ellipse. */
 void feasible_weaken_cap(feasible_side_t *side);
 
 /* The phase current limit, less a reserve for the fast loop's field weakening. */
@@ -115,12 +109,7 @@ static inline int32_t circle_b(const motor_model_t *m)
 }
 
 /* The i_d on the circle for a torque above the one at the map's i_d, between the map's i_d and that
- * of maximum torque per ampere.
- *
- * @post set->model->saliency_b != 0 || !is_within(set->model->constants->current_most_b, 0,
- * MOTOR_MODEL_MOST_CURRENT_b) || is_within(result, -MOTOR_MODEL_MOST_CURRENT_b,
- * MOTOR_MODEL_MOST_CURRENT_b)
- */
+ * of maximum torque per ampere. */
 int32_t feasible_circle_d_b(const feasible_set_t *set, int32_t airgap_b, int32_t map_b);
 
 /* Of the sum u_d i_d + u_q i_q. Coefficients below 2^26 and an i_d below 2^25: a sum of two

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Contracts of functions, read from their headers (README.md, Contracts).
+"""Contracts of functions: prototypes of the headers, clauses of contracts/MODULE.h (README.md).
 
 python contracts.py list
 python contracts.py without > without_contract.txt
@@ -22,9 +22,13 @@ WITHOUT_HEAD = """\
 # A private header whose functions are in the sources of a public one.
 SAME_SOURCES = {"torque/feasible_ellipse": "torque/feasible_torque"}
 _FUNCTION = re.compile(
-    r"(?:/\*(?P<comment>(?:(?!\*/).)*)\*/\s*)?^(?P<result>(?:static inline |const )?\w+(?: \*| ))"
+    r"^(?P<result>(?:static inline |const )?\w+(?: \*| ))"
     r"(?P<name>[a-z]\w+)\((?P<parameters>[^()]*)\)\s*[;{]",
-    re.DOTALL | re.MULTILINE,
+    re.MULTILINE,
+)
+# A clause begins a line; the lines that go on with it are indented.
+_CLAUSE = re.compile(
+    r"^(?P<kind>PRE|POST)\((?P<name>\w+), (?P<text>.*(?:\n[ \t]+.*)*)\)$", re.MULTILINE
 )
 _PARAMETER = re.compile(
     r"(?P<const>const )?(?P<type>\w+) (?P<star>\*?)(?:restrict )?(?P<name>\w+)"
@@ -68,10 +72,23 @@ class Contract:
         return SAME_SOURCES.get(own, own)
 
 
-def _lines(comment: str, tag: str) -> tuple[str, ...]:
-    text = re.sub(r"\n\s*\*", "\n", comment)
-    found = re.findall(rf"@{tag}\s+(.*?)(?=@pre|@post|\n\s*\n|\Z)", text, re.DOTALL)
-    return tuple(" ".join(line.split()) for line in found)
+Clauses = dict[str, dict[str, list[str]]]
+
+
+def parse(text: str) -> Clauses:
+    """Return the clauses of a text: by function, then by kind (PRE, POST)."""
+    out: Clauses = {}
+    for match in _CLAUSE.finditer(text):
+        of_function = out.setdefault(match["name"], {"PRE": [], "POST": []})
+        of_function[match["kind"]].append(" ".join(match["text"].split()))
+    return out
+
+
+@cache
+def clauses() -> Clauses:
+    """Return the clauses of all functions."""
+    files = sorted((PROOFS / "contracts").glob("*.h"))
+    return parse("".join(path.read_text(encoding="utf-8") for path in files))
 
 
 def _parameter(text: str, arrays: dict[str, str]) -> Parameter:
@@ -86,15 +103,16 @@ def _parameter(text: str, arrays: dict[str, str]) -> Parameter:
 ARRAYS = {"lines": "TORQUE_LINE_COUNT"}
 
 
-def read(header: Path) -> list[Contract]:
-    """Return the functions of a header."""
+def read(header: Path, given_clauses: Clauses | None = None) -> list[Contract]:
+    """Return the functions of a header, with the given clauses or those of contracts/."""
+    stated = clauses() if given_clauses is None else given_clauses
     out = []
     for match in _FUNCTION.finditer(header.read_text(encoding="utf-8")):
-        comment = match["comment"] or ""
         parameters = " ".join(match["parameters"].split())
         given = () if parameters == "void" else tuple(parameters.split(", "))
         result = match["result"].replace("static inline ", "").strip()
-        pre, post = _lines(comment, "pre"), _lines(comment, "post")
+        own = stated.get(match["name"], {"PRE": [], "POST": []})
+        pre, post = tuple(own["PRE"]), tuple(own["POST"])
         named = tuple(_parameter(one, ARRAYS) for one in given)
         inline = match["result"].startswith("static")
         out.append(Contract(header, match["name"], result, named, pre, post, inline))

@@ -20,12 +20,35 @@
     ((c)->motor.derate_winding_temperature_cC < (c)->motor.max_winding_temperature_cC &&           \
      (c)->drive.derate_switch_temperature_cC <= (c)->drive.max_switch_temperature_cC)
 
+/* Shifts of what motor_constants_init() makes of any configuration. */
+#define current_shift_holds(k) is_within((k)->current_shift, 1, 16)
+#define model_shifts_hold(k) (is_within((k)->torque_shift, -30, 30) && current_shift_holds(k))
 #define motor_constants_hold(k)                                                                    \
-    (is_within((k)->torque_shift, -30, 30) && is_within((k)->current_shift, 1, 16) &&              \
+    (model_shifts_hold(k) &&                                                                       \
      is_within((k)->current_most_b, 0, MOTOR_MODEL_MOST_CURRENT_b) &&                              \
      is_within((k)->weakening_most_b, 0, MOTOR_MODEL_MOST_CURRENT_b) &&                            \
      (k)->coulomb_step_q8_b >= 0 && (k)->viscous_b >= 0 &&                                         \
      is_within((k)->torque_factor_q24, 0, 2 * SCALED_ONE))
+
+#define point_holds(at)                                                                            \
+    (is_within((at).d_b, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b) &&               \
+     is_within((at).x_b, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b))
+
+#define is_a_sign(x) ((x) == 1 || (x) == -1)
+
+/* A current vector per unit. */
+#define vector_holds(i) (is_within((i).d, -32768, 32767) && is_within((i).q, -32768, 32767))
+
+/* A line of the table: without a bound, or at most the motor's largest torque. */
+#define is_unbounded_or_permitted(line, c)                                                         \
+    ((line).torque_mNm == FEASIBLE_UNBOUNDED ||                                                    \
+     is_within((line).torque_mNm, 0, (c)->motor.max_torque_mNm))
+
+#define anti_lock_holds(s) (is_within((s)->abs_share_percent, 0, 100) && (s)->abs_hold_steps >= 0)
+
+#define table_holds(t)                                                                             \
+    every(i, TORQUE_LINE_COUNT,                                                                    \
+          (t)->driving[i].torque_mNm >= 0 && (t)->braking[i].torque_mNm >= 0)
 
 #define lines_hold(lines) every(i, TORQUE_LINE_COUNT, (lines)[i].torque_mNm >= 0)
 
@@ -50,7 +73,7 @@
     (motor_constants_hold(&(s)->motor) && is_within((s)->demand.lift_off_mNm, 0, 100000000) &&     \
      is_within((s)->demand.brake_mNm, 0, 100000000) &&                                             \
      is_within((s)->demand.asked_mNm, 0, 100000000) && (s)->demand.lost_ms >= 0 &&                 \
-     is_within((s)->limits.abs_share_percent, 0, 100) && (s)->limits.abs_hold_steps >= 0 &&        \
+     anti_lock_holds(&(s)->limits) &&                                                              \
      is_within((s)->limits.charge.allowed_q24, 0, SCALED_ONE) &&                                   \
      is_within((s)->limits.discharge.allowed_q24, 0, SCALED_ONE) &&                                \
      lines_hold((s)->table.driving) && lines_hold((s)->table.braking) &&                           \
@@ -98,11 +121,19 @@ enum { MOST_ROW_POINTS = 65 };
     (is_within((a).d, -65536, 65536) && is_within((a).q, -65536, 65536) &&                         \
      is_within((b).d, -65536, 65536) && is_within((b).q, -65536, 65536))
 
-#define monitor_window_holds(w)                                                                    \
-    (every(i, 2,                                                                                   \
-           is_within((w)->lowest[i], -MONITOR_WINDOW_MOST, MONITOR_WINDOW_MOST) &&                 \
-               is_within((w)->highest[i], -MONITOR_WINDOW_MOST, MONITOR_WINDOW_MOST)) &&           \
-     (w)->steps <= MONITOR_WINDOW_STEPS && (w)->level <= MONITOR_WINDOW_QUALIFY_STEPS)
+#define window_bounds_hold(w)                                                                      \
+    every(i, 2,                                                                                    \
+          is_within((w)->lowest[i], -MONITOR_WINDOW_MOST, MONITOR_WINDOW_MOST) &&                  \
+              is_within((w)->highest[i], -MONITOR_WINDOW_MOST, MONITOR_WINDOW_MOST))
+#define window_counts_hold(w)                                                                      \
+    ((w)->steps <= MONITOR_WINDOW_STEPS && (w)->level <= MONITOR_WINDOW_QUALIFY_STEPS)
+#define monitor_window_holds(w) (window_bounds_hold(w) && window_counts_hold(w))
+
+/* Qualify times, and what is left until PROGRAM_FLOW, of the fast monitor. */
+#define fast_times_hold(s)                                                                         \
+    ((s)->trip_periods > 0 && (s)->dead_periods > 0 && (s)->dead_periods <= INT16_MAX)
+#define periods_left_hold(s)                                                                       \
+    ((s)->periods_left >= 0 && (s)->periods_left <= (s)->stale_limit_periods)
 
 #define monitor_emf_holds(s, c)                                                                    \
     ((s)->level <= MONITOR_EMF_SEEN * (c)->monitor.angle_fault_time_ms &&                          \

@@ -38,7 +38,7 @@ class Loop:
 
 
 LOOPS = (
-    # The index that is any is here the one of the first such line, which exists (@pre).
+    # The index that is any is here the one of the first such line, which exists (PRE).
     Loop("torque/torque_limits.c", "while (lines->torque_mNm > torque_mNm) {",
          "const limit_t *const first = lines; int at = 0; "
          "ASSUME(is_first_at_most(first, proof_any_index, torque_mNm));",

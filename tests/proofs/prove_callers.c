@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What controller_slow_step() needs of its caller (@pre): that temperatures of a board, the report
+ * What controller_slow_step() needs of its caller (PRE): that temperatures of a board, the report
  * of the fast loop and an accepted configuration meet it.
  */
 #include "config/fields.h"

@@ -14,16 +14,15 @@ import pytest
 from planted_errors import PLANTED, PLANTED_IN_PROOFS
 
 HEADER = """
-/* A speed.
- *
- * @pre speed >= 0 && speed <= LIMIT
- *
- * @post result >= old(speed + 1) &&
- * result < 9
- */
+/* A speed. */
 int32_t faster(const thing_t *thing, int32_t speed);
 
 void plain(void);
+"""
+CLAUSES = """
+PRE(faster, speed >= 0 && speed <= LIMIT)
+POST(faster, result >= old(speed + 1) &&
+     result < 9)
 """
 
 
@@ -86,11 +85,22 @@ def test_functions_are_found_in_every_module_and_none_is_missed() -> None:
         assert {one.name for one in found} == names
 
 
-def test_a_contract_is_read_from_the_comment_before_its_function(tmp_path: Path) -> None:
+def test_every_clause_is_of_a_function_of_its_module() -> None:
+    for file in (contracts.PROOFS / "contracts").glob("*.h"):
+        text = file.read_text(encoding="utf-8")
+        stated = contracts.parse(text)
+        assert sum(len(one) for kinds in stated.values() for one in kinds.values()) == len(
+            re.findall(r"(?m)^\s*(?:PRE|POST)\b", text)
+        )
+        for name in stated:
+            assert file.stem in contracts.known()[name].header.parts, name
+
+
+def test_a_contract_is_the_clauses_of_the_name_of_a_function(tmp_path: Path) -> None:
     header = contracts.FIRMWARE / "x" / "include" / "x" / "x.h"
     file = tmp_path / "x.h"
     file.write_text(HEADER, encoding="utf-8")
-    faster, plain = contracts.read(file)
+    faster, plain = contracts.read(file, contracts.parse(CLAUSES))
     assert faster.pre == ("speed >= 0 && speed <= LIMIT",)
     assert faster.post == ("result >= old(speed + 1) && result < 9",)
     assert (plain.pre, plain.post, plain.parameters) == ((), (), ())
@@ -122,8 +132,8 @@ def test_a_contract_is_read_from_the_comment_before_its_function(tmp_path: Path)
 
 def test_what_a_function_may_write_is_any_content_for_its_callers(tmp_path: Path) -> None:
     file = tmp_path / "x.h"
-    file.write_text("/* @post *a == 0 */\nvoid fill(int32_t *a, limit_t b[3]);\n", encoding="utf-8")
-    (one,) = contracts.read(file)
+    file.write_text("void fill(int32_t *a, limit_t b[3]);\n", encoding="utf-8")
+    (one,) = contracts.read(file, contracts.parse("POST(fill, *a == 0)"))
     lines = [line.strip() for line in contract_harness.substitute(one).splitlines()]
     assert {"b[at_b] = any;", "void fill_by_contract(int32_t *to_a, limit_t b[3])"} <= set(lines)
     order = [
@@ -148,8 +158,8 @@ def test_without_a_promise_anything_may_follow_a_call(tmp_path: Path) -> None:
 def test_pointers_that_a_result_shares_with_a_parameter_are_assigned(tmp_path: Path) -> None:
     file = tmp_path / "x.h"
     declared = "feasible_set_t set(const motor_model_t *model);\n"
-    file.write_text("/* @post result.model == model && true */\n" + declared, encoding="utf-8")
-    (one,) = contracts.read(file)
+    file.write_text(declared, encoding="utf-8")
+    (one,) = contracts.read(file, contracts.parse("POST(set, result.model == model && true)"))
     lines = [line.strip() for line in contract_harness.substitute(one).splitlines()]
     assert lines.index("result.model = model;") < lines.index(
         "ASSUME(result.model == model && true);"

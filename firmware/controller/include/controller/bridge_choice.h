@@ -50,26 +50,13 @@ typedef struct {
     int32_t i_d_mA, i_q_mA;   /* of the latest period, peak phase */
 } bridge_choice_input_t;
 
-/* @post state->idle_steps == 0 && state->infeasible_steps == 0 && state->return_steps == 0
- *
- * @post state->overspeed_steps == 0 && !state->overspeed
- */
 void bridge_choice_init(bridge_choice_state_t *state);
 
 /* The phase voltage that PWM would have instead of a bridge whose diodes charge the battery and so
- * lift its voltage, less the hysteresis. charging_mA >= 0: of this motor.
- *
- * @pre charging_mA >= 0
- *
- * @post phase_mV < 0 || is_within(result, 0, phase_mV)
- */
+ * lift its voltage, less the hysteresis. charging_mA >= 0: of this motor. */
 int32_t bridge_choice_phase_mV(const config_t *config, int32_t phase_mV, int32_t bus_mV,
                                int32_t charging_mA);
 
-/* @post result == BRIDGE_PWM || result == in->safe_bridge
- *
- * @post in->torque_enabled || result == in->safe_bridge
- */
 bridge_mode_t bridge_choice_step(bridge_choice_state_t *state, const config_t *config,
                                  const bridge_choice_input_t *in);
 

@@ -83,114 +83,31 @@ typedef struct {
 } controller_t;
 
 /* timer_Hz: clock of the timer whose counts the compare values are (config/bases.h). The invariant
- * controller_slow_holds() is in tests/proofs/invariants.h.
- *
- * @post controller_slow_holds(&controller->slow, config)
- *
- * @post controller->fast.output.bridge == BRIDGE_OFF && controller->fast.monitor.trip ==
- * REASON_NONE
- *
- * @post controller->slow.modes.mode == MODE_BOOT && controller->slow.step_count == 0 &&
- * controller->slow.last_command_mNm == 0
- */
+ * controller_slow_holds() is in tests/proofs/invariants.h. */
 void controller_init(controller_t *controller, const config_t *config, int32_t timer_Hz);
 
-/* For use before the first slow step: no torque, bridge off.
- *
- * @post !result.torque_enabled && result.safe_bridge == BRIDGE_OFF && !result.clear_trip &&
- * !result.release_break && !result.calibrate_offsets
- *
- * @post is_within(result.i_reference_pu.d, -32768, 32767) && is_within(result.i_reference_pu.q,
- * -32768, 32767) && result.sequence == 0
- */
+/* For use before the first slow step: no torque, bridge off. */
 fast_setpoint_t controller_initial_setpoint(const config_t *config, int32_t timer_Hz);
 
-/* Once per PWM period. Returns the output; the next step overwrites it.
- *
- * @post result == &fast->output
- *
- * @post result->bridge == (setpoint->torque_enabled && fast->monitor.trip == REASON_NONE ?
- * BRIDGE_PWM : setpoint->safe_bridge)
- *
- * @post !in->power_stage_fault || fast->monitor.trip != REASON_NONE
- *
- * @post old(fast->monitor.trip) == REASON_NONE || setpoint->clear_trip || fast->monitor.trip ==
- * old(fast->monitor.trip)
- */
+/* Once per PWM period. Returns the output; the next step overwrites it. */
 const fast_output_t *controller_fast_step(controller_fast_t *fast, const config_t *config,
                                           const fast_setpoint_t *setpoint, const fast_input_t *in);
 
 /* Fills the report with the state after the latest fast step. In the context of
- * controller_fast_step(), in the last period before each slow step.
- *
- * @post report->trip == fast->monitor.trip && report->bridge == fast->output.bridge
- */
+ * controller_fast_step(), in the last period before each slow step. */
 void controller_fast_report(const controller_fast_t *fast, fast_report_t *report);
 
 /* The same in two parts, for a caller whose PWM interrupt is to be short. In the context of
- * controller_fast_step(): copies.
- *
- * @post report->trip == fast->monitor.trip && report->bridge == fast->output.bridge
- */
+ * controller_fast_step(): copies. */
 void controller_fast_report_copy(const controller_fast_t *fast, fast_report_t *report);
-/* In the context of controller_slow_step(): computes the remaining fields.
- *
- * @post report->trip == old(report->trip) && report->bridge == old(report->bridge) &&
- * report->rotor_valid == old(report->rotor_valid) && report->sequence == old(report->sequence)
- */
+/* In the context of controller_slow_step(): computes the remaining fields. */
 void controller_fast_report_complete(fast_report_t *report);
 
 /* The table of all torque limits of the latest slow step, for shell, log and report. In the context
- * of controller_slow_step().
- *
- * @post result == &slow->torque.table
- */
+ * of controller_slow_step(). */
 const torque_limits_t *controller_limits(const controller_slow_t *slow);
 
-/* Once per millisecond.
- *
- * @pre battery_relations_hold(config) && derating_relations_hold(config)
- *
- * @pre controller_slow_holds(slow, config)
- *
- * @pre is_within(in->temperature.winding_cC, -100000, 100000) &&
- * is_within(in->temperature.switch_cC, -100000, 100000)
- *
- * @pre is_within(report->i_d_weakening_pu, -32768, 0) && is_within(dq_of(report->i_pu).d, -32768,
- * 32767) && is_within(dq_of(report->i_pu).q, -32768, 32767)
- *
- * @post controller_slow_holds(slow, config)
- *
- * @post slow->step_count == (uint16_t)(old(slow->step_count) + 1) && setpoint->sequence ==
- * slow->step_count && result.motor_torque_command_mNm == slow->last_command_mNm
- *
- * @post setpoint->safe_bridge != BRIDGE_PWM && is_within(setpoint->i_reference_pu.d, -32768, 32767)
- * && is_within(setpoint->i_reference_pu.q, -32768, 32767)
- *
- * @post result.mode == MODE_RUN || result.mode == MODE_LIMP || (!setpoint->torque_enabled &&
- * result.motor_torque_command_mNm == 0)
- *
- * @post in->bms.contactor != CONTACTOR_OPEN || (!setpoint->torque_enabled &&
- * result.motor_torque_command_mNm == 0)
- *
- * @post in->demand.brake_torque_mNm <= 0 || result.speed_mrad_s == 0 || (result.speed_mrad_s > 0 ?
- * result.motor_torque_command_mNm <= 0 : result.motor_torque_command_mNm >= 0)
- *
- * @post !demand_is_lost(config, in->demand_age_ms) || result.speed_mrad_s == 0 ||
- * (result.speed_mrad_s > 0 ? result.motor_torque_command_mNm <= 0 : result.motor_torque_command_mNm
- * >= 0)
- *
- * @post report->bridge == BRIDGE_PWM || q_abs(result.motor_torque_command_mNm) <=
- * q_max(config->brake.torque_rate_mNm_s / 1000, 1)
- *
- * @post report->trip != REASON_HARDWARE_BREAK || old(slow->modes.mode) == MODE_BOOT || result.mode
- * == MODE_FAULT
- *
- * @post result.hydraulic_torque_mNm <= config->brake.max_hydraulic_torque_mNm
- *
- * @post result.drive_available_mNm >= 0 && result.drive_ahead_mNm >= 0 &&
- * result.electric_brake_ahead_mNm >= 0
- */
+/* Once per millisecond. */
 slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *config,
                                    const fast_report_t *report, const slow_input_t *in,
                                    fast_setpoint_t *setpoint);

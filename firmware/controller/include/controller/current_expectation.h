@@ -20,30 +20,12 @@ typedef struct {
     uint32_t most_square; /* of a quarter of the largest reference, Q30 */
 } current_expectation_t;
 
-/* @post state->reference_pu.d == 0 && state->reference_pu.q == 0 && state->most_square <= (1U <<
- * 26)
- */
 void current_expectation_init(current_expectation_t *state, const config_t *config);
 
 /* Square of a quarter of the shorter of this setpoint's reference and the one before, Q30; 0 where
  * they point in different directions, where that is no more than twice what a dead sensor may show,
  * and where the bridge did not switch with the one before.
- * reference_pu: 16 bits.
- *
- * @pre is_within(reference_pu.d, -32768, 32767) && is_within(reference_pu.q, -32768, 32767)
- *
- * @pre is_within(state->reference_pu.d, -32768, 32767) && is_within(state->reference_pu.q, -32768,
- * 32767)
- *
- * @post is_within(state->reference_pu.d, -32768, 32767) && is_within(state->reference_pu.q,
- * -32768, 32767)
- *
- * @post state->most_square == old(state->most_square) && result <= state->most_square
- *
- * @post switching || result == 0
- *
- * @post result == 0 || result == state->most_square || result >= 4 * MONITOR_DEAD_SQUARE
- */
+ * reference_pu: 16 bits. */
 uint32_t current_expectation_step(current_expectation_t *state, dq_t reference_pu, bool switching);
 
 #endif

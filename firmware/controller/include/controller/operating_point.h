@@ -79,13 +79,7 @@ typedef struct {
 } operating_point_t;
 
 /* Until the first report the bus voltage is the middle of the battery's range, the currents are
- * zero. timer_Hz: as for foc_init(). Divides.
- *
- * @post state->i_pu.d == 0 && state->i_pu.q == 0 && state->power_pu == 0 && state->speed_q32 == 0
- * && state->sequence == 0
- *
- * @post state->v_dc_pu >= 0 && state->observer_leak.leak_q24 == state->observer.start.leak_q24
- */
+ * zero. timer_Hz: as for foc_init(). Divides. */
 void operating_point_init(operating_point_state_t *state, const config_t *config, int32_t timer_Hz);
 
 /* What the EMF observer shows, in the terms of the slow loop; its lead at its present speed is kept
@@ -97,17 +91,6 @@ typedef struct {
     int32_t expected_q14;    /* of the magnets, along */
 } observer_view_t;
 
-/* @post result.flux_q14.d == dq_of(observer->flux_q14).d && result.flux_q14.q ==
- * dq_of(observer->flux_q14).q
- *
- * @post result.speed_mrad_s > INT32_MIN
- *
- * @post (observer->acquired && state->observer.follows_speed) || state->observer_speed_q32 ==
- * observer->speed_q32
- *
- * @post state->i_pu.d == old(state->i_pu.d) && state->i_pu.q == old(state->i_pu.q) &&
- * state->v_dc_pu == old(state->v_dc_pu) && state->sequence == old(state->sequence)
- */
 observer_view_t operating_point_observer(operating_point_state_t *state, const config_t *config,
                                          const observer_report_t *observer);
 
@@ -117,58 +100,24 @@ typedef struct {
     int32_t wheel_mrad_s; /* mechanical */
 } rotor_speed_t;
 
-/* Speed of the rotor angle in use.
- *
- * @post result.turn_q32 == turn_q32
- *
- * @post turn_q32 >= 0 ? result.wheel_mrad_s >= 0 : result.wheel_mrad_s <= 0
- */
+/* Speed of the rotor angle in use. */
 rotor_speed_t operating_point_speed(const config_t *config, int32_t turn_q32);
 
 /* report: at most 40 000 periods after the
  * previous one; the same one again leaves the means unchanged. winding_temperature_cC: any.
- * Divides.
- *
- * @post result.speed_mrad_s == speed.wheel_mrad_s && state->speed_q32 == speed.turn_q32 &&
- * state->winding_temperature_cC == winding_temperature_cC
- *
- * @post result.sampled_pu.d == state->i_pu.d && result.sampled_pu.q == state->i_pu.q &&
- * state->sequence == report->sequence
- *
- * @post report->sequence != old(state->sequence) || (state->i_pu.d == old(state->i_pu.d) &&
- * state->i_pu.q == old(state->i_pu.q) && state->power_pu == old(state->power_pu) && state->v_dc_pu
- * == old(state->v_dc_pu))
- */
+ * Divides. */
 operating_point_t operating_point_of(operating_point_state_t *state, const config_t *config,
                                      const fast_report_t *report, rotor_speed_t speed,
                                      int32_t winding_temperature_cC);
 
 /* Writes reference, sampling correction, tuning and dead-time slope for the operating point of the
  * latest operating_point_of(). i_d_mA, i_q_mA: mean currents without the field-weakening current,
- * saturated at the current base. Divides.
- *
- * @post is_within(setpoint->i_reference_pu.d, -32768, 32767) &&
- * is_within(setpoint->i_reference_pu.q, -32768, 32767)
- *
- * @post setpoint->torque_enabled == old(setpoint->torque_enabled) && setpoint->safe_bridge ==
- * old(setpoint->safe_bridge) && setpoint->clear_trip == old(setpoint->clear_trip) &&
- * setpoint->calibrate_offsets == old(setpoint->calibrate_offsets) && setpoint->release_break ==
- * old(setpoint->release_break) && setpoint->sequence == old(setpoint->sequence)
- */
+ * saturated at the current base. Divides. */
 void operating_point_setpoint(const operating_point_state_t *state, const config_t *config,
                               int32_t i_d_mA, int32_t i_q_mA, fast_setpoint_t *setpoint);
 
 /* The same for zero current and speed at the highest bus voltage, where the gains are smallest:
- * before the first report.
- *
- * @post is_within(setpoint->i_reference_pu.d, -32768, 32767) &&
- * is_within(setpoint->i_reference_pu.q, -32768, 32767)
- *
- * @post setpoint->torque_enabled == old(setpoint->torque_enabled) && setpoint->safe_bridge ==
- * old(setpoint->safe_bridge) && setpoint->clear_trip == old(setpoint->clear_trip) &&
- * setpoint->calibrate_offsets == old(setpoint->calibrate_offsets) && setpoint->release_break ==
- * old(setpoint->release_break) && setpoint->sequence == old(setpoint->sequence)
- */
+ * before the first report. */
 void operating_point_initial_setpoint(const config_t *config, int32_t timer_Hz,
                                       fast_setpoint_t *setpoint);
 

@@ -22,40 +22,10 @@ typedef struct {
     bool winding_broken, switch_broken;
 } temperatures_t;
 
-/* Divides; once at start.
- *
- * @post !state->winding_broken && !state->switch_broken && !state->model.started
- *
- * @post state->used.winding_cC == config->motor.reference_temperature_cC && state->used.switch_cC
- * == config->motor.reference_temperature_cC
- *
- * @post !state->winding_sensor.started && !state->switch_sensor.started
- *
- * @post temperatures_hold(state)
- */
+/* Divides; once at start. */
 void temperatures_init(temperatures_t *state, const config_t *config);
 
-/* Sets state->used and what is broken. at: of this millisecond, for the losses.
- *
- * @pre is_within(measured->winding_cC, -100000, 100000) && is_within(measured->switch_cC, -100000,
- * 100000)
- *
- * @pre temperatures_hold(state)
- *
- * @post temperatures_hold(state) && state->model.started
- *
- * @post config->motor.max_winding_temperature_cC < 30000 || (!state->winding_broken &&
- * state->used.winding_cC == measured->winding_cC)
- *
- * @post !is_within(measured->winding_cC, config->monitor.lowest_temperature_cC,
- * config->monitor.highest_temperature_cC) || state->used.winding_cC >= measured->winding_cC
- *
- * @post state->model.winding.known || state->used.winding_cC >= measured->winding_cC ||
- * state->used.winding_cC == MONITOR_TEMPERATURE_BROKEN_cC
- *
- * @post state->model.switches.known || state->used.switch_cC >= measured->switch_cC ||
- * state->used.switch_cC == MONITOR_TEMPERATURE_BROKEN_cC
- */
+/* Sets state->used and what is broken. at: of this millisecond, for the losses. */
 void temperatures_step(temperatures_t *state, const config_t *config,
                        const wheel_temperatures_t *measured, const operating_point_t *at);
 

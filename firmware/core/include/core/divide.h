@@ -12,34 +12,13 @@
 
 #include <stdint.h>
 
-/* x / 1000
- *
- * @post (x < 0 || result >= 0) && (x > 0 || result <= 0)
- *
- * @post is_within(result, INT64_MIN / 1000, INT64_MAX / 1000)
- *
- * @post is_within(x - result * 1000, -999, 999) && (x < 0 || result * 1000 <= x)
- */
+/* x / 1000 */
 int64_t divide_by_thousand(int64_t x);
 
-/* x / 1000000: ppm, micro to one, 1e-6 mV to mV
- *
- * @post (x < 0 || result >= 0) && (x > 0 || result <= 0)
- *
- * @post is_within(result, INT64_MIN / 1000000, INT64_MAX / 1000000)
- *
- * @post is_within(x - result * 1000000, -999999, 999999)
- */
+/* x / 1000000: ppm, micro to one, 1e-6 mV to mV */
 int64_t divide_by_million(int64_t x);
 
-/* x / 1000000000: nano to one
- *
- * @post (x < 0 || result >= 0) && (x > 0 || result <= 0)
- *
- * @post is_within(result, INT64_MIN / 1000000000, INT64_MAX / 1000000000)
- *
- * @post is_within(x - result * 1000000000, -999999999, 999999999)
- */
+/* x / 1000000000: nano to one */
 int64_t divide_by_billion(int64_t x);
 
 #endif

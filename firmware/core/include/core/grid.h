@@ -26,11 +26,7 @@ grid_position_t grid_locate(int32_t x, int32_t points, int32_t step_log2);
 
 /* a + (b - a) fraction_q20 / 2^20, rounded to nearest (halves upwards). |a|, |b| < 2^30, which is
  * ten times the largest entry of a map, so that the difference fits 32 bits: one product of up to
- * 2^51, between 0 and 2^20 (b - a). The result lies between a and b.
- *
- * @post !is_within(fraction_q20, 0, GRID_WHOLE_Q20) || !grid_values_hold(a, b) || is_within(result,
- * q_min(a, b), q_max(a, b))
- */
+ * 2^51, between 0 and 2^20 (b - a). The result lies between a and b. */
 static inline int32_t grid_interpolate(int32_t a, int32_t b, int32_t fraction_q20)
 {
     return a + (int32_t)(((int64_t)(b - a) * fraction_q20 + GRID_WHOLE_Q20 / 2) >> 20);
@@ -43,9 +39,6 @@ typedef struct {
     int32_t shift;                      /* from the sum to half a unit */
 } grid_weights_t;
 
-/* @post !is_within(x_q20, 0, GRID_WHOLE_Q20) || !is_within(y_q20, 0, GRID_WHOLE_Q20) ||
- * !is_within(lsb_log2, 0, 15) || (grid_weights_hold(result) && result.shift == 15 - lsb_log2)
- */
 static inline grid_weights_t grid_weights(int32_t x_q20, int32_t y_q20, int32_t lsb_log2)
 {
     const int32_t x = x_q20 >> 4;
@@ -61,12 +54,7 @@ static inline grid_weights_t grid_weights(int32_t x_q20, int32_t y_q20, int32_t 
 
 /* Bilinear interpolation of entries, in the unit, rounded to nearest (halves upwards). The result
  * lies between the smallest and the largest corner. Entries above -2^15 keep the sum within 32
- * bits: 2^16 (2^15 - 1).
- *
- * @post !grid_weights_hold(*weights) || !grid_entries_hold(at_00, at_10, at_01, at_11) ||
- * is_within(result, grid_lsb(*weights) * LEAST_OF(at_00, at_10, at_01, at_11), grid_lsb(*weights) *
- * MOST_OF(at_00, at_10, at_01, at_11))
- */
+ * bits: 2^16 (2^15 - 1). */
 static inline int32_t grid_weighted(const grid_weights_t *weights, int16_t at_00, int16_t at_10,
                                     int16_t at_01, int16_t at_11)
 {

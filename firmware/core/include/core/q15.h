@@ -142,12 +142,7 @@ static inline int32_t q_saturate64(int64_t x)
 }
 
 /* value * share, share in Q15, for physical quantities of the slow loop; rounded towards zero, so
- * never larger than value.
- *
- * @post share_q15 < 0 || (value >= 0 ? is_within(result, 0, value) : is_within(result, value, 0))
- *
- * @post share_q15 != 0 || result == 0
- */
+ * never larger than value. */
 static inline int32_t q15_share_of(int32_t value, int16_t share_q15)
 {
     return q_saturate64((int64_t)value * share_q15 / 32768);
@@ -160,22 +155,7 @@ static inline int32_t q15_product(int32_t a, int32_t b)
 }
 
 /* (a * b) / c with a 64-bit product, rounded towards zero and saturated to int32_t. c must not be
- * 0. For the slow loop only: it divides.
- *
- * @pre c != 0
- *
- * @post a < 0 || b < 0 || c < 0 || result >= 0
- *
- * @post a > 0 || b < 0 || c < 0 || result <= 0
- *
- * @post a < 0 || b > 0 || c < 0 || result <= 0
- *
- * @post b < 0 || b > c || (a >= 0 ? result <= a : result >= a)
- *
- * @post a < 0 || a > c || (b >= 0 ? result <= b : result >= b)
- *
- * @post b != c || result == a
- */
+ * 0. For the slow loop only: it divides. */
 static inline int32_t q_scale(int32_t a, int32_t b, int32_t c)
 {
     return q_saturate64((int64_t)a * b / c);

@@ -15,24 +15,7 @@
 
 enum { SCALED_ONE = 1 << 24 };
 
-/* a b / 2^24, rounded down. |a b| < 2^55.
- *
- * @pre is_within((int64_t)a * b, 1 - (INT64_C(1) << 55), (INT64_C(1) << 55) - 1)
- *
- * @post (a < 0 || b < 0 || result >= 0) && (a > 0 || b > 0 || result >= 0)
- *
- * @post (a < 0 || b > 0 || result <= 0) && (b < 0 || a > 0 || result <= 0)
- *
- * @post q_abs(b) > SCALED_ONE || is_within(result, -q_abs(a), q_abs(a))
- *
- * @post q_abs(a) > SCALED_ONE || is_within(result, -q_abs(b), q_abs(b))
- *
- * @post q_abs(b) > 4 * SCALED_ONE || q_abs(a) > 1 << 28 || q_abs(result) <= 4 * q_abs(a)
- *
- * @post q_abs(a) > 4 * SCALED_ONE || q_abs(b) > 1 << 28 || q_abs(result) <= 4 * q_abs(b)
- *
- * @post b != SCALED_ONE || result == a
- */
+/* a b / 2^24, rounded down. |a b| < 2^55. */
 static inline int32_t scaled_multiply(int32_t a, int32_t b)
 {
     return (int32_t)(((int64_t)a * b) >> 24);
@@ -66,37 +49,14 @@ static inline uint32_t scaled_leading_zeros(uint32_t x)
 }
 
 /* n 2^24 / d to nearest, d > 0; relative error below 2^-27. A quotient beyond +-2^29 is some number
- * of its sign between 2^29 and 2^30.
- *
- * @pre d > 0
- *
- * @post (n < 0 || result >= 0) && (n > 0 || result <= 0) && q_abs(result) <= 1 << 30
- *
- * @post q_abs(n) > d || q_abs(result) <= SCALED_ONE
- *
- * @post q_abs(n) / 8 >= d || q_abs(result) <= 8 * SCALED_ONE
- *
- * @post q_abs(n) >= d || d > SCALED_ONE || q_abs(result) < SCALED_ONE
- */
+ * of its sign between 2^29 and 2^30. */
 int32_t scaled_ratio(int32_t n, int32_t d);
 
-/* The square root of x, 0 <= x < 2^62; relative error below 2^-14, at most one unit below 2^16.
- *
- * @pre x < INT64_C(1) << 62
- *
- * @post result >= 0 && (x > 0 || result == 0)
- */
+/* The square root of x, 0 <= x < 2^62; relative error below 2^-14, at most one unit below 2^16. */
 int32_t scaled_root(int64_t x);
 
 /* value 2^shift / divisor, 0 <= value, 0 < divisor < 2^62; saturated at 2^30. Takes a
- * 64-bit division: for start-up.
- *
- * @pre value >= 0 && is_within(divisor, 1, (INT64_C(1) << 62) - 1)
- *
- * @pre is_within(shift, -96, 96)
- *
- * @post is_within(result, 0, 1 << 30) && (value > 0 || result == 0)
- */
+ * 64-bit division: for start-up. */
 int32_t scaled_constant(int64_t value, int64_t divisor, int32_t shift);
 
 #endif

@@ -82,49 +82,10 @@ typedef struct {
                         checks again */
 } modes_output_t;
 
-/* Once, before the first step.
- *
- * @post state->mode == MODE_BOOT && state->fault == REASON_NONE && state->warning == REASON_NONE
- *
- * @post !state->offsets_stored && !state->fault_persists && state->acknowledge_steps == 0
- */
+/* Once, before the first step. */
 void modes_init(modes_state_t *state);
 
-/* 1 kHz. Any input is permitted.
- *
- * @pre (unsigned)state->mode <= MODE_FAULT
- *
- * @pre state->mode != MODE_FAULT || state->fault != REASON_NONE
- *
- * @pre config->modes.limp_drive_share_q15 >= 0 && config->modes.limp_drive_share_q15 <= Q15_ONE
- *
- * @post (unsigned)state->mode <= MODE_FAULT
- *
- * @post state->mode != MODE_FAULT || state->fault != REASON_NONE
- *
- * @post result.mode == state->mode && result.fault == state->fault
- *
- * @post result.torque_enable.drive_q15 >= 0 && result.torque_enable.brake_q15 >= 0
- *
- * @post !torque_enable_any(result.torque_enable) || result.mode == MODE_RUN || result.mode ==
- * MODE_LIMP
- *
- * @post in->enable || result.torque_enable.drive_q15 == 0
- *
- * @post !in->battery_lost || !torque_enable_any(result.torque_enable)
- *
- * @post in->fault == REASON_NONE || old(state->mode) == MODE_BOOT || result.mode == MODE_FAULT
- *
- * @post in->config_accepted || old(state->mode) == MODE_BOOT || result.mode == MODE_FAULT
- *
- * @post old(state->mode) != MODE_FAULT || in->at_rest || result.mode == MODE_FAULT
- *
- * @post old(state->mode) != MODE_FAULT || !in->torque_demanded || result.mode == MODE_FAULT
- *
- * @post !result.clear_trip || (in->at_rest && !in->torque_demanded)
- *
- * @post !result.calibrate_offsets || !in->emf_conducts
- */
+/* 1 kHz. Any input is permitted. */
 modes_output_t modes_step(modes_state_t *state, const config_t *config, const modes_input_t *in);
 
 #endif

@@ -87,29 +87,11 @@ typedef struct {
     uint32_t least_square; /* Q30, of the current vector at the present setpoint; below the trip */
 } monitor_fast_input_t;
 
-/* @post state->trip == REASON_NONE && state->inverted_trip == ~(uint32_t)REASON_NONE
- *
- * @post state->trip_periods > 0 && state->dead_periods > 0 && state->dead_periods <= INT16_MAX
- *
- * @post state->current_periods == 0 && state->periods_left >= 0 && state->periods_left ==
- * state->stale_limit_periods
- *
- * @post is_within(state->last_v_dc_pu, 0, 65536) && state->overcurrent_square <=
- * (uint32_t)((Q15_ONE - 1) * (Q15_ONE - 1))
- *
- * @post is_within(state->jump_pu, MONITOR_BUS_LEAST_JUMP_PU, MONITOR_BUS_JUMP_PU)
- */
 void monitor_fast_init(monitor_fast_state_t *state, const config_t *config);
 
 /* Background: false if the trip differs from its inverted copy, or a limit from what the
  * configuration makes it. A trip that comes in the middle of the comparison may look like damage:
- * two calls in a row decide.
- *
- * @post !result || state->inverted_trip == ~(uint32_t)state->trip
- *
- * @post !result || (state->trip_periods == config->monitor.overcurrent_periods &&
- * state->overcurrent_square <= (uint32_t)((Q15_ONE - 1) * (Q15_ONE - 1)))
- */
+ * two calls in a row decide. */
 bool monitor_fast_intact(const monitor_fast_state_t *state, const config_t *config);
 
 /* monitor_fast_step() is in monitor_fast.h. */
@@ -202,55 +184,14 @@ typedef struct {
     int32_t speed_bound_mrad_s; /* the speed upper bound, mechanical, magnitude */
 } monitor_output_t;
 
-/* @post !state->started && !state->release_trip && state->steps == 0 && state->return_steps == 0
- *
- * @post state->flow_level == 0 && state->bus_steps == 0 && state->rotor_steps == 0
- *
- * @post state->emf.level == 0 && state->emf.flux_level == 0 && state->emf.missing_q20 == 0 &&
- * state->current.missing_pu == 0 && state->swing.swing_mV == 0
- *
- * @post monitor_window_holds(&state->bus) && monitor_window_holds(&state->gain) &&
- * monitor_stuck_holds(&state->stuck) && monitor_open_holds(&state->open)
- *
- * @post state->speed.windows == 0 && state->speed.diode_steps == 0 && state->speed.bound_urad_s ==
- * 0 && state->speed.rest_urad_s == 0
- */
 void monitor_slow_init(monitor_slow_state_t *state);
 
-/* 1 kHz. The invariant monitor_state_holds() is in tests/proofs/invariants.h.
- *
- * @pre monitor_state_holds(state, config) && vectors_hold(in->latest_pu, in->reference_pu)
- *
- * @post monitor_state_holds(state, config) && state->steps == (uint16_t)(old(state->steps) + 1)
- *
- * @post result.safe_bridge != BRIDGE_PWM && state->safe_bridge == result.safe_bridge
- *
- * @post in->fast_trip == REASON_NONE || in->fast_trip == REASON_BUS_OVERVOLTAGE || in->fast_trip ==
- * REASON_BUS_SENSOR || in->fast_trip == REASON_OVERCURRENT || result.fault == in->fast_trip
- *
- * @post in->fast_trip != REASON_OVERCURRENT || result.fault == REASON_OVERCURRENT || result.fault
- * == REASON_PHASE_OPEN || result.battery_lost
- *
- * @post !in->battery_open || result.battery_lost
- *
- * @post !result.at_rest || result.standstill
- *
- * @post result.standstill == (result.speed_bound_mrad_s < config->monitor.standstill_mrad_s) &&
- * result.speed_bound_mrad_s >= 0
- *
- * @post result.safe_bridge == BRIDGE_OFF || (result.emf_conducts && result.charging_mA == 0)
- *
- * @post is_within(result.flux_missing_q15, 0, 16384) && (result.flux_missing_q15 == 0 ||
- * result.flux_warning == REASON_FLUX_WEAK)
- */
+/* 1 kHz. The invariant monitor_state_holds() is in tests/proofs/invariants.h. */
 monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *config,
                                    const monitor_slow_input_t *in);
 
 /* Braking torque that the voltage may force at a speed whatever is commanded: 0 or
- * motor.max_torque. README, Natural torque.
- *
- * @post result == 0 || result == config->motor.max_torque_mNm
- */
+ * motor.max_torque. README, Natural torque. */
 int32_t monitor_forced_torque_mNm(const config_t *config, int32_t speed_mrad_s,
                                   int32_t bus_voltage_mV);
 

@@ -25,26 +25,7 @@ enum {
 };
 
 /* True while the sensor is wrong (qualified). reading_mV: mean of this millisecond. battery_mV: of
- * the latest message; 0: none, or the contactor is not known to be closed.
- *
- * @pre every(i, 2, is_within(window->lowest[i], -MONITOR_WINDOW_MOST, MONITOR_WINDOW_MOST) &&
- * is_within(window->highest[i], -MONITOR_WINDOW_MOST, MONITOR_WINDOW_MOST))
- *
- * @pre window->steps <= MONITOR_WINDOW_STEPS && window->level <= MONITOR_WINDOW_QUALIFY_STEPS
- *
- * @post every(i, 2, is_within(window->lowest[i], -MONITOR_WINDOW_MOST, MONITOR_WINDOW_MOST) &&
- * is_within(window->highest[i], -MONITOR_WINDOW_MOST, MONITOR_WINDOW_MOST))
- *
- * @post window->steps <= MONITOR_WINDOW_STEPS && window->level <= MONITOR_WINDOW_QUALIFY_STEPS
- *
- * @post battery_mV > 0 || !result
- *
- * @post !result || window->wrong
- *
- * @post !result || old(window->wrong) || window->level == MONITOR_WINDOW_QUALIFY_STEPS
- *
- * @post window->level <= old(window->level) + 1
- */
+ * the latest message; 0: none, or the contactor is not known to be closed. */
 bool monitor_bus_step(monitor_window_t *window, int32_t reading_mV, int32_t battery_mV);
 
 /* How far the bus has moved up and down, forgotten with a time constant of 8 ms. */
@@ -58,22 +39,7 @@ typedef struct {
  * beyond its resistance times the change from full charging to full discharging current, and by
  * more than 7/64 of its largest voltage. README, Bus. Never with battery.resistance zero.
  * reading_mV: mean of this millisecond. watched: PWM on a battery that is not known to have left;
- * otherwise the movement begins anew.
- *
- * @pre state->swing_mV >= 0 && is_within(battery->max_voltage_mV, 1000, 2000000) &&
- * is_within(battery->resistance_uOhm, 0, 100000000)
- *
- * @pre is_within(battery->max_charge_current_mA, 0, 2000000) &&
- * is_within(battery->max_discharge_current_mA, 100, 2000000)
- *
- * @post state->swing_mV >= 0 && is_within(state->last_mV, 0, MONITOR_BUS_MOST_mV)
- *
- * @post watched || (!result && state->swing_mV == 0)
- *
- * @post battery->resistance_uOhm > 0 || !result
- *
- * @post old(state->watching) || state->swing_mV == 0
- */
+ * otherwise the movement begins anew. */
 bool monitor_bus_swings(monitor_swing_state_t *state, const config_battery_t *battery,
                         int32_t reading_mV, bool watched);
 

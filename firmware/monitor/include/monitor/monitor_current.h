@@ -28,18 +28,7 @@ typedef struct {
     bool voltage_limited; /* the current loop cannot do what its reference says: not counted */
 } monitor_current_input_t;
 
-/* True while the sensors show no current although monitor.current_missing has been demanded.
- *
- * @pre is_within(state->missing_pu, 0, config->monitor.current_missing_pu_q15)
- *
- * @post is_within(state->missing_pu, 0, config->monitor.current_missing_pu_q15)
- *
- * @post in->switching || (!result && state->missing_pu == 0)
- *
- * @post !in->voltage_limited || state->missing_pu <= old(state->missing_pu)
- *
- * @post result == (state->missing_pu == config->monitor.current_missing_pu_q15)
- */
+/* True while the sensors show no current although monitor.current_missing has been demanded. */
 bool monitor_current_step(monitor_current_state_t *state, const config_t *config,
                           const monitor_current_input_t *in);
 

@@ -53,27 +53,7 @@ typedef struct {
     bool rotor_valid;     /* an invalid angle is not checked */
 } monitor_emf_input_t;
 
-/* True while the angle is implausible (qualified).
- *
- * @pre monitor_emf_holds(state, config)
- *
- * @post monitor_emf_holds(state, config)
- *
- * @post result == (state->level == MONITOR_EMF_SEEN * config->monitor.angle_fault_time_ms)
- *
- * @post (in->switching && in->rotor_valid) || (state->level == 0 && state->flux ==
- * old(state->flux))
- *
- * @post state->level <= old(state->level) || (!in->voltage_limited && state->level <=
- * old(state->level) + MONITOR_EMF_SEEN)
- *
- * @post state->flux == old(state->flux) || state->flux_level == (state->flux ==
- * MONITOR_EMF_FLUX_WEAK ? -MONITOR_EMF_FLUX_STEPS : state->flux == MONITOR_EMF_FLUX_STRONG ?
- * MONITOR_EMF_FLUX_STEPS : 0)
- *
- * @post state->missing_q20 == 0 || state->missing_q20 == old(state->missing_q20) ||
- * old(state->flux) == MONITOR_EMF_FLUX_WEAK
- */
+/* True while the angle is implausible (qualified). */
 bool monitor_emf_step(monitor_emf_state_t *state, const config_t *config,
                       const monitor_emf_input_t *in);
 

@@ -8,23 +8,7 @@
 #include "monitor/monitor.h"
 
 /* A current vector that is too long, or that has vanished from one sample to the next. The count is
- * of periods above the trip, or negative, of periods at zero.
- *
- * @pre state->trip_periods > 0 && state->dead_periods > 0 && state->dead_periods <= INT16_MAX
- *
- * @pre state->current_periods > -state->dead_periods || state->current_periods == INT16_MIN
- *
- * @pre state->current_periods < state->trip_periods
- *
- * @post state->current_periods <= state->trip_periods && (state->current_periods >=
- * -state->dead_periods || state->current_periods == INT16_MIN)
- *
- * @post square < in->least_square || result == REASON_NONE || result == REASON_OVERCURRENT
- *
- * @post square >= in->least_square || square <= MONITOR_DEAD_SQUARE || result == REASON_NONE
- *
- * @post (result == REASON_OVERCURRENT) == (state->current_periods == state->trip_periods)
- */
+ * of periods above the trip, or negative, of periods at zero. */
 static inline reason_t monitor_fast_current(monitor_fast_state_t *state,
                                             const monitor_fast_input_t *in, uint32_t square)
 {
@@ -38,38 +22,7 @@ static inline reason_t monitor_fast_current(monitor_fast_state_t *state,
     return state->current_periods == -state->dead_periods ? REASON_CURRENT_SENSOR : REASON_NONE;
 }
 
-/* Reason of the first trip condition that is true in this period, or REASON_NONE.
- *
- * @pre state->trip_periods > 0 && state->dead_periods > 0 && state->dead_periods <= INT16_MAX
- *
- * @pre state->current_periods > -state->dead_periods || state->current_periods == INT16_MIN
- *
- * @pre state->current_periods < state->trip_periods
- *
- * @pre in->least_square <= state->overcurrent_square
- *
- * @pre q_abs(in->i_pu.v.x) <= Q15_ONE && q_abs(in->i_pu.v.y) <= Q15_ONE
- *
- * @pre in->v_dc_pu >= 0 && in->v_dc_pu <= 65536
- *
- * @pre state->last_v_dc_pu >= 0 && state->last_v_dc_pu <= 65536
- *
- * @pre state->periods_left >= 0 && state->periods_left <= state->stale_limit_periods
- *
- * @post !in->power_stage_fault || result == REASON_HARDWARE_BREAK
- *
- * @post in->v_dc_pu <= state->overvoltage_pu || result != REASON_NONE
- *
- * @post state->current_periods >= -state->dead_periods || state->current_periods == INT16_MIN
- *
- * @post state->current_periods <= state->trip_periods
- *
- * @post result != REASON_NONE || state->current_periods < state->trip_periods
- *
- * @post result != REASON_NONE || state->current_periods != -state->dead_periods
- *
- * @post state->periods_left >= 0 && state->periods_left <= state->stale_limit_periods
- */
+/* Reason of the first trip condition that is true in this period, or REASON_NONE. */
 static inline reason_t monitor_fast_look(monitor_fast_state_t *state,
                                          const monitor_fast_input_t *in)
 {
@@ -105,46 +58,13 @@ static inline reason_t monitor_fast_look(monitor_fast_state_t *state,
     return REASON_NONE;
 }
 
-/* @pre reason != REASON_NONE
- *
- * @post state->trip == reason && state->inverted_trip == ~(uint32_t)reason
- */
 static inline void monitor_fast_trip(monitor_fast_state_t *state, reason_t reason)
 {
     state->trip = reason;
     state->inverted_trip = ~(uint32_t)reason;
 }
 
-/* The trip, latched; REASON_NONE when healthy.
- *
- * @pre state->trip_periods > 0 && state->dead_periods > 0 && state->dead_periods <= INT16_MAX
- *
- * @pre state->current_periods >= -state->dead_periods || state->current_periods == INT16_MIN
- *
- * @pre in->least_square <= state->overcurrent_square
- *
- * @pre state->trip != REASON_NONE || state->current_periods < state->trip_periods
- *
- * @pre state->trip != REASON_NONE || state->current_periods != -state->dead_periods
- *
- * @pre q_abs(in->i_pu.v.x) <= Q15_ONE && q_abs(in->i_pu.v.y) <= Q15_ONE
- *
- * @pre in->v_dc_pu >= 0 && in->v_dc_pu <= 65536
- *
- * @pre state->last_v_dc_pu >= 0 && state->last_v_dc_pu <= 65536
- *
- * @pre state->periods_left >= 0 && state->periods_left <= state->stale_limit_periods
- *
- * @post result == state->trip && (!in->power_stage_fault || result != REASON_NONE)
- *
- * @post old(state->trip) == REASON_NONE || in->clear_trip || result == old(state->trip)
- *
- * @post in->v_dc_pu <= state->overvoltage_pu || result != REASON_NONE
- *
- * @post state->trip != REASON_NONE || state->current_periods < state->trip_periods
- *
- * @post state->periods_left >= 0 && state->periods_left <= state->stale_limit_periods
- */
+/* The trip, latched; REASON_NONE when healthy. */
 static inline reason_t monitor_fast_step(monitor_fast_state_t *state,
                                          const monitor_fast_input_t *in)
 {

@@ -32,27 +32,7 @@ typedef struct {
     bool switching;
 } monitor_gain_input_t;
 
-/* True while the gain is wrong (qualified). Currents beyond MONITOR_WINDOW_MOST count as that.
- *
- * @pre every(i, 2, is_within(window->lowest[i], -MONITOR_WINDOW_MOST, MONITOR_WINDOW_MOST) &&
- * is_within(window->highest[i], -MONITOR_WINDOW_MOST, MONITOR_WINDOW_MOST))
- *
- * @pre window->steps <= MONITOR_WINDOW_STEPS && window->level <= MONITOR_WINDOW_QUALIFY_STEPS
- *
- * @post every(i, 2, is_within(window->lowest[i], -MONITOR_WINDOW_MOST, MONITOR_WINDOW_MOST) &&
- * is_within(window->highest[i], -MONITOR_WINDOW_MOST, MONITOR_WINDOW_MOST))
- *
- * @post window->steps <= MONITOR_WINDOW_STEPS && window->level <= MONITOR_WINDOW_QUALIFY_STEPS
- *
- * @post !result || (in->switching && config->battery.driven_wheels == 1 &&
- * in->battery_current_mA != MONITOR_GAIN_NOT_GIVEN)
- *
- * @post !result || window->wrong
- *
- * @post !result || old(window->wrong) || window->level == MONITOR_WINDOW_QUALIFY_STEPS
- *
- * @post window->level <= old(window->level) + 1
- */
+/* True while the gain is wrong (qualified). Currents beyond MONITOR_WINDOW_MOST count as that. */
 bool monitor_gain_step(monitor_window_t *window, const config_t *config,
                        const monitor_gain_input_t *in);
 

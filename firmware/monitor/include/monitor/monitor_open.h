@@ -51,31 +51,13 @@ typedef struct {
     bool switching;
 } monitor_open_input_t;
 
-/* True while a phase is open (qualified); never while the bridge does not switch.
- *
- * @pre monitor_open_holds(state) && vectors_hold(in->sampled_pu, in->reference_pu)
- *
- * @post monitor_open_holds(state)
- *
- * @post in->switching || !result
- *
- * @post !result || some(i, 3, state->missing[i][0] == MONITOR_OPEN_STEPS || state->missing[i][1] ==
- * MONITOR_OPEN_STEPS || state->zeros[i] == MONITOR_OPEN_STEPS)
- *
- * @post state->steps_known <= 2 && state->theta_turn == in->theta_turn &&
- * is_within(state->step_turn, -32768, 32767)
- */
+/* True while a phase is open (qualified); never while the bridge does not switch. */
 bool monitor_open_step(monitor_open_state_t *state, const monitor_open_input_t *in);
 
 /* Name of what monitor_open_step() has found, from the current and the sum of the three readings in
  * the same period, Q15 of the current base. An open phase leaves the other two opposite currents,
  * which add up to zero; a sensor that shows none leaves a sum of what its phase carries, up to the
- * tolerance of that check.
- *
- * @post result == REASON_PHASE_OPEN || result == REASON_CURRENT_SUM
- *
- * @post current_sum_pu != 0 || result == REASON_PHASE_OPEN
- */
+ * tolerance of that check. */
 reason_t monitor_open_reason(dq_t sampled_pu, int32_t current_sum_pu);
 
 #endif

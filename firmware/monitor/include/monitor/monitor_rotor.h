@@ -27,7 +27,7 @@
  * Without rotor.observer_takeover the sensor alone decides.
  *
  * A bridge that begins to switch without a sensor uses the observer's angle from the first period
- * on, at zero torque until it is confirmed. README, Rotor.
+ * on, at zero torque until it is confirmed. README, Choice of angle.
  */
 #ifndef MONITOR_MONITOR_ROTOR_H
 #define MONITOR_MONITOR_ROTOR_H
@@ -82,32 +82,7 @@ typedef struct {
     reason_t reason;    /* of a wrong sensor */
 } monitor_rotor_output_t;
 
-/* 1 kHz. Any speed, angle and flux; magnitudes of the speed fit 32 bits.
- *
- * @pre config->rotor.observer_speed_mrad_s >= 0 && in->observer_mrad_s > INT32_MIN &&
- * in->expected_q14 >= 0
- *
- * @pre config->motor.flux_linkage_nWb > 0 && config->motor.d_inductance_nH > 0 &&
- * config->motor.q_inductance_nH > 0
- *
- * @pre config->monitor.rotor_warning_time_ms > 0 && config->monitor.rotor_warning_time_ms <= 60000
- *
- * @pre state->agreed_steps >= 0 && state->agreed_steps <= config->monitor.rotor_warning_time_ms
- *
- * @post state->agreed_steps >= 0 && state->agreed_steps <= config->monitor.rotor_warning_time_ms
- *
- * @post config->rotor.observer_takeover != 0 || result.valid == in->sensor_valid
- *
- * @post config->rotor.observer_takeover != 0 || (!result.observer_used && !result.sensor_wrong)
- *
- * @post config->rotor.observer_takeover == 0 || in->switching || !state->confirmed
- *
- * @post !result.valid || in->sensor_valid || (result.observer_used && state->confirmed)
- *
- * @post !result.valid || !result.sensor_wrong || result.observer_used
- *
- * @post !result.sensor_wrong || !in->cleared
- */
+/* 1 kHz. Any speed, angle and flux; magnitudes of the speed fit 32 bits. */
 monitor_rotor_output_t monitor_rotor_step(monitor_rotor_state_t *state, const config_t *config,
                                           const monitor_rotor_input_t *in);
 

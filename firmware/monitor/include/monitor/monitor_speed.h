@@ -65,17 +65,7 @@ typedef struct {
 
 /* Returns the bound: mechanical, magnitude, mrad/s. state->rest_urad_s is never below it: it
  * follows a valid sensor only while that falls no faster than monitor.tyre_grip, so that a frozen
- * one does not show standstill; otherwise it falls by monitor.coasting. README, Standstill.
- *
- * @pre monitor_speed_holds(state, config)
- *
- * @post monitor_speed_holds(state, config)
- *
- * @post result >= 0 && (int64_t)result * 1000 <= state->bound_urad_s
- *
- * @post !bridge_is_short(in->bridge) || state->windows == 2 || state->bound_urad_s >=
- * old(state->bound_urad_s)
- */
+ * one does not show standstill; otherwise it falls by monitor.coasting. README, Standstill. */
 int32_t monitor_speed_step(monitor_speed_state_t *state, const config_t *config,
                            const monitor_speed_input_t *in);
 

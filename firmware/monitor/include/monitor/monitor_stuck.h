@@ -70,39 +70,6 @@ typedef struct {
     bool release_break; /* the bridge is to leave the hardware's latch, for the short circuit */
 } monitor_stuck_output_t;
 
-/* @pre state->side == BRIDGE_OFF || bridge_is_short(state->side)
- *
- * @pre is_within(state->steps, 0, MONITOR_STUCK_STEPS - 1) && is_within(state->good_steps, 0,
- * state->steps)
- *
- * @pre is_within(state->same_steps, 0, MONITOR_STUCK_LONGEST_STEPS) &&
- * is_within(state->turned_mrad, -6283, 6283)
- *
- * @pre state->windows >= 0 && is_within(state->release_steps, 0, MONITOR_STUCK_RELEASE_STEPS)
- *
- * @post state->side == BRIDGE_OFF || bridge_is_short(state->side)
- *
- * @post is_within(state->steps, 0, MONITOR_STUCK_STEPS - 1) && is_within(state->good_steps, 0,
- * state->steps)
- *
- * @post is_within(state->release_steps, 0, MONITOR_STUCK_RELEASE_STEPS) && result.side ==
- * state->side && state->windows >= 0
- *
- * @post is_within(state->same_steps, 0, MONITOR_STUCK_LONGEST_STEPS) &&
- * is_within(state->turned_mrad, -6283, 6283)
- *
- * @post in->tripped || in->turning || result.side == BRIDGE_OFF
- *
- * @post in->tripped || !result.release_break
- *
- * @post result.fault == (result.side == BRIDGE_OFF ? REASON_NONE : REASON_HARDWARE_BREAK)
- *
- * @post result.side == BRIDGE_OFF || old(state->side) != BRIDGE_OFF || (in->bridge != BRIDGE_PWM
- * && in->currents_known && in->rotor_valid)
- *
- * @post !(in->tripped || in->turning) || old(state->side) == BRIDGE_OFF || result.side ==
- * old(state->side)
- */
 monitor_stuck_output_t monitor_stuck_step(monitor_stuck_state_t *state, const config_t *config,
                                           const monitor_stuck_input_t *in);
 

@@ -48,47 +48,11 @@ typedef struct {
     bool broken; /* warning: outside its range, or stuck */
 } monitor_temperature_output_t;
 
-/* @post !state->started && !state->stuck && state->heal_steps == 0 && state->offset_q16 == 0
- *
- * @post temperature_sensor_holds(state)
- */
 void monitor_temperature_init(monitor_temperature_state_t *state);
 
-/* True if a reading is outside the range of a working sensor.
- *
- * @post !result || measured_cC < 0 || measured_cC > 10000
- *
- * @post result || is_within(measured_cC, -20000, 29998)
- */
+/* True if a reading is outside the range of a working sensor. */
 bool monitor_temperature_outside(const config_t *config, int32_t measured_cC);
 
-/* @pre is_within(in->measured_cC, -100000, 100000) && is_within(in->estimate_cC, -32700, 32700) &&
- * is_within(in->slowest_cC, -32700, 32700)
- *
- * @pre is_within(state->kept_cC, -20000, 29998) && is_within(state->kept_estimate_cC, -32700,
- * 32700)
- *
- * @pre is_within(state->offset_q16, -MONITOR_TEMPERATURE_OFFSET_MOST_cC * 65536,
- * MONITOR_TEMPERATURE_OFFSET_MOST_cC * 65536) && state->heal_steps <=
- * MONITOR_TEMPERATURE_HEAL_STEPS
- *
- * @post is_within(state->kept_cC, -20000, 29998) && is_within(state->kept_estimate_cC, -32700,
- * 32700)
- *
- * @post is_within(state->offset_q16, -MONITOR_TEMPERATURE_OFFSET_MOST_cC * 65536,
- * MONITOR_TEMPERATURE_OFFSET_MOST_cC * 65536) && state->heal_steps <=
- * MONITOR_TEMPERATURE_HEAL_STEPS
- *
- * @post in->limit_cC < MONITOR_TEMPERATURE_OFF_cC || (!result.broken && result.used_cC ==
- * in->measured_cC)
- *
- * @post in->limit_cC >= MONITOR_TEMPERATURE_OFF_cC || is_within(in->measured_cC,
- * config->monitor.lowest_temperature_cC, config->monitor.highest_temperature_cC) ? result.used_cC
- * >= in->measured_cC : in->estimated ? is_within(result.used_cC, in->estimate_cC - 2000,
- * in->estimate_cC + 2000) : result.used_cC == MONITOR_TEMPERATURE_BROKEN_cC
- *
- * @post in->limit_cC >= MONITOR_TEMPERATURE_OFF_cC || result.broken == (state->heal_steps > 0)
- */
 monitor_temperature_output_t monitor_temperature_step(monitor_temperature_state_t *state,
                                                       const config_t *config,
                                                       const monitor_temperature_input_t *in);

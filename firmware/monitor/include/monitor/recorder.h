@@ -134,51 +134,18 @@ typedef struct {
 } recorder_start_t;
 
 /* memory: NULL if there is none; its content is whatever the reset left. A record is kept, counters
- * as well if their check agrees, and everything else is zeroed.
- *
- * @post recorder->memory == memory && recorder->fault_before == REASON_NONE && recorder->now_ms ==
- * 0
- *
- * @post memory->fast_next < RECORDER_FAST_ENTRIES && memory->slow_next < RECORDER_SLOW_ENTRIES &&
- * is_within(memory->phase, RECORDER_RECORDING, RECORDER_SEALED) && memory->phase != RECORDER_ENDING
- *
- * @post recorder->takes_samples == (memory->phase == RECORDER_RECORDING)
- *
- * @post memory->phase != RECORDER_COMPLETE || memory->after_reset == 1 || old(memory->phase) ==
- * RECORDER_COMPLETE
- *
- * @post old(memory->phase) != RECORDER_SEALED || memory->phase == RECORDER_RECORDING ||
- * memory->reason == old(memory->reason)
- */
+ * as well if their check agrees, and everything else is zeroed. */
 void recorder_init(recorder_t *recorder, recorder_memory_t *memory, const recorder_start_t *start);
 
-/* The code that the counter `index` is of, below RECORDER_FIRST_START.
- *
- * @pre index < RECORDER_FIRST_START
- *
- * @post index >= RECORDER_FIRST_LOW || (uint32_t)result == RECORDER_FIRST_COUNTED + index
- */
+/* The code that the counter `index` is of, below RECORDER_FIRST_START. */
 reason_t recorder_counted(uint32_t index);
 
 /* Background: a restart follows on purpose, which is no fault and is not counted. A record is kept.
- *
- * @post recorder->memory->phase == old(recorder->memory->phase) || (old(recorder->memory->phase)
- * == RECORDER_RECORDING && recorder->memory->phase == RECORDER_EMPTY && !recorder->takes_samples)
- *
- * @post recorder->memory->phase != RECORDER_RECORDING && recorder->memory->reason ==
- * old(recorder->memory->reason)
  */
 void recorder_expect_restart(recorder_t *recorder);
 
 /* PWM period, after the compare values are known, while recorder_t.takes_samples was true in the
- * latest slow step. memory: not NULL.
- *
- * @pre memory->fast_next < RECORDER_FAST_ENTRIES
- *
- * @post memory->fast_next == (old(memory->fast_next) + 1) % RECORDER_FAST_ENTRIES
- *
- * @post memory->fast[old(memory->fast_next)].rotor == sample->rotor
- */
+ * latest slow step. memory: not NULL. */
 static inline void recorder_fast(recorder_memory_t *memory, const recorder_fast_t *sample,
                                  bridge_mode_t bridge)
 {
@@ -189,39 +156,11 @@ static inline void recorder_fast(recorder_memory_t *memory, const recorder_fast_
     memory->fast_next = (uint16_t)(next + 1U < RECORDER_FAST_ENTRIES ? next + 1U : 0U);
 }
 
-/* 1 kHz, after the slow step.
- *
- * @pre recorder->memory->fast_next < RECORDER_FAST_ENTRIES && recorder->memory->slow_next <
- * RECORDER_SLOW_ENTRIES && recorder->memory->phase <= RECORDER_SEALED && (recorder->memory->phase
- * != RECORDER_ENDING || is_within(recorder->slow_left_ms, 1, RECORDER_SLOW_AFTER_ms))
- *
- * @post recorder->memory->fast_next < RECORDER_FAST_ENTRIES && recorder->memory->slow_next <
- * RECORDER_SLOW_ENTRIES && recorder->memory->phase <= RECORDER_SEALED && (recorder->memory->phase
- * != RECORDER_ENDING || is_within(recorder->slow_left_ms, 1, RECORDER_SLOW_AFTER_ms))
- *
- * @post recorder->memory->phase >= old(recorder->memory->phase) && recorder->memory->fast_next ==
- * old(recorder->memory->fast_next)
- *
- * @post recorder->memory->reason == old(recorder->memory->reason) || (old(recorder->memory->phase)
- * == RECORDER_RECORDING && recorder->memory->reason == (uint8_t)output->fault_reason)
- *
- * @post old(recorder->memory->phase) != RECORDER_RECORDING || (recorder->memory->phase ==
- * RECORDER_RECORDING) == (output->fault_reason == REASON_NONE || output->fault_reason ==
- * old(recorder->fault_before))
- *
- * @post is_within(old(recorder->memory->phase), RECORDER_RECORDING, RECORDER_ENDING) ||
- * recorder->memory->slow_next == old(recorder->memory->slow_next)
- */
+/* 1 kHz, after the slow step. */
 void recorder_slow(recorder_t *recorder, const slow_output_t *output,
                    const wheel_temperatures_t *temperature);
 
-/* Background. True in the call that seals the record: 8 KiB of CRC.
- *
- * @post result == (old(recorder->memory->phase) == RECORDER_COMPLETE)
- *
- * @post recorder->memory->phase == (result ? RECORDER_SEALED : old(recorder->memory->phase)) &&
- * recorder->memory->reason == old(recorder->memory->reason)
- */
+/* Background. True in the call that seals the record: 8 KiB of CRC. */
 bool recorder_seal(recorder_t *recorder);
 
 #endif

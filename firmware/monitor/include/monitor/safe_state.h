@@ -44,43 +44,22 @@ typedef struct {
     int32_t torque_mNm;     /* braking, of the state chosen */
 } safe_state_t;
 
-/* Switches of one side closed.
- *
- * @post result.charging_mA == 0 && result.bus_mV == in->bus_voltage_mV
- */
+/* Switches of one side closed. */
 letting_go_t safe_state_short(const config_t *config, const safe_state_input_t *in);
 
-/*
- * The choice. An active short circuit ends where freewheel would be chosen at
+/* The choice. An active short circuit ends where freewheel would be chosen at
  * monitor.short_release of the bus voltage as well, and the energy of its current fits into the
- * bus below the devices' rating (short_exit.h).
- *
- * @post result.bridge == BRIDGE_OFF || result.bridge == BRIDGE_SHORT
- *
- * @post !in->battery_open || (result.freewheel.current_mA == 0 && result.freewheel.charging_mA == 0
- * && result.freewheel.torque_mNm == 0)
- *
- * @post result.bridge != BRIDGE_OFF || result.freewheel.current_mA == 0 || result.freewheel.bus_mV
- * == in->bus_voltage_mV
- */
+ * bus below the devices' rating (short_exit.h). */
 safe_state_t safe_state_step(const config_t *config, const safe_state_input_t *in);
 
 /* True if an active short circuit that began now would take the current beyond the over-current
  * trip on its way, where freewheel does not exceed phase current and device voltage. From i the
- * current circles around the settled short circuit's, i_s: up to |i_s| + |i - i_s|.
- *
- * @post !result || (freewheel->current_mA <= config->motor.max_phase_current_mA &&
- * freewheel->bus_mV < config->drive.device_voltage_mV)
- */
+ * current circles around the settled short circuit's, i_s: up to |i_s| + |i - i_s|. */
 bool safe_state_short_surges(const config_t *config, const safe_state_input_t *in,
                              const letting_go_t *freewheel);
 
 /* Without a choice: a switch is stuck closed on this side, BRIDGE_SHORT or BRIDGE_SHORT_HIGH, so
- * the bridge cannot open.
- *
- * @post result.bridge == side && result.freewheel.current_mA == 0 && result.freewheel.charging_mA
- * == 0 && result.freewheel.bus_mV == in->bus_voltage_mV
- */
+ * the bridge cannot open. */
 safe_state_t safe_state_shorted(const config_t *config, const safe_state_input_t *in,
                                 bridge_mode_t side);
 

@@ -27,10 +27,7 @@ typedef struct {
 
 /* True where 3/2 of 3/4 (L_d i_d^2 + L_q i_q^2) keep the bus a sixteenth below the devices' rating:
  * half as much as is stored comes from the EMF while the current falls. With an unknown angle the
- * larger inductance counts for the whole present current.
- *
- * @post in->i_d_mA != 0 || in->i_q_mA != 0 || in->turning_mrad_s != 0 || in->bus_mV != 0 || result
- */
+ * larger inductance counts for the whole present current. */
 bool short_exit_fits(const config_t *config, const short_exit_input_t *in);
 
 #endif

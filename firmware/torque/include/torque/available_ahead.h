@@ -63,36 +63,9 @@ typedef struct {
     available_t now, ahead;
 } available_ahead_state_t;
 
-/* @post state->now.driving.torque_mNm == 0 && state->now.braking.torque_mNm == 0 &&
- * state->ahead.driving.torque_mNm == 0 && state->ahead.braking.torque_mNm == 0
- *
- * @post every(i, TORQUE_LINE_COUNT, state->driving_lines[i].torque_mNm == FEASIBLE_UNBOUNDED &&
- * state->braking_lines[i].torque_mNm == FEASIBLE_UNBOUNDED)
- *
- * @post every(i, AVAILABLE_SLOPED_LINES, !state->driving[i].known && !state->braking[i].known)
- *
- * @post state->step == 0 && !state->speed.known && !state->voltage.known
- *
- * @post state->expected.brake_demand_mNm == 0
- */
 void available_ahead_init(available_ahead_state_t *state);
 
-/* limits: the table of this step. A round computes its results in its last phase only.
- *
- * @pre motor_constants_hold(motor) && derating_relations_hold(config)
- *
- * @pre lines_hold(limits->driving) && lines_hold(limits->braking) && ahead_holds(state)
- *
- * @post ahead_holds(state)
- *
- * @post state->step == (old(state->step) + 1U) % AVAILABLE_AHEAD_ROUND_steps
- *
- * @post old(state->step) / 2 >= 7 || (state->now.driving.torque_mNm ==
- * old(state->now.driving.torque_mNm) && state->now.braking.torque_mNm ==
- * old(state->now.braking.torque_mNm) && state->ahead.driving.torque_mNm ==
- * old(state->ahead.driving.torque_mNm) && state->ahead.braking.torque_mNm ==
- * old(state->ahead.braking.torque_mNm))
- */
+/* limits: the table of this step. A round computes its results in its last phase only. */
 void available_ahead_step(available_ahead_state_t *state, const motor_constants_t *motor,
                           const config_t *config, const torque_limits_t *limits,
                           const available_ahead_input_t *in);

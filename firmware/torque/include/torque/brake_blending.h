@@ -94,20 +94,9 @@ typedef struct {
     int32_t road_mNm;      /* with which the road brakes, magnitude; 0: not known */
 } brake_blending_out_t;
 
-/* @post state->hydraulic.next == 0 && state->hydraulic.torque_q6_mNm == 0 && !state->feedback.seen
- * && state->feedback.gain_q15 == 32768
- *
- * @post state->watch.reason == REASON_NONE && state->added_mNm == 0 && state->taken_mNm == 0 &&
- * state->bridged_q6_mNm == 0 && state->bridging_ms == 0
- *
- * @post state->feedback.between_ms == 1
- */
 void brake_blending_init(brake_blending_state_t *state, const config_t *config);
 
-/* What is found of the hydraulic brake or of its reports.
- *
- * @post result == state->watch.reason || state->watch.reason == REASON_NONE
- */
+/* What is found of the hydraulic brake or of its reports. */
 static inline reason_t brake_blending_finding(const brake_blending_state_t *state)
 {
     const bool lost = state->feedback.seen && state->feedback.heal_ms > 0;
@@ -115,39 +104,10 @@ static inline reason_t brake_blending_finding(const brake_blending_state_t *stat
                                                       : state->watch.reason;
 }
 
-/* The hydraulic command that is sent in place of the split's, larger by hill hold and lift-off.
- *
- * @pre hydraulic_mNm >= 0
- *
- * @post state->added_mNm >= 0 && state->hydraulic.next == old(state->hydraulic.next) &&
- * state->feedback.between_ms == old(state->feedback.between_ms)
- *
- * @post split->hydraulic_mNm < 0 || state->added_mNm == q_max(hydraulic_mNm - split->hydraulic_mNm,
- * 0)
- */
+/* The hydraulic command that is sent in place of the split's, larger by hill hold and lift-off. */
 void brake_blending_sent(brake_blending_state_t *state, const brake_blending_out_t *split,
                          int32_t hydraulic_mNm);
 
-/* @pre is_within(state->hydraulic.next, 0, HYDRAULIC_MODEL_COMMANDS - 1) &&
- * is_within(state->feedback.between_ms, 1, HYDRAULIC_FEEDBACK_PAST_ms)
- *
- * @post is_within(state->hydraulic.next, 0, HYDRAULIC_MODEL_COMMANDS - 1) &&
- * is_within(state->feedback.between_ms, 1, HYDRAULIC_FEEDBACK_PAST_ms)
- *
- * @pre every(i, TORQUE_LINE_COUNT, limits->driving[i].torque_mNm >= 0 &&
- * limits->braking[i].torque_mNm >= 0)
- *
- * @post is_within(result.electric_mNm, 0, q_max(in->demand_mNm, 0))
- *
- * @post is_within(result.hydraulic_mNm, INT32_MIN, config->brake.max_hydraulic_torque_mNm)
- *
- * @post result.beside_mNm >= 0 && result.arrived_mNm >= 0 && result.road_mNm >= 0
- *
- * @post result.electric_mNm <= limits->braking[TORQUE_LINE_ENABLE].torque_mNm &&
- * result.electric_mNm <= limits->braking[TORQUE_LINE_ABS].torque_mNm && result.electric_mNm <=
- * limits->braking[TORQUE_LINE_VOLTAGE].torque_mNm && result.electric_mNm <=
- * limits->braking[TORQUE_LINE_PHASE_CURRENT].torque_mNm
- */
 brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const config_t *config,
                                          const torque_limits_t *limits,
                                          const brake_blending_input_t *in);

@@ -26,26 +26,10 @@ typedef struct {
     int32_t forced_mNm; /* braking torque that the voltage forces instead, magnitude; 0: none */
 } current_setpoint_t;
 
-/*
- * torque_mNm: signed shaft torque, within the limits of torque_limits.h. i_d_weakening_mA: the trim
+/* torque_mNm: signed shaft torque, within the limits of torque_limits.h. i_d_weakening_mA: the trim
  * that the fast loop reports, <= 0 (values above count as 0). i_d with the trim stays above minus
  * current_loop.field_weakening_current, or above i_d itself where that is lower. The circle of
- * motor.max_phase_current limits i_q after i_d: |torque| gets smaller, i_q keeps its sign.
- *
- * @pre is_within(set->model->constants->current_shift, 1, 16) &&
- * is_within(set->model->constants->torque_shift, -30, 30) && is_within(set->model->friction_b, 0, 1
- * << 26)
- *
- * @pre is_within(set->model->constants->weakening_most_b, 0, MOTOR_MODEL_MOST_CURRENT_b)
- *
- * @pre is_within(set->model->flux_b, 0, 1 << 26) &&
- * is_within(set->model->constants->torque_factor_q24, 0, 2 * SCALED_ONE)
- *
- * @post is_within(result.i_d_mA, -set->model->config->motor.max_phase_current_mA,
- * set->model->config->motor.max_phase_current_mA)
- *
- * @post result.forced_mNm >= 0
- */
+ * motor.max_phase_current limits i_q after i_d: |torque| gets smaller, i_q keeps its sign. */
 current_setpoint_t current_setpoint_step(const feasible_set_t *set, int32_t torque_mNm,
                                          int32_t i_d_weakening_mA);
 

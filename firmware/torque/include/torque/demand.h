@@ -51,71 +51,21 @@ typedef struct {
     bool handed_over;     /* it arrives there, and the braking torque falls */
 } demand_t;
 
-/* @post state->lost_ms == INT32_MAX && state->engaged == DRIVE_DIRECTION_NEUTRAL
- *
- * @post state->lift_off_mNm == 0 && state->brake_mNm == 0 && state->asked_mNm == 0
- */
 void demand_init(demand_state_t *state);
 
-/* @pre is_within(state->lift_off_mNm, 0, 100000000) && is_within(state->brake_mNm, 0, 100000000)
- *
- * @pre is_within(state->asked_mNm, 0, 100000000) && state->lost_ms >= 0
- *
- * @post is_within(state->asked_mNm, 0, 100000000)
- *
- * @post is_within(state->lift_off_mNm, 0, 100000000) && is_within(state->brake_mNm, 0, 100000000)
- *
- * @post state->lost_ms >= 0 && result.engaged == state->engaged
- *
- * @post result.lift_off_mNm >= 0 && result.brake_mNm >= 0 && result.lift_off_mNm <=
- * state->lift_off_mNm
- *
- * @post !demand_is_lost(config, in->age_ms) || result.brake_mNm <= old(state->brake_mNm)
- *
- * @post !demand_is_lost(config, in->age_ms) || result.drive_withdrawn
- *
- * @post result.drive_mNm == 0 || (!result.drive_withdrawn && result.brake_mNm == 0)
- *
- * @post result.drive_mNm == 0 || result.engaged == (result.drive_mNm > 0 ? DRIVE_DIRECTION_FORWARD
- * : DRIVE_DIRECTION_REVERSE)
- *
- * @post result.drive_mNm >= 0 ? result.drive_mNm <= q_max(in->drive_mNm, 0) : result.drive_mNm >=
- * in->drive_mNm
- *
- * @post result.hydraulic_valid || (demand_is_lost(config, in->age_ms) && (in->standstill ||
- * config->driver.no_other_brake == 0))
- *
- * @post !in->abs_active || result.lift_off_mNm == 0
- *
- * @post result.brake_mNm == state->brake_mNm
- *
- * @post in->brake_mNm <= 0 || (result.drive_withdrawn && result.drive_mNm == 0)
- *
- * @post is_within(result.drive_mNm, -100000000, 100000000)
- */
 demand_t demand_step(demand_state_t *state, const config_t *config, const demand_input_t *in);
 
-/* @post age_ms > 1000 ? result : (age_ms > 4 || !result)
- */
 static inline bool demand_is_lost(const config_t *config, uint32_t age_ms)
 {
     return age_ms > (uint32_t)config->brake.demand_timeout_ms;
 }
 
-/* Largest change of a torque in one slow step, mNm, at least 1.
- *
- * @post result >= 1 && (result == 1 || result <= config->brake.torque_rate_mNm_s / 1000)
- */
+/* Largest change of a torque in one slow step, mNm, at least 1. */
 int32_t demand_rate_mNm_per_step(const config_t *config);
 
 /* What the brake system's own path takes over of a braking torque left_mNm >= 0 in one slow step,
  * with the lag and the rate of the hydraulic brake: mNm, at least 1. The torque rate is for comfort
- * and has no say in it: a motor that leaves slower brakes beside what has arrived.
- *
- * @pre left_mNm >= 0
- *
- * @post result >= 1 && result - 1 <= left_mNm
- */
+ * and has no say in it: a motor that leaves slower brakes beside what has arrived. */
 int32_t demand_handed_over_mNm(const config_t *config, int32_t left_mNm);
 
 #endif

@@ -58,75 +58,21 @@ typedef struct {
     int32_t best_b, lowest_b, d_b, by_side_b;
 } feasible_circle_t;
 
-/* phase_voltage_mV: peak phase, mean over the period, >= 0.
- *
- * @pre is_within(model->constants->torque_shift, -30, 30) &&
- * is_within(model->constants->current_shift, 1, 16)
- *
- * @pre is_within(model->constants->current_most_b, 0, MOTOR_MODEL_MOST_CURRENT_b) &&
- * model->constants->weakening_most_b >= 0
- *
- * @post result.model == model && result.weakest_d_b <= 0 && result.voltage_squared >= 0
- *
- * @post phase_voltage_mV > 0 || result.voltage_squared == 0
- */
+/* phase_voltage_mV: peak phase, mean over the period, >= 0. */
 feasible_set_t feasible_set_at(const motor_model_t *model, int32_t phase_voltage_mV);
 
-/* cap_mNm: magnitude of a shaft torque, >= 0; with the map's i_d.
- *
- * @pre is_within(set->model->constants->torque_shift, -30, 30) &&
- * is_within(set->model->constants->current_shift, 1, 16)
- *
- * @post result.set == set && result.sign == (int32_t)sign && result.cap_mNm == cap_mNm
- */
+/* cap_mNm: magnitude of a shaft torque, >= 0; with the map's i_d. */
 feasible_side_t feasible_side_at(const feasible_set_t *set, side_t sign, int32_t cap_mNm);
 
-/* Largest torque with |u| within the available voltage: an end of the voltage ellipse.
- *
- * @pre is_within(side->set->model->constants->torque_shift, -30, 30) &&
- * is_within(side->set->model->constants->current_shift, 1, 16)
- *
- * @pre side->sign == 1 || side->sign == -1
- *
- * @pre side->cap_mNm >= 0
- *
- * @post result >= 0 && side->cap_has_voltage && side->sign == old(side->sign)
- *
- * @post is_within(side->cap_mNm, 0, old(side->cap_mNm)) && (result >= old(side->cap_mNm) ||
- * side->cap_mNm == result)
- *
- * @post !old(side->cap_has_voltage) || result == FEASIBLE_UNBOUNDED
- */
+/* Largest torque with |u| within the available voltage: an end of the voltage ellipse. */
 int32_t feasible_by_voltage_mNm(feasible_side_t *side);
 
 /* Largest torque with |i| within motor.max_phase_current, the voltage sufficing: maximum torque per
  * ampere on the current circle, or where the voltage ellipse meets the circle. circle: made by the
- * first side that needs it, for both; {.known = false} before.
- *
- * @pre is_within(side->set->model->constants->torque_shift, -30, 30) &&
- * is_within(side->set->model->constants->current_shift, 1, 16)
- *
- * @pre side->sign == 1 || side->sign == -1
- *
- * @pre side->cap_mNm >= 0
- *
- * @post result >= 0 && side->sign == old(side->sign) && is_within(side->cap_mNm, 0,
- * old(side->cap_mNm))
- */
+ * first side that needs it, for both; {.known = false} before. */
 int32_t feasible_by_current_mNm(feasible_side_t *side, feasible_circle_t *circle);
 
-/* Both, but only the one that bounds the torque is solved.
- *
- * @pre is_within(side->set->model->constants->torque_shift, -30, 30) &&
- * is_within(side->set->model->constants->current_shift, 1, 16)
- *
- * @pre side->sign == 1 || side->sign == -1
- *
- * @pre side->cap_mNm >= 0
- *
- * @post result.voltage_mNm >= 0 && result.current_mNm >= 0 && side->sign == old(side->sign) &&
- * is_within(side->cap_mNm, 0, old(side->cap_mNm))
- */
+/* Both, but only the one that bounds the torque is solved. */
 feasible_bounds_t feasible_by_voltage_and_current(feasible_side_t *side, feasible_circle_t *circle);
 
 /* What a battery takes, scale of feasible_power_b(), >= 0. The margin is what its management
@@ -138,94 +84,37 @@ typedef struct {
 
 /* By how much less a point returns than the battery takes, the loss of the bridge and the uncertain
  * angle included; negative where it returns more. Without a current, at standstill, all that the
- * battery takes, less at most what an uncertain angle may return.
- *
- * @post at.d_b != 0 || at.x_b != 0 || set->model->iron_current_b != 0 || returned.power_b < 0 ||
- * is_within(result, set->power.c, q_saturate64((int64_t)set->power.c + returned.power_b))
- *
- * @post at.d_b != 0 || at.x_b != 0 || set->model->iron_current_b != 0 ||
- * set->model->constants->hall_angle_b != 0 || result == q_saturate64((int64_t)set->power.c +
- * returned.power_b)
- */
+ * battery takes, less at most what an uncertain angle may return. */
 int32_t feasible_excess_b(const feasible_set_t *set, motor_point_t at,
                           feasible_returned_t returned);
 
-/* Magnitude of the shaft torque on a side, mN m, of an airgap torque along the rotation.
- *
- * @pre is_within(side->set->model->constants->torque_shift, -30, 30) &&
- * is_within(side->set->model->constants->current_shift, 1, 16)
- *
- * @pre side->sign == 1 || side->sign == -1
- *
- * @post result >= 0 && (side->sign * (airgap_b - side->set->model->friction_b) > 0 || result == 0)
- */
+/* Magnitude of the shaft torque on a side, mN m, of an airgap torque along the rotation. */
 int32_t feasible_magnitude_mNm(const feasible_side_t *side, int32_t airgap_b);
 
-/* The power of a battery current, for the two bounds below. Both count the loss of the bridge.
- *
- * @pre is_within(model->constants->torque_shift, -30, 30) &&
- * is_within(model->constants->current_shift, 1, 16)
- *
- * @post result >= 0 && ((current_mA > 0 && bus_mV > 0) || result == 0)
- */
+/* The power of a battery current, for the two bounds below. Both count the loss of the bridge. */
 int32_t feasible_power_b(const motor_model_t *model, int32_t current_mA, int32_t bus_mV);
 
 /* Largest torque, in driving or in braking beyond the torque of largest regeneration, at which the
- * motor draws at most power_b or a thousandth of motor.max_power, whichever is larger.
- *
- * @pre is_within(side->set->model->constants->torque_shift, -30, 30) &&
- * is_within(side->set->model->constants->current_shift, 1, 16)
- *
- * @pre side->sign == 1 || side->sign == -1
- *
- * @post result >= 0
- */
+ * motor draws at most power_b or a thousandth of motor.max_power, whichever is larger. */
 int32_t feasible_by_drawn_mNm(const feasible_side_t *side, int32_t power_b);
 
 /* Largest braking torque that returns no more than the battery takes. Unbounded where even the
  * torque of largest regeneration returns a negligible power. With hall sensors the power that the
- * angle error of a late edge may return is included.
- *
- * @pre is_within(side->set->model->constants->torque_shift, -30, 30) &&
- * is_within(side->set->model->constants->current_shift, 1, 16)
- *
- * @pre side->sign == 1 || side->sign == -1
- *
- * @post result >= 0
- */
+ * angle error of a late edge may return is included. */
 int32_t feasible_by_returned_mNm(const feasible_side_t *side, feasible_returned_t returned);
 
 /* Whether the voltage suffices for a point, the fast loop's own reserve included. For zero current
- * it does at standstill; a voltage of zero does not for zero current and an EMF.
- *
- * @post at.d_b != 0 || at.x_b != 0 || set->model->voltage_q_b != 0 ||
- * !is_within(set->voltage_squared, 0, INT64_MAX / 2) || result
- *
- * @post at.d_b != 0 || at.x_b != 0 || set->model->voltage_q_b == 0 || set->voltage_squared != 0 ||
- * !result
- */
+ * it does at standstill; a voltage of zero does not for zero current and an EMF. */
 bool feasible_holds(const feasible_set_t *set, motor_point_t at);
 
 /* Where the voltage, reserve included, suffices neither for the point nor for zero torque at the
  * lowest i_d: replaces it by the one of least braking torque on the current circle for which it
- * suffices, or by the one of least voltage, and returns true. README, Forced torque.
- *
- * @post result || (at->d_b == old(at->d_b) && at->x_b == old(at->x_b))
- *
- * @post !result || (at->d_b <= 0 && is_within(at->x_b, -MOTOR_MODEL_MOST_CURRENT_b,
- * MOTOR_MODEL_MOST_CURRENT_b))
- */
+ * suffices, or by the one of least voltage, and returns true. README, Forced torque. */
 bool feasible_forced(const feasible_set_t *set, motor_point_t *at);
 
 /* The point of an airgap torque within the bounds, along the rotation: the map's i_d; on the
  * current circle one between the map's and that of maximum torque per ampere; on the voltage
- * ellipse the ellipse's.
- *
- * @post is_within(result.x_b, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b)
- *
- * @post set->model->flux_b < 4 || set->model->constants->torque_inverse_q24 < 0 ||
- * set->model->x_per_airgap_q23 < 0 || (airgap_b >= 0 ? result.x_b >= 0 : result.x_b <= 0)
- */
+ * ellipse the ellipse's. */
 motor_point_t feasible_point(const feasible_set_t *set, int32_t airgap_b);
 
 #endif

@@ -27,21 +27,7 @@ typedef struct {
 /* inside_mV: distance of the voltage from its end, positive inside. flowing_mA: present current of
  * this motor towards that end, negative where it moves the voltage away from the end. Beyond the
  * end the limit first drops to this current (anti-windup). Returns the current limit, 0 .. most_mA;
- * zero from one width outside the end on.
- *
- * @pre is_within(state->allowed_q24, 0, SCALED_ONE) && is_within(foldback->most_mA, 0, 2000000)
- *
- * @pre is_within(foldback->span_mV, 1, 2000000) && is_within(foldback->width_mV, 0,
- * foldback->span_mV)
- *
- * @pre is_within(foldback->rise_mV, 0, 4 * foldback->span_mV)
- *
- * @post is_within(state->allowed_q24, 0, SCALED_ONE)
- *
- * @post result >= 0 && result <= foldback->most_mA
- *
- * @post inside_mV > -foldback->width_mV || result == 0
- */
+ * zero from one width outside the end on. */
 int32_t foldback_step(foldback_state_t *state, const foldback_t *foldback, int32_t inside_mV,
                       int32_t flowing_mA);
 

@@ -38,35 +38,9 @@ typedef struct {
     int32_t begun_mrad_s; /* speed at which it began before standstill, magnitude; 0: it did not */
 } hill_hold_state_t;
 
-/* @post state->torque_mNm == 0 && !state->holds && !state->caught && state->begun_mrad_s == 0
- *
- * @post state->release_ms == 0
- */
 void hill_hold_init(hill_hold_state_t *state);
 
-/* Least torque of the hydraulic brake, magnitude, up to driver.hold_torque_mNm.
- *
- * @pre is_within(state->torque_mNm, 0, config->driver.hold_torque_mNm)
- *
- * @pre is_within(state->release_ms, 0, config->driver.hold_release_ms) && state->begun_mrad_s >= 0
- *
- * @pre in->demand_mNm >= 0
- *
- * @post is_within(state->torque_mNm, 0, config->driver.hold_torque_mNm)
- *
- * @post is_within(state->release_ms, 0, config->driver.hold_release_ms) && state->begun_mrad_s >=
- * 0
- *
- * @post result == state->torque_mNm
- *
- * @post in->engaged != DRIVE_DIRECTION_NEUTRAL || (!state->holds && result <=
- * old(state->torque_mNm))
- *
- * @post old(state->holds) || in->demand_mNm > 0 || result <= old(state->torque_mNm)
- *
- * @post !old(state->holds) || in->engaged == DRIVE_DIRECTION_NEUTRAL || in->drive_mNm != 0 ||
- * result == config->driver.hold_torque_mNm
- */
+/* Least torque of the hydraulic brake, magnitude, up to driver.hold_torque_mNm. */
 int32_t hill_hold_step(hill_hold_state_t *state, const config_t *config,
                        const hill_hold_input_t *in);
 

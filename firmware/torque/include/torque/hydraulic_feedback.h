@@ -55,39 +55,14 @@ typedef struct {
     int32_t torque_mNm; /* hydraulic torque now, magnitude: measured, without feedback modelled */
 } hydraulic_feedback_out_t;
 
-/* @post state->gain_q15 == 32768 && is_within(state->least_q15, 16384, 32768) &&
- * is_within(state->most_q15, 32768, 49152)
- *
- * @post !state->seen && !state->confirmed && state->heal_ms == 0 && state->between_ms == 1
- */
 void hydraulic_feedback_init(hydraulic_feedback_state_t *state, const config_t *config);
 
-/* @post !result || (state->seen && state->heal_ms == 0)
- */
 static inline bool hydraulic_feedback_used(const hydraulic_feedback_state_t *state)
 {
     return state->seen && state->heal_ms == 0;
 }
 
-/* After hydraulic_model_step() of the same millisecond.
- *
- * @pre is_within(state->between_ms, 1, HYDRAULIC_FEEDBACK_PAST_ms)
- *
- * @post is_within(state->between_ms, 1, HYDRAULIC_FEEDBACK_PAST_ms) && state->now <=
- * HYDRAULIC_FEEDBACK_PAST_ms
- *
- * @post result.used == (state->seen && state->heal_ms == 0) && result.lost == (state->seen &&
- * !result.used)
- *
- * @post !result.used || result.torque_mNm >= 0
- *
- * @post config->brake.hydraulic_timeout_ms > 0 || state->seen == old(state->seen)
- *
- * @post state->seen == old(state->seen) || report->valid
- *
- * @post state->heal_ms == 0 || state->heal_ms == HYDRAULIC_FEEDBACK_HEAL_ms || state->heal_ms ==
- * old(state->heal_ms) - 1 || state->heal_ms == old(state->heal_ms)
- */
+/* After hydraulic_model_step() of the same millisecond. */
 hydraulic_feedback_out_t hydraulic_feedback_step(hydraulic_feedback_state_t *state,
                                                  const config_t *config,
                                                  const hydraulic_model_t *model,

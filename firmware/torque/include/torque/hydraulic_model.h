@@ -30,51 +30,23 @@ typedef struct {
     int32_t torque_q6_mNm, early_q6_mNm, late_q6_mNm;
 } hydraulic_model_t;
 
-/* @post model->next == 0 && model->torque_q6_mNm == 0 && model->early_q6_mNm == 0 &&
- * model->late_q6_mNm == 0
- */
 void hydraulic_model_init(hydraulic_model_t *model);
 
-/* One millisecond with a command, 0 .. brake.max_hydraulic_torque_mNm.
- *
- * @pre is_within(model->next, 0, HYDRAULIC_MODEL_COMMANDS - 1)
- *
- * @post is_within(model->next, 0, HYDRAULIC_MODEL_COMMANDS - 1) &&
- * is_within(model->commands_mNm[model->next], 0, q_min(q_max(command_mNm, 0),
- * config->brake.max_hydraulic_torque_mNm))
- *
- * @post is_within(model->torque_q6_mNm - old(model->torque_q6_mNm),
- * -(config->brake.hydraulic_rate_mNm_s / 1000 * 64 + 64), config->brake.hydraulic_rate_mNm_s / 1000
- * * 64 + 64)
- */
+/* One millisecond with a command, 0 .. brake.max_hydraulic_torque_mNm. */
 void hydraulic_model_step(hydraulic_model_t *model, const config_t *config, int32_t command_mNm);
 
-/* Present torque, magnitude.
- *
- * @pre is_within(model->torque_q6_mNm, 0, 64 * 20000000)
- *
- * @post is_within(result, 0, 20000000)
- */
+/* Present torque, magnitude. */
 static inline int32_t hydraulic_model_torque_mNm(const hydraulic_model_t *model)
 {
     return model->torque_q6_mNm / 64;
 }
 
-/* Reported of a brake twice as early, and of one twice as late.
- *
- * @pre is_within(model->early_q6_mNm, 0, 64 * 20000000)
- *
- * @post is_within(result, 0, 20000000)
- */
+/* Reported of a brake twice as early, and of one twice as late. */
 static inline int32_t hydraulic_model_early_mNm(const hydraulic_model_t *model)
 {
     return model->early_q6_mNm / 64;
 }
 
-/* @pre is_within(model->late_q6_mNm, 0, 64 * 20000000)
- *
- * @post is_within(result, 0, 20000000)
- */
 static inline int32_t hydraulic_model_late_mNm(const hydraulic_model_t *model)
 {
     return model->late_q6_mNm / 64;

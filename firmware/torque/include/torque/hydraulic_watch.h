@@ -98,42 +98,17 @@ typedef struct {
     bool refutes_report;  /* in this step it has shown them to be wrong */
 } hydraulic_watch_t;
 
-/* @post watch->reason == REASON_NONE && watch->gain_q15 == 32768 && watch->weight_q15 == 32768 &&
- * watch->extra_mNm == 0
- *
- * @post !watch->rolls && !watch->confirms_report && !watch->by_report && watch->acquired_ms == 0
- */
 void hydraulic_watch_init(hydraulic_watch_t *watch);
 
 /* After hydraulic_model_step() of the same millisecond. Without brake.hydraulic_watch_inertia there
- * is no finding.
- *
- * @post !old(hydraulic_watch_holds(watch)) || hydraulic_watch_holds(watch)
- *
- * @post watch->reason == old(watch->reason) || watch->reason == REASON_NONE ||
- * is_within(watch->reason, REASON_HYDRAULIC_WEAK, REASON_HYDRAULIC_LATE)
- *
- * @post (config->brake.hydraulic_watch_inertia_g_m2 != 0 && in->trusted) || (!watch->rolls &&
- * (old(watch->reason) != REASON_NONE || watch->reason == REASON_NONE))
- *
- * @post in->trusted || watch->pause_ms == HYDRAULIC_WATCH_PAUSE_ms
- */
+ * is no finding. */
 void hydraulic_watch_step(hydraulic_watch_t *watch, const config_t *config,
                           const hydraulic_watch_input_t *in);
 
-/* Torque of the hydraulic brake by the model, corrected by the finding; magnitude.
- *
- * @post result >= 0 && (modelled_mNm < 0 || watch->gain_q15 < 0 || result >= watch->extra_mNm)
- */
+/* Torque of the hydraulic brake by the model, corrected by the finding; magnitude. */
 int32_t hydraulic_watch_corrected_mNm(const hydraulic_watch_t *watch, int32_t modelled_mNm);
 
-/* True if the motor is to brake beyond what the strategy leaves it.
- *
- * @post !result || watch->reason == REASON_HYDRAULIC_WEAK || watch->reason ==
- * REASON_HYDRAULIC_DEAD
- *
- * @post watch->reason != REASON_NONE || !result
- */
+/* True if the motor is to brake beyond what the strategy leaves it. */
 static inline bool hydraulic_watch_is_short(const hydraulic_watch_t *watch)
 {
     return watch->reason == REASON_HYDRAULIC_WEAK || watch->reason == REASON_HYDRAULIC_DEAD;

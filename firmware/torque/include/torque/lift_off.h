@@ -20,25 +20,7 @@ typedef struct {
 } lift_off_t;
 
 /* demand_mNm: lift-off braking; electric_mNm: what brake blending demands of the motor; both
- * magnitudes >= 0.
- *
- * @pre electric_mNm >= 0 && every(i, TORQUE_LINE_COUNT, limits->braking[i].torque_mNm >= 0)
- *
- * @post result.motor_mNm >= 0 && result.hydraulic_mNm >= 0
- *
- * @post result.motor_mNm <= q_max(demand_mNm, 0) - result.hydraulic_mNm
- *
- * @post result.motor_mNm == 0 || every(i, TORQUE_LINE_LOSS_OPTIMUM, result.motor_mNm <=
- * limits->braking[i].torque_mNm - electric_mNm)
- *
- * @post result.motor_mNm == 0 || result.motor_mNm <= limits->braking[TORQUE_LINE_ABS].torque_mNm -
- * electric_mNm
- *
- * @post result.motor_mNm == 0 || result.motor_mNm <=
- * limits->braking[TORQUE_LINE_BLEND_OUT].torque_mNm - electric_mNm
- *
- * @post result.motor_mNm < demand_mNm || result.reason == REASON_NONE
- */
+ * magnitudes >= 0. */
 lift_off_t lift_off_split(const torque_limits_t *limits, int32_t demand_mNm, int32_t electric_mNm);
 
 #endif

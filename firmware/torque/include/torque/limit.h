@@ -17,27 +17,13 @@ typedef struct {
     reason_t reason;    /* of the tightest bound so far */
 } limit_t;
 
-/* @post result.torque_mNm >= 0 && result.reason == reason
- *
- * @post torque_mNm < 0 ? result.torque_mNm == 0 : result.torque_mNm == torque_mNm
- */
 static inline limit_t limit_init(int32_t torque_mNm, reason_t reason)
 {
     const limit_t out = {.torque_mNm = q_max(torque_mNm, 0), .reason = reason};
     return out;
 }
 
-/* Tighten to torque_mNm (values below 0 count as 0). On a tie the earlier reason stays.
- *
- * @pre limit->torque_mNm >= 0
- *
- * @post limit->torque_mNm >= 0 && limit->torque_mNm <= old(limit->torque_mNm)
- *
- * @post limit->torque_mNm <= q_max(torque_mNm, 0)
- *
- * @post limit->torque_mNm == old(limit->torque_mNm) ? limit->reason == old(limit->reason) :
- * limit->reason == reason
- */
+/* Tighten to torque_mNm (values below 0 count as 0). On a tie the earlier reason stays. */
 static inline void limit_tighten(limit_t *limit, int32_t torque_mNm, reason_t reason)
 {
     const int32_t bound = q_max(torque_mNm, 0);
@@ -48,16 +34,7 @@ static inline void limit_tighten(limit_t *limit, int32_t torque_mNm, reason_t re
 }
 
 /* Share in Q15 that falls linearly from one at `full` to zero at `none`; `full` may be below or
- * above `none`. full = none is a step: one for x <= full, else zero.
- *
- * @pre is_within(full, -8000000, 8000000) && is_within(none, -8000000, 8000000)
- *
- * @post result >= 0 && result <= Q15_ONE
- *
- * @post (full <= none ? x > full : x < full) || result == Q15_ONE
- *
- * @post x == full || (full <= none ? x < none : x > none) || result == 0
- */
+ * above `none`. full = none is a step: one for x <= full, else zero. */
 static inline int32_t limit_fade_q15(int32_t x, int32_t full, int32_t none)
 {
     if (full <= none) {

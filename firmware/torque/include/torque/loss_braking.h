@@ -26,53 +26,17 @@ typedef struct {
     int32_t torque_mNm;           /* that returns nothing on the circle; 0: not computed */
 } loss_braking_t;
 
-/* share_q15: derating of winding and switches, 32 767 = none.
- *
- * @post set->model->config->brake.loss_braking != 0 || result.current_b == 0
- *
- * @post result.by_map_mNm == FEASIBLE_UNBOUNDED && result.torque_mNm == 0 &&
- * result.returned.power_b == returned.power_b && result.returned.margin_b == returned.margin_b
- */
+/* share_q15: derating of winding and switches, 32 767 = none. */
 loss_braking_t loss_braking_at(const feasible_set_t *set, feasible_returned_t returned,
                                int32_t share_q15);
 
 /* Largest braking torque, mN m: the one that returns nothing on the current circle, or by_map_mNm,
- * what feasible_by_returned_mNm() gives for the i_d of the map, where that is larger.
- *
- * @pre is_within(side->set->model->constants->torque_shift, -30, 30) &&
- * is_within(side->set->model->constants->current_shift, 1, 16)
- *
- * @pre side->sign == 1 || side->sign == -1
- *
- * @post result >= by_map_mNm && losses->by_map_mNm == by_map_mNm
- *
- * @post result == by_map_mNm || result == losses->torque_mNm
- *
- * @post losses->current_b == old(losses->current_b) && losses->returned.power_b ==
- * old(losses->returned.power_b) && losses->returned.margin_b == old(losses->returned.margin_b)
- */
+ * what feasible_by_returned_mNm() gives for the i_d of the map, where that is larger. */
 int32_t loss_braking_torque_mNm(const feasible_side_t *side, loss_braking_t *losses,
                                 int32_t by_map_mNm);
 
 /* Above by_map_mNm a current setpoint of the same torque that returns what the battery takes, as
- * far as the current suffices; otherwise the same setpoint.
- *
- * @pre is_within(set->model->constants->torque_shift, -30, 30) &&
- * is_within(set->model->constants->current_shift, 1, 16) && is_within(set->model->friction_b, 0, 1
- * << 26)
- *
- * @pre is_within(current.i_d_mA, -set->model->config->motor.max_phase_current_mA,
- * set->model->config->motor.max_phase_current_mA)
- *
- * @post is_within(result.i_d_mA, -set->model->config->motor.max_phase_current_mA,
- * set->model->config->motor.max_phase_current_mA)
- *
- * @post result.limited == current.limited && result.feasible == current.feasible &&
- * result.forced_mNm == current.forced_mNm
- *
- * @post (losses->current_b != 0 && q_abs(torque_mNm) > losses->by_map_mNm) || (result.i_d_mA ==
- * current.i_d_mA && result.i_q_mA == current.i_q_mA)
- */
+ * far as the current suffices; otherwise the same setpoint. */
 current_setpoint_t loss_braking_setpoint(const feasible_set_t *set, const loss_braking_t *losses,
                                          int32_t torque_mNm, current_setpoint_t current);
 

@@ -12,13 +12,9 @@
 #include "config/config.h"
 #include "core/grid.h"
 
-/*
- * Optimal regenerative torque map: the braking torque at the airgap that returns the most energy at
+/* Optimal regenerative torque map: the braking torque at the airgap that returns the most energy at
  * this wheel speed and winding temperature. Magnitude >= 0, mN m, without any limit. Symmetric in
- * the sign of speed; zero below the speed where regeneration begins.
- *
- * @post result >= 0
- */
+ * the sign of speed; zero below the speed where regeneration begins. */
 int32_t loss_maps_torque_mNm(const config_t *config, int32_t speed_mrad_s,
                              int32_t winding_temperature_cC);
 
@@ -34,31 +30,15 @@ typedef struct {
     int32_t zero_mNm;                  /* from the first point to zero torque */
 } loss_maps_row_t;
 
-/* Position in the map for a speed and a winding temperature. Once per slow step.
- *
- * @post result.points == config->current_map.torque_points && result.step_log2 ==
- * config->current_map.torque_step_log2
- *
- * @post config->current_map.temperature_points > 1 || result.hot_lsb == result.cold_lsb
- *
- * @post grid_weights_hold(result.weights) && result.weights.shift == 15 -
- * config->current_map.lsb_log2
- */
+/* Position in the map for a speed and a winding temperature. Once per slow step. */
 loss_maps_row_t loss_maps_row_at(const config_t *config, int32_t speed_mrad_s,
                                  int32_t winding_temperature_cC);
 
-/* i_d for a torque along the rotation: driving positive, braking negative.
- *
- * @post !grid_weights_hold(row->weights) || is_within(result, -CURRENT_MAP_MOST_lsb *
- * grid_lsb(row->weights), CURRENT_MAP_MOST_lsb * grid_lsb(row->weights))
- */
+/* i_d for a torque along the rotation: driving positive, braking negative. */
 int32_t loss_maps_row_d_mA(const loss_maps_row_t *row, int32_t along_mNm);
 
 /* Its change over the step of torque, 2^step_log2 mN m, in which the torque lies; zero beyond the
- * ends.
- *
- * @post is_within(along_mNm, -row->zero_mNm, row->zero_mNm) || result == 0
- */
+ * ends. */
 int32_t loss_maps_row_rise_mA(const loss_maps_row_t *row, int32_t along_mNm);
 
 #endif

@@ -74,104 +74,38 @@ typedef struct {
     int32_t d_b, x_b;
 } motor_point_t;
 
-/* Divides; once at start.
- *
- * @post is_within(constants->torque_shift, -30, 30) && is_within(constants->current_shift, 1, 16)
- *
- * @post is_within(constants->current_most_b, 1 << 22, 1 << 23) &&
- * is_within(constants->weakening_most_b, 0, MOTOR_MODEL_MOST_CURRENT_b)
- *
- * @post constants->coulomb_step_q8_b >= 0 && constants->viscous_b >= 0 && constants->flux_b >= 0 &&
- * constants->resistance_b >= 0
- *
- * @post is_within(constants->torque_factor_q24, SCALED_ONE, 2 * SCALED_ONE) &&
- * constants->torque_inverse_q24 >= 0
- *
- * @post config->rotor.sensor == CONFIG_ROTOR_HALL || constants->hall_angle_b == 0
- */
+/* Divides; once at start. */
 void motor_constants_init(motor_constants_t *constants, const config_t *config);
 
-/* config: that of motor_constants_init().
- *
- * @post result.constants == constants && result.config == config
- *
- * @post result.speed_mrad_s == speed_mrad_s && result.winding_temperature_cC ==
- * winding_temperature_cC
- *
- * @pre constants->coulomb_step_q8_b >= 0 && constants->viscous_b >= 0
- *
- * @post is_within(result.friction_b, 0, 1 << 26) && is_within(result.flux_b, 4, 1 << 26)
- */
+/* config: that of motor_constants_init(). */
 motor_model_t motor_model_at(const motor_constants_t *constants, const config_t *config,
                              int32_t speed_mrad_s, int32_t winding_temperature_cC);
 
-/* The point of terminal currents.
- *
- * @pre is_within(model->constants->current_shift, 1, 16)
- *
- * @post is_within(result.d_b, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b) &&
- * is_within(result.x_b, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b)
- */
+/* The point of terminal currents. */
 motor_point_t motor_model_point(const motor_model_t *model, motor_current_t i);
 
-/* Shaft torque of a point.
- *
- * @pre is_within(model->flux_b, 0, 1 << 26) && is_within(model->friction_b, 0, 1 << 26) &&
- * is_within(model->constants->torque_factor_q24, 0, 2 * SCALED_ONE) &&
- * is_within(model->constants->torque_shift, -30, 30)
- *
- * @pre is_within(at.x_b, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b)
- *
- * @post at.x_b > 0 || (at.x_b < 0 && model->saliency_b != 0) || (model->speed_mrad_s >= 0 ? result
- * <= 0 : result >= 0)
- */
+/* Shaft torque of a point. */
 int32_t motor_model_torque_mNm(const motor_model_t *model, motor_point_t at);
 
 /* Direct current of a point at a bus voltage, positive out of the battery, with the inverter's
- * loss.
- *
- * @pre is_within(model->constants->current_shift, 1, 16)
- *
- * @post is_within(result, -(1 << 30), 1 << 29)
- *
- * @post at.d_b != 0 || at.x_b != 0 || model->iron_current_b != 0 || result == 0
- */
+ * loss. */
 int32_t motor_model_bus_current_mA(const motor_model_t *model, motor_point_t at, int32_t bus_mV);
 
 /* ---- in binary scales ---- */
 
-/* Clamped to a limit of at least four times the phase current limit. current_shift > 0.
- *
- * @pre is_within(constants->current_shift, 1, 16)
- *
- * @post is_within(result, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b)
- *
- * @post (current_mA < 0 || result >= 0) && (current_mA > 0 || result <= 0)
- *
- * @post q_abs(current_mA) > MOTOR_MODEL_MOST_CURRENT_b >> 16 || q_abs(result) >= 2 *
- * q_abs(current_mA)
- */
+/* Clamped to a limit of at least four times the phase current limit. current_shift > 0. */
 static inline int32_t motor_model_current_b(const motor_constants_t *constants, int32_t current_mA)
 {
     const int32_t shift = constants->current_shift;
     return q_limit(current_mA, MOTOR_MODEL_MOST_CURRENT_b >> shift) * (int32_t)(1U << shift);
 }
 
-/* @pre is_within(constants->current_shift, 1, 16)
- *
- * @post current_b >= 0 ? is_within(result, 0, current_b / 2) : is_within(result, current_b, -1)
- */
 static inline int32_t motor_model_current_mA(const motor_constants_t *constants, int32_t current_b)
 {
     return current_b >> constants->current_shift;
 }
 
-/* Magnitude of a current, within 3 %.
- *
- * @pre is_within(i_d_b, -(1 << 29), 1 << 29) && is_within(i_q_b, -(1 << 29), 1 << 29)
- *
- * @post result >= q_max(q_abs(i_d_b), q_abs(i_q_b)) && result <= q_abs(i_d_b) + q_abs(i_q_b)
- */
+/* Magnitude of a current, within 3 %. */
 static inline int32_t motor_model_magnitude_b(int32_t i_d_b, int32_t i_q_b)
 {
     const int32_t large_b = q_max(q_abs(i_d_b), q_abs(i_q_b));
@@ -179,15 +113,7 @@ static inline int32_t motor_model_magnitude_b(int32_t i_d_b, int32_t i_q_b)
     return q_max(large_b, large_b - (large_b >> 3) + (small_b >> 1));
 }
 
-/* Two thirds of the bridge's loss at a current >= 0, in the scale of u_d i_d + u_q i_q.
- *
- * @pre is_within(constants->loss_b, 0, 1 << 26) && is_within(constants->loss_resistance_b, 0, 1 <<
- * 26)
- *
- * @pre is_within(current_b, 0, 1 << 26)
- *
- * @post result >= 0
- */
+/* Two thirds of the bridge's loss at a current >= 0, in the scale of u_d i_d + u_q i_q. */
 static inline int32_t motor_model_bridge_loss_b(const motor_constants_t *constants,
                                                 int32_t current_b)
 {
@@ -195,132 +121,53 @@ static inline int32_t motor_model_bridge_loss_b(const motor_constants_t *constan
     return scaled_multiply(current_b, constants->loss_b + volts_b);
 }
 
-/* Airgap torque of a point, along the rotation.
- *
- * @post at.x_b != 0 || result == 0
- *
- * @post model->saliency_b != 0 || model->flux_b < 0 || model->constants->torque_factor_q24 < 0 ||
- * (at.x_b >= 0 ? result >= 0 : result <= 0)
- *
- * @post !is_within(model->flux_b, 0, 1 << 26) || !is_within(model->constants->torque_factor_q24, 0,
- * 2 * SCALED_ONE) || !is_within(at.x_b, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b) ||
- * is_within(result, -(1 << 30), 1 << 30)
- */
+/* Airgap torque of a point, along the rotation. */
 int32_t motor_model_airgap_b(const motor_model_t *model, motor_point_t at);
 
 /* i_qt that makes an airgap torque with a terminal i_d, both along the rotation. The effective flux
  * is taken as at least a quarter of the magnet flux and at least half of the flux at this i_d. It
  * is lower only where i_d or i_q acts against the saliency; there no current gives the torque, and
- * the result is finite, has the correct sign and gives less torque.
- *
- * @post is_within(result, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b)
- *
- * @post model->flux_b < 4 || model->constants->torque_inverse_q24 < 0 || model->x_per_airgap_q23 <
- * 0 || (airgap_b >= 0 ? result >= 0 : result <= 0)
- */
+ * the result is finite, has the correct sign and gives less torque. */
 int32_t motor_model_x_of_airgap_b(const motor_model_t *model, int32_t airgap_b, int32_t d_b);
 
-/* Derivative of the airgap torque with respect to i_qt, 24 fraction bits.
- *
- * @post model->flux_b < 0 || model->constants->torque_factor_q24 < 0 || result >= 0
- */
+/* Derivative of the airgap torque with respect to i_qt, 24 fraction bits. */
 int32_t motor_model_airgap_per_x(const motor_model_t *model, motor_point_t at);
-/* Derivative of the airgap torque with respect to i_d, 24 fraction bits.
- *
- * @post model->saliency_b != 0 || result == 0
- *
- * @post model->saliency_b > 0 || model->constants->torque_factor_q24 < 0 || (at.x_b >= 0 ? result
- * <= 0 : result >= 0)
- */
+/* Derivative of the airgap torque with respect to i_d, 24 fraction bits. */
 int32_t motor_model_airgap_per_d(const motor_model_t *model, motor_point_t at);
 
-/* Derivative of i_qt with respect to i_d at constant torque; zero without saliency.
- *
- * @post is_within(result, -(1 << 26), 1 << 26) && (model->saliency_b != 0 || result == 0)
- */
+/* Derivative of i_qt with respect to i_d at constant torque; zero without saliency. */
 int32_t motor_model_x_per_d(const motor_model_t *model, motor_point_t at);
 
-/* Terminal i_q of a point, and i_qt of terminal currents.
- *
- * @pre is_within(model->one_plus_a2, SCALED_ONE, 1 << 26) && is_within(model->cross_d, 0, 1 << 26)
- * && is_within(model->iron_current_b, 0, MOTOR_MODEL_MOST_CURRENT_b)
- *
- * @pre is_within(at.d_b, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b) &&
- * is_within(at.x_b, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b)
- *
- * @post is_within(result, -(1 << 28), (1 << 28) + MOTOR_MODEL_MOST_CURRENT_b)
- */
+/* Terminal i_q of a point, and i_qt of terminal currents. */
 static inline int32_t motor_model_i_q_b(const motor_model_t *model, motor_point_t at)
 {
     return scaled_multiply(model->one_plus_a2, at.x_b) + model->iron_current_b +
            scaled_multiply(model->cross_d, at.d_b);
 }
 
-/* i_qt of terminal currents.
- *
- * @pre is_within(model->inverse_one_plus_a2, 0, SCALED_ONE) && is_within(model->cross_d, 0, 1 <<
- * 26) && is_within(model->iron_current_b, 0, MOTOR_MODEL_MOST_CURRENT_b)
- *
- * @pre is_within(i_q_b, -(1 << 28), 1 << 28) && is_within(d_b, -MOTOR_MODEL_MOST_CURRENT_b,
- * MOTOR_MODEL_MOST_CURRENT_b)
- *
- * @post q_abs(result) <= q_abs(i_q_b) + model->iron_current_b + 4 * q_abs(d_b)
- */
+/* i_qt of terminal currents. */
 static inline int32_t motor_model_x_of_i_q_b(const motor_model_t *model, int32_t i_q_b, int32_t d_b)
 {
     return scaled_multiply(model->inverse_one_plus_a2,
                            i_q_b - model->iron_current_b - scaled_multiply(model->cross_d, d_b));
 }
 
-/* Terminal voltages.
- *
- * @pre is_within(model->resistance_b, 0, 1 << 26) && is_within(model->reactance_q_b, 0, 1 << 26)
- *
- * @pre is_within(at.d_b, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b) &&
- * is_within(at.x_b, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b)
- *
- * @post is_within(result, -(1 << 28), 1 << 28)
- */
+/* Terminal voltages. */
 static inline int32_t motor_model_u_d_b(const motor_model_t *model, motor_point_t at)
 {
     return scaled_multiply(model->resistance_b, at.d_b) -
            scaled_multiply(model->reactance_q_b, at.x_b);
 }
 
-/* @pre is_within(model->voltage_q_b, 0, 1 << 26) && is_within(model->voltage_q_per_x, 0, 1 << 26)
- * && is_within(model->voltage_q_per_d, 0, 1 << 26)
- *
- * @pre is_within(at.d_b, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b) &&
- * is_within(at.x_b, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b)
- *
- * @post is_within(result, -(1 << 28), (1 << 28) + (1 << 26))
- */
 static inline int32_t motor_model_u_q_b(const motor_model_t *model, motor_point_t at)
 {
     return model->voltage_q_b + scaled_multiply(model->voltage_q_per_x, at.x_b) +
            scaled_multiply(model->voltage_q_per_d, at.d_b);
 }
 
-/* Shaft torque, signed, of an airgap torque along the rotation; and back.
- *
- * @pre is_within(airgap_b, -(1 << 30), 1 << 30) && is_within(model->friction_b, 0, 1 << 26)
- *
- * @pre is_within(model->constants->torque_shift, -30, 62)
- *
- * @post airgap_b > model->friction_b || (model->speed_mrad_s >= 0 ? result <= 0 : result >= 0)
- *
- * @post airgap_b < model->friction_b || (model->speed_mrad_s >= 0 ? result >= 0 : result <= 0)
- */
+/* Shaft torque, signed, of an airgap torque along the rotation; and back. */
 int32_t motor_model_shaft_mNm(const motor_model_t *model, int32_t airgap_b);
 
-/* @pre is_within(model->friction_b, 0, 1 << 26) && is_within(model->constants->torque_shift, -62,
- * 30)
- *
- * @post is_within(result, model->friction_b - (1 << 29), model->friction_b + (1 << 29))
- *
- * @post shaft_mNm == 0 || (shaft_mNm > 0) == (model->speed_mrad_s >= 0) ? result >=
- * model->friction_b : result <= model->friction_b
- */
 int32_t motor_model_airgap_of_shaft_b(const motor_model_t *model, int32_t shaft_mNm);
 
 #endif

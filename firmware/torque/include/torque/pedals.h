@@ -50,80 +50,18 @@ typedef struct {
     uint32_t age_ms;       /* as demand.h takes it */
 } pedals_output_t;
 
-/* @post state->must_release && state->no_brake_ms == INT32_MAX && !state->was_received
- *
- * @post !state->accelerator_fault && !state->brake_fault && state->accelerator_fault_ms == 0 &&
- * state->brake_fault_ms == 0 && state->brake_travel_q15 == 0
- */
 void pedals_init(pedals_state_t *state);
 
-/* @pre every(i, CONFIG_PEDAL_CHANNELS, is_within(config->pedals.released_q15[i], 0, 32768) &&
- * is_within(config->pedals.pressed_q15[i], 0, 32768) && config->pedals.pressed_q15[i] !=
- * config->pedals.released_q15[i])
- *
- * @pre every(i, CONFIG_PEDAL_CHANNELS, config->pedals.lowest_q15[i] >= 0 &&
- * config->pedals.highest_q15[i] <= 32768)
- *
- * @pre config->pedals.free_travel_torque_mNm <= config->pedals.brake_torque_mNm
- *
- * @pre is_within(state->accelerator_fault_ms, 0, config->pedals.fault_time_ms) &&
- * is_within(state->brake_fault_ms, 0, config->pedals.fault_time_ms) && state->no_brake_ms >= 0 &&
- * is_within(state->brake_travel_q15, 0, 32768)
- *
- * @post is_within(state->accelerator_fault_ms, 0, config->pedals.fault_time_ms) &&
- * is_within(state->brake_fault_ms, 0, config->pedals.fault_time_ms) && state->no_brake_ms >= 0 &&
- * is_within(state->brake_travel_q15, 0, 32768)
- *
- * @post config->pedals.brake_channels == 0 || is_within(result.demand.brake_torque_mNm, 0,
- * config->pedals.brake_torque_mNm)
- *
- * @post config->pedals.accelerator_channels == 0 || q_abs(result.demand.drive_torque_mNm) <=
- * q_max(config->pedals.drive_torque_mNm, config->pedals.lift_off_torque_mNm)
- *
- * @post config->pedals.accelerator_channels == 0 || !(state->must_release ||
- * state->accelerator_fault) || result.demand.drive_torque_mNm *
- * drive_direction_sign(result.demand.direction) <= 0
- *
- * @post !state->brake_fault || result.demand.reason == REASON_BRAKE_PEDAL_SENSOR
- *
- * @post config->pedals.brake_channels == 0 || state->no_brake_ms < config->pedals.fault_time_ms ||
- * result.age_ms == UINT32_MAX
- */
 pedals_output_t pedals_step(pedals_state_t *state, const config_t *config,
                             const pedals_input_t *in);
 
-/* The demand of one wheel, 0 .. 3 as vehicle.wheel_position.
- *
- * @pre is_within(wheel, 0, CONFIG_WHEELS - 1) && is_within(config->pedals.drive_share_q15[wheel],
- * 0, 32768) && is_within(config->pedals.brake_share_q15[wheel], 0, 32768)
- *
- * @post q_abs(result.drive_torque_mNm) <= q_abs(demand->drive_torque_mNm) &&
- * q_abs(result.brake_torque_mNm) <= q_abs(demand->brake_torque_mNm)
- *
- * @post result.direction == demand->direction && result.enable == demand->enable &&
- * result.abs_active == demand->abs_active && result.reason == demand->reason
- *
- * @post demand->brake_torque_mNm < 0 || result.brake_torque_mNm >= 0
- */
+/* The demand of one wheel, 0 .. 3 as vehicle.wheel_position. */
 wheel_demand_t pedals_wheel_demand(const config_t *config, const wheel_demand_t *demand,
                                    int32_t wheel);
 
-/* Braking torque at a travel of 0 .. 32 768, wheel of share 1, mNm: interpretation of the pedal.
- *
- * @pre is_within(travel_q15, 0, 32768) && is_within(pedals->free_travel_q15, 328, 32440)
- *
- * @pre is_within(pedals->free_travel_torque_mNm, 0, pedals->brake_torque_mNm)
- *
- * @post is_within(result, 0, pedals->brake_torque_mNm)
- *
- * @post travel_q15 != 32768 || result == pedals->brake_torque_mNm
- */
+/* Braking torque at a travel of 0 .. 32 768, wheel of share 1, mNm: interpretation of the pedal. */
 int32_t pedals_brake_torque_mNm(const config_pedals_t *pedals, int32_t travel_q15);
 
-/* @post result || (config->pedals.accelerator_channels == 0 && config->pedals.brake_channels == 0)
- *
- * @post !result || config->pedals.accelerator_channels + config->pedals.brake_channels > 0
- */
 static inline bool pedals_wired(const config_t *config)
 {
     return config->pedals.accelerator_channels > 0 || config->pedals.brake_channels > 0;

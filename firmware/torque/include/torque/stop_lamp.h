@@ -23,24 +23,9 @@ typedef struct {
     bool started;
 } stop_lamp_state_t;
 
-/* @post !state->lit && !state->started
- *
- * @post state->speed_lp_q8_mrad_s == 0 && state->decel_lp_mm_s2.accumulator == 0
- */
 void stop_lamp_init(stop_lamp_state_t *state);
 
-/* 1 kHz. speed_mrad_s: wheel, signed. Returns whether the lamp must be lit.
- *
- * @pre state->speed_lp_q8_mrad_s >= 0
- *
- * @pre is_within(state->decel_lp_mm_s2.accumulator, -(1 << 30), 1 << 30)
- *
- * @post state->speed_lp_q8_mrad_s >= 0 && result == state->lit
- *
- * @post is_within(state->decel_lp_mm_s2.accumulator, -(1 << 30), 1 << 30)
- *
- * @post brake_demand_mNm <= 0 || result
- */
+/* 1 kHz. speed_mrad_s: wheel, signed. Returns whether the lamp must be lit. */
 bool stop_lamp_step(stop_lamp_state_t *state, const config_t *config, int32_t speed_mrad_s,
                     int32_t brake_demand_mNm);
 

@@ -42,79 +42,26 @@ typedef struct {
     bool started;
 } thermal_model_state_t;
 
-/* Divides; once at start.
- *
- * @post !state->started && state->steps == 0 && state->square_sum == 0 && state->length_sum == 0
- *
- * @post state->winding.known == (config->thermal.winding_heat_capacity_mJ_K > 0)
- *
- * @post is_within(state->winding.inner_share_q30, 0, 1 << 30) &&
- * is_within(state->winding.ambient_share_q30, 0, 1 << 30) &&
- * is_within(state->switches.inner_share_q30, 0, 1 << 30)
- *
- * @post lumps_hold(&state->winding) && lumps_hold(&state->switches)
- */
+/* Divides; once at start. */
 void thermal_model_init(thermal_model_state_t *state, const config_t *config);
 
 /* First step: the temperatures that the sensors show, and where one is broken the other's; the
- * colder is the ambient, at most monitor.warmest_ambient.
- *
- * @post state->started
- *
- * @post is_within(state->winding.inner_q16, -32700 * 65536, 32700 * 65536) &&
- * is_within(state->winding.outer_q16, -32700 * 65536, 32700 * 65536)
- *
- * @post is_within(state->switches.inner_q16, -32700 * 65536, 32700 * 65536) &&
- * is_within(state->switches.outer_q16, -32700 * 65536, 32700 * 65536)
- *
- * @post is_within(state->winding.ambient_q16, -32700 * 65536, config->monitor.warmest_ambient_cC *
- * 65536)
- *
- * @post state->switches.ambient_q16 == state->winding.ambient_q16
- *
- * @post state->steps == old(state->steps)
- *
- * @post !state->winding.known == !old(state->winding.known) && !state->switches.known ==
- * !old(state->switches.known)
- */
+ * colder is the ambient, at most monitor.warmest_ambient. */
 void thermal_model_start(thermal_model_state_t *state, const config_t *config, int32_t winding_cC,
                          bool winding_broken, int32_t switch_cC, bool switch_broken);
 
 /* i_d_mA, i_q_mA: means of the millisecond, peak phase; speed mechanical, signed. Any values. What
  * comes once in 64 steps is spread over the first three of the next ones: iron loss, winding,
- * switches.
- *
- * @pre thermal_model_holds(state)
- *
- * @post thermal_model_holds(state)
- *
- * @post !state->started == !old(state->started) && !state->winding.known ==
- * !old(state->winding.known) && !state->switches.known == !old(state->switches.known)
- *
- * @post state->winding.known || state->winding.inner_q16 == old(state->winding.inner_q16)
- *
- * @post !state->heat_due == !(state->steps == 0 || (old(state->heat_due) && old(state->steps) < 2))
- *
- * @post state->winding.ambient_q16 == old(state->winding.ambient_q16)
- */
+ * switches. */
 void thermal_model_step(thermal_model_state_t *state, const config_t *config, int32_t i_d_mA,
                         int32_t i_q_mA, int32_t speed_mrad_s);
 
-/* The estimate of a row's inner and outer lump, -327 to 327 degC.
- *
- * @pre is_within(row->inner_q16, -32700 * 65536, 32700 * 65536)
- *
- * @post is_within(result, -32700, 32700)
- */
+/* The estimate of a row's inner and outer lump, -327 to 327 degC. */
 static inline int32_t thermal_model_inner_cC(const thermal_lumps_t *row)
 {
     return row->inner_q16 >> 16;
 }
 
-/* @pre is_within(row->outer_q16, -32700 * 65536, 32700 * 65536)
- *
- * @post is_within(result, -32700, 32700)
- */
 static inline int32_t thermal_model_outer_cC(const thermal_lumps_t *row)
 {
     return row->outer_q16 >> 16;

@@ -88,48 +88,14 @@ typedef struct {
     available_ahead_state_t ahead; /* its results are outputs as well */
 } torque_state_t;
 
-/* config: must stay valid as long as the state is used.
- *
- * @post torque_state_holds(state, config)
- *
- * @post state->command.command_mNm == 0 && state->demand.engaged == DRIVE_DIRECTION_NEUTRAL
- */
+/* config: must stay valid as long as the state is used. */
 void torque_init(torque_state_t *state, const config_t *config);
 
-/* The invariant torque_state_holds() is in tests/proofs/invariants.h.
- *
- * @pre battery_relations_hold(config) && torque_state_holds(state, config)
- *
- * @post torque_state_holds(state, config)
- *
- * @post result.command_mNm == state->command.command_mNm
- *
- * @post torque_enable_any(in->torque_enable) || result.command_mNm == 0
- *
- * @post in->brake_torque_mNm <= 0 || in->speed_mrad_s == 0 || (in->speed_mrad_s > 0 ?
- * result.command_mNm <= 0 : result.command_mNm >= 0)
- *
- * @post !demand_is_lost(config, in->demand_age_ms) || in->speed_mrad_s == 0 || (in->speed_mrad_s >
- * 0 ? result.command_mNm <= 0 : result.command_mNm >= 0)
- *
- * @post !in->bridge_open || q_abs(result.command_mNm) <= q_max(config->brake.torque_rate_mNm_s /
- * 1000, 1)
- *
- * @post result.hydraulic_mNm <= config->brake.max_hydraulic_torque_mNm
- */
+/* The invariant torque_state_holds() is in tests/proofs/invariants.h. */
 torque_output_t torque_step(torque_state_t *state, const config_t *config,
                             const torque_input_t *in);
 
 /* After torque_step(), with the same input: state->ahead. Apart from it for the sake of the stack.
- *
- * @pre derating_relations_hold(config) && torque_state_holds(state, config)
- *
- * @post torque_state_holds(state, config)
- *
- * @post state->command.command_mNm == old(state->command.command_mNm) && state->demand.brake_mNm ==
- * old(state->demand.brake_mNm) && state->demand.engaged == old(state->demand.engaged)
- *
- * @post state->ahead.step == (old(state->ahead.step) + 1U) % AVAILABLE_AHEAD_ROUND_steps
  */
 void torque_look_ahead(torque_state_t *state, const config_t *config, const torque_input_t *in);
 

@@ -47,56 +47,15 @@ typedef struct {
     bool falling;        /* at the torque rate, towards a smaller torque of the same sign */
 } torque_command_out_t;
 
-/* Whether a torque acts against the rotation; none does at standstill.
- *
- * @post result == ((speed_mrad_s > 0 && torque_mNm < 0) || (speed_mrad_s < 0 && torque_mNm > 0))
- */
+/* Whether a torque acts against the rotation; none does at standstill. */
 bool torque_command_is_against(int32_t torque_mNm, int32_t speed_mrad_s);
 
-/* Permitted change of the torque's magnitude in one slow step; negative: it must fall.
- *
- * @post q_abs(result) <= q_max(config->brake.torque_rate_mNm_s / 1000, 1)
- *
- * @post voltage_use_q15 < config->brake.torque_growth_end_q15 || result <= 0
- *
- * @post voltage_use_q15 > config->brake.torque_growth_end_q15 || result >= 0
- */
+/* Permitted change of the torque's magnitude in one slow step; negative: it must fall. */
 int32_t torque_command_growth_mNm(const config_t *config, int32_t voltage_use_q15);
 
-/* @post state->command_mNm == 0 && !state->braked
- */
 void torque_command_init(torque_command_state_t *state);
 
-/* While the bridge does not switch, the command is zero at once, without a ramp.
- *
- * @pre every(i, TORQUE_LINE_COUNT, limits->driving[i].torque_mNm >= 0 &&
- * limits->braking[i].torque_mNm >= 0)
- *
- * @pre is_within(in->drive_mNm, -100000000, 100000000) && is_within(in->electric_mNm, 0, 200000000)
- *
- * @pre is_within(state->command_mNm, -400000000, 400000000)
- *
- * @pre in->beside_mNm >= 0 && in->arrived_mNm >= 0
- *
- * @post is_within(state->command_mNm, -400000000, 400000000) && result.command_mNm ==
- * state->command_mNm
- *
- * @post torque_enable_any(in->torque_enable) || (result.command_mNm == 0 && !state->braked)
- *
- * @post in->drive_mNm != 0 || q_abs(result.command_mNm) <= q_max(q_abs(old(state->command_mNm)),
- * in->electric_mNm)
- *
- * @post in->drive_mNm != 0 || !in->drive_withdrawn || in->speed_mrad_s == 0 || (in->speed_mrad_s >
- * 0 ? result.command_mNm <= 0 : result.command_mNm >= 0)
- *
- * @post !torque_enable_any(in->torque_enable) || !in->bridge_open || q_abs(result.command_mNm) <=
- * q_max(config->brake.torque_rate_mNm_s / 1000, 1)
- *
- * @post result.reason != REASON_NONE || !torque_enable_any(in->torque_enable) || some(i,
- * TORQUE_LINE_COUNT, limits->driving[i].reason == REASON_NONE || limits->braking[i].reason ==
- * REASON_NONE) || result.command_mNm == in->drive_mNm + (in->speed_mrad_s >= 0 ? -in->electric_mNm
- * : in->electric_mNm)
- */
+/* While the bridge does not switch, the command is zero at once, without a ramp. */
 torque_command_out_t torque_command_step(torque_command_state_t *state, const config_t *config,
                                          const torque_limits_t *limits,
                                          const torque_command_input_t *in);

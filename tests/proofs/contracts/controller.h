@@ -1,0 +1,152 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Needs (PRE) and guarantees (POST) of the functions of controller, one clause a line: a C expression
+ * of the parameters; `result` is what is returned, old(expression) a value before the call.
+ * contracts.py reads them together with the prototypes of the headers.
+ */
+/* clang-format off */
+
+/* controller/bridge_choice.h */
+POST(bridge_choice_init, state->idle_steps == 0 && state->infeasible_steps == 0 &&
+     state->return_steps == 0)
+POST(bridge_choice_init, state->overspeed_steps == 0 && !state->overspeed)
+
+PRE(bridge_choice_phase_mV, charging_mA >= 0)
+POST(bridge_choice_phase_mV, phase_mV < 0 || is_within(result, 0, phase_mV))
+
+POST(bridge_choice_step, result == BRIDGE_PWM || result == in->safe_bridge)
+POST(bridge_choice_step, in->torque_enabled || result == in->safe_bridge)
+
+/* controller/controller.h */
+POST(controller_init, controller_slow_holds(&controller->slow, config))
+POST(controller_init, controller->fast.output.bridge == BRIDGE_OFF && controller->fast.monitor.trip
+     == REASON_NONE)
+POST(controller_init, controller->slow.modes.mode == MODE_BOOT && controller->slow.step_count == 0
+     && controller->slow.last_command_mNm == 0)
+
+POST(controller_initial_setpoint, !result.torque_enabled && result.safe_bridge == BRIDGE_OFF &&
+     !result.clear_trip && !result.release_break && !result.calibrate_offsets)
+POST(controller_initial_setpoint, vector_holds(result.i_reference_pu) && result.sequence == 0)
+
+POST(controller_fast_step, result == &fast->output)
+POST(controller_fast_step, result->bridge == (setpoint->torque_enabled && fast->monitor.trip ==
+     REASON_NONE ? BRIDGE_PWM : setpoint->safe_bridge))
+POST(controller_fast_step, !in->power_stage_fault || fast->monitor.trip != REASON_NONE)
+POST(controller_fast_step, old(fast->monitor.trip) == REASON_NONE || setpoint->clear_trip ||
+     fast->monitor.trip == old(fast->monitor.trip))
+
+POST(controller_fast_report, report->trip == fast->monitor.trip && report->bridge ==
+     fast->output.bridge)
+
+POST(controller_fast_report_copy, report->trip == fast->monitor.trip && report->bridge ==
+     fast->output.bridge)
+
+POST(controller_fast_report_complete, report->trip == old(report->trip) && report->bridge ==
+     old(report->bridge) && report->rotor_valid == old(report->rotor_valid) && report->sequence ==
+     old(report->sequence))
+
+POST(controller_limits, result == &slow->torque.table)
+
+PRE(controller_slow_step, battery_relations_hold(config) && derating_relations_hold(config))
+PRE(controller_slow_step, controller_slow_holds(slow, config))
+PRE(controller_slow_step, is_within(in->temperature.winding_cC, -100000, 100000) &&
+     is_within(in->temperature.switch_cC, -100000, 100000))
+PRE(controller_slow_step, is_within(report->i_d_weakening_pu, -32768, 0) &&
+     vector_holds(dq_of(report->i_pu)))
+POST(controller_slow_step, controller_slow_holds(slow, config))
+POST(controller_slow_step, slow->step_count == (uint16_t)(old(slow->step_count) + 1) &&
+     setpoint->sequence == slow->step_count && result.motor_torque_command_mNm ==
+     slow->last_command_mNm)
+POST(controller_slow_step, setpoint->safe_bridge != BRIDGE_PWM &&
+     vector_holds(setpoint->i_reference_pu))
+POST(controller_slow_step, result.mode == MODE_RUN || result.mode == MODE_LIMP ||
+     (!setpoint->torque_enabled && result.motor_torque_command_mNm == 0))
+POST(controller_slow_step, in->bms.contactor != CONTACTOR_OPEN || (!setpoint->torque_enabled &&
+     result.motor_torque_command_mNm == 0))
+POST(controller_slow_step, in->demand.brake_torque_mNm <= 0 || result.speed_mrad_s == 0 ||
+     (result.speed_mrad_s > 0 ? result.motor_torque_command_mNm <= 0 :
+     result.motor_torque_command_mNm >= 0))
+POST(controller_slow_step, !demand_is_lost(config, in->demand_age_ms) || result.speed_mrad_s == 0 ||
+     (result.speed_mrad_s > 0 ? result.motor_torque_command_mNm <= 0 :
+     result.motor_torque_command_mNm >= 0))
+POST(controller_slow_step, report->bridge == BRIDGE_PWM || q_abs(result.motor_torque_command_mNm) <=
+     q_max(config->brake.torque_rate_mNm_s / 1000, 1))
+POST(controller_slow_step, report->trip != REASON_HARDWARE_BREAK || old(slow->modes.mode) ==
+     MODE_BOOT || result.mode == MODE_FAULT)
+POST(controller_slow_step, result.hydraulic_torque_mNm <= config->brake.max_hydraulic_torque_mNm)
+POST(controller_slow_step, result.drive_available_mNm >= 0 && result.drive_ahead_mNm >= 0 &&
+     result.electric_brake_ahead_mNm >= 0)
+
+/* controller/current_expectation.h */
+POST(current_expectation_init, state->reference_pu.d == 0 && state->reference_pu.q == 0 &&
+     state->most_square <= (1U << 26))
+
+PRE(current_expectation_step, is_within(reference_pu.d, -32768, 32767) && is_within(reference_pu.q,
+     -32768, 32767))
+PRE(current_expectation_step, vector_holds(state->reference_pu))
+POST(current_expectation_step, vector_holds(state->reference_pu))
+POST(current_expectation_step, state->most_square == old(state->most_square) && result <=
+     state->most_square)
+POST(current_expectation_step, switching || result == 0)
+POST(current_expectation_step, result == 0 || result == state->most_square || result >= 4 *
+     MONITOR_DEAD_SQUARE)
+
+/* controller/operating_point.h */
+POST(operating_point_init, state->i_pu.d == 0 && state->i_pu.q == 0 && state->power_pu == 0 &&
+     state->speed_q32 == 0 && state->sequence == 0)
+POST(operating_point_init, state->v_dc_pu >= 0 && state->observer_leak.leak_q24 ==
+     state->observer.start.leak_q24)
+
+POST(operating_point_observer, result.flux_q14.d == dq_of(observer->flux_q14).d && result.flux_q14.q
+     == dq_of(observer->flux_q14).q)
+POST(operating_point_observer, result.speed_mrad_s > INT32_MIN)
+POST(operating_point_observer, (observer->acquired && state->observer.follows_speed) ||
+     state->observer_speed_q32 == observer->speed_q32)
+POST(operating_point_observer, state->i_pu.d == old(state->i_pu.d) && state->i_pu.q ==
+     old(state->i_pu.q) && state->v_dc_pu == old(state->v_dc_pu) && state->sequence ==
+     old(state->sequence))
+
+POST(operating_point_speed, result.turn_q32 == turn_q32)
+POST(operating_point_speed, turn_q32 >= 0 ? result.wheel_mrad_s >= 0 : result.wheel_mrad_s <= 0)
+
+POST(operating_point_of, result.speed_mrad_s == speed.wheel_mrad_s && state->speed_q32 ==
+     speed.turn_q32 && state->winding_temperature_cC == winding_temperature_cC)
+POST(operating_point_of, result.sampled_pu.d == state->i_pu.d && result.sampled_pu.q ==
+     state->i_pu.q && state->sequence == report->sequence)
+POST(operating_point_of, report->sequence != old(state->sequence) || (state->i_pu.d ==
+     old(state->i_pu.d) && state->i_pu.q == old(state->i_pu.q) && state->power_pu ==
+     old(state->power_pu) && state->v_dc_pu == old(state->v_dc_pu)))
+
+POST(operating_point_setpoint, vector_holds(setpoint->i_reference_pu))
+POST(operating_point_setpoint, setpoint->torque_enabled == old(setpoint->torque_enabled) &&
+     setpoint->safe_bridge == old(setpoint->safe_bridge) && setpoint->clear_trip ==
+     old(setpoint->clear_trip) && setpoint->calibrate_offsets == old(setpoint->calibrate_offsets) &&
+     setpoint->release_break == old(setpoint->release_break) && setpoint->sequence ==
+     old(setpoint->sequence))
+
+POST(operating_point_initial_setpoint, vector_holds(setpoint->i_reference_pu))
+POST(operating_point_initial_setpoint, setpoint->torque_enabled == old(setpoint->torque_enabled) &&
+     setpoint->safe_bridge == old(setpoint->safe_bridge) && setpoint->clear_trip ==
+     old(setpoint->clear_trip) && setpoint->calibrate_offsets == old(setpoint->calibrate_offsets) &&
+     setpoint->release_break == old(setpoint->release_break) && setpoint->sequence ==
+     old(setpoint->sequence))
+
+/* controller/temperatures.h */
+POST(temperatures_init, !state->winding_broken && !state->switch_broken && !state->model.started)
+POST(temperatures_init, state->used.winding_cC == config->motor.reference_temperature_cC &&
+     state->used.switch_cC == config->motor.reference_temperature_cC)
+POST(temperatures_init, !state->winding_sensor.started && !state->switch_sensor.started)
+POST(temperatures_init, temperatures_hold(state))
+
+PRE(temperatures_step, is_within(measured->winding_cC, -100000, 100000) &&
+     is_within(measured->switch_cC, -100000, 100000))
+PRE(temperatures_step, temperatures_hold(state))
+POST(temperatures_step, temperatures_hold(state) && state->model.started)
+POST(temperatures_step, config->motor.max_winding_temperature_cC < 30000 || (!state->winding_broken
+     && state->used.winding_cC == measured->winding_cC))
+POST(temperatures_step, !is_within(measured->winding_cC, config->monitor.lowest_temperature_cC,
+     config->monitor.highest_temperature_cC) || state->used.winding_cC >= measured->winding_cC)
+POST(temperatures_step, state->model.winding.known || state->used.winding_cC >= measured->winding_cC
+     || state->used.winding_cC == MONITOR_TEMPERATURE_BROKEN_cC)
+POST(temperatures_step, state->model.switches.known || state->used.switch_cC >= measured->switch_cC
+     || state->used.switch_cC == MONITOR_TEMPERATURE_BROKEN_cC)

@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Needs (PRE) and guarantees (POST) of the functions of modes, one clause a line: a C expression
+ * of the parameters; `result` is what is returned, old(expression) a value before the call.
+ * contracts.py reads them together with the prototypes of the headers.
+ */
+/* clang-format off */
+
+/* modes/modes.h */
+POST(modes_init, state->mode == MODE_BOOT && state->fault == REASON_NONE && state->warning ==
+     REASON_NONE)
+POST(modes_init, !state->offsets_stored && !state->fault_persists && state->acknowledge_steps == 0)
+
+PRE(modes_step, (unsigned)state->mode <= MODE_FAULT)
+PRE(modes_step, state->mode != MODE_FAULT || state->fault != REASON_NONE)
+PRE(modes_step, config->modes.limp_drive_share_q15 >= 0 && config->modes.limp_drive_share_q15 <=
+     Q15_ONE)
+POST(modes_step, (unsigned)state->mode <= MODE_FAULT)
+POST(modes_step, state->mode != MODE_FAULT || state->fault != REASON_NONE)
+POST(modes_step, result.mode == state->mode && result.fault == state->fault)
+POST(modes_step, result.torque_enable.drive_q15 >= 0 && result.torque_enable.brake_q15 >= 0)
+POST(modes_step, !torque_enable_any(result.torque_enable) || result.mode == MODE_RUN || result.mode
+     == MODE_LIMP)
+POST(modes_step, in->enable || result.torque_enable.drive_q15 == 0)
+POST(modes_step, !in->battery_lost || !torque_enable_any(result.torque_enable))
+POST(modes_step, in->fault == REASON_NONE || old(state->mode) == MODE_BOOT || result.mode ==
+     MODE_FAULT)
+POST(modes_step, in->config_accepted || old(state->mode) == MODE_BOOT || result.mode == MODE_FAULT)
+POST(modes_step, old(state->mode) != MODE_FAULT || in->at_rest || result.mode == MODE_FAULT)
+POST(modes_step, old(state->mode) != MODE_FAULT || !in->torque_demanded || result.mode ==
+     MODE_FAULT)
+POST(modes_step, !result.clear_trip || (in->at_rest && !in->torque_demanded))
+POST(modes_step, !result.calibrate_offsets || !in->emf_conducts)

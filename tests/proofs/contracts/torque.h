@@ -1,0 +1,754 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Needs (PRE) and guarantees (POST) of the functions of torque, one clause a line: a C expression
+ * of the parameters; `result` is what is returned, old(expression) a value before the call.
+ * contracts.py reads them together with the prototypes of the headers.
+ */
+/* clang-format off */
+
+/* torque/feasible_ellipse.h */
+POST(feasible_ellipse_root, is_within(*t_b, -(1 << 25), (1 << 25) - 1))
+
+POST(feasible_weaken_cap, side->sign == old(side->sign) && side->cap_mNm == old(side->cap_mNm))
+
+POST(feasible_circle_d_b, set->model->saliency_b != 0 ||
+     !is_within(set->model->constants->current_most_b, 0, MOTOR_MODEL_MOST_CURRENT_b) ||
+     is_within(result, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b))
+
+/* torque/available_ahead.h */
+POST(available_ahead_init, state->now.driving.torque_mNm == 0 && state->now.braking.torque_mNm == 0
+     && state->ahead.driving.torque_mNm == 0 && state->ahead.braking.torque_mNm == 0)
+POST(available_ahead_init, every(i, TORQUE_LINE_COUNT, state->driving_lines[i].torque_mNm ==
+     FEASIBLE_UNBOUNDED && state->braking_lines[i].torque_mNm == FEASIBLE_UNBOUNDED))
+POST(available_ahead_init, every(i, AVAILABLE_SLOPED_LINES, !state->driving[i].known &&
+     !state->braking[i].known))
+POST(available_ahead_init, state->step == 0 && !state->speed.known && !state->voltage.known)
+POST(available_ahead_init, state->expected.brake_demand_mNm == 0)
+
+PRE(available_ahead_step, motor_constants_hold(motor) && derating_relations_hold(config))
+PRE(available_ahead_step, lines_hold(limits->driving) && lines_hold(limits->braking) &&
+     ahead_holds(state))
+POST(available_ahead_step, ahead_holds(state))
+POST(available_ahead_step, state->step == (old(state->step) + 1U) % AVAILABLE_AHEAD_ROUND_steps)
+POST(available_ahead_step, old(state->step) / 2 >= 7 || (state->now.driving.torque_mNm ==
+     old(state->now.driving.torque_mNm) && state->now.braking.torque_mNm ==
+     old(state->now.braking.torque_mNm) && state->ahead.driving.torque_mNm ==
+     old(state->ahead.driving.torque_mNm) && state->ahead.braking.torque_mNm ==
+     old(state->ahead.braking.torque_mNm)))
+
+/* torque/brake_blending.h */
+POST(brake_blending_init, state->hydraulic.next == 0 && state->hydraulic.torque_q6_mNm == 0 &&
+     !state->feedback.seen && state->feedback.gain_q15 == 32768)
+POST(brake_blending_init, state->watch.reason == REASON_NONE && state->added_mNm == 0 &&
+     state->taken_mNm == 0 && state->bridged_q6_mNm == 0 && state->bridging_ms == 0)
+POST(brake_blending_init, state->feedback.between_ms == 1)
+
+POST(brake_blending_finding, result == state->watch.reason || state->watch.reason == REASON_NONE)
+
+PRE(brake_blending_sent, hydraulic_mNm >= 0)
+POST(brake_blending_sent, state->added_mNm >= 0 && state->hydraulic.next ==
+     old(state->hydraulic.next) && state->feedback.between_ms == old(state->feedback.between_ms))
+POST(brake_blending_sent, split->hydraulic_mNm < 0 || state->added_mNm == q_max(hydraulic_mNm -
+     split->hydraulic_mNm, 0))
+
+PRE(brake_blending_step, is_within(state->hydraulic.next, 0, HYDRAULIC_MODEL_COMMANDS - 1) &&
+     is_within(state->feedback.between_ms, 1, HYDRAULIC_FEEDBACK_PAST_ms))
+PRE(brake_blending_step, table_holds(limits))
+POST(brake_blending_step, is_within(state->hydraulic.next, 0, HYDRAULIC_MODEL_COMMANDS - 1) &&
+     is_within(state->feedback.between_ms, 1, HYDRAULIC_FEEDBACK_PAST_ms))
+POST(brake_blending_step, is_within(result.electric_mNm, 0, q_max(in->demand_mNm, 0)))
+POST(brake_blending_step, is_within(result.hydraulic_mNm, INT32_MIN,
+     config->brake.max_hydraulic_torque_mNm))
+POST(brake_blending_step, result.beside_mNm >= 0 && result.arrived_mNm >= 0 && result.road_mNm >= 0)
+POST(brake_blending_step, result.electric_mNm <= limits->braking[TORQUE_LINE_ENABLE].torque_mNm &&
+     result.electric_mNm <= limits->braking[TORQUE_LINE_ABS].torque_mNm && result.electric_mNm <=
+     limits->braking[TORQUE_LINE_VOLTAGE].torque_mNm && result.electric_mNm <=
+     limits->braking[TORQUE_LINE_PHASE_CURRENT].torque_mNm)
+
+/* torque/current_setpoint.h */
+PRE(current_setpoint_step, model_shifts_hold(set->model->constants) &&
+     is_within(set->model->friction_b, 0, 1 << 26))
+PRE(current_setpoint_step, is_within(set->model->constants->weakening_most_b, 0,
+     MOTOR_MODEL_MOST_CURRENT_b))
+PRE(current_setpoint_step, is_within(set->model->flux_b, 0, 1 << 26) &&
+     is_within(set->model->constants->torque_factor_q24, 0, 2 * SCALED_ONE))
+POST(current_setpoint_step, is_within(result.i_d_mA,
+     -set->model->config->motor.max_phase_current_mA,
+     set->model->config->motor.max_phase_current_mA))
+POST(current_setpoint_step, result.forced_mNm >= 0)
+
+/* torque/demand.h */
+POST(demand_init, state->lost_ms == INT32_MAX && state->engaged == DRIVE_DIRECTION_NEUTRAL)
+POST(demand_init, state->lift_off_mNm == 0 && state->brake_mNm == 0 && state->asked_mNm == 0)
+
+PRE(demand_step, is_within(state->lift_off_mNm, 0, 100000000) && is_within(state->brake_mNm, 0,
+     100000000))
+PRE(demand_step, is_within(state->asked_mNm, 0, 100000000) && state->lost_ms >= 0)
+POST(demand_step, is_within(state->asked_mNm, 0, 100000000))
+POST(demand_step, is_within(state->lift_off_mNm, 0, 100000000) && is_within(state->brake_mNm, 0,
+     100000000))
+POST(demand_step, state->lost_ms >= 0 && result.engaged == state->engaged)
+POST(demand_step, result.lift_off_mNm >= 0 && result.brake_mNm >= 0 && result.lift_off_mNm <=
+     state->lift_off_mNm)
+POST(demand_step, !demand_is_lost(config, in->age_ms) || result.brake_mNm <= old(state->brake_mNm))
+POST(demand_step, !demand_is_lost(config, in->age_ms) || result.drive_withdrawn)
+POST(demand_step, result.drive_mNm == 0 || (!result.drive_withdrawn && result.brake_mNm == 0))
+POST(demand_step, result.drive_mNm == 0 || result.engaged == (result.drive_mNm > 0 ?
+     DRIVE_DIRECTION_FORWARD : DRIVE_DIRECTION_REVERSE))
+POST(demand_step, result.drive_mNm >= 0 ? result.drive_mNm <= q_max(in->drive_mNm, 0) :
+     result.drive_mNm >= in->drive_mNm)
+POST(demand_step, result.hydraulic_valid || (demand_is_lost(config, in->age_ms) && (in->standstill
+     || config->driver.no_other_brake == 0)))
+POST(demand_step, !in->abs_active || result.lift_off_mNm == 0)
+POST(demand_step, result.brake_mNm == state->brake_mNm)
+POST(demand_step, in->brake_mNm <= 0 || (result.drive_withdrawn && result.drive_mNm == 0))
+POST(demand_step, is_within(result.drive_mNm, -100000000, 100000000))
+
+POST(demand_is_lost, age_ms > 1000 ? result : (age_ms > 4 || !result))
+
+POST(demand_rate_mNm_per_step, result >= 1 && (result == 1 || result <=
+     config->brake.torque_rate_mNm_s / 1000))
+
+PRE(demand_handed_over_mNm, left_mNm >= 0)
+POST(demand_handed_over_mNm, result >= 1 && result - 1 <= left_mNm)
+
+/* torque/feasible_torque.h */
+PRE(feasible_set_at, model_shifts_hold(model->constants))
+PRE(feasible_set_at, is_within(model->constants->current_most_b, 0, MOTOR_MODEL_MOST_CURRENT_b) &&
+     model->constants->weakening_most_b >= 0)
+POST(feasible_set_at, result.model == model && result.weakest_d_b <= 0 && result.voltage_squared >=
+     0)
+POST(feasible_set_at, phase_voltage_mV > 0 || result.voltage_squared == 0)
+
+PRE(feasible_side_at, model_shifts_hold(set->model->constants))
+POST(feasible_side_at, result.set == set && result.sign == (int32_t)sign && result.cap_mNm ==
+     cap_mNm)
+
+PRE(feasible_by_voltage_mNm, model_shifts_hold(side->set->model->constants))
+PRE(feasible_by_voltage_mNm, is_a_sign(side->sign))
+PRE(feasible_by_voltage_mNm, side->cap_mNm >= 0)
+POST(feasible_by_voltage_mNm, result >= 0 && side->cap_has_voltage && side->sign == old(side->sign))
+POST(feasible_by_voltage_mNm, is_within(side->cap_mNm, 0, old(side->cap_mNm)) && (result >=
+     old(side->cap_mNm) || side->cap_mNm == result))
+POST(feasible_by_voltage_mNm, !old(side->cap_has_voltage) || result == FEASIBLE_UNBOUNDED)
+
+PRE(feasible_by_current_mNm, model_shifts_hold(side->set->model->constants))
+PRE(feasible_by_current_mNm, is_a_sign(side->sign))
+PRE(feasible_by_current_mNm, side->cap_mNm >= 0)
+POST(feasible_by_current_mNm, result >= 0 && side->sign == old(side->sign) &&
+     is_within(side->cap_mNm, 0, old(side->cap_mNm)))
+
+PRE(feasible_by_voltage_and_current, model_shifts_hold(side->set->model->constants))
+PRE(feasible_by_voltage_and_current, is_a_sign(side->sign))
+PRE(feasible_by_voltage_and_current, side->cap_mNm >= 0)
+POST(feasible_by_voltage_and_current, result.voltage_mNm >= 0 && result.current_mNm >= 0 &&
+     side->sign == old(side->sign) && is_within(side->cap_mNm, 0, old(side->cap_mNm)))
+
+POST(feasible_excess_b, at.d_b != 0 || at.x_b != 0 || set->model->iron_current_b != 0 ||
+     returned.power_b < 0 || is_within(result, set->power.c, q_saturate64((int64_t)set->power.c +
+     returned.power_b)))
+POST(feasible_excess_b, at.d_b != 0 || at.x_b != 0 || set->model->iron_current_b != 0 ||
+     set->model->constants->hall_angle_b != 0 || result == q_saturate64((int64_t)set->power.c +
+     returned.power_b))
+
+PRE(feasible_magnitude_mNm, model_shifts_hold(side->set->model->constants))
+PRE(feasible_magnitude_mNm, is_a_sign(side->sign))
+POST(feasible_magnitude_mNm, result >= 0 && (side->sign * (airgap_b - side->set->model->friction_b)
+     > 0 || result == 0))
+
+PRE(feasible_power_b, model_shifts_hold(model->constants))
+POST(feasible_power_b, result >= 0 && ((current_mA > 0 && bus_mV > 0) || result == 0))
+
+PRE(feasible_by_drawn_mNm, model_shifts_hold(side->set->model->constants))
+PRE(feasible_by_drawn_mNm, is_a_sign(side->sign))
+POST(feasible_by_drawn_mNm, result >= 0)
+
+PRE(feasible_by_returned_mNm, model_shifts_hold(side->set->model->constants))
+PRE(feasible_by_returned_mNm, is_a_sign(side->sign))
+POST(feasible_by_returned_mNm, result >= 0)
+
+POST(feasible_holds, at.d_b != 0 || at.x_b != 0 || set->model->voltage_q_b != 0 ||
+     !is_within(set->voltage_squared, 0, INT64_MAX / 2) || result)
+POST(feasible_holds, at.d_b != 0 || at.x_b != 0 || set->model->voltage_q_b == 0 ||
+     set->voltage_squared != 0 || !result)
+
+POST(feasible_forced, result || (at->d_b == old(at->d_b) && at->x_b == old(at->x_b)))
+POST(feasible_forced, !result || (at->d_b <= 0 && is_within(at->x_b, -MOTOR_MODEL_MOST_CURRENT_b,
+     MOTOR_MODEL_MOST_CURRENT_b)))
+
+POST(feasible_point, is_within(result.x_b, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b))
+POST(feasible_point, set->model->flux_b < 4 || set->model->constants->torque_inverse_q24 < 0 ||
+     set->model->x_per_airgap_q23 < 0 || (airgap_b >= 0 ? result.x_b >= 0 : result.x_b <= 0))
+
+/* torque/foldback.h */
+PRE(foldback_step, is_within(state->allowed_q24, 0, SCALED_ONE) && is_within(foldback->most_mA, 0,
+     2000000))
+PRE(foldback_step, is_within(foldback->span_mV, 1, 2000000) && is_within(foldback->width_mV, 0,
+     foldback->span_mV))
+PRE(foldback_step, is_within(foldback->rise_mV, 0, 4 * foldback->span_mV))
+POST(foldback_step, is_within(state->allowed_q24, 0, SCALED_ONE))
+POST(foldback_step, result >= 0 && result <= foldback->most_mA)
+POST(foldback_step, inside_mV > -foldback->width_mV || result == 0)
+
+/* torque/hill_hold.h */
+POST(hill_hold_init, state->torque_mNm == 0 && !state->holds && !state->caught &&
+     state->begun_mrad_s == 0)
+POST(hill_hold_init, state->release_ms == 0)
+
+PRE(hill_hold_step, is_within(state->torque_mNm, 0, config->driver.hold_torque_mNm))
+PRE(hill_hold_step, is_within(state->release_ms, 0, config->driver.hold_release_ms) &&
+     state->begun_mrad_s >= 0)
+PRE(hill_hold_step, in->demand_mNm >= 0)
+POST(hill_hold_step, is_within(state->torque_mNm, 0, config->driver.hold_torque_mNm))
+POST(hill_hold_step, is_within(state->release_ms, 0, config->driver.hold_release_ms) &&
+     state->begun_mrad_s >= 0)
+POST(hill_hold_step, result == state->torque_mNm)
+POST(hill_hold_step, in->engaged != DRIVE_DIRECTION_NEUTRAL || (!state->holds && result <=
+     old(state->torque_mNm)))
+POST(hill_hold_step, old(state->holds) || in->demand_mNm > 0 || result <= old(state->torque_mNm))
+POST(hill_hold_step, !old(state->holds) || in->engaged == DRIVE_DIRECTION_NEUTRAL || in->drive_mNm
+     != 0 || result == config->driver.hold_torque_mNm)
+
+/* torque/hydraulic_feedback.h */
+POST(hydraulic_feedback_init, state->gain_q15 == 32768 && is_within(state->least_q15, 16384, 32768)
+     && is_within(state->most_q15, 32768, 49152))
+POST(hydraulic_feedback_init, !state->seen && !state->confirmed && state->heal_ms == 0 &&
+     state->between_ms == 1)
+
+POST(hydraulic_feedback_used, !result || (state->seen && state->heal_ms == 0))
+
+PRE(hydraulic_feedback_step, is_within(state->between_ms, 1, HYDRAULIC_FEEDBACK_PAST_ms))
+POST(hydraulic_feedback_step, is_within(state->between_ms, 1, HYDRAULIC_FEEDBACK_PAST_ms) &&
+     state->now <= HYDRAULIC_FEEDBACK_PAST_ms)
+POST(hydraulic_feedback_step, result.used == (state->seen && state->heal_ms == 0) && result.lost ==
+     (state->seen && !result.used))
+POST(hydraulic_feedback_step, !result.used || result.torque_mNm >= 0)
+POST(hydraulic_feedback_step, config->brake.hydraulic_timeout_ms > 0 || state->seen ==
+     old(state->seen))
+POST(hydraulic_feedback_step, state->seen == old(state->seen) || report->valid)
+POST(hydraulic_feedback_step, state->heal_ms == 0 || state->heal_ms == HYDRAULIC_FEEDBACK_HEAL_ms ||
+     state->heal_ms == old(state->heal_ms) - 1 || state->heal_ms == old(state->heal_ms))
+
+/* torque/hydraulic_model.h */
+POST(hydraulic_model_init, model->next == 0 && model->torque_q6_mNm == 0 && model->early_q6_mNm == 0
+     && model->late_q6_mNm == 0)
+
+PRE(hydraulic_model_step, is_within(model->next, 0, HYDRAULIC_MODEL_COMMANDS - 1))
+POST(hydraulic_model_step, is_within(model->next, 0, HYDRAULIC_MODEL_COMMANDS - 1) &&
+     is_within(model->commands_mNm[model->next], 0, q_min(q_max(command_mNm, 0),
+     config->brake.max_hydraulic_torque_mNm)))
+POST(hydraulic_model_step, is_within(model->torque_q6_mNm - old(model->torque_q6_mNm),
+     -(config->brake.hydraulic_rate_mNm_s / 1000 * 64 + 64), config->brake.hydraulic_rate_mNm_s /
+     1000 * 64 + 64))
+
+PRE(hydraulic_model_torque_mNm, is_within(model->torque_q6_mNm, 0, 64 * 20000000))
+POST(hydraulic_model_torque_mNm, is_within(result, 0, 20000000))
+
+PRE(hydraulic_model_early_mNm, is_within(model->early_q6_mNm, 0, 64 * 20000000))
+POST(hydraulic_model_early_mNm, is_within(result, 0, 20000000))
+
+PRE(hydraulic_model_late_mNm, is_within(model->late_q6_mNm, 0, 64 * 20000000))
+POST(hydraulic_model_late_mNm, is_within(result, 0, 20000000))
+
+/* torque/hydraulic_watch.h */
+POST(hydraulic_watch_init, watch->reason == REASON_NONE && watch->gain_q15 == 32768 &&
+     watch->weight_q15 == 32768 && watch->extra_mNm == 0)
+POST(hydraulic_watch_init, !watch->rolls && !watch->confirms_report && !watch->by_report &&
+     watch->acquired_ms == 0)
+
+POST(hydraulic_watch_step, !old(hydraulic_watch_holds(watch)) || hydraulic_watch_holds(watch))
+POST(hydraulic_watch_step, watch->reason == old(watch->reason) || watch->reason == REASON_NONE ||
+     is_within(watch->reason, REASON_HYDRAULIC_WEAK, REASON_HYDRAULIC_LATE))
+POST(hydraulic_watch_step, (config->brake.hydraulic_watch_inertia_g_m2 != 0 && in->trusted) ||
+     (!watch->rolls && (old(watch->reason) != REASON_NONE || watch->reason == REASON_NONE)))
+POST(hydraulic_watch_step, in->trusted || watch->pause_ms == HYDRAULIC_WATCH_PAUSE_ms)
+
+POST(hydraulic_watch_corrected_mNm, result >= 0 && (modelled_mNm < 0 || watch->gain_q15 < 0 ||
+     result >= watch->extra_mNm))
+
+POST(hydraulic_watch_is_short, !result || watch->reason == REASON_HYDRAULIC_WEAK || watch->reason ==
+     REASON_HYDRAULIC_DEAD)
+POST(hydraulic_watch_is_short, watch->reason != REASON_NONE || !result)
+
+/* torque/lift_off.h */
+PRE(lift_off_split, electric_mNm >= 0 && every(i, TORQUE_LINE_COUNT, limits->braking[i].torque_mNm
+     >= 0))
+POST(lift_off_split, result.motor_mNm >= 0 && result.hydraulic_mNm >= 0)
+POST(lift_off_split, result.motor_mNm <= q_max(demand_mNm, 0) - result.hydraulic_mNm)
+POST(lift_off_split, result.motor_mNm == 0 || every(i, TORQUE_LINE_LOSS_OPTIMUM, result.motor_mNm <=
+     limits->braking[i].torque_mNm - electric_mNm))
+POST(lift_off_split, result.motor_mNm == 0 || result.motor_mNm <=
+     limits->braking[TORQUE_LINE_ABS].torque_mNm - electric_mNm)
+POST(lift_off_split, result.motor_mNm == 0 || result.motor_mNm <=
+     limits->braking[TORQUE_LINE_BLEND_OUT].torque_mNm - electric_mNm)
+POST(lift_off_split, result.motor_mNm < demand_mNm || result.reason == REASON_NONE)
+
+/* torque/limit.h */
+POST(limit_init, result.torque_mNm >= 0 && result.reason == reason)
+POST(limit_init, torque_mNm < 0 ? result.torque_mNm == 0 : result.torque_mNm == torque_mNm)
+
+PRE(limit_tighten, limit->torque_mNm >= 0)
+POST(limit_tighten, limit->torque_mNm >= 0 && limit->torque_mNm <= old(limit->torque_mNm))
+POST(limit_tighten, limit->torque_mNm <= q_max(torque_mNm, 0))
+POST(limit_tighten, limit->torque_mNm == old(limit->torque_mNm) ? limit->reason ==
+     old(limit->reason) : limit->reason == reason)
+
+PRE(limit_fade_q15, is_within(full, -8000000, 8000000) && is_within(none, -8000000, 8000000))
+POST(limit_fade_q15, result >= 0 && result <= Q15_ONE)
+POST(limit_fade_q15, (full <= none ? x > full : x < full) || result == Q15_ONE)
+POST(limit_fade_q15, x == full || (full <= none ? x < none : x > none) || result == 0)
+
+/* torque/loss_braking.h */
+POST(loss_braking_at, set->model->config->brake.loss_braking != 0 || result.current_b == 0)
+POST(loss_braking_at, result.by_map_mNm == FEASIBLE_UNBOUNDED && result.torque_mNm == 0 &&
+     result.returned.power_b == returned.power_b && result.returned.margin_b == returned.margin_b)
+
+PRE(loss_braking_torque_mNm, model_shifts_hold(side->set->model->constants))
+PRE(loss_braking_torque_mNm, is_a_sign(side->sign))
+POST(loss_braking_torque_mNm, result >= by_map_mNm && losses->by_map_mNm == by_map_mNm)
+POST(loss_braking_torque_mNm, result == by_map_mNm || result == losses->torque_mNm)
+POST(loss_braking_torque_mNm, losses->current_b == old(losses->current_b) &&
+     losses->returned.power_b == old(losses->returned.power_b) && losses->returned.margin_b ==
+     old(losses->returned.margin_b))
+
+PRE(loss_braking_setpoint, model_shifts_hold(set->model->constants) &&
+     is_within(set->model->friction_b, 0, 1 << 26))
+PRE(loss_braking_setpoint, is_within(current.i_d_mA,
+     -set->model->config->motor.max_phase_current_mA,
+     set->model->config->motor.max_phase_current_mA))
+POST(loss_braking_setpoint, is_within(result.i_d_mA,
+     -set->model->config->motor.max_phase_current_mA,
+     set->model->config->motor.max_phase_current_mA))
+POST(loss_braking_setpoint, result.limited == current.limited && result.feasible == current.feasible
+     && result.forced_mNm == current.forced_mNm)
+POST(loss_braking_setpoint, (losses->current_b != 0 && q_abs(torque_mNm) > losses->by_map_mNm) ||
+     (result.i_d_mA == current.i_d_mA && result.i_q_mA == current.i_q_mA))
+
+/* torque/loss_maps.h */
+POST(loss_maps_torque_mNm, result >= 0)
+
+POST(loss_maps_row_at, result.points == config->current_map.torque_points && result.step_log2 ==
+     config->current_map.torque_step_log2)
+POST(loss_maps_row_at, config->current_map.temperature_points > 1 || result.hot_lsb ==
+     result.cold_lsb)
+POST(loss_maps_row_at, grid_weights_hold(result.weights) && result.weights.shift == 15 -
+     config->current_map.lsb_log2)
+
+POST(loss_maps_row_d_mA, !grid_weights_hold(row->weights) || is_within(result, -CURRENT_MAP_MOST_lsb
+     * grid_lsb(row->weights), CURRENT_MAP_MOST_lsb * grid_lsb(row->weights)))
+
+POST(loss_maps_row_rise_mA, is_within(along_mNm, -row->zero_mNm, row->zero_mNm) || result == 0)
+
+/* torque/motor_model.h */
+POST(motor_constants_init, model_shifts_hold(constants))
+POST(motor_constants_init, is_within(constants->current_most_b, 1 << 22, 1 << 23) &&
+     is_within(constants->weakening_most_b, 0, MOTOR_MODEL_MOST_CURRENT_b))
+POST(motor_constants_init, constants->coulomb_step_q8_b >= 0 && constants->viscous_b >= 0 &&
+     constants->flux_b >= 0 && constants->resistance_b >= 0)
+POST(motor_constants_init, is_within(constants->torque_factor_q24, SCALED_ONE, 2 * SCALED_ONE) &&
+     constants->torque_inverse_q24 >= 0)
+POST(motor_constants_init, config->rotor.sensor == CONFIG_ROTOR_HALL || constants->hall_angle_b ==
+     0)
+
+PRE(motor_model_at, constants->coulomb_step_q8_b >= 0 && constants->viscous_b >= 0)
+POST(motor_model_at, result.constants == constants && result.config == config)
+POST(motor_model_at, result.speed_mrad_s == speed_mrad_s && result.winding_temperature_cC ==
+     winding_temperature_cC)
+POST(motor_model_at, is_within(result.friction_b, 0, 1 << 26) && is_within(result.flux_b, 4, 1 <<
+     26))
+
+PRE(motor_model_point, current_shift_holds(model->constants))
+POST(motor_model_point, is_within(result.d_b, -MOTOR_MODEL_MOST_CURRENT_b,
+     MOTOR_MODEL_MOST_CURRENT_b) && is_within(result.x_b, -MOTOR_MODEL_MOST_CURRENT_b,
+     MOTOR_MODEL_MOST_CURRENT_b))
+
+PRE(motor_model_torque_mNm, is_within(model->flux_b, 0, 1 << 26) && is_within(model->friction_b, 0,
+     1 << 26) && is_within(model->constants->torque_factor_q24, 0, 2 * SCALED_ONE) &&
+     is_within(model->constants->torque_shift, -30, 30))
+PRE(motor_model_torque_mNm, is_within(at.x_b, -MOTOR_MODEL_MOST_CURRENT_b,
+     MOTOR_MODEL_MOST_CURRENT_b))
+POST(motor_model_torque_mNm, at.x_b > 0 || (at.x_b < 0 && model->saliency_b != 0) ||
+     (model->speed_mrad_s >= 0 ? result <= 0 : result >= 0))
+
+PRE(motor_model_bus_current_mA, current_shift_holds(model->constants))
+POST(motor_model_bus_current_mA, is_within(result, -(1 << 30), 1 << 29))
+POST(motor_model_bus_current_mA, at.d_b != 0 || at.x_b != 0 || model->iron_current_b != 0 || result
+     == 0)
+
+PRE(motor_model_current_b, current_shift_holds(constants))
+POST(motor_model_current_b, is_within(result, -MOTOR_MODEL_MOST_CURRENT_b,
+     MOTOR_MODEL_MOST_CURRENT_b))
+POST(motor_model_current_b, (current_mA < 0 || result >= 0) && (current_mA > 0 || result <= 0))
+POST(motor_model_current_b, q_abs(current_mA) > MOTOR_MODEL_MOST_CURRENT_b >> 16 || q_abs(result) >=
+     2 * q_abs(current_mA))
+
+PRE(motor_model_current_mA, current_shift_holds(constants))
+POST(motor_model_current_mA, current_b >= 0 ? is_within(result, 0, current_b / 2) :
+     is_within(result, current_b, -1))
+
+PRE(motor_model_magnitude_b, is_within(i_d_b, -(1 << 29), 1 << 29) && is_within(i_q_b, -(1 << 29), 1
+     << 29))
+POST(motor_model_magnitude_b, result >= q_max(q_abs(i_d_b), q_abs(i_q_b)) && result <= q_abs(i_d_b)
+     + q_abs(i_q_b))
+
+PRE(motor_model_bridge_loss_b, is_within(constants->loss_b, 0, 1 << 26) &&
+     is_within(constants->loss_resistance_b, 0, 1 << 26))
+PRE(motor_model_bridge_loss_b, is_within(current_b, 0, 1 << 26))
+POST(motor_model_bridge_loss_b, result >= 0)
+
+POST(motor_model_airgap_b, at.x_b != 0 || result == 0)
+POST(motor_model_airgap_b, model->saliency_b != 0 || model->flux_b < 0 ||
+     model->constants->torque_factor_q24 < 0 || (at.x_b >= 0 ? result >= 0 : result <= 0))
+POST(motor_model_airgap_b, !is_within(model->flux_b, 0, 1 << 26) ||
+     !is_within(model->constants->torque_factor_q24, 0, 2 * SCALED_ONE) || !is_within(at.x_b,
+     -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b) || is_within(result, -(1 << 30), 1 <<
+     30))
+
+POST(motor_model_x_of_airgap_b, is_within(result, -MOTOR_MODEL_MOST_CURRENT_b,
+     MOTOR_MODEL_MOST_CURRENT_b))
+POST(motor_model_x_of_airgap_b, model->flux_b < 4 || model->constants->torque_inverse_q24 < 0 ||
+     model->x_per_airgap_q23 < 0 || (airgap_b >= 0 ? result >= 0 : result <= 0))
+
+POST(motor_model_airgap_per_x, model->flux_b < 0 || model->constants->torque_factor_q24 < 0 ||
+     result >= 0)
+
+POST(motor_model_airgap_per_d, model->saliency_b != 0 || result == 0)
+POST(motor_model_airgap_per_d, model->saliency_b > 0 || model->constants->torque_factor_q24 < 0 ||
+     (at.x_b >= 0 ? result <= 0 : result >= 0))
+
+POST(motor_model_x_per_d, is_within(result, -(1 << 26), 1 << 26) && (model->saliency_b != 0 ||
+     result == 0))
+
+PRE(motor_model_i_q_b, is_within(model->one_plus_a2, SCALED_ONE, 1 << 26) &&
+     is_within(model->cross_d, 0, 1 << 26) && is_within(model->iron_current_b, 0,
+     MOTOR_MODEL_MOST_CURRENT_b))
+PRE(motor_model_i_q_b, point_holds(at))
+POST(motor_model_i_q_b, is_within(result, -(1 << 28), (1 << 28) + MOTOR_MODEL_MOST_CURRENT_b))
+
+PRE(motor_model_x_of_i_q_b, is_within(model->inverse_one_plus_a2, 0, SCALED_ONE) &&
+     is_within(model->cross_d, 0, 1 << 26) && is_within(model->iron_current_b, 0,
+     MOTOR_MODEL_MOST_CURRENT_b))
+PRE(motor_model_x_of_i_q_b, is_within(i_q_b, -(1 << 28), 1 << 28) && is_within(d_b,
+     -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b))
+POST(motor_model_x_of_i_q_b, q_abs(result) <= q_abs(i_q_b) + model->iron_current_b + 4 * q_abs(d_b))
+
+PRE(motor_model_u_d_b, is_within(model->resistance_b, 0, 1 << 26) && is_within(model->reactance_q_b,
+     0, 1 << 26))
+PRE(motor_model_u_d_b, point_holds(at))
+POST(motor_model_u_d_b, is_within(result, -(1 << 28), 1 << 28))
+
+PRE(motor_model_u_q_b, is_within(model->voltage_q_b, 0, 1 << 26) &&
+     is_within(model->voltage_q_per_x, 0, 1 << 26) && is_within(model->voltage_q_per_d, 0, 1 << 26))
+PRE(motor_model_u_q_b, point_holds(at))
+POST(motor_model_u_q_b, is_within(result, -(1 << 28), (1 << 28) + (1 << 26)))
+
+PRE(motor_model_shaft_mNm, is_within(airgap_b, -(1 << 30), 1 << 30) && is_within(model->friction_b,
+     0, 1 << 26))
+PRE(motor_model_shaft_mNm, is_within(model->constants->torque_shift, -30, 62))
+POST(motor_model_shaft_mNm, airgap_b > model->friction_b || (model->speed_mrad_s >= 0 ? result <= 0
+     : result >= 0))
+POST(motor_model_shaft_mNm, airgap_b < model->friction_b || (model->speed_mrad_s >= 0 ? result >= 0
+     : result <= 0))
+
+PRE(motor_model_airgap_of_shaft_b, is_within(model->friction_b, 0, 1 << 26) &&
+     is_within(model->constants->torque_shift, -62, 30))
+POST(motor_model_airgap_of_shaft_b, is_within(result, model->friction_b - (1 << 29),
+     model->friction_b + (1 << 29)))
+POST(motor_model_airgap_of_shaft_b, shaft_mNm == 0 || (shaft_mNm > 0) == (model->speed_mrad_s >= 0)
+     ? result >= model->friction_b : result <= model->friction_b)
+
+/* torque/pedals.h */
+POST(pedals_init, state->must_release && state->no_brake_ms == INT32_MAX && !state->was_received)
+POST(pedals_init, !state->accelerator_fault && !state->brake_fault && state->accelerator_fault_ms ==
+     0 && state->brake_fault_ms == 0 && state->brake_travel_q15 == 0)
+
+PRE(pedals_step, every(i, CONFIG_PEDAL_CHANNELS, is_within(config->pedals.released_q15[i], 0, 32768)
+     && is_within(config->pedals.pressed_q15[i], 0, 32768) && config->pedals.pressed_q15[i] !=
+     config->pedals.released_q15[i]))
+PRE(pedals_step, every(i, CONFIG_PEDAL_CHANNELS, config->pedals.lowest_q15[i] >= 0 &&
+     config->pedals.highest_q15[i] <= 32768))
+PRE(pedals_step, config->pedals.free_travel_torque_mNm <= config->pedals.brake_torque_mNm)
+PRE(pedals_step, is_within(state->accelerator_fault_ms, 0, config->pedals.fault_time_ms) &&
+     is_within(state->brake_fault_ms, 0, config->pedals.fault_time_ms) && state->no_brake_ms >= 0 &&
+     is_within(state->brake_travel_q15, 0, 32768))
+POST(pedals_step, is_within(state->accelerator_fault_ms, 0, config->pedals.fault_time_ms) &&
+     is_within(state->brake_fault_ms, 0, config->pedals.fault_time_ms) && state->no_brake_ms >= 0 &&
+     is_within(state->brake_travel_q15, 0, 32768))
+POST(pedals_step, config->pedals.brake_channels == 0 || is_within(result.demand.brake_torque_mNm, 0,
+     config->pedals.brake_torque_mNm))
+POST(pedals_step, config->pedals.accelerator_channels == 0 || q_abs(result.demand.drive_torque_mNm)
+     <= q_max(config->pedals.drive_torque_mNm, config->pedals.lift_off_torque_mNm))
+POST(pedals_step, config->pedals.accelerator_channels == 0 || !(state->must_release ||
+     state->accelerator_fault) || result.demand.drive_torque_mNm *
+     drive_direction_sign(result.demand.direction) <= 0)
+POST(pedals_step, !state->brake_fault || result.demand.reason == REASON_BRAKE_PEDAL_SENSOR)
+POST(pedals_step, config->pedals.brake_channels == 0 || state->no_brake_ms <
+     config->pedals.fault_time_ms || result.age_ms == UINT32_MAX)
+
+PRE(pedals_wheel_demand, is_within(wheel, 0, CONFIG_WHEELS - 1) &&
+     is_within(config->pedals.drive_share_q15[wheel], 0, 32768) &&
+     is_within(config->pedals.brake_share_q15[wheel], 0, 32768))
+POST(pedals_wheel_demand, q_abs(result.drive_torque_mNm) <= q_abs(demand->drive_torque_mNm) &&
+     q_abs(result.brake_torque_mNm) <= q_abs(demand->brake_torque_mNm))
+POST(pedals_wheel_demand, result.direction == demand->direction && result.enable == demand->enable
+     && result.abs_active == demand->abs_active && result.reason == demand->reason)
+POST(pedals_wheel_demand, demand->brake_torque_mNm < 0 || result.brake_torque_mNm >= 0)
+
+PRE(pedals_brake_torque_mNm, is_within(travel_q15, 0, 32768) && is_within(pedals->free_travel_q15,
+     328, 32440))
+PRE(pedals_brake_torque_mNm, is_within(pedals->free_travel_torque_mNm, 0, pedals->brake_torque_mNm))
+POST(pedals_brake_torque_mNm, is_within(result, 0, pedals->brake_torque_mNm))
+POST(pedals_brake_torque_mNm, travel_q15 != 32768 || result == pedals->brake_torque_mNm)
+
+POST(pedals_wired, result || (config->pedals.accelerator_channels == 0 &&
+     config->pedals.brake_channels == 0))
+POST(pedals_wired, !result || config->pedals.accelerator_channels + config->pedals.brake_channels >
+     0)
+
+/* torque/stop_lamp.h */
+POST(stop_lamp_init, !state->lit && !state->started)
+POST(stop_lamp_init, state->speed_lp_q8_mrad_s == 0 && state->decel_lp_mm_s2.accumulator == 0)
+
+PRE(stop_lamp_step, state->speed_lp_q8_mrad_s >= 0)
+PRE(stop_lamp_step, is_within(state->decel_lp_mm_s2.accumulator, -(1 << 30), 1 << 30))
+POST(stop_lamp_step, state->speed_lp_q8_mrad_s >= 0 && result == state->lit)
+POST(stop_lamp_step, is_within(state->decel_lp_mm_s2.accumulator, -(1 << 30), 1 << 30))
+POST(stop_lamp_step, brake_demand_mNm <= 0 || result)
+
+/* torque/thermal_model.h */
+POST(thermal_model_init, !state->started && state->steps == 0 && state->square_sum == 0 &&
+     state->length_sum == 0)
+POST(thermal_model_init, state->winding.known == (config->thermal.winding_heat_capacity_mJ_K > 0))
+POST(thermal_model_init, is_within(state->winding.inner_share_q30, 0, 1 << 30) &&
+     is_within(state->winding.ambient_share_q30, 0, 1 << 30) &&
+     is_within(state->switches.inner_share_q30, 0, 1 << 30))
+POST(thermal_model_init, lumps_hold(&state->winding) && lumps_hold(&state->switches))
+
+POST(thermal_model_start, state->started)
+POST(thermal_model_start, is_within(state->winding.inner_q16, -32700 * 65536, 32700 * 65536) &&
+     is_within(state->winding.outer_q16, -32700 * 65536, 32700 * 65536))
+POST(thermal_model_start, is_within(state->switches.inner_q16, -32700 * 65536, 32700 * 65536) &&
+     is_within(state->switches.outer_q16, -32700 * 65536, 32700 * 65536))
+POST(thermal_model_start, is_within(state->winding.ambient_q16, -32700 * 65536,
+     config->monitor.warmest_ambient_cC * 65536))
+POST(thermal_model_start, state->switches.ambient_q16 == state->winding.ambient_q16)
+POST(thermal_model_start, state->steps == old(state->steps))
+POST(thermal_model_start, !state->winding.known == !old(state->winding.known) &&
+     !state->switches.known == !old(state->switches.known))
+
+PRE(thermal_model_step, thermal_model_holds(state))
+POST(thermal_model_step, thermal_model_holds(state))
+POST(thermal_model_step, !state->started == !old(state->started) && !state->winding.known ==
+     !old(state->winding.known) && !state->switches.known == !old(state->switches.known))
+POST(thermal_model_step, state->winding.known || state->winding.inner_q16 ==
+     old(state->winding.inner_q16))
+POST(thermal_model_step, !state->heat_due == !(state->steps == 0 || (old(state->heat_due) &&
+     old(state->steps) < 2)))
+POST(thermal_model_step, state->winding.ambient_q16 == old(state->winding.ambient_q16))
+
+PRE(thermal_model_inner_cC, is_within(row->inner_q16, -32700 * 65536, 32700 * 65536))
+POST(thermal_model_inner_cC, is_within(result, -32700, 32700))
+
+PRE(thermal_model_outer_cC, is_within(row->outer_q16, -32700 * 65536, 32700 * 65536))
+POST(thermal_model_outer_cC, is_within(result, -32700, 32700))
+
+/* torque/torque.h */
+POST(torque_init, torque_state_holds(state, config))
+POST(torque_init, state->command.command_mNm == 0 && state->demand.engaged ==
+     DRIVE_DIRECTION_NEUTRAL)
+
+PRE(torque_step, battery_relations_hold(config) && torque_state_holds(state, config))
+POST(torque_step, torque_state_holds(state, config))
+POST(torque_step, result.command_mNm == state->command.command_mNm)
+POST(torque_step, torque_enable_any(in->torque_enable) || result.command_mNm == 0)
+POST(torque_step, in->brake_torque_mNm <= 0 || in->speed_mrad_s == 0 || (in->speed_mrad_s > 0 ?
+     result.command_mNm <= 0 : result.command_mNm >= 0))
+POST(torque_step, !demand_is_lost(config, in->demand_age_ms) || in->speed_mrad_s == 0 ||
+     (in->speed_mrad_s > 0 ? result.command_mNm <= 0 : result.command_mNm >= 0))
+POST(torque_step, !in->bridge_open || q_abs(result.command_mNm) <=
+     q_max(config->brake.torque_rate_mNm_s / 1000, 1))
+POST(torque_step, result.hydraulic_mNm <= config->brake.max_hydraulic_torque_mNm)
+
+PRE(torque_look_ahead, derating_relations_hold(config) && torque_state_holds(state, config))
+POST(torque_look_ahead, torque_state_holds(state, config))
+POST(torque_look_ahead, state->command.command_mNm == old(state->command.command_mNm) &&
+     state->demand.brake_mNm == old(state->demand.brake_mNm) && state->demand.engaged ==
+     old(state->demand.engaged))
+POST(torque_look_ahead, state->ahead.step == (old(state->ahead.step) + 1U) %
+     AVAILABLE_AHEAD_ROUND_steps)
+
+/* torque/torque_command.h */
+POST(torque_command_is_against, result == ((speed_mrad_s > 0 && torque_mNm < 0) || (speed_mrad_s < 0
+     && torque_mNm > 0)))
+
+POST(torque_command_growth_mNm, q_abs(result) <= q_max(config->brake.torque_rate_mNm_s / 1000, 1))
+POST(torque_command_growth_mNm, voltage_use_q15 < config->brake.torque_growth_end_q15 || result <=
+     0)
+POST(torque_command_growth_mNm, voltage_use_q15 > config->brake.torque_growth_end_q15 || result >=
+     0)
+
+POST(torque_command_init, state->command_mNm == 0 && !state->braked)
+
+PRE(torque_command_step, table_holds(limits))
+PRE(torque_command_step, is_within(in->drive_mNm, -100000000, 100000000) &&
+     is_within(in->electric_mNm, 0, 200000000))
+PRE(torque_command_step, is_within(state->command_mNm, -400000000, 400000000))
+PRE(torque_command_step, in->beside_mNm >= 0 && in->arrived_mNm >= 0)
+POST(torque_command_step, is_within(state->command_mNm, -400000000, 400000000) && result.command_mNm
+     == state->command_mNm)
+POST(torque_command_step, torque_enable_any(in->torque_enable) || (result.command_mNm == 0 &&
+     !state->braked))
+POST(torque_command_step, in->drive_mNm != 0 || q_abs(result.command_mNm) <=
+     q_max(q_abs(old(state->command_mNm)), in->electric_mNm))
+POST(torque_command_step, in->drive_mNm != 0 || !in->drive_withdrawn || in->speed_mrad_s == 0 ||
+     (in->speed_mrad_s > 0 ? result.command_mNm <= 0 : result.command_mNm >= 0))
+POST(torque_command_step, !torque_enable_any(in->torque_enable) || !in->bridge_open ||
+     q_abs(result.command_mNm) <= q_max(config->brake.torque_rate_mNm_s / 1000, 1))
+POST(torque_command_step, result.reason != REASON_NONE || !torque_enable_any(in->torque_enable) ||
+     some(i, TORQUE_LINE_COUNT, limits->driving[i].reason == REASON_NONE ||
+     limits->braking[i].reason == REASON_NONE) || result.command_mNm == in->drive_mNm +
+     (in->speed_mrad_s >= 0 ? -in->electric_mNm : in->electric_mNm))
+
+/* torque/torque_limits.h */
+POST(torque_limits_init, every(i, TORQUE_LINE_COUNT, table->driving[i].torque_mNm ==
+     FEASIBLE_UNBOUNDED && table->braking[i].torque_mNm == FEASIBLE_UNBOUNDED))
+POST(torque_limits_init, state->charge.allowed_q24 == SCALED_ONE && state->discharge.allowed_q24 ==
+     SCALED_ONE)
+POST(torque_limits_init, state->abs_hold_steps == 0 && state->abs_share_percent == 0 &&
+     table->drawn_b == 0)
+
+PRE(torque_limits_step, is_within(set->model->config->battery.max_voltage_mV -
+     set->model->config->battery.min_voltage_mV, 1, 2000000))
+PRE(torque_limits_step, is_within(set->model->config->battery.foldback_voltage_mV,
+     set->model->config->battery.min_voltage_mV, set->model->config->battery.max_voltage_mV) &&
+     is_within(set->model->config->battery.discharge_foldback_voltage_mV,
+     set->model->config->battery.min_voltage_mV, set->model->config->battery.max_voltage_mV))
+PRE(torque_limits_step, anti_lock_holds(state))
+PRE(torque_limits_step, is_within(state->charge.allowed_q24, 0, SCALED_ONE) &&
+     is_within(state->discharge.allowed_q24, 0, SCALED_ONE))
+PRE(torque_limits_step, model_shifts_hold(set->model->constants))
+PRE(torque_limits_step, table_holds(table))
+POST(torque_limits_step, is_within(state->charge.allowed_q24, 0, SCALED_ONE) &&
+     is_within(state->discharge.allowed_q24, 0, SCALED_ONE))
+POST(torque_limits_step, anti_lock_holds(state))
+POST(torque_limits_step, table_holds(table))
+POST(torque_limits_step, table->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm ==
+     set->model->config->motor.max_torque_mNm && table->braking[TORQUE_LINE_MAX_TORQUE].torque_mNm
+     == set->model->config->motor.max_torque_mNm)
+POST(torque_limits_step, in->rotor_valid || (table->driving[TORQUE_LINE_ROTOR].torque_mNm == 0 &&
+     table->braking[TORQUE_LINE_ROTOR].torque_mNm == 0))
+POST(torque_limits_step, in->torque_enable.drive_q15 > 0 ||
+     table->driving[TORQUE_LINE_ENABLE].torque_mNm == 0)
+POST(torque_limits_step, in->torque_enable.brake_q15 > 0 ||
+     table->braking[TORQUE_LINE_ENABLE].torque_mNm == 0)
+POST(torque_limits_step, !in->abs_active || table->braking[TORQUE_LINE_ABS].torque_mNm <=
+     q_max(in->brake_demand_mNm, 0))
+POST(torque_limits_step, q_abs(set->model->speed_mrad_s) >
+     set->model->config->brake.blend_out_end_mrad_s ||
+     table->braking[TORQUE_LINE_BLEND_OUT].torque_mNm == 0)
+
+PRE(torque_limits_strategy, demand_mNm >= 0 && lines_hold(line))
+POST(torque_limits_strategy, lines_hold(line))
+POST(torque_limits_strategy, line[TORQUE_LINE_ABS].torque_mNm ==
+     old(line[TORQUE_LINE_ABS].torque_mNm) && line[TORQUE_LINE_ENABLE].torque_mNm ==
+     old(line[TORQUE_LINE_ENABLE].torque_mNm))
+POST(torque_limits_strategy, line[TORQUE_LINE_MAX_TORQUE].torque_mNm ==
+     old(line[TORQUE_LINE_MAX_TORQUE].torque_mNm) && line[TORQUE_LINE_ROTOR].torque_mNm ==
+     old(line[TORQUE_LINE_ROTOR].torque_mNm))
+POST(torque_limits_strategy, config->brake.strategy == CONFIG_STRATEGY_SERIES_OPTIMAL ?
+     line[TORQUE_LINE_LOSS_OPTIMUM].torque_mNm == q_max(optimum_mNm, 0) :
+     line[TORQUE_LINE_LOSS_OPTIMUM].torque_mNm == FEASIBLE_UNBOUNDED)
+POST(torque_limits_strategy, config->brake.strategy == CONFIG_STRATEGY_PARALLEL_RATIO ?
+     line[TORQUE_LINE_ELECTRIC_SHARE].torque_mNm <= demand_mNm :
+     line[TORQUE_LINE_ELECTRIC_SHARE].torque_mNm == FEASIBLE_UNBOUNDED)
+POST(torque_limits_strategy, q_abs(speed_mrad_s) > config->brake.blend_out_end_mrad_s ||
+     line[TORQUE_LINE_BLEND_OUT].torque_mNm == 0)
+
+POST(torque_limits_blend_out, result.torque_mNm >= 0 && result.reason == REASON_BLEND_OUT)
+POST(torque_limits_blend_out, result.torque_mNm <= 20000000 || result.torque_mNm ==
+     FEASIBLE_UNBOUNDED)
+POST(torque_limits_blend_out, q_abs(speed_mrad_s) > config->brake.blend_out_end_mrad_s ||
+     result.torque_mNm == 0)
+POST(torque_limits_blend_out, q_abs(speed_mrad_s) < q_max(config->brake.blend_out_start_mrad_s,
+     config->brake.blend_out_end_mrad_s + 1) || result.torque_mNm == FEASIBLE_UNBOUNDED)
+
+PRE(torque_limits_winding, config->motor.derate_winding_temperature_cC <
+     config->motor.max_winding_temperature_cC)
+POST(torque_limits_winding, is_unbounded_or_permitted(result, config))
+POST(torque_limits_winding, temperature_cC < config->motor.max_winding_temperature_cC ||
+     result.torque_mNm == 0)
+POST(torque_limits_winding, temperature_cC > config->motor.derate_winding_temperature_cC ||
+     result.torque_mNm == FEASIBLE_UNBOUNDED)
+POST(torque_limits_winding, result.reason == REASON_WINDING_TEMPERATURE)
+
+PRE(torque_limits_switch, config->drive.derate_switch_temperature_cC <=
+     config->drive.max_switch_temperature_cC)
+POST(torque_limits_switch, is_unbounded_or_permitted(result, config))
+POST(torque_limits_switch, temperature_cC <= config->drive.max_switch_temperature_cC ||
+     result.torque_mNm == 0)
+POST(torque_limits_switch, temperature_cC > config->drive.derate_switch_temperature_cC ||
+     result.torque_mNm == FEASIBLE_UNBOUNDED)
+POST(torque_limits_switch, result.reason == REASON_SWITCH_TEMPERATURE)
+
+POST(torque_limits_max_speed, is_unbounded_or_permitted(result, config))
+POST(torque_limits_max_speed, q_abs(speed_mrad_s) <= config->motor.max_speed_mrad_s ||
+     result.torque_mNm == 0)
+POST(torque_limits_max_speed, result.reason == REASON_MAX_SPEED)
+
+PRE(torque_limits_anti_lock, anti_lock_holds(state))
+POST(torque_limits_anti_lock, anti_lock_holds(state))
+POST(torque_limits_anti_lock, state->charge.allowed_q24 == old(state->charge.allowed_q24) &&
+     state->discharge.allowed_q24 == old(state->discharge.allowed_q24))
+POST(torque_limits_anti_lock, result.torque_mNm >= 0 && result.reason == REASON_ABS)
+POST(torque_limits_anti_lock, !in->abs_active || result.torque_mNm <= q_max(in->brake_demand_mNm,
+     0))
+POST(torque_limits_anti_lock, in->abs_active || state->abs_hold_steps > 0 || result.torque_mNm ==
+     FEASIBLE_UNBOUNDED)
+POST(torque_limits_anti_lock, in->abs_active ? state->abs_hold_steps == config->brake.abs_hold_ms :
+     state->abs_hold_steps <= old(state->abs_hold_steps))
+
+PRE(torque_limits_tightest, begin == 0 && (end == TORQUE_LINE_LOSS_OPTIMUM || end ==
+     TORQUE_LINE_COUNT))
+POST(torque_limits_tightest, every(i, TORQUE_LINE_COUNT, i >= (int)end || result.torque_mNm <=
+     lines[i].torque_mNm))
+POST(torque_limits_tightest, some(i, TORQUE_LINE_COUNT, i < (int)end && result.torque_mNm ==
+     lines[i].torque_mNm && result.reason == lines[i].reason))
+
+PRE(torque_limits_at_most, some(i, TORQUE_LINE_COUNT, lines[i].torque_mNm <= torque_mNm))
+POST(torque_limits_at_most, result.torque_mNm <= torque_mNm)
+POST(torque_limits_at_most, each(i, TORQUE_LINE_COUNT, !is_first_at_most(lines, i, torque_mNm) ||
+     (result.torque_mNm == lines[i].torque_mNm && result.reason == lines[i].reason)))
+
+POST(torque_limits_classes, every(i, TORQUE_LINE_LOSS_OPTIMUM, result.hard_mNm <=
+     braking[i].torque_mNm || result.deferrable_mNm <= braking[i].torque_mNm))
+POST(torque_limits_classes, result.hard_mNm <= braking[TORQUE_LINE_ENABLE].torque_mNm &&
+     result.hard_mNm <= braking[TORQUE_LINE_ABS].torque_mNm && result.hard_mNm <=
+     braking[TORQUE_LINE_PHASE_CURRENT].torque_mNm && result.hard_mNm <=
+     braking[TORQUE_LINE_VOLTAGE].torque_mNm)
+POST(torque_limits_classes, result.deferrable_mNm <= braking[TORQUE_LINE_LOSS_OPTIMUM].torque_mNm &&
+     result.deferrable_mNm <= braking[TORQUE_LINE_RETURNED].torque_mNm && result.deferrable_mNm <=
+     braking[TORQUE_LINE_BLEND_OUT].torque_mNm)
+POST(torque_limits_classes, some(i, TORQUE_LINE_COUNT, i != TORQUE_LINE_ELECTRIC_SHARE &&
+     braking[i].torque_mNm <= q_min(result.hard_mNm, result.deferrable_mNm)))
+POST(torque_limits_classes, !lines_hold(braking) || (result.hard_mNm >= 0 && result.deferrable_mNm
+     >= 0))
+
+POST(torque_limits_beyond_strategy, every(i, TORQUE_LINE_LOSS_OPTIMUM, result.hard_mNm <=
+     braking[i].torque_mNm || result.deferrable_mNm <= braking[i].torque_mNm))
+POST(torque_limits_beyond_strategy, result.hard_mNm <= braking[TORQUE_LINE_ENABLE].torque_mNm &&
+     result.hard_mNm <= braking[TORQUE_LINE_ABS].torque_mNm && result.hard_mNm <=
+     braking[TORQUE_LINE_PHASE_CURRENT].torque_mNm && result.hard_mNm <=
+     braking[TORQUE_LINE_VOLTAGE].torque_mNm)
+POST(torque_limits_beyond_strategy, !lines_hold(braking) || (result.hard_mNm >= 0 &&
+     result.deferrable_mNm >= 0))
+
+POST(torque_limits_tightest_line, is_within((int)result, 0, TORQUE_LINE_COUNT - 1))
+POST(torque_limits_tightest_line, is_first_of_the_tightest(lines, TORQUE_LINE_COUNT, result))
+
+PRE(torque_limits_line_text, (int)line >= 0)
+POST(torque_limits_line_text, result != 0 && (line < TORQUE_LINE_COUNT) == (result[0] != 'u'))
+
+PRE(torque_limits_deferrable, (int)line >= 0)
+POST(torque_limits_deferrable, line < TORQUE_LINE_COUNT || !result)
+POST(torque_limits_deferrable, !result || (line != TORQUE_LINE_PHASE_CURRENT && line !=
+     TORQUE_LINE_VOLTAGE && line != TORQUE_LINE_ENABLE && line != TORQUE_LINE_ABS))
