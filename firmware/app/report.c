@@ -6,7 +6,7 @@
 #include "app/commit.h"
 #include "app/config_lines.h"
 #include "core/fault.h"
-#include "torque/feasible_torque.h"
+#include "motor/feasible_torque.h"
 
 #if !defined(HUBFOC_VERSION) || !defined(HUBFOC_PORT_NAME)
 #error "HUBFOC_VERSION and HUBFOC_PORT_NAME come from the build"

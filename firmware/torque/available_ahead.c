@@ -4,8 +4,8 @@
 #include <stddef.h>
 
 #include "core/q15.h"
-#include "torque/feasible_torque.h"
-#include "torque/loss_maps.h"
+#include "motor/feasible_torque.h"
+#include "motor/loss_maps.h"
 
 enum {
     FILTER_LOG2 = 3,                          /* 8 rounds of 16 ms */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "torque/brake_blending.h"
 
+#include "core/fade.h"
 #include "core/q15.h"
 #include "core/scaled.h"
 #include "torque/demand.h"
@@ -144,7 +145,7 @@ static int32_t bridged_mNm(brake_blending_state_t *state, const config_brake_t *
     state->bridged_q6_mNm = within_q6 + above_q6;
     const int32_t above_mNm = q_clamp(made_mNm - limit_mNm, 0, above_q6 / ONE_Q6);
     const int32_t end_mrad_s = brake->blend_out_end_mrad_s;
-    const int32_t share_q15 = limit_fade_q15(
+    const int32_t share_q15 = fade_q15(
         q_abs(in->speed_mrad_s), q_max(brake->blend_out_start_mrad_s, end_mrad_s + 1), end_mrad_s);
     const int32_t faded_mNm = (int32_t)(((int64_t)above_mNm * share_q15) >> 15);
     return limit_mNm + (share_q15 < Q15_ONE ? faded_mNm : above_mNm);
@@ -227,7 +228,7 @@ static hydraulic_feedback_out_t hydraulic_torque(brake_blending_state_t *state,
 static int32_t faded_mNm(const config_t *config, int32_t torque_mNm, int32_t speed_abs_mrad_s)
 {
     const int32_t end_mrad_s = config->brake.blend_out_end_mrad_s / 4 + 1;
-    const int32_t share_q15 = limit_fade_q15(speed_abs_mrad_s, end_mrad_s, 0);
+    const int32_t share_q15 = fade_q15(speed_abs_mrad_s, end_mrad_s, 0);
     return share_q15 < Q15_ONE
                ? q_min(torque_mNm, q15_share_of(config->motor.max_torque_mNm, (int16_t)share_q15))
                : torque_mNm;

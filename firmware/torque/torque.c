@@ -2,7 +2,7 @@
 #include "torque/torque.h"
 
 #include "core/q15.h"
-#include "torque/motor_model.h"
+#include "motor/motor_model.h"
 
 void torque_init(torque_state_t *state, const config_t *config)
 {

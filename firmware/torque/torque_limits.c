@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "torque/torque_limits.h"
 
+#include "core/fade.h"
 #include "core/q15.h"
 #include "core/scaled.h"
-#include "torque/loss_maps.h"
+#include "motor/loss_maps.h"
 
 enum { WHOLE_PERCENT = 100 };
 
@@ -116,14 +117,14 @@ static limit_t share_line(const config_t *config, int32_t share_q15, reason_t re
 static int32_t winding_share_q15(const config_t *config, int32_t temperature_cC)
 {
     const config_motor_t *motor = &config->motor;
-    return limit_fade_q15(temperature_cC, motor->derate_winding_temperature_cC,
+    return fade_q15(temperature_cC, motor->derate_winding_temperature_cC,
                           motor->max_winding_temperature_cC);
 }
 
 static int32_t switch_share_q15(const config_t *config, int32_t temperature_cC)
 {
     const config_drive_t *drive = &config->drive;
-    return limit_fade_q15(temperature_cC, drive->derate_switch_temperature_cC,
+    return fade_q15(temperature_cC, drive->derate_switch_temperature_cC,
                           drive->max_switch_temperature_cC);
 }
 
@@ -144,7 +145,7 @@ limit_t torque_limits_max_speed(const config_t *config, int32_t speed_mrad_s)
     const int32_t fade_mrad_s =
         q15_share_of(top_mrad_s, (int16_t)config->motor.speed_fade_share_q15);
     return share_line(config,
-                      limit_fade_q15(q_abs(speed_mrad_s), top_mrad_s - fade_mrad_s, top_mrad_s),
+                      fade_q15(q_abs(speed_mrad_s), top_mrad_s - fade_mrad_s, top_mrad_s),
                       REASON_MAX_SPEED);
 }
 
@@ -317,7 +318,7 @@ static void feasible_lines(torque_limits_state_t *state, torque_limits_t *out,
 static int32_t blend_out_share_q15(const config_brake_t *brake, int32_t speed_abs_mrad_s)
 {
     const int32_t end_mrad_s = brake->blend_out_end_mrad_s;
-    return limit_fade_q15(speed_abs_mrad_s, q_max(brake->blend_out_start_mrad_s, end_mrad_s + 1),
+    return fade_q15(speed_abs_mrad_s, q_max(brake->blend_out_start_mrad_s, end_mrad_s + 1),
                           end_mrad_s);
 }
 

@@ -10,23 +10,25 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 FIRMWARE = ROOT / "firmware"
 
-# What a module may include besides itself: core <- config <- foc, torque, monitor, modes <-
+# What a module may include besides itself: core <- config <- foc, motor, monitor, modes <- torque <-
 # controller <- app -> hal.
 MAY_INCLUDE: dict[str, tuple[str, ...]] = {
     "core": (),
     "config": ("core",),
     "foc": ("core", "config"),
-    "torque": ("core", "config"),
+    "motor": ("core", "config"),
+    "torque": ("core", "config", "motor"),
     "monitor": ("core", "config"),
     "modes": ("core", "config"),
     "comms": ("core",),
-    "controller": ("core", "config", "foc", "torque", "monitor", "modes"),
-    "app": ("core", "config", "foc", "torque", "monitor", "modes", "comms", "controller", "hal"),
+    "controller": ("core", "config", "foc", "motor", "torque", "monitor", "modes"),
+    "app": ("core", "config", "foc", "motor", "torque", "monitor", "modes", "comms", "controller",
+            "hal"),  # fmt: skip
 }
 
 # Pure: state, configuration and inputs in, outputs out, without access to hardware or the C
 # library.
-PURE = ("core", "config", "foc", "torque", "monitor", "modes", "controller")
+PURE = ("core", "config", "foc", "motor", "torque", "monitor", "modes", "controller")
 
 WARNINGS = [
     *(

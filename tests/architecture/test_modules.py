@@ -231,5 +231,5 @@ def test_every_source_file_has_a_test_of_its_own(module: str) -> None:
 
 def test_the_files_of_a_module_are_found() -> None:
     """Guards the tests above against an empty file list."""
-    assert {"limit", "brake_blending", "motor_model"} <= code_files_of("torque")
+    assert {"limit", "brake_blending"} <= code_files_of("torque")
     assert Path("foc/foc.h") in {Path(header) for _, header in HEADERS}

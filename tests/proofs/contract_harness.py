@@ -31,9 +31,9 @@ GROUPS: dict[str, tuple[str, ...]] = {
                    "controller/temperatures"),
     "torque": ("torque/limit", "torque/lift_off", "torque/stop_lamp", "torque/foldback",
                "torque/demand", "torque/hill_hold", "torque/torque_command",
-               "torque/hydraulic_model", "torque/torque_limits", "torque/pedals"),
-    "torque_models": ("torque/motor_model", "torque/hydraulic_watch", "torque/hydraulic_feedback",
-                      "torque/brake_blending", "torque/available_ahead", "torque/thermal_model"),
+               "torque/hydraulic_model", "torque/torque_limits", "torque/pedals", "core/fade"),
+    "torque_models": ("motor/motor_model", "torque/hydraulic_watch", "torque/hydraulic_feedback",
+                      "torque/brake_blending", "torque/available_ahead", "motor/thermal_model"),
 }  # fmt: skip
 # With `./tools/dev test --full` only: these groups, and one by one the functions of HEAVY.
 FULL = (
@@ -113,8 +113,8 @@ TESTED: tuple[str, ...] = (
 SOURCES = {
     "monitor/monitor": ("monitor_fast.c", "monitor_slow.c"),
     "monitor/monitor_fast": (),
-    "torque/motor_model": ("motor_constants.c", "motor_model.c"),
-    "torque/feasible_torque": ("feasible_torque.c", "feasible_circle.c", "feasible_power.c"),
+    "motor/motor_model": ("motor_constants.c", "motor_model.c"),
+    "motor/feasible_torque": ("feasible_torque.c", "feasible_circle.c", "feasible_power.c"),
 }
 # Of core, as they are, where they have no contract.
 CORE_SOURCES = ("angle", "drive_direction", "fault", "grid", "isqrt", "divide", "scaled")

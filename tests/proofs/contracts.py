@@ -13,14 +13,14 @@ from pathlib import Path
 
 PROOFS = Path(__file__).resolve().parent
 FIRMWARE = PROOFS.parents[1] / "firmware"
-MODULES = ("torque", "monitor", "modes", "controller")
+MODULES = ("motor", "torque", "monitor", "modes", "controller")
 WITHOUT = PROOFS / "without_contract.txt"
 WITHOUT_HEAD = """\
 # SPDX-License-Identifier: Apache-2.0
-# Public functions of torque, monitor, modes and controller without a contract that is proved.
+# Public functions of motor, torque, monitor, modes and controller without a contract that is proved.
 """
 # A private header whose functions are in the sources of a public one.
-SAME_SOURCES = {"torque/feasible_ellipse": "torque/feasible_torque"}
+SAME_SOURCES = {"motor/feasible_ellipse": "motor/feasible_torque"}
 _FUNCTION = re.compile(
     r"^(?P<result>(?:static inline |const )?\w+(?: \*| ))"
     r"(?P<name>[a-z]\w+)\((?P<parameters>[^()]*)\)\s*[;{]",

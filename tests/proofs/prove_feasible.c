@@ -5,7 +5,7 @@
  */
 #include "feasible_ellipse.h"
 #include "proof.h"
-#include "torque/motor_model.h"
+#include "motor/motor_model.h"
 
 /* The contracts of motor_model_u_d_b() and motor_model_u_q_b(): any voltage of a point. */
 static int32_t u_d_b, u_q_b;

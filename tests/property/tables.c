@@ -2,9 +2,9 @@
 #include "tables.h"
 
 #include "config/bases.h"
-#include "torque/feasible_torque.h"
-#include "torque/loss_maps.h"
-#include "torque/motor_model.h"
+#include "motor/feasible_torque.h"
+#include "motor/loss_maps.h"
+#include "motor/motor_model.h"
 
 int32_t tables_best_braking_mNm(const config_t *config, int32_t speed_mrad_s,
                                 int32_t winding_temperature_cC)

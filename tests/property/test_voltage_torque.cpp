@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-// The torques between which the voltage suffices (torque/feasible_torque.h) of the shipped
+// The torques between which the voltage suffices (motor/feasible_torque.h) of the shipped
 // configurations, against the largest and least torque that the circuit laws (circuit.hpp) allow
 // inside the voltage circle with i_d anywhere down to what field weakening reaches.
 //

@@ -15,7 +15,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).resolve().parent
 IMAGES = ROOT / "firmware" / "config" / "generated"
-MODULES = ("core", "config", "foc", "torque", "monitor", "modes", "controller")
+MODULES = ("core", "config", "foc", "motor", "torque", "monitor", "modes", "controller")
 OPTIMISE = ROOT / "tools" / "cmake" / "optimise.txt"
 PREFIX = "arm-none-eabi-"
 PLUGIN_INTERFACES = (1, 4, 3, 2, 5)

@@ -19,6 +19,12 @@ POST(divide_by_billion, (x < 0 || result >= 0) && (x > 0 || result <= 0))
 POST(divide_by_billion, is_within(result, INT64_MIN / 1000000000, INT64_MAX / 1000000000))
 POST(divide_by_billion, is_within(x - result * 1000000000, -999999999, 999999999))
 
+/* core/fade.h */
+PRE(fade_q15, is_within(full, -8000000, 8000000) && is_within(none, -8000000, 8000000))
+POST(fade_q15, result >= 0 && result <= Q15_ONE)
+POST(fade_q15, (full <= none ? x > full : x < full) || result == Q15_ONE)
+POST(fade_q15, x == full || (full <= none ? x < none : x > none) || result == 0)
+
 /* core/grid.h */
 POST(grid_interpolate, !is_within(fraction_q20, 0, GRID_WHOLE_Q20) || !grid_values_hold(a, b) ||
      is_within(result, q_min(a, b), q_max(a, b)))

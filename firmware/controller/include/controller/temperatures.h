@@ -13,7 +13,7 @@
 #include "controller/operating_point.h"
 #include "core/slow_messages.h"
 #include "monitor/monitor_temperature.h"
-#include "torque/thermal_model.h"
+#include "motor/thermal_model.h"
 
 typedef struct {
     thermal_model_state_t model;

@@ -22,7 +22,7 @@
 
 #include "config/config.h"
 #include "torque/limit.h"
-#include "torque/motor_model.h"
+#include "motor/motor_model.h"
 #include "torque/torque_limits.h"
 
 /* 300 ms: the dead time and two lags of a slow hydraulic brake, so that it can be there in time. */

@@ -10,7 +10,6 @@
 
 #include "core/q15.h"
 #include "core/reason.h"
-#include "core/scaled.h"
 
 typedef struct {
     int32_t torque_mNm; /* >= 0 */
@@ -31,16 +30,6 @@ static inline void limit_tighten(limit_t *limit, int32_t torque_mNm, reason_t re
         limit->torque_mNm = bound;
         limit->reason = reason;
     }
-}
-
-/* Share in Q15 that falls linearly from one at `full` to zero at `none`; `full` may be below or
- * above `none`. full = none is a step: one for x <= full, else zero. */
-static inline int32_t limit_fade_q15(int32_t x, int32_t full, int32_t none)
-{
-    if (full <= none) {
-        return x <= full ? Q15_ONE : (x >= none ? 0 : scaled_ratio(none - x, none - full) >> 9);
-    }
-    return x >= full ? Q15_ONE : (x <= none ? 0 : scaled_ratio(x - none, full - none) >> 9);
 }
 
 #endif

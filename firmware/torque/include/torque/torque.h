@@ -16,7 +16,7 @@
 #include "core/torque_enable.h"
 #include "torque/available_ahead.h"
 #include "torque/brake_blending.h"
-#include "torque/current_setpoint.h"
+#include "motor/current_setpoint.h"
 #include "torque/demand.h"
 #include "torque/hill_hold.h"
 #include "torque/lift_off.h"

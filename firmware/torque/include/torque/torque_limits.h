@@ -15,10 +15,10 @@
 
 #include "config/config.h"
 #include "core/torque_enable.h"
-#include "torque/feasible_torque.h"
+#include "motor/feasible_torque.h"
 #include "torque/foldback.h"
 #include "torque/limit.h"
-#include "torque/loss_braking.h"
+#include "motor/loss_braking.h"
 
 /* X(identifier, deferrable: transferred to the hydraulic brake as fast as its torque rises) */
 #define TORQUE_LINES(X)                                                                            \

@@ -4,7 +4,7 @@
 #include "app/report.h"
 #include "boot_fixture.h"
 #include "core/fault.h"
-#include "torque/feasible_torque.h"
+#include "motor/feasible_torque.h"
 #include "unity.h"
 
 static boot_report_t boot;

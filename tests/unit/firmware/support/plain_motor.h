@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "config/config.h"
-#include "torque/feasible_torque.h"
+#include "motor/feasible_torque.h"
 
 typedef struct {
     config_t config;

@@ -9,8 +9,8 @@
 #include <math.h>
 
 #include "core/q15.h"
-#include "torque/loss_maps.h"
-#include "torque/motor_model.h"
+#include "motor/loss_maps.h"
+#include "motor/motor_model.h"
 
 /* Each model keeps its own constants; the latest eight of them stay valid. */
 static inline motor_model_t model_at(const config_t *config, int32_t speed_mrad_s,

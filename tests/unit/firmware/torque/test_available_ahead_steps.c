@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "paper_vehicle.h"
-#include "torque/loss_maps.h"
+#include "motor/loss_maps.h"
 #include "unity.h"
 
 enum { MOST = 1 << 25, STEP_mNm = 2500 /* a 16th of 40 N m */, FASTEST_mrad_s = 67021 / 4 * 5 };

@@ -48,35 +48,3 @@ void test_the_order_of_bounds_does_not_change_the_torque(void)
         TEST_ASSERT_EQUAL_INT32(one.torque_mNm, other.torque_mNm);
     }
 }
-
-void test_fade_is_one_on_one_side_zero_on_the_other_and_linear_between(void)
-{
-    /* Falling with x, as for temperature: one at 100, zero at 200. At 125: 0.75 * 32768. */
-    TEST_ASSERT_EQUAL_INT32(Q15_ONE, limit_fade_q15(100, 100, 200));
-    TEST_ASSERT_EQUAL_INT32(Q15_ONE, limit_fade_q15(INT32_MIN, 100, 200));
-    TEST_ASSERT_EQUAL_INT32(24576, limit_fade_q15(125, 100, 200));
-    TEST_ASSERT_EQUAL_INT32(0, limit_fade_q15(200, 100, 200));
-    TEST_ASSERT_EQUAL_INT32(0, limit_fade_q15(INT32_MAX, 100, 200));
-    /* Rising with x, as for speed: one at 200, zero at 100. */
-    TEST_ASSERT_EQUAL_INT32(Q15_ONE, limit_fade_q15(200, 200, 100));
-    TEST_ASSERT_EQUAL_INT32(Q15_ONE, limit_fade_q15(INT32_MAX, 200, 100));
-    TEST_ASSERT_EQUAL_INT32(24576, limit_fade_q15(175, 200, 100));
-    TEST_ASSERT_EQUAL_INT32(0, limit_fade_q15(100, 200, 100));
-    TEST_ASSERT_EQUAL_INT32(0, limit_fade_q15(INT32_MIN, 200, 100));
-}
-
-void test_fade_is_monotonic(void)
-{
-    for (int32_t x = 90; x < 210; x++) {
-        TEST_ASSERT_GREATER_OR_EQUAL_INT32(limit_fade_q15(x + 1, 100, 200),
-                                           limit_fade_q15(x, 100, 200));
-        TEST_ASSERT_GREATER_OR_EQUAL_INT32(limit_fade_q15(x, 200, 100),
-                                           limit_fade_q15(x + 1, 200, 100));
-    }
-}
-
-void test_fade_of_zero_width_is_a_step_that_includes_its_end(void)
-{
-    TEST_ASSERT_EQUAL_INT32(Q15_ONE, limit_fade_q15(100, 100, 100));
-    TEST_ASSERT_EQUAL_INT32(0, limit_fade_q15(101, 100, 100));
-}

@@ -4,8 +4,8 @@
 
 #include "random_values.h"
 #include "reference_motor.h"
-#include "torque/current_setpoint.h"
-#include "torque/loss_maps.h"
+#include "motor/current_setpoint.h"
+#include "motor/loss_maps.h"
 #include "torque_limits_rig.h"
 #include "unity.h"
 

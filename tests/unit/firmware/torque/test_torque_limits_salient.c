@@ -3,7 +3,7 @@
 
 #include "random_values.h"
 #include "reference_motor.h"
-#include "torque/current_setpoint.h"
+#include "motor/current_setpoint.h"
 #include "torque_limits_rig.h"
 #include "unity.h"
 

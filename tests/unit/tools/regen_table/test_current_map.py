@@ -216,9 +216,9 @@ def test_look_up_of_generator_and_firmware_is_bit_identical(
 ) -> None:
     library = tmp_path / "current_map.so"
     includes = [
-        f"-I{ROOT / 'firmware' / module / 'include'}" for module in ("config", "core", "torque")
+        f"-I{ROOT / 'firmware' / module / 'include'}" for module in ("config", "core", "motor")
     ]
-    sources = [str(ROOT / "firmware" / name) for name in ("torque/loss_maps.c", "core/grid.c")]
+    sources = [str(ROOT / "firmware" / name) for name in ("motor/loss_maps.c", "core/grid.c")]
     subprocess.run(
         ["cc", "-std=c11", "-O1", "-shared", "-fPIC", *includes, *sources, "-o", str(library)],
         check=True,
@@ -261,16 +261,16 @@ def test_power_at_every_torque_in_the_firmware_equals_that_of_the_generator(
     """
     library = tmp_path / "reference.so"
     includes = [
-        f"-I{ROOT / 'firmware' / module / 'include'}" for module in ("config", "core", "torque")
+        f"-I{ROOT / 'firmware' / module / 'include'}" for module in ("config", "core", "motor")
     ]
     names = (
-        "torque/loss_maps.c",
-        "torque/current_setpoint.c",
-        "torque/feasible_circle.c",
-        "torque/feasible_power.c",
-        "torque/feasible_torque.c",
-        "torque/motor_constants.c",
-        "torque/motor_model.c",
+        "motor/loss_maps.c",
+        "motor/current_setpoint.c",
+        "motor/feasible_circle.c",
+        "motor/feasible_power.c",
+        "motor/feasible_torque.c",
+        "motor/motor_constants.c",
+        "motor/motor_model.c",
         "core/grid.c",
         "core/scaled.c",
     )

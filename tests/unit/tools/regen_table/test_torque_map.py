@@ -46,9 +46,9 @@ Change = Callable[[dict[str, Any]], schema.Drive]
 def test_look_up_of_generator_and_firmware_is_bit_identical(tmp_path: Path, path: Path) -> None:
     library = tmp_path / "regen_map.so"
     includes = [
-        f"-I{ROOT / 'firmware' / module / 'include'}" for module in ("config", "core", "torque")
+        f"-I{ROOT / 'firmware' / module / 'include'}" for module in ("config", "core", "motor")
     ]
-    sources = [str(ROOT / "firmware" / name) for name in ("torque/loss_maps.c", "core/grid.c")]
+    sources = [str(ROOT / "firmware" / name) for name in ("motor/loss_maps.c", "core/grid.c")]
     subprocess.run(
         ["cc", "-std=c11", "-O1", "-shared", "-fPIC", *includes, *sources, "-o", str(library)],
         check=True,

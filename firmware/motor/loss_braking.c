@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "torque/loss_braking.h"
+#include "motor/loss_braking.h"
 
 #include <stdbool.h>
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "torque/motor_model.h"
+#include "motor/motor_model.h"
 
 #include "core/q15.h"
 

@@ -2,7 +2,7 @@
 #include <math.h>
 
 #include "paper_vehicle.h"
-#include "torque/motor_model.h"
+#include "motor/motor_model.h"
 #include "unity.h"
 
 enum { LEAST_SIZE = 1 << 22 };

@@ -5,7 +5,7 @@
 #include "paper_vehicle.h"
 #include "random_values.h"
 #include "reference_motor.h"
-#include "torque/loss_maps.h"
+#include "motor/loss_maps.h"
 #include "torque_model.h"
 #include "unity.h"
 

@@ -6,7 +6,7 @@
 #include <math.h>
 
 #include "paper_vehicle.h"
-#include "torque/motor_model.h"
+#include "motor/motor_model.h"
 #include "unity.h"
 
 enum { MOST_b = 1 << 26, REFERENCE_cC = 2500 };

@@ -8,14 +8,14 @@
  *
  * The ellipse is computed with the motor model; the trim corrects errors of its parameters.
  */
-#ifndef TORQUE_CURRENT_SETPOINT_H
-#define TORQUE_CURRENT_SETPOINT_H
+#ifndef MOTOR_CURRENT_SETPOINT_H
+#define MOTOR_CURRENT_SETPOINT_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
 #include "config/config.h"
-#include "torque/feasible_torque.h"
+#include "motor/feasible_torque.h"
 
 /* Peak phase, terminal, means over the PWM period. */
 typedef struct {

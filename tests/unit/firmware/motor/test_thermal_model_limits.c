@@ -4,7 +4,7 @@
 #include <math.h>
 
 #include "random_values.h"
-#include "torque/thermal_model.h"
+#include "motor/thermal_model.h"
 #include "unity.h"
 
 extern const config_t CONFIG_LU2013;

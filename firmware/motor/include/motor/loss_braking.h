@@ -11,13 +11,13 @@
  * The current is motor.max_phase_current, less with the derating of winding and switches.
  * brake.loss_braking switches it off. All quantities in the binary scales of the motor model.
  */
-#ifndef TORQUE_LOSS_BRAKING_H
-#define TORQUE_LOSS_BRAKING_H
+#ifndef MOTOR_LOSS_BRAKING_H
+#define MOTOR_LOSS_BRAKING_H
 
 #include <stdint.h>
 
-#include "torque/current_setpoint.h"
-#include "torque/feasible_torque.h"
+#include "motor/current_setpoint.h"
+#include "motor/feasible_torque.h"
 
 typedef struct {
     int32_t current_b;            /* up to which i_d may raise |i|; 0: no loss braking */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "torque/thermal_model.h"
+#include "motor/thermal_model.h"
 
 #include "config/bases.h"
 #include "core/divide.h"

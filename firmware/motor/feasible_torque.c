@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "torque/feasible_torque.h"
+#include "motor/feasible_torque.h"
 
+#include "core/fade.h"
 #include "feasible_ellipse.h"
-#include "torque/limit.h"
 
 enum {
     TANGENTS = 2,      /* to the torque's hyperbola */
@@ -151,7 +151,7 @@ static int32_t weakest_d_b(const motor_model_t *m, int32_t voltage_b)
     const config_motor_t *motor = &m->config->motor;
     const int32_t always_b = q_min(m->constants->weakening_most_b, circle_b(m));
     const int32_t share_q15 =
-        limit_fade_q15(m->winding_temperature_cC, motor->derate_winding_temperature_cC,
+        fade_q15(m->winding_temperature_cC, motor->derate_winding_temperature_cC,
                        motor->max_winding_temperature_cC);
     const int32_t more_b = scaled_multiply(circle_b(m) - always_b, share_q15 * 512);
     return q_max(-(always_b + more_b), q_min(voltage_best_d_b(m, voltage_b), 0));

@@ -2,7 +2,7 @@
 /* motor_constants_init(), which no control step executes: compiled for size. */
 #include "config/bases.h"
 #include "core/q15.h"
-#include "torque/motor_model.h"
+#include "motor/motor_model.h"
 
 enum {
     MILLION = 1000000,

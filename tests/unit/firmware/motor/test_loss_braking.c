@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Braking with the motor's losses, against the circuit in double precision. */
-#include "torque/loss_braking.h"
+#include "motor/loss_braking.h"
 
 #include <math.h>
 

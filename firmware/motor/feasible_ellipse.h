@@ -4,11 +4,11 @@
  * straight line of currents, the map's i_d, and the limits of the numbers. Derivations: README,
  * Feasible torque.
  */
-#ifndef TORQUE_FEASIBLE_ELLIPSE_H
-#define TORQUE_FEASIBLE_ELLIPSE_H
+#ifndef MOTOR_FEASIBLE_ELLIPSE_H
+#define MOTOR_FEASIBLE_ELLIPSE_H
 
 #include "core/q15.h"
-#include "torque/feasible_torque.h"
+#include "motor/feasible_torque.h"
 
 enum {
     ELLIPSE_SMALL_b = 1 << 8,        /* differences of no consequence */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "torque/loss_maps.h"
+#include "motor/loss_maps.h"
 
 #include "core/grid.h"
 #include "core/q15.h"

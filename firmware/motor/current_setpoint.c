@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "torque/current_setpoint.h"
+#include "motor/current_setpoint.h"
 
 #include "core/q15.h"
 

@@ -4,8 +4,8 @@
 #include "paper_vehicle.h"
 #include "random_values.h"
 #include "reference_motor.h"
-#include "torque/current_setpoint.h"
-#include "torque/loss_maps.h"
+#include "motor/current_setpoint.h"
+#include "motor/loss_maps.h"
 #include "torque_model.h"
 #include "unity.h"
 

@@ -10,8 +10,8 @@
  * feasible_torque they are in binary scales ("_b"), and the direction of rotation is positive:
  * i_q and torque count along the rotation, i_d does not depend on it.
  */
-#ifndef TORQUE_MOTOR_MODEL_H
-#define TORQUE_MOTOR_MODEL_H
+#ifndef MOTOR_MOTOR_MODEL_H
+#define MOTOR_MOTOR_MODEL_H
 
 #include <stdint.h>
 

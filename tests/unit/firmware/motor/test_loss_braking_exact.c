@@ -4,7 +4,7 @@
  * current circle and over i_d in double precision. A unit is 2^20 of the binary scale, and 2^16 of
  * power.
  */
-#include "torque/loss_braking.h"
+#include "motor/loss_braking.h"
 
 #include <math.h>
 

@@ -4,8 +4,8 @@
  * tools/regen_table). 1 kHz. Linear interpolation along every axis; clamped to the edges of the
  * grid.
  */
-#ifndef TORQUE_LOSS_MAPS_H
-#define TORQUE_LOSS_MAPS_H
+#ifndef MOTOR_LOSS_MAPS_H
+#define MOTOR_LOSS_MAPS_H
 
 #include <stdint.h>
 

@@ -4,7 +4,7 @@
 #include "paper_vehicle.h"
 #include "random_values.h"
 #include "reference_motor.h"
-#include "torque/motor_model.h"
+#include "motor/motor_model.h"
 #include "torque_model.h"
 #include "unity.h"
 

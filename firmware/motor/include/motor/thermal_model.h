@@ -9,8 +9,8 @@
  * P1 of the winding is its copper loss, P2 the iron loss; P1 of the switches is the bridge's loss.
  * Slow loop: the squared current is summed every millisecond, a row advances every 64 ms.
  */
-#ifndef TORQUE_THERMAL_MODEL_H
-#define TORQUE_THERMAL_MODEL_H
+#ifndef MOTOR_THERMAL_MODEL_H
+#define MOTOR_THERMAL_MODEL_H
 
 #include <stdbool.h>
 #include <stdint.h>

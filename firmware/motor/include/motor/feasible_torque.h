@@ -10,14 +10,14 @@
  * Closed form with a fixed number of corrections of i_d. Precision 0.2 % of max_torque; by power on
  * the voltage ellipse 0.5 % of max_power.
  */
-#ifndef TORQUE_FEASIBLE_TORQUE_H
-#define TORQUE_FEASIBLE_TORQUE_H
+#ifndef MOTOR_FEASIBLE_TORQUE_H
+#define MOTOR_FEASIBLE_TORQUE_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "torque/loss_maps.h"
-#include "torque/motor_model.h"
+#include "motor/loss_maps.h"
+#include "motor/motor_model.h"
 
 #define FEASIBLE_UNBOUNDED INT32_MAX
 
