@@ -10,6 +10,7 @@
 #include "app/double_buffer.h"
 #include "app/fault_journal.h"
 #include "app/pedal_link.h"
+#include "app/recorder.h"
 #include "app/report_timer.h"
 #include "app/supervisor.h"
 #include "controller/controller.h"
@@ -22,7 +23,6 @@
 #include "hal/time.h"
 #include "hal/upcall.h"
 #include "hal/watchdog.h"
-#include "monitor/recorder.h"
 
 enum {
     FINISH_PASSES =

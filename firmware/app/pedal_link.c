@@ -2,9 +2,9 @@
 #include "app/pedal_link.h"
 
 #include "comms/messages.h"
+#include "config/demand_age.h"
 #include "hal/analog.h"
 #include "hal/can.h"
-#include "torque/demand.h"
 
 enum { RATIO_STEPS_A_CODE = 8 /* 32 768 over 4096 */ };
 _Static_assert((int)ANALOG_PEDAL_CHANNELS == CONFIG_PEDAL_CHANNELS, "one code a channel");

@@ -30,7 +30,7 @@ void controller_init(controller_t *controller, const config_t *config, int32_t t
     monitor_slow_init(&controller->slow.monitor);
     modes_init(&controller->slow.modes);
     temperatures_init(&controller->slow.temperatures, config);
-    const monitor_rotor_state_t no_rotor = {.confirmed = false};
+    const angle_choice_state_t no_rotor = {.confirmed = false};
     controller->slow.rotor = no_rotor;
     bridge_choice_init(&controller->slow.bridge_choice);
     current_expectation_init(&controller->slow.expected_current, config);
@@ -104,13 +104,13 @@ static bool was_at_rest(const controller_slow_t *slow, const config_t *config)
 }
 
 /* speed: by the sensor; on return by what is used. */
-static monitor_rotor_output_t judge_rotor(controller_slow_t *slow, const config_t *config,
-                                          const fast_report_t *report, bool cleared,
-                                          rotor_speed_t *speed)
+static angle_choice_output_t judge_rotor(controller_slow_t *slow, const config_t *config,
+                                         const fast_report_t *report, bool cleared,
+                                         rotor_speed_t *speed)
 {
     const observer_view_t observer =
         operating_point_observer(&slow->operating_point, config, &report->observer);
-    const monitor_rotor_input_t in = {
+    const angle_choice_input_t in = {
         .observer_mrad_s = observer.speed_mrad_s,
         .sensor_mrad_s = speed->wheel_mrad_s,
         .difference_turn = observer.difference_turn,
@@ -124,7 +124,7 @@ static monitor_rotor_output_t judge_rotor(controller_slow_t *slow, const config_
         .switching = report->bridge == BRIDGE_PWM,
         .cleared = cleared && report->bridge != BRIDGE_PWM && was_at_rest(slow, config),
     };
-    const monitor_rotor_output_t out = monitor_rotor_step(&slow->rotor, config, &in);
+    const angle_choice_output_t out = angle_choice_step(&slow->rotor, config, &in);
     if (out.observer_used) {
         speed->turn_q32 = report->observer.speed_q32;
         speed->wheel_mrad_s = observer.speed_mrad_s;
@@ -146,7 +146,7 @@ static reason_t trip_of(const fast_report_t *report)
 static monitor_output_t step_monitor(controller_slow_t *slow, const config_t *config,
                                      const fast_report_t *report, const slow_input_t *in,
                                      const operating_point_t *at,
-                                     const monitor_rotor_output_t *rotor)
+                                     const angle_choice_output_t *rotor)
 {
     const monitor_slow_input_t watched = {
         .fast_trip = trip_of(report),
@@ -315,7 +315,7 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
                                    fast_setpoint_t *setpoint)
 {
     rotor_speed_t speed = operating_point_speed(config, report->speed_q32);
-    const monitor_rotor_output_t rotor =
+    const angle_choice_output_t rotor =
         judge_rotor(slow, config, report, in->demand.fault_reset, &speed);
     operating_point_t at = operating_point_of(&slow->operating_point, config, report, speed,
                                               slow->temperatures.used.winding_cC);

@@ -10,7 +10,7 @@
  *
  * The tracking loop is fast for the first 3.3 ms after a start, so that the angle is within 16
  * degrees after 5 ms. Below the configured speed
- * the result is noise: the slow loop judges it (monitor_rotor.h).
+ * the result is noise: the slow loop judges it (angle_choice.h).
  */
 #ifndef FOC_EMF_OBSERVER_H
 #define FOC_EMF_OBSERVER_H

@@ -10,8 +10,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 FIRMWARE = ROOT / "firmware"
 
-# What a module may include besides itself: core <- config <- foc, motor, monitor, modes <- torque <-
-# controller <- app -> hal.
+# What a module may include besides itself: core <- config <- foc, motor, monitor, modes, pedals <-
+# torque <- controller <- app -> hal.
 MAY_INCLUDE: dict[str, tuple[str, ...]] = {
     "core": (),
     "config": ("core",),
@@ -20,15 +20,16 @@ MAY_INCLUDE: dict[str, tuple[str, ...]] = {
     "torque": ("core", "config", "motor"),
     "monitor": ("core", "config"),
     "modes": ("core", "config"),
+    "pedals": ("core", "config"),
     "comms": ("core",),
     "controller": ("core", "config", "foc", "motor", "torque", "monitor", "modes"),
-    "app": ("core", "config", "foc", "motor", "torque", "monitor", "modes", "comms", "controller",
-            "hal"),  # fmt: skip
+    "app": ("core", "config", "foc", "motor", "torque", "monitor", "modes", "pedals", "comms",
+            "controller", "hal"),  # fmt: skip
 }
 
 # Pure: state, configuration and inputs in, outputs out, without access to hardware or the C
 # library.
-PURE = ("core", "config", "foc", "motor", "torque", "monitor", "modes", "controller")
+PURE = ("core", "config", "foc", "motor", "torque", "monitor", "modes", "pedals", "controller")
 
 WARNINGS = [
     *(

@@ -21,17 +21,17 @@ from planted_errors import PlantedError
 
 # What is proved together in one run: the functions of these headers, without HEAVY.
 GROUPS: dict[str, tuple[str, ...]] = {
-    "modes": ("modes/modes",),
-    "monitor": ("monitor/monitor", "monitor/monitor_rotor", "monitor/monitor_fast",
+    "modes": ("modes/modes", "config/demand_age", "pedals/pedals"),
+    "monitor": ("monitor/monitor", "monitor/monitor_fast",
                 "monitor/monitor_bus", "monitor/monitor_gain", "monitor/monitor_window",
                 "monitor/monitor_current", "monitor/monitor_open",
                 "monitor/monitor_stuck", "monitor/monitor_temperature"),
-    "recorder": ("monitor/recorder",),
-    "controller": ("controller/bridge_choice", "controller/current_expectation",
-                   "controller/temperatures"),
+    "recorder": ("app/recorder",),
+    "controller": ("controller/angle_choice", "controller/bridge_choice",
+                   "controller/current_expectation", "controller/temperatures"),
     "torque": ("torque/limit", "torque/lift_off", "torque/stop_lamp", "torque/foldback",
                "torque/demand", "torque/hill_hold", "torque/torque_command",
-               "torque/hydraulic_model", "torque/torque_limits", "torque/pedals", "core/fade"),
+               "torque/hydraulic_model", "torque/torque_limits", "core/fade"),
     "torque_models": ("motor/motor_model", "torque/hydraulic_watch", "torque/hydraulic_feedback",
                       "torque/brake_blending", "torque/available_ahead", "motor/thermal_model"),
 }  # fmt: skip

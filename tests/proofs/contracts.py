@@ -13,11 +13,13 @@ from pathlib import Path
 
 PROOFS = Path(__file__).resolve().parent
 FIRMWARE = PROOFS.parents[1] / "firmware"
-MODULES = ("motor", "torque", "monitor", "modes", "controller")
+MODULES = ("motor", "torque", "monitor", "modes", "pedals", "controller")
+# Beside them, of other modules.
+OTHER_HEADERS = ("app/include/app/recorder.h", "config/include/config/demand_age.h")
 WITHOUT = PROOFS / "without_contract.txt"
 WITHOUT_HEAD = """\
 # SPDX-License-Identifier: Apache-2.0
-# Public functions of motor, torque, monitor, modes and controller without a contract that is proved.
+# Public functions without a contract that is proved, of the modules that have contracts.
 """
 # A private header whose functions are in the sources of a public one.
 SAME_SOURCES = {"motor/feasible_ellipse": "motor/feasible_torque"}
@@ -121,14 +123,15 @@ def read(header: Path, given_clauses: Clauses | None = None) -> list[Contract]:
 
 def public() -> dict[str, Contract]:
     """Return the public functions of the modules that have contracts, by name."""
-    headers = (path for name in MODULES for path in FIRMWARE.glob(f"{name}/include/*/*.h"))
+    headers = [path for name in MODULES for path in FIRMWARE.glob(f"{name}/include/*/*.h")]
+    headers += [FIRMWARE / name for name in OTHER_HEADERS]
     return {one.name: one for header in sorted(headers) for one in read(header)}
 
 
 def _of_the_modules() -> list[Path]:
-    return [path for module in MODULES
-            for path in (*FIRMWARE.glob(f"{module}/include/*/*.h"), *FIRMWARE.glob(f"{module}/*.h"))
-            ]  # fmt: skip
+    patterns = (f"{module}/{headers}" for module in MODULES for headers in ("include/*/*.h", "*.h"))
+    own = [path for pattern in patterns for path in FIRMWARE.glob(pattern)]
+    return own + [FIRMWARE / name for name in OTHER_HEADERS]
 
 
 @cache

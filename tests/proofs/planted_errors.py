@@ -15,7 +15,7 @@ class PlantedError:
 
 
 PLANTED = (
-    PlantedError("pedals_step", "torque/pedals.c",
+    PlantedError("pedals_step", "pedals/pedals.c",
                  "state->must_release ? q_min(wanted_mNm, 0) : wanted_mNm", "wanted_mNm"),
     PlantedError("monitor_open_step", "monitor/monitor_open.c",
                  "q_min(counted, MONITOR_OPEN_STEPS)", "counted"),
@@ -46,7 +46,7 @@ PLANTED = (
                  "in->battery_open ? MONITOR_BUS_RETURN_STEPS", "in->battery_open ? 0"),
     PlantedError("controller_fast_report_copy", "controller/controller.c",
                  "    report->trip = fast->monitor.trip;\n", ""),
-    PlantedError("recorder_slow", "monitor/recorder.c",
+    PlantedError("recorder_slow", "app/recorder.c",
                  "next + 1U < RECORDER_SLOW_ENTRIES ? next + 1U : 0U", "next + 1U"),
     PlantedError("torque_limits_tightest_line", "torque/torque_limits.c",
                  "lines[line].torque_mNm < lines[out].torque_mNm",

@@ -12,13 +12,13 @@
 
 #include "app/config_store.h"
 #include "app/fault_journal.h"
+#include "app/recorder.h"
 #include "app/report.h"
 #include "comms/intel_hex.h"
 #include "config/fields.h"
 #include "config/validate.h"
 #include "flash_fake.h"
 #include "fuzz_bytes.h"
-#include "monitor/recorder.h"
 
 extern const config_t CONFIG_LU2013, CONFIG_EBIKE36V, CONFIG_SCOOTER48V, CONFIG_IPM400V;
 

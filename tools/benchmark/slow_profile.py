@@ -67,7 +67,7 @@ PARTS = {
     FAULTS: {
         "operating_point_observer": "view of the EMF observer",
         "observer_tuning": "tuning of the EMF observer",
-        "monitor_rotor_step": "rotor sensor against observer",
+        "angle_choice_step": "rotor sensor against observer",
         "monitor_current_step": "currents all zero",
         "current_expectation_step": "least current expected",
         "monitor_open_step": "open phase",

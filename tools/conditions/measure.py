@@ -15,7 +15,7 @@ from unit_programs import programs_of
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build" / "host-mcdc"
-MODULES = ("core", "config", "foc", "motor", "torque", "monitor", "modes", "controller")
+MODULES = ("core", "config", "foc", "motor", "torque", "monitor", "modes", "pedals", "controller")
 VERSION = 19
 _WRONG = re.compile("error:|FAILED|:FAIL:")  # in what tools and programs print
 _TOOLS = tuple(f"{name}-{VERSION}" for name in ("clang", "llvm-profdata", "llvm-cov"))

@@ -6,6 +6,26 @@
  */
 /* clang-format off */
 
+/* controller/angle_choice.h */
+PRE(angle_choice_step, config->rotor.observer_speed_mrad_s >= 0 && in->observer_mrad_s > INT32_MIN
+     && in->expected_q14 >= 0)
+PRE(angle_choice_step, config->motor.flux_linkage_nWb > 0 && config->motor.d_inductance_nH > 0 &&
+     config->motor.q_inductance_nH > 0)
+PRE(angle_choice_step, config->monitor.rotor_warning_time_ms > 0 &&
+     config->monitor.rotor_warning_time_ms <= 60000)
+PRE(angle_choice_step, state->agreed_steps >= 0 && state->agreed_steps <=
+     config->monitor.rotor_warning_time_ms)
+POST(angle_choice_step, state->agreed_steps >= 0 && state->agreed_steps <=
+     config->monitor.rotor_warning_time_ms)
+POST(angle_choice_step, config->rotor.observer_takeover != 0 || result.valid == in->sensor_valid)
+POST(angle_choice_step, config->rotor.observer_takeover != 0 || (!result.observer_used &&
+     !result.sensor_wrong))
+POST(angle_choice_step, config->rotor.observer_takeover == 0 || in->switching || !state->confirmed)
+POST(angle_choice_step, !result.valid || in->sensor_valid || (result.observer_used &&
+     state->confirmed))
+POST(angle_choice_step, !result.valid || !result.sensor_wrong || result.observer_used)
+POST(angle_choice_step, !result.sensor_wrong || !in->cleared)
+
 /* controller/bridge_choice.h */
 POST(bridge_choice_init, state->idle_steps == 0 && state->infeasible_steps == 0 &&
      state->return_steps == 0)

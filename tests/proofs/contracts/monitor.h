@@ -170,26 +170,6 @@ POST(monitor_open_step, state->steps_known <= 2 && state->theta_turn == in->thet
 POST(monitor_open_reason, result == REASON_PHASE_OPEN || result == REASON_CURRENT_SUM)
 POST(monitor_open_reason, current_sum_pu != 0 || result == REASON_PHASE_OPEN)
 
-/* monitor/monitor_rotor.h */
-PRE(monitor_rotor_step, config->rotor.observer_speed_mrad_s >= 0 && in->observer_mrad_s > INT32_MIN
-     && in->expected_q14 >= 0)
-PRE(monitor_rotor_step, config->motor.flux_linkage_nWb > 0 && config->motor.d_inductance_nH > 0 &&
-     config->motor.q_inductance_nH > 0)
-PRE(monitor_rotor_step, config->monitor.rotor_warning_time_ms > 0 &&
-     config->monitor.rotor_warning_time_ms <= 60000)
-PRE(monitor_rotor_step, state->agreed_steps >= 0 && state->agreed_steps <=
-     config->monitor.rotor_warning_time_ms)
-POST(monitor_rotor_step, state->agreed_steps >= 0 && state->agreed_steps <=
-     config->monitor.rotor_warning_time_ms)
-POST(monitor_rotor_step, config->rotor.observer_takeover != 0 || result.valid == in->sensor_valid)
-POST(monitor_rotor_step, config->rotor.observer_takeover != 0 || (!result.observer_used &&
-     !result.sensor_wrong))
-POST(monitor_rotor_step, config->rotor.observer_takeover == 0 || in->switching || !state->confirmed)
-POST(monitor_rotor_step, !result.valid || in->sensor_valid || (result.observer_used &&
-     state->confirmed))
-POST(monitor_rotor_step, !result.valid || !result.sensor_wrong || result.observer_used)
-POST(monitor_rotor_step, !result.sensor_wrong || !in->cleared)
-
 /* monitor/monitor_speed.h */
 PRE(monitor_speed_step, monitor_speed_holds(state, config))
 POST(monitor_speed_step, monitor_speed_holds(state, config))
@@ -278,55 +258,6 @@ POST(monitor_window_judge, !result || window->wrong)
 POST(monitor_window_judge, !result || old(window->wrong) || window->level ==
      MONITOR_WINDOW_QUALIFY_STEPS)
 POST(monitor_window_judge, window->level <= old(window->level) + 1)
-
-/* monitor/recorder.h */
-POST(recorder_init, recorder->memory == memory && recorder->fault_before == REASON_NONE &&
-     recorder->now_ms == 0)
-POST(recorder_init, memory->fast_next < RECORDER_FAST_ENTRIES && memory->slow_next <
-     RECORDER_SLOW_ENTRIES && is_within(memory->phase, RECORDER_RECORDING, RECORDER_SEALED) &&
-     memory->phase != RECORDER_ENDING)
-POST(recorder_init, recorder->takes_samples == (memory->phase == RECORDER_RECORDING))
-POST(recorder_init, memory->phase != RECORDER_COMPLETE || memory->after_reset == 1 ||
-     old(memory->phase) == RECORDER_COMPLETE)
-POST(recorder_init, old(memory->phase) != RECORDER_SEALED || memory->phase == RECORDER_RECORDING ||
-     memory->reason == old(memory->reason))
-
-PRE(recorder_counted, index < RECORDER_FIRST_START)
-POST(recorder_counted, index >= RECORDER_FIRST_LOW || (uint32_t)result == RECORDER_FIRST_COUNTED +
-     index)
-
-POST(recorder_expect_restart, recorder->memory->phase == old(recorder->memory->phase) ||
-     (old(recorder->memory->phase) == RECORDER_RECORDING && recorder->memory->phase ==
-     RECORDER_EMPTY && !recorder->takes_samples))
-POST(recorder_expect_restart, recorder->memory->phase != RECORDER_RECORDING &&
-     recorder->memory->reason == old(recorder->memory->reason))
-
-PRE(recorder_fast, memory->fast_next < RECORDER_FAST_ENTRIES)
-POST(recorder_fast, memory->fast_next == (old(memory->fast_next) + 1) % RECORDER_FAST_ENTRIES)
-POST(recorder_fast, memory->fast[old(memory->fast_next)].rotor == sample->rotor)
-
-PRE(recorder_slow, recorder->memory->fast_next < RECORDER_FAST_ENTRIES &&
-     recorder->memory->slow_next < RECORDER_SLOW_ENTRIES && recorder->memory->phase <=
-     RECORDER_SEALED && (recorder->memory->phase != RECORDER_ENDING ||
-     is_within(recorder->slow_left_ms, 1, RECORDER_SLOW_AFTER_ms)))
-POST(recorder_slow, recorder->memory->fast_next < RECORDER_FAST_ENTRIES &&
-     recorder->memory->slow_next < RECORDER_SLOW_ENTRIES && recorder->memory->phase <=
-     RECORDER_SEALED && (recorder->memory->phase != RECORDER_ENDING ||
-     is_within(recorder->slow_left_ms, 1, RECORDER_SLOW_AFTER_ms)))
-POST(recorder_slow, recorder->memory->phase >= old(recorder->memory->phase) &&
-     recorder->memory->fast_next == old(recorder->memory->fast_next))
-POST(recorder_slow, recorder->memory->reason == old(recorder->memory->reason) ||
-     (old(recorder->memory->phase) == RECORDER_RECORDING && recorder->memory->reason ==
-     (uint8_t)output->fault_reason))
-POST(recorder_slow, old(recorder->memory->phase) != RECORDER_RECORDING || (recorder->memory->phase
-     == RECORDER_RECORDING) == (output->fault_reason == REASON_NONE || output->fault_reason ==
-     old(recorder->fault_before)))
-POST(recorder_slow, is_within(old(recorder->memory->phase), RECORDER_RECORDING, RECORDER_ENDING) ||
-     recorder->memory->slow_next == old(recorder->memory->slow_next))
-
-POST(recorder_seal, result == (old(recorder->memory->phase) == RECORDER_COMPLETE))
-POST(recorder_seal, recorder->memory->phase == (result ? RECORDER_SEALED :
-     old(recorder->memory->phase)) && recorder->memory->reason == old(recorder->memory->reason))
 
 /* monitor/safe_state.h */
 POST(safe_state_short, result.charging_mA == 0 && result.bus_mV == in->bus_voltage_mV)

@@ -28,7 +28,7 @@ from hubsim.results import json_object
 ROOT = Path(__file__).resolve().parents[3]
 HERE = Path(__file__).resolve().parent
 OUTPUT = ROOT / "build" / "matrix"
-MODULES = ("core", "config", "foc", "motor", "torque", "monitor", "modes", "controller")
+MODULES = ("core", "config", "foc", "motor", "torque", "monitor", "modes", "pedals", "controller")
 PORT = ROOT / "hal" / "qemu_mps2"
 PIL = ROOT / "host_sim" / "pil"
 TARGET = ROOT / "tests" / "target"

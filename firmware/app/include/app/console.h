@@ -6,7 +6,7 @@
  *     watch             the same every second, until a key is typed
  *     limits            every torque limit, which one is the tightest, and why
  *     faults [PREFIX]   the table of faults: times, reaction, clearing, driver
- *     blackbox          the record of the first fault (monitor/recorder.h), counts of faults
+ *     blackbox          the record of the first fault (app/recorder.h), counts of faults
  *     crash             the latest fault of the core or failed check (hal/crash.h)
  *     can               received frames and errors of each sender
  *     boot              what the self-tests found

@@ -30,8 +30,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "app/recorder.h"
 #include "hal/flash.h"
-#include "monitor/recorder.h"
 
 /* Fewer free records than this in the sector in use at a start: the other one is erased. */
 enum { FAULT_JOURNAL_RESERVE = 16 };

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * pedal_link.h: pedals wired to this controller: converter codes to the demand of this wheel
- * (torque/pedals.h), and the message Demand to the other wheels of pedals.other_wheels.
+ * (pedals/pedals.h), and the message Demand to the other wheels of pedals.other_wheels.
  *
  * Without wired channels no function is called.
  */
@@ -11,7 +11,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "torque/pedals.h"
+#include "pedals/pedals.h"
 
 /* Of the millisecond. */
 typedef struct {

@@ -10,11 +10,11 @@
 
 #include "app/boot.h"
 #include "app/fault_journal.h"
+#include "app/recorder.h"
 #include "comms/node.h"
 #include "comms/text.h"
 #include "controller/controller.h"
 #include "hal/crash.h"
-#include "monitor/recorder.h"
 
 /* Present values for the lines below. */
 typedef struct {

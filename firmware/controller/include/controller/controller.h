@@ -32,6 +32,7 @@
 #include <stdint.h>
 
 #include "config/config.h"
+#include "controller/angle_choice.h"
 #include "controller/bridge_choice.h"
 #include "controller/current_expectation.h"
 #include "controller/operating_point.h"
@@ -42,7 +43,6 @@
 #include "foc/foc.h"
 #include "modes/modes.h"
 #include "monitor/monitor.h"
-#include "monitor/monitor_rotor.h"
 #include "torque/torque.h"
 
 enum { CONTROLLER_SLOW_RATE_HZ = 1000 };
@@ -67,7 +67,7 @@ typedef struct {
     operating_point_state_t operating_point;
     torque_state_t torque;
     monitor_slow_state_t monitor;
-    monitor_rotor_state_t rotor;
+    angle_choice_state_t rotor;
     modes_state_t modes;
     bridge_choice_state_t bridge_choice;
     temperatures_t temperatures;

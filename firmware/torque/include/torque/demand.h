@@ -18,6 +18,7 @@
 #include <stdint.h>
 
 #include "config/config.h"
+#include "config/demand_age.h"
 #include "core/drive_direction.h"
 #include "core/reason.h"
 
@@ -54,11 +55,6 @@ typedef struct {
 void demand_init(demand_state_t *state);
 
 demand_t demand_step(demand_state_t *state, const config_t *config, const demand_input_t *in);
-
-static inline bool demand_is_lost(const config_t *config, uint32_t age_ms)
-{
-    return age_ms > (uint32_t)config->brake.demand_timeout_ms;
-}
 
 /* Largest change of a torque in one slow step, mNm, at least 1. */
 int32_t demand_rate_mNm_per_step(const config_t *config);

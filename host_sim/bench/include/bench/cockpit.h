@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * cockpit.h: the driver's feet on pedals that are wired to a controller: sensors, 12-bit converter,
- * the firmware's torque/pedals.h. 1 kHz. Without driver.uses_pedals the demand is a message.
+ * the firmware's pedals/pedals.h. 1 kHz. Without driver.uses_pedals the demand is a message.
  */
 #ifndef BENCH_COCKPIT_H
 #define BENCH_COCKPIT_H
 
 #include "bench/driver.h"
+#include "pedals/pedals.h"
 #include "plant/pedal_sensors.h"
-#include "torque/pedals.h"
 
 typedef struct {
     pedals_state_t pedals;

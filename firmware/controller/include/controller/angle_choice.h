@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * monitor_rotor.h: which rotor angle may be used for torque: the sensor's, the EMF observer's, or
+ * angle_choice.h: which rotor angle may be used for torque: the sensor's, the EMF observer's, or
  * none. Slow loop, 1 kHz.
  *
  * The observer is confirmed while the bridge switches, its flux has half to four times the
@@ -29,8 +29,8 @@
  * A bridge that begins to switch without a sensor uses the observer's angle from the first period
  * on, at zero torque until it is confirmed. README, Choice of angle.
  */
-#ifndef MONITOR_MONITOR_ROTOR_H
-#define MONITOR_MONITOR_ROTOR_H
+#ifndef CONTROLLER_ANGLE_CHOICE_H
+#define CONTROLLER_ANGLE_CHOICE_H
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -57,7 +57,7 @@ typedef struct {
     bool sensor_wrong;
     bool observer_used;
     reason_t name; /* REASON_NONE until it is known */
-} monitor_rotor_state_t;
+} angle_choice_state_t;
 
 /* Sensor and observer at the same time. */
 typedef struct {
@@ -73,17 +73,17 @@ typedef struct {
     bool sensor_valid;       /* by the sensor's own plausibility */
     bool switching;
     bool cleared; /* acknowledged, at rest: the sensor is right again */
-} monitor_rotor_input_t;
+} angle_choice_input_t;
 
 typedef struct {
     bool valid;         /* the angle in use may make torque */
     bool observer_used; /* instead of the sensor */
     bool sensor_wrong;  /* contradicted by the observer */
     reason_t reason;    /* of a wrong sensor */
-} monitor_rotor_output_t;
+} angle_choice_output_t;
 
 /* 1 kHz. Any speed, angle and flux; magnitudes of the speed fit 32 bits. */
-monitor_rotor_output_t monitor_rotor_step(monitor_rotor_state_t *state, const config_t *config,
-                                          const monitor_rotor_input_t *in);
+angle_choice_output_t angle_choice_step(angle_choice_state_t *state, const config_t *config,
+                                        const angle_choice_input_t *in);
 
 #endif

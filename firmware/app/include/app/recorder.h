@@ -26,8 +26,8 @@
  * recorder_fast() may interrupt the other functions: it alone writes the fast ring and its index
  * while takes_samples is true.
  */
-#ifndef MONITOR_RECORDER_H
-#define MONITOR_RECORDER_H
+#ifndef APP_RECORDER_H
+#define APP_RECORDER_H
 
 #include <stdbool.h>
 #include <stddef.h>

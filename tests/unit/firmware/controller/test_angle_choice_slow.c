@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Sensor against observer below the observer's speed. */
-#include "monitor/monitor_rotor.h"
+#include "controller/angle_choice.h"
 #include "paper_vehicle.h"
 #include "unity.h"
 
-static monitor_rotor_state_t rotor;
-static monitor_rotor_input_t at;
-static monitor_rotor_output_t seen;
+static angle_choice_state_t rotor;
+static angle_choice_input_t at;
+static angle_choice_output_t seen;
 static config_t config;
 
 /* 60 and 30 degrees of 65 536, rounded up; times of the header. */
@@ -22,8 +22,8 @@ enum {
 
 void setUp(void)
 {
-    const monitor_rotor_state_t fresh = {.confirmed = false};
-    const monitor_rotor_input_t rolling = {
+    const angle_choice_state_t fresh = {.confirmed = false};
+    const angle_choice_input_t rolling = {
         .observer_mrad_s = 20000,
         .sensor_mrad_s = 20000,
         .flux_q14 = 4000,
@@ -46,7 +46,7 @@ void tearDown(void) {}
 static void run(int steps)
 {
     for (int n = 0; n < steps; n++) {
-        seen = monitor_rotor_step(&rotor, &config, &at);
+        seen = angle_choice_step(&rotor, &config, &at);
         TEST_ASSERT_TRUE(rotor.agreed_steps >= 0 && rotor.agreed_steps <= HEAL_ms);
     }
 }

@@ -3,7 +3,7 @@
  * flux as well. */
 #include <math.h>
 
-#include "monitor/monitor_rotor.h"
+#include "controller/angle_choice.h"
 #include "paper_vehicle.h"
 #include "unity.h"
 
@@ -18,8 +18,8 @@ enum {
     SIXTEEN_DEGREES = 2913
 };
 
-static monitor_rotor_state_t rotor;
-static monitor_rotor_input_t at;
+static angle_choice_state_t rotor;
+static angle_choice_input_t at;
 static config_t config;
 
 /* The motor of 400 V. */
@@ -27,8 +27,8 @@ static const double FLUX_WB = 0.066, D_H = 0.37e-3, Q_H = 1.2e-3, FULL_SCALE_A =
 
 void setUp(void)
 {
-    const monitor_rotor_state_t fresh = {.confirmed = false};
-    const monitor_rotor_input_t rolling = {
+    const angle_choice_state_t fresh = {.confirmed = false};
+    const angle_choice_input_t rolling = {
         .observer_mrad_s = 100000,
         .sensor_mrad_s = 100000,
         .flux_q14 = EXPECTED_Q14,
@@ -52,9 +52,9 @@ void tearDown(void) {}
 
 static reason_t run(int steps)
 {
-    monitor_rotor_output_t seen = {.valid = false};
+    angle_choice_output_t seen = {.valid = false};
     for (int n = 0; n < steps; n++) {
-        seen = monitor_rotor_step(&rotor, &config, &at);
+        seen = angle_choice_step(&rotor, &config, &at);
     }
     return seen.reason;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "monitor/recorder.h"
+#include "app/recorder.h"
 
 #include <stddef.h>
 

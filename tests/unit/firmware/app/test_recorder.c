@@ -2,8 +2,8 @@
 /* The black box: what it holds around the first fault, and what a reset leaves of it. */
 #include <string.h>
 
+#include "app/recorder.h"
 #include "config/validate.h"
-#include "monitor/recorder.h"
 #include "unity.h"
 
 enum { PERIODS_PER_MS = 20 };

@@ -17,8 +17,8 @@
  * controller that has never received a demand takes the vehicle for one without CAN, switched on
  * and forward, and one whose messages have ended is neutral. README, Pedals.
  */
-#ifndef TORQUE_PEDALS_H
-#define TORQUE_PEDALS_H
+#ifndef PEDALS_PEDALS_H
+#define PEDALS_PEDALS_H
 
 #include <stdbool.h>
 #include <stdint.h>

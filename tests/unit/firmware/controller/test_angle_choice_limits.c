@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The thresholds and times of sensor against observer, each from both of its sides. */
-#include "monitor/monitor_rotor.h"
+#include "controller/angle_choice.h"
 #include "paper_vehicle.h"
 #include "unity.h"
 
-static monitor_rotor_state_t rotor;
-static monitor_rotor_input_t at;
-static monitor_rotor_output_t seen;
+static angle_choice_state_t rotor;
+static angle_choice_input_t at;
+static angle_choice_output_t seen;
 static config_t config;
 
 /* 60, 16 and 12 degrees of 65 536, rounded up; times of the header. */
@@ -23,8 +23,8 @@ enum {
 
 void setUp(void)
 {
-    const monitor_rotor_state_t fresh = {.confirmed = false};
-    const monitor_rotor_input_t rolling = {
+    const angle_choice_state_t fresh = {.confirmed = false};
+    const angle_choice_input_t rolling = {
         .observer_mrad_s = 20000,
         .sensor_mrad_s = 20000,
         .flux_q14 = 4000,
@@ -47,7 +47,7 @@ void tearDown(void) {}
 static void run(int steps)
 {
     for (int n = 0; n < steps; n++) {
-        seen = monitor_rotor_step(&rotor, &config, &at);
+        seen = angle_choice_step(&rotor, &config, &at);
         TEST_ASSERT_TRUE(rotor.agreed_steps >= 0 && rotor.agreed_steps <= HEAL_ms);
     }
 }
@@ -63,7 +63,7 @@ static void run_at(int steps, int16_t difference_turn)
 /* With the input of `at` and without a sensor. */
 static bool confirms(void)
 {
-    const monitor_rotor_state_t fresh = {.confirmed = false};
+    const angle_choice_state_t fresh = {.confirmed = false};
     rotor = fresh;
     at.sensor_valid = false;
     run(10);
@@ -117,7 +117,7 @@ void test_two_steps_confirm_and_two_lose(void)
 /* The observer's speed goes up and down by `change_mrad_s`. */
 static bool confirms_while_it_swings(int32_t speed_mrad_s, int32_t change_mrad_s)
 {
-    const monitor_rotor_state_t fresh = {.confirmed = false};
+    const angle_choice_state_t fresh = {.confirmed = false};
     rotor = fresh;
     for (int n = 0; n < 20; n++) {
         at.observer_mrad_s = speed_mrad_s + (n % 2 == 0 ? 0 : change_mrad_s);

@@ -2,8 +2,8 @@
 /* The black box's memory: what a start finds in it, keeps or clears; its counters and units. */
 #include <string.h>
 
+#include "app/recorder.h"
 #include "core/fault.h"
-#include "monitor/recorder.h"
 #include "unity.h"
 
 enum { FIRST = REASON_FIRST_FAULT };

@@ -5,7 +5,7 @@
  * pedal are equal, which config_validate() would refuse.
  */
 #include "paper_vehicle.h"
-#include "torque/pedals.h"
+#include "pedals/pedals.h"
 #include "unity.h"
 
 enum {

@@ -3,7 +3,7 @@
  * follows beside the one that the current should make. */
 #include <math.h>
 
-#include "monitor/monitor_rotor.h"
+#include "controller/angle_choice.h"
 #include "paper_vehicle.h"
 #include "unity.h"
 
@@ -11,9 +11,9 @@
 
 enum { FROM_mrad_s = 31664, EXPECTED_Q14 = 1746, LACKING_STEPS = 5 };
 
-static monitor_rotor_state_t rotor;
-static monitor_rotor_input_t at;
-static monitor_rotor_output_t seen;
+static angle_choice_state_t rotor;
+static angle_choice_input_t at;
+static angle_choice_output_t seen;
 static config_t config;
 
 /* The motor of 400 V. */
@@ -21,8 +21,8 @@ static const double FLUX_WB = 0.066, D_H = 0.37e-3, Q_H = 1.2e-3, FULL_SCALE_A =
 
 void setUp(void)
 {
-    const monitor_rotor_state_t fresh = {.confirmed = false};
-    const monitor_rotor_input_t rolling = {
+    const angle_choice_state_t fresh = {.confirmed = false};
+    const angle_choice_input_t rolling = {
         .observer_mrad_s = FROM_mrad_s,
         .sensor_mrad_s = FROM_mrad_s,
         .flux_q14 = EXPECTED_Q14,
@@ -48,7 +48,7 @@ void tearDown(void) {}
 static void run(int steps)
 {
     for (int n = 0; n < steps; n++) {
-        seen = monitor_rotor_step(&rotor, &config, &at);
+        seen = angle_choice_step(&rotor, &config, &at);
     }
 }
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "torque/pedals.h"
+#include "pedals/pedals.h"
 
+#include "config/demand_age.h"
 #include "core/q15.h"
-#include "torque/demand.h"
 
 enum { ONE_q15 = 32768, ACCELERATOR = 0, BRAKE = 2 };
 

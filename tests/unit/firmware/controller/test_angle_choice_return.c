@@ -1,21 +1,21 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A sensor that contradicts itself where no observer sees whether it is right afterwards. */
-#include "monitor/monitor_rotor.h"
+#include "controller/angle_choice.h"
 #include "paper_vehicle.h"
 #include "unity.h"
 
 enum { FROM_mrad_s = 16000, HALF_mrad_s = FROM_mrad_s / 2, INVALID_ms = 5, LONG_ms = 5000 };
 
-static monitor_rotor_state_t rotor;
-static monitor_rotor_input_t at;
-static monitor_rotor_output_t seen;
+static angle_choice_state_t rotor;
+static angle_choice_input_t at;
+static angle_choice_output_t seen;
 static config_t config;
 
 /* Creeping, the observer still without the magnets' flux. */
 void setUp(void)
 {
-    const monitor_rotor_state_t fresh = {.confirmed = false};
-    const monitor_rotor_input_t creeping = {
+    const angle_choice_state_t fresh = {.confirmed = false};
+    const angle_choice_input_t creeping = {
         .observer_mrad_s = 1000,
         .sensor_mrad_s = 3000,
         .flux_q14 = 100,
@@ -37,7 +37,7 @@ void tearDown(void) {}
 static void run(int steps)
 {
     for (int n = 0; n < steps; n++) {
-        seen = monitor_rotor_step(&rotor, &config, &at);
+        seen = angle_choice_step(&rotor, &config, &at);
     }
 }
 

@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "monitor/monitor_rotor.h"
+#include "controller/angle_choice.h"
 
 #include "paper_vehicle.h"
 #include "unity.h"
 
-static monitor_rotor_state_t rotor;
-static monitor_rotor_input_t at;
-static monitor_rotor_output_t seen;
+static angle_choice_state_t rotor;
+static angle_choice_input_t at;
+static angle_choice_output_t seen;
 static config_t config;
 
 enum { DEGREES_60 = 10923, DEGREES_20 = 3641, DEGREES_10 = 1820 };
 
 void setUp(void)
 {
-    const monitor_rotor_state_t fresh = {.confirmed = false};
-    const monitor_rotor_input_t rolling = {
+    const angle_choice_state_t fresh = {.confirmed = false};
+    const angle_choice_input_t rolling = {
         .observer_mrad_s = 20000,
         .sensor_mrad_s = 20000,
         .flux_q14 = 4000,
@@ -35,7 +35,7 @@ void tearDown(void) {}
 static void run(int steps)
 {
     for (int n = 0; n < steps; n++) {
-        seen = monitor_rotor_step(&rotor, &config, &at);
+        seen = angle_choice_step(&rotor, &config, &at);
     }
 }
 

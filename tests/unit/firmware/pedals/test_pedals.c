@@ -8,8 +8,8 @@
 
 #include "config/validate.h"
 #include "paper_vehicle.h"
+#include "pedals/pedals.h"
 #include "random_values.h"
-#include "torque/pedals.h"
 #include "unity.h"
 
 enum { FULL_DRIVE = 40000, FULL_BRAKE = 200000, KNEE = 40000, FAULT_TIME = 100, LONG_AGO = 5000 };

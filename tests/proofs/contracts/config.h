@@ -1,0 +1,10 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Needs (PRE) and guarantees (POST) of the functions of config, one clause a line: a C expression
+ * of the parameters; `result` is what is returned, old(expression) a value before the call.
+ * contracts.py reads them together with the prototypes of the headers.
+ */
+/* clang-format off */
+
+/* config/demand_age.h */
+POST(demand_is_lost, age_ms > 1000 ? result : (age_ms > 4 || !result))
