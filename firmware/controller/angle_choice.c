@@ -197,7 +197,8 @@ static reason_t name_of(const angle_choice_input_t *in)
 }
 
 /* Currents that read too small leave a part of L_q i_q, at most 5/8 of it here, across the flux,
- * which keeps its length; a slip changes that where the current is large (README, Choice of angle). */
+ * which keeps its length; a slip changes that where the current is large (README, Choice of
+ * angle). */
 static bool explained_by_gain(const config_t *config, const angle_choice_input_t *in)
 {
     const int32_t along = active_permille(config, in->i_pu.d);
