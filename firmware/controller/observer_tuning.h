@@ -11,7 +11,7 @@
 
 #include "config/config.h"
 #include "controller/operating_point.h"
-#include "foc/exchange.h"
+#include "core/fast_messages.h"
 
 /* Divides. */
 observer_constants_t observer_constants(const config_t *config, int32_t timer_Hz);

@@ -12,7 +12,7 @@
 #include <stdint.h>
 
 #include "config/config.h"
-#include "foc/exchange.h"
+#include "core/fast_messages.h"
 
 /*
  * modulation_limit_q15: foc_modulation_limit_q15(). v_dc_pu: Q15 of the voltage base; values below

@@ -11,9 +11,9 @@
 #include <stdint.h>
 
 #include "config/config.h"
+#include "core/fast_messages.h"
 #include "core/frames.h"
 #include "core/q15.h"
-#include "foc/exchange.h"
 #include "foc/state.h"
 #include "reference_prefilter.h"
 

@@ -19,9 +19,9 @@
 
 #include "config/config.h"
 #include "core/angle.h"
+#include "core/fast_messages.h"
 #include "core/frames.h"
 #include "core/scaled.h"
-#include "foc/exchange.h"
 #include "foc/state.h"
 
 enum {

@@ -17,9 +17,9 @@
 #include <stdint.h>
 
 #include "config/config.h"
+#include "core/fast_messages.h"
 #include "core/frames.h"
 #include "core/q15.h"
-#include "foc/exchange.h"
 #include "foc/state.h"
 
 /* For the configured period, shortest pulse and dead time in counts of the port's timer; the circle

@@ -16,7 +16,7 @@
 
 #include "config/config.h"
 #include "core/slow_messages.h"
-#include "foc/exchange.h"
+#include "core/fast_messages.h"
 #include "random.h"
 
 /* What is wrong at present. Shares of 1 where nothing else is given. */

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Needs (PRE) and guarantees (POST) of the functions of controller, one clause a line: a C expression
- * of the parameters; `result` is what is returned, old(expression) a value before the call.
+ * Needs (PRE) and guarantees (POST) of the functions of controller, one clause a line: a C
+ * expression of the parameters; `result` is what is returned, old(expression) a value before the
+ * call.
  * contracts.py reads them together with the prototypes of the headers.
  */
 /* clang-format off */

@@ -13,9 +13,9 @@
  *
  *     controller_slow_step()     once per millisecond, from a lower-priority context
  *
- * Between the two loops lies exactly one message each way (foc/exchange.h): fast_setpoint_t and
- * fast_report_t. The caller of the steps transfers them. No function here reads a clock, accesses
- * hardware or allocates memory; equal inputs give bit-identical outputs on every machine.
+ * Between the two loops lies exactly one message each way (core/fast_messages.h): fast_setpoint_t
+ * and fast_report_t. The caller of the steps transfers them. No function here reads a clock,
+ * accesses hardware or allocates memory; equal inputs give bit-identical outputs on every machine.
  *
  * Timing the caller must provide: the ADC samples in the middle of the low-side interval (top of
  * the centre-aligned count); compare values returned by a step become effective at the next update,
@@ -37,9 +37,9 @@
 #include "controller/current_expectation.h"
 #include "controller/operating_point.h"
 #include "controller/temperatures.h"
+#include "core/fast_messages.h"
 #include "core/slow_messages.h"
 #include "core/torque_enable.h"
-#include "foc/exchange.h"
 #include "foc/foc.h"
 #include "modes/modes.h"
 #include "monitor/monitor.h"

@@ -17,8 +17,8 @@
 #include <stdint.h>
 
 #include "config/config.h"
+#include "core/fast_messages.h"
 #include "core/frames.h"
-#include "foc/exchange.h"
 
 /* sampling_correction.h: at one speed and winding temperature */
 typedef struct {

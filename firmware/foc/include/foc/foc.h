@@ -20,8 +20,8 @@
 #include <stdint.h>
 
 #include "config/config.h"
+#include "core/fast_messages.h"
 #include "core/frames.h"
-#include "foc/exchange.h"
 #include "foc/state.h"
 
 enum {

@@ -12,8 +12,8 @@
 
 #include "config/config.h"
 #include "core/circle.h"
+#include "core/fast_messages.h"
 #include "core/frames.h"
-#include "foc/exchange.h"
 
 /* sense.h */
 typedef struct {

@@ -56,7 +56,7 @@ def test_messages_and_modules_of_the_picture_exist() -> None:
     """A renamed message or module must be renamed in the picture as well."""
     text = DIAGRAMS["signal_flow.svg"]().svg()
     firmware = FIRMWARE
-    header = (firmware / "foc/include/foc/exchange.h").read_text(encoding="utf-8")
+    header = (firmware / "core/include/core/fast_messages.h").read_text(encoding="utf-8")
     for message in ("fast_setpoint_t", "fast_report_t"):
         assert message in text and f"}} {message};" in header
     for module in ("torque/", "foc/", "controller/"):

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * exchange.h: the two messages between the slow and the fast loop, one each way. Plain values:
+ * fast_messages.h: the two messages between the slow and the fast loop, one each way. Plain values:
  * the caller of the steps transfers them; no module keeps one as state.
  *
  * Currents are Q15 of the current base, bus voltages Q15 of the voltage base, phase voltages Q15 of
@@ -8,8 +8,8 @@
  * `clear_trip` and `least_square` belong to the controller, which decides what the bridge does; the
  * current loop uses only `clear_trip`, for the sum of currents.
  */
-#ifndef FOC_EXCHANGE_H
-#define FOC_EXCHANGE_H
+#ifndef CORE_FAST_MESSAGES_H
+#define CORE_FAST_MESSAGES_H
 
 #include <stdbool.h>
 #include <stdint.h>
