@@ -6,6 +6,7 @@
 
 #include "config/bases.h"
 #include "config/fields.h"
+#include "core/sqrt3.h"
 
 _Static_assert(sizeof(config_t) % sizeof(int32_t) == 0, "no padding at the end");
 _Static_assert(offsetof(config_t, crc32) == sizeof(config_t) - sizeof(uint32_t),
@@ -119,7 +120,7 @@ static int64_t lowest_unit(const config_t *c)
            c->drive.voltage_full_scale_mV * 10000;
 }
 
-enum { SQRT3_1E4 = 17321 };
+enum { SQRT3_1E4 = (10000 * SQRT3_Q30 + (1 << 29)) >> 30 };
 
 static int64_t larger(int32_t a, int32_t b)
 {

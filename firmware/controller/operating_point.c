@@ -3,16 +3,13 @@
 
 #include "config/bases.h"
 #include "core/q15.h"
+#include "core/sqrt3.h"
 #include "foc/foc.h"
 #include "observer_tuning.h"
 #include "sampling_correction.h"
 #include "tuning.h"
 
-enum {
-    LEAD_SHARE = 4,
-    SQRT3_HALF_Q15 = 28378,   /* 32 768 sqrt(3)/2 */
-    INVERSE_SQRT3_Q15 = 18919 /* 32 768/sqrt(3) */
-};
+enum { LEAD_SHARE = 4 };
 
 static int32_t per_unit_of_mV(const config_t *config, int32_t voltage_mV)
 {
@@ -65,7 +62,7 @@ static int32_t bus_current_mA(const operating_point_state_t *state, const config
 {
     const int32_t in_circle_mA =
         part_of(bases_current_mA(config, state->power_pu), state->modulation_limit_q15);
-    return part_of(in_circle_mA, SQRT3_HALF_Q15);
+    return part_of(in_circle_mA, SQRT3_2_Q15);
 }
 
 /* Radius of the voltage circle: limit v_dc/sqrt 3. */

@@ -4,17 +4,14 @@
 #include "config/bases.h"
 #include "core/q15.h"
 #include "core/scaled.h"
+#include "core/sqrt3.h"
 
 enum {
     LOWEST_BUS_PU = 2048, /* 1/16 */
     ADVANCE_HALF_PERIODS = 3,
     LARGEST_COUPLING_Q10 = 16383, /* 16 */
-    LARGEST_SLOPE_Q8 = 65000,     /* times a vector of length 1.007: below 2^31 */
-    SQRT3_2_Q15 = 28378
+    LARGEST_SLOPE_Q8 = 65000      /* times a vector of length 1.007: below 2^31 */
 };
-
-/* sqrt(3) in Q25 */
-static const int32_t SQRT3_Q25 = 58117981;
 
 /* gain (volts per unit, `bits` fraction bits) * factor (Q22) with `out` fraction bits. */
 static int64_t scaled(int32_t gain, unsigned bits, int32_t factor_q22, unsigned out)

@@ -2,6 +2,7 @@
 #include "emf_observer.h"
 
 #include "core/q15.h"
+#include "core/sqrt3.h"
 #include "foc/foc.h"
 
 /* Of the method, not of a motor: README, EMF observer. */
@@ -14,8 +15,7 @@ enum {
     MOST_LEAK_Q24 = 1 << 21,    /* lambda T: 1/8 */
     MOST_NATURAL_Q24 = 5 << 20, /* pole times T: 0.31 */
     ERROR_TO_TURN_Q32 = 29800,  /* 2^17/(0.7 2 pi): error, 0.7 sine in Q15, to turns in Q32 */
-    MOST_STEP_Q15 = 8191,       /* flux of one period, share of the full scale: 1/4 */
-    INVERSE_SQRT3_Q15 = 18919   /* 32 768/sqrt(3) */
+    MOST_STEP_Q15 = 8191        /* flux of one period, share of the full scale: 1/4 */
 };
 
 /* 2 psi for the magnets and for errors, 5/4 of L_q I_base for the current. nH * mA = 1e-12 Wb. */

@@ -2,6 +2,7 @@
 #include "foc/foc.h"
 
 #include "core/angle.h"
+#include "core/sqrt3.h"
 #include "current_controller.h"
 #include "current_predictor.h"
 #include "current_step.h"
@@ -174,7 +175,7 @@ void foc_report_copy(const foc_state_t *state, fast_report_t *report)
 static abc_t phase_currents(const fast_report_t *report)
 {
     const ab_t i = transforms_inverse_park(report->i_pu, angle_rotation(report->sample.theta_turn));
-    const int32_t beta_part = (i.beta * TRANSFORMS_SQRT3_2_Q15) >> 15;
+    const int32_t beta_part = (i.beta * SQRT3_2_Q15) >> 15;
     const int32_t half_alpha = i.alpha >> 1;
     const abc_t out = {.a = i.alpha, .b = beta_part - half_alpha, .c = -beta_part - half_alpha};
     return out;

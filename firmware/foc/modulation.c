@@ -2,10 +2,9 @@
 #include "modulation.h"
 
 #include "config/bases.h"
+#include "core/sqrt3.h"
 
 enum { SMALLEST_LIMIT_Q15 = 8192, ROUNDING_COUNTS = 2 };
-
-static const int64_t SQRT3_Q30 = 1859775393;
 
 modulation_t modulation_of(int32_t period_counts, int32_t min_pulse_counts, int32_t trim_counts,
                            int32_t limit_q15)

@@ -14,11 +14,12 @@
 
 #include "core/frames.h"
 #include "core/q15.h"
+#include "core/sqrt3.h"
 #include "foc/state.h"
 
 enum {
     SENSE_CODE_MAX = 4095,
-    SENSE_TWO_INV_SQRT3_LESS_ONE_Q17 = 20277, /* round(131072 (2 / sqrt 3 - 1)) */
+    SENSE_TWO_INV_SQRT3_LESS_ONE_Q17 = SQRT3_OVER(3, 18) - (1 << 17),
     SENSE_CALIBRATION_LOG2 = 10 /* samples averaged for the offsets: 51 ms at 20 kHz */
 };
 

@@ -2,6 +2,7 @@
 #include "sensor_isolation.h"
 
 #include "core/angle.h"
+#include "core/sqrt3.h"
 #include "current_controller.h"
 #include "current_step.h"
 #include "design_response.h"
@@ -112,7 +113,7 @@ static dq16_t saturated(dq_t i)
 
 static abc_t phases_of(ab_t i)
 {
-    const int32_t beta_part = (i.beta * TRANSFORMS_SQRT3_2_Q15) >> 15;
+    const int32_t beta_part = (i.beta * SQRT3_2_Q15) >> 15;
     const int32_t half_alpha = i.alpha >> 1;
     const abc_t out = {.a = i.alpha, .b = beta_part - half_alpha, .c = -beta_part - half_alpha};
     return out;

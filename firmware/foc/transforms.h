@@ -11,8 +11,6 @@
 #include "core/frames.h"
 #include "core/q15.h"
 
-enum { TRANSFORMS_SQRT3_2_Q15 = 28378 /* round(32768 sqrt(3) / 2) */ };
-
 /* d = alpha cos + beta sin, q = beta cos - alpha sin; each saturated to 16 bits. */
 Q_TARGET_INLINE dq16_t transforms_park(ab16_t x, rotation_t angle)
 {

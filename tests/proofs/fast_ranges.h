@@ -8,6 +8,7 @@
 #define FAST_RANGES_H
 
 #include "core/angle.h"
+#include "core/sqrt3.h"
 #include "current_controller.h"
 #include "foc/foc.h"
 #include "proof.h"
@@ -98,7 +99,7 @@ static inline bool turned_holds(ab_t x, int32_t radius)
     if (!within(x.alpha, -radius, radius) || !within(x.beta, -radius, radius)) {
         return false;
     }
-    const int32_t across = (x.beta * TRANSFORMS_SQRT3_2_Q15) >> 15;
+    const int32_t across = (x.beta * SQRT3_2_Q15) >> 15;
     const int32_t along = x.alpha >> 1;
     return within(across - along, -radius - 1, radius + 1) &&
            within(-across - along, -radius - 1, radius + 1);

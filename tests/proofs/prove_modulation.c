@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The modulator with the constants of modulation_of(): for every vector in the circle and every
  * dead-time correction no pulse is shorter than the minimum. */
+#include "core/sqrt3.h"
 #include "modulation.h"
 #include "proof.h"
 #include "transforms.h"
@@ -8,7 +9,7 @@
 static ab_t any_vector_in_circle(void)
 {
     const ab_t x = {.alpha = any_within(-32775, 32775), .beta = any_within(-32775, 32775)};
-    const int32_t across = (x.beta * TRANSFORMS_SQRT3_2_Q15) >> 14;
+    const int32_t across = (x.beta * SQRT3_2_Q15) >> 14;
     /* sqrt 3 times the unit, doubled: the circle's tangents across the three line voltages, for a
      * vector of length 32 773.83 (SOUNDNESS.md, Lengths of vectors) and the rounding here. */
     ASSUME(2 * across <= 113534 && 2 * across >= -113534);

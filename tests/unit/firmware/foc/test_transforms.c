@@ -20,11 +20,6 @@ static dq_t park(ab_t x, rotation_t angle)
 
 static const double PI = 3.14159265358979323846;
 
-void test_the_constant_is_the_rounded_root(void)
-{
-    TEST_ASSERT_EQUAL_INT(lround(32768.0 * sqrt(3.0) / 2.0), TRANSFORMS_SQRT3_2_Q15);
-}
-
 void test_park_at_the_quarter_turns_swaps_and_negates(void)
 {
     const ab_t x = {.alpha = 12000, .beta = -7000};
