@@ -3,10 +3,10 @@
 
 #include "core/angle.h"
 #include "core/q15.h"
+#include "core/sqrt3.h"
 
 enum {
     PHASES = 3,
-    SQRT3_2_Q15 = 28378,
     SUM_SHARE = 4 /* of the current: gains that differ by a tenth make a sum of an eighth at most */
 };
 

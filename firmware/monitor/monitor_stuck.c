@@ -3,12 +3,9 @@
 
 #include "core/divide.h"
 #include "core/q15.h"
+#include "core/sqrt3.h"
 
-enum {
-    GOOD_SHARE = 4,
-    TURN_mrad = 6284,
-    SQRT3_Q10 = 1774 /* 1024 sqrt(3) */
-};
+enum { GOOD_SHARE = 4, TURN_mrad = 6284 };
 
 static void begin_window(monitor_stuck_state_t *state, const monitor_stuck_input_t *in)
 {

@@ -5,12 +5,11 @@
 #include "core/divide.h"
 #include "core/q15.h"
 #include "core/scaled.h"
+#include "core/sqrt3.h"
 #include "monitor/short_exit.h"
 
 enum {
-    INVERSE_SQRT3_Q16 = 37837, /* 65 536/sqrt(3) */
-    SQRT3_HALF_Q15 = 28378,    /* 32 768 sqrt(3)/2 */
-    LAST_CODE = 4095,          /* of 4096 */
+    LAST_CODE = 4095, /* of 4096 */
     MOST_mA = 10000000
 };
 
@@ -158,7 +157,7 @@ static letting_go_t freewheel_at(machine_t *m, const config_t *config, const saf
     const int32_t ry_u = q_saturate64((int64_t)share_of(m->rho_q24, y_q24) + u_q24);
     out.torque_mNm = share_of(m->stall_mNm, share_of(ry_u, y_q24));
     out.current_mA = share_of(m->infinite_mA, y_q24);
-    out.charging_mA = q_scale(out.current_mA, SQRT3_HALF_Q15, 32768);
+    out.charging_mA = q_scale(out.current_mA, SQRT3_2_Q15, 32768);
     return out;
 }
 
