@@ -23,9 +23,10 @@
 #include <stdint.h>
 
 #include "core/circle.h"
+#include "core/fast_messages.h"
 #include "core/frames.h"
 #include "core/q15.h"
-#include "foc/foc.h"
+#include "foc/state.h"
 
 enum { CURRENT_CONTROLLER_D_LIMIT_Q15 = 32256 /* 98 % of the circle: leaves 18 % for q */ };
 

@@ -19,7 +19,8 @@
 #define FOC_ENCODER_H
 
 #include "config/config.h"
-#include "foc/foc.h"
+#include "foc/input.h"
+#include "foc/state.h"
 
 /* An index is missing 1/8 turn beyond a whole one: geometry, wider than any index pulse. */
 enum { ENCODER_OVERDUE_DIVISOR = 8 };

@@ -6,7 +6,8 @@
 #ifndef FOC_IDLE_H
 #define FOC_IDLE_H
 
-#include "foc/foc.h"
+#include "core/fast_messages.h"
+#include "foc/state.h"
 
 /* setpoint: with calibrate_offsets also a sample of the offset calibration, which restarts when it
  * was false; clear_trip acknowledges an undetermined sum of currents. */

@@ -11,7 +11,8 @@
 #include <stdint.h>
 
 #include "config/config.h"
-#include "foc/foc.h"
+#include "foc/input.h"
+#include "foc/state.h"
 #include "hall.h"
 
 void rotor_init(rotor_state_t *state, const config_t *config);

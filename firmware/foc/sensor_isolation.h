@@ -21,7 +21,7 @@
 #include "config/config.h"
 #include "core/frames.h"
 #include "core/q15.h"
-#include "foc/foc.h"
+#include "foc/state.h"
 #include "sense.h"
 
 enum {

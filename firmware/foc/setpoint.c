@@ -22,7 +22,7 @@ void setpoint_apply(foc_state_t *state, const fast_setpoint_t *setpoint)
                       setpoint->i_reference_pu.d + field_weakening_current_pu(&state->weakening),
                       setpoint->i_reference_pu.q);
     const int32_t correction =
-        q_limit(setpoint->i_d_sampling_correction_pu, FOC_SAMPLING_CORRECTION_PU);
+        q_limit(setpoint->i_d_sampling_correction_pu, SETPOINT_SAMPLING_CORRECTION_PU);
     const dq_t mean = {.d = q_saturate16(reference.d + correction), .q = reference.q};
     const reference_change_t change = reference_prefilter_take(&state->prefilter, reference);
     dq_t given = reference;

@@ -6,7 +6,11 @@
 #ifndef FOC_SETPOINT_H
 #define FOC_SETPOINT_H
 
-#include "foc/foc.h"
+#include "core/fast_messages.h"
+#include "foc/state.h"
+
+/* Largest |i_d_sampling_correction_pu| that is used. */
+enum { SETPOINT_SAMPLING_CORRECTION_PU = 200 };
 
 /* state->period.i_reference_pu becomes the setpoint plus the field-weakening current, prefiltered
  * and limited to the current circle with priority for d. */

@@ -22,29 +22,8 @@
 #include "config/config.h"
 #include "core/fast_messages.h"
 #include "core/frames.h"
+#include "foc/input.h"
 #include "foc/state.h"
-
-enum {
-    FOC_NO_SETPOINT = -1,            /* no sequence number: the next setpoint is applied */
-    FOC_SAMPLING_CORRECTION_PU = 200 /* largest |i_d_sampling_correction_pu| that is used */
-};
-
-/* Incremental encoder in this PWM period. */
-typedef struct {
-    uint16_t count;       /* free running, four to a line */
-    uint16_t index_count; /* count captured at the latest index pulse; read only if index */
-    bool index;           /* an index pulse since the last period */
-} encoder_input_t;
-
-/* What the port measured in this PWM period. */
-typedef struct {
-    uint16_t phase_current_code[SENSE_PHASES]; /* 12 bit, 2048 = zero, rising into the motor */
-    uint16_t bus_voltage_code; /* 12 bit, 4096 = config.drive.voltage_full_scale_mV */
-    uint16_t rotor_angle_turn; /* electrical, 65 536 = one turn; with CONFIG_ROTOR_ANGLE */
-    encoder_input_t encoder;   /* with CONFIG_ROTOR_ENCODER */
-    uint8_t hall_state;        /* bit 0 = A, 1 = B, 2 = C; with CONFIG_ROTOR_HALL */
-    bool power_stage_fault;    /* gate driver or timer break input; read by the monitor only */
-} foc_input_t;
 
 /* config: accepted by config_validate(). timer_Hz: clock of the timer whose counts the on-times
  * are. Divides. */

@@ -15,6 +15,8 @@
 #include "core/fast_messages.h"
 #include "core/frames.h"
 
+enum { FOC_NO_SETPOINT = -1 /* no sequence number: the next setpoint is applied */ };
+
 /* sense.h */
 typedef struct {
     int32_t offset_q4[SENSE_PHASES]; /* zero-current code * 16 */

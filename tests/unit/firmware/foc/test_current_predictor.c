@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Current predictor against the designed response. */
 #include "design_response.h"
-#include "foc/foc.h"
 #include "prefilter_rig.h"
+#include "setpoint.h"
 
 void setUp(void)
 {
@@ -167,7 +167,7 @@ void test_the_predicted_current_stays_within_16_bits_when_the_correction_changes
     int32_t lowest = 0;
     for (int n = 0; n < 200000; n++) {
         if (random_chance(&random, 0.4)) {
-            const double correction = random_real(&random, 0.0, FOC_SAMPLING_CORRECTION_PU);
+            const double correction = random_real(&random, 0.0, SETPOINT_SAMPLING_CORRECTION_PU);
             reference.d = random_chance(&random, 0.7) ? -32735 : (int32_t)(-correction * 163.0);
             mean.d = q_saturate16(reference.d - (int32_t)correction);
         }
