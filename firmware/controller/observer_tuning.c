@@ -5,7 +5,7 @@
 #include "core/angle.h"
 #include "core/q15.h"
 #include "core/scaled.h"
-#include "foc/foc.h"
+#include "foc/observer_design.h"
 
 enum { LARGEST_RESISTANCE_Q15 = 8191, LEAK_SHARE = 32, LEAST_LEAK_Q24 = 1 << 15 };
 
@@ -14,13 +14,13 @@ static int32_t cotangent_q24(int32_t leak_q24)
     return scaled_ratio(leak_q24 / 2, SCALED_ONE - leak_q24 / 2);
 }
 
-observer_constants_t observer_constants(const config_t *config, int32_t timer_Hz)
+observer_constants_t observer_constants(const config_t *config, int32_t modulation_limit_q15)
 {
-    const int32_t leak_q24 = foc_observer_leak_q24(config);
+    const int32_t leak_q24 = observer_design_leak_q24(config);
     const observer_constants_t out = {
-        .resistance_q15 = foc_observer_resistance_q15(config),
-        .volt_q15 = foc_observer_volt_q15(config, timer_Hz),
-        .flux_q14 = foc_observer_flux_q14(config),
+        .resistance_q15 = observer_design_resistance_q15(config),
+        .volt_q15 = observer_design_volt_q15(config, modulation_limit_q15),
+        .flux_q14 = observer_design_flux_q14(config),
         .start = {.leak_q24 = leak_q24, .cotangent_q24 = cotangent_q24(leak_q24)},
         .follows_speed = config->motor.q_inductance_nH > config->motor.d_inductance_nH / 8 * 9,
     };

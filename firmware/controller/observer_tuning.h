@@ -13,8 +13,8 @@
 #include "controller/operating_point.h"
 #include "core/fast_messages.h"
 
-/* Divides. */
-observer_constants_t observer_constants(const config_t *config, int32_t timer_Hz);
+/* modulation_limit_q15: foc_modulation_limit_q15(). Divides. */
+observer_constants_t observer_constants(const config_t *config, int32_t modulation_limit_q15);
 
 /* By how much the observer's flux leads the rotor, with the sign of the speed: atan(c cot(w T/2)),
  * to 0.2 degrees. A quarter turn at standstill. Divides. */

@@ -19,10 +19,11 @@ static int32_t per_unit_of_mV(const config_t *config, int32_t voltage_mV)
 void operating_point_init(operating_point_state_t *state, const config_t *config, int32_t timer_Hz)
 {
     const int32_t middle_mV = (config->battery.min_voltage_mV + config->battery.max_voltage_mV) / 2;
+    const int32_t modulation_limit_q15 = foc_modulation_limit_q15(config, timer_Hz);
     const operating_point_state_t fresh = {
-        .modulation_limit_q15 = foc_modulation_limit_q15(config, timer_Hz),
+        .modulation_limit_q15 = modulation_limit_q15,
         .magnets_pu = sampling_correction_magnets_pu(config),
-        .observer = observer_constants(config, timer_Hz),
+        .observer = observer_constants(config, modulation_limit_q15),
         .v_dc_pu = per_unit_of_mV(config, middle_mV),
     };
     *state = fresh;

@@ -185,6 +185,16 @@ def test_a_vector_of_one_frame_is_rejected_where_another_is_expected() -> None:
         assert "incompatible type" in compile_text(text.format(wrong), options).stderr
 
 
+def test_kernels_of_the_fast_loop_do_not_know_the_loop() -> None:
+    """Within foc dependencies run from foc.c to the kernels, not back."""
+    knowing = {
+        path.name
+        for path in files_of("foc")
+        if '#include "foc/foc.h"' in path.read_text(encoding="utf-8")
+    }
+    assert knowing == {"foc.c"}
+
+
 def test_a_forbidden_include_fails_to_compile() -> None:
     """The same rule enforced by the build.
 

@@ -32,15 +32,6 @@ void foc_init(foc_state_t *state, const config_t *config, int32_t timer_Hz);
 /* Radius of the voltage circle as a share of u_dc/sqrt 3, Q15, 8192 .. 32 767. Divides. */
 int32_t foc_modulation_limit_q15(const config_t *config, int32_t timer_Hz);
 
-/* Of the EMF observer, for its tuning (README, EMF observer). The first: share of its flux that it
- * forgets in a period, Q24. The others as shares of its full scale: flux of R I_base in one period
- * at the reference temperature, flux of one period at the voltage circle of the bus voltage base,
- * both Q15, and the magnets' flux linkage, Q14. Divide. */
-int32_t foc_observer_leak_q24(const config_t *config);
-int32_t foc_observer_resistance_q15(const config_t *config);
-int32_t foc_observer_volt_q15(const config_t *config, int32_t timer_Hz);
-int32_t foc_observer_flux_q14(const config_t *config);
-
 /* One PWM period with the bridge switching: controls the current and modulates. Returns true if the
  * readings of the current sensors are frozen (README, Frozen readings). */
 bool foc_step(foc_state_t *state, const config_t *config, const fast_setpoint_t *setpoint,

@@ -4,6 +4,7 @@
 #include "config/bases.h"
 #include "controller/operating_point.h"
 #include "foc/foc.h"
+#include "foc/observer_design.h"
 #include "observer_tuning.h"
 #include "paper_vehicle.h"
 #include "unity.h"
@@ -18,10 +19,16 @@ static const double FULL_SCALE_WB = 2.0 * 0.0204 + 1.25 * 76e-6 * 165.0;
 static config_t config;
 static observer_constants_t constants;
 
+/* For the model's timer. */
+static observer_constants_t constants_of(const config_t *of)
+{
+    return observer_constants(of, foc_modulation_limit_q15(of, BASES_MODEL_TIMER_Hz));
+}
+
 void setUp(void)
 {
     config = CONFIG_LU2013;
-    constants = observer_constants(&config, BASES_MODEL_TIMER_Hz);
+    constants = constants_of(&config);
 }
 
 void tearDown(void) {}
@@ -30,7 +37,7 @@ void tearDown(void) {}
  * complex arithmetic. */
 void test_lead_is_the_angle_of_the_leaking_integrator(void)
 {
-    const double leak = foc_observer_leak_q24(&config) / 16777216.0;
+    const double leak = observer_design_leak_q24(&config) / 16777216.0;
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 4.0 * 23.0 * 1e-3 * config.rotor.observer_speed_mrad_s * T,
                               leak);
     for (double w = -1533.0; w < 1534.0; w += 17.0) {
@@ -54,7 +61,7 @@ void test_lead_is_the_angle_of_the_leaking_integrator(void)
 void test_the_leak_follows_the_speed_of_a_salient_motor_once_it_is_acquired(void)
 {
     static const double SLOW = 4e-4, FAST = 0.1; /* turns per period */
-    constants = observer_constants(&CONFIG_IPM400V, BASES_MODEL_TIMER_Hz);
+    constants = constants_of(&CONFIG_IPM400V);
     const int32_t start_q24 = constants.start.leak_q24;
     observer_leak_t leak = constants.start;
     for (int n = 0; n < 400; n++) {
@@ -72,7 +79,7 @@ void test_the_leak_follows_the_speed_of_a_salient_motor_once_it_is_acquired(void
     observer_leak_step(&leak, &constants, (int32_t)(SLOW * 4294967296.0), false);
     TEST_ASSERT_EQUAL_INT32(start_q24, leak.leak_q24);
 
-    constants = observer_constants(&CONFIG_LU2013, BASES_MODEL_TIMER_Hz);
+    constants = constants_of(&CONFIG_LU2013);
     leak = constants.start;
     observer_leak_step(&leak, &constants, (int32_t)(SLOW * 4294967296.0), true);
     TEST_ASSERT_EQUAL_INT32(constants.start.leak_q24, leak.leak_q24);

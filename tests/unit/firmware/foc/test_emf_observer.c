@@ -31,7 +31,8 @@ void setUp(void)
 {
     config = CONFIG_LU2013;
     emf_observer_init(&observer, &config);
-    constants = observer_constants(&config, BASES_MODEL_TIMER_Hz);
+    constants =
+        observer_constants(&config, foc_modulation_limit_q15(&config, BASES_MODEL_TIMER_Hz));
     r_ohm = 1e-6 * (config.motor.phase_resistance_uOhm + config.drive.loss_resistance_uOhm);
     volt_per_pu = 1e-3 * config.drive.voltage_full_scale_mV * V_DC_PU / 32768.0 / sqrt(3.0) *
                   foc_modulation_limit_q15(&config, BASES_MODEL_TIMER_Hz) / 32768.0;
