@@ -47,7 +47,6 @@ void emf_observer_reset(emf_observer_t *observer)
     observer->alpha_q30 = 0;
     observer->beta_q30 = 0;
     observer->x = zero;
-    observer->u = zero;
     observer->theta_q32 = 0;
     observer->speed_q32 = 0;
     observer->gains = observer->acquisition;

@@ -77,9 +77,10 @@ Q_TARGET_INLINE void emf_observer_step(emf_observer_t *restrict observer, ab16_t
     const int32_t across_q15 = q_pair_cross(axis, x) >> (16U - halvings);
     const int32_t from_axis = (int32_t)(theta_q32 >> 16 & 255U) - 128;
     const int32_t error_q15 = across_q15 - EMF_OBSERVER_AXIS_SHARE * from_axis;
-    observer->theta_q32 =
-        theta_q32 + (uint32_t)(speed_q32 + error_q15 * observer->gains.proportional);
-    observer->speed_q32 = q_saturate31(speed_q32 + error_q15 * observer->gains.integral);
+    const int32_t turned_q32 = speed_q32 + error_q15 * observer->gains.proportional;
+    const int32_t next_q32 = q_saturate31(speed_q32 + error_q15 * observer->gains.integral);
+    observer->theta_q32 = theta_q32 + (uint32_t)turned_q32;
+    observer->speed_q32 = next_q32;
 }
 
 #endif

@@ -5,7 +5,6 @@
 #include "core/sqrt3.h"
 #include "current_controller.h"
 #include "current_predictor.h"
-#include "current_step.h"
 #include "emf_observer.h"
 #include "field_weakening.h"
 #include "frozen_currents.h"
@@ -21,13 +20,30 @@
 
 void foc_current_step(foc_state_t *restrict state, const uint16_t *restrict codes)
 {
-    const foc_current_state_t *const current = &state->current;
+    foc_current_state_t *const current = &state->current;
+    foc_period_t *const period = &state->period;
     const sense_out_t sensed = sense_step(&current->sense, codes, current->on_q16);
+    period->i_ab_pu = sensed.i;
     if (sensor_isolation_due(&current->isolation, sensed.sum_pu)) {
-        sensor_isolation_current_step(state, codes, sensed.sum_pu);
-        return;
+        sensor_isolation_examine(period, codes, current, sensed.sum_pu);
     }
-    current_step_with(state, &sensed);
+    period->current_sum_pu = sensed.sum_pu;
+
+    const rotation_t angle = angle_rotation(period->theta_turn);
+    const dq16_t i = transforms_park(period->i_ab_pu, angle);
+    period->i_pu = i;
+    current_controller_step(&current->controller, &current->gains, period->i_reference_pu, i,
+                            &period->voltage);
+
+    /* The voltage acts in the next period: on average 1.5 periods after the sample. */
+    const rotation_t angle_applied = transforms_advance(angle, current->advance);
+    const ab_t u = transforms_inverse_park(period->voltage.applied, angle_applied);
+    /* Full voltage is 32 768, which a packed pair would turn round. */
+    period->u_ab.v = q_pair(q_saturate16(u.alpha), q_saturate16(u.beta));
+    const dq16_t predicted = current_predictor_step(&current->predictor);
+    const ab_t i_applied = transforms_inverse_park(predicted, angle_applied);
+    const abc_t trim = modulation_dead_time(current->slope, i_applied);
+    modulation_step(&current->modulation, u, trim, current->on_q16);
 }
 
 /* The next period's field-weakening current. A change of it re-applies the setpoint, also when it
@@ -71,7 +87,7 @@ static bool do_spare_task(foc_state_t *state, const config_t *config, const foc_
     }
     if (frozen_currents_due(&state->period) &&
         step_count - frozen->last_step >= SPARE_TASKS_PERIODS - 1U) {
-        return frozen_currents_step(frozen, &state->period, in->phase_current_code, step_count);
+        return frozen_currents_step(frozen, &state->period, in->phase_current_code);
     }
     state->spare_step = spare_tasks_next(step_count);
     weaken_field(state, config);
@@ -83,10 +99,14 @@ static bool do_spare_task(foc_state_t *state, const config_t *config, const foc_
 static void add_sums(foc_sums_t *sums, const foc_period_t *period)
 {
     const q_pair_t i = period->i_pu.v;
-    sums->i_d_pu += (uint32_t)q_pair_x(i);
-    sums->i_q_pu += (uint32_t)q_pair_y(i);
-    sums->power_pu += (uint32_t)(q_pair_dot(period->voltage.applied.v, i) >> 15);
-    sums->v_dc_pu += (uint32_t)period->v_dc_pu;
+    const foc_sums_t before = *sums;
+    const foc_sums_t now = {
+        .i_d_pu = before.i_d_pu + (uint32_t)q_pair_x(i),
+        .i_q_pu = before.i_q_pu + (uint32_t)q_pair_y(i),
+        .power_pu = before.power_pu + (uint32_t)(q_pair_dot(period->voltage.applied.v, i) >> 15),
+        .v_dc_pu = before.v_dc_pu + (uint32_t)period->v_dc_pu,
+    };
+    *sums = now;
 }
 
 /* What both kinds of period begin and end with. Returns the number of this period. */
@@ -100,7 +120,7 @@ Q_TARGET_INLINE uint32_t begin_period(foc_state_t *state, const config_t *config
         state->period.theta_turn =
             (uint16_t)((state->observer.theta_q32 >> 16) - setpoint->observer.lead_turn);
     }
-    return ++state->step_count;
+    return ++state->period.step_count;
 }
 
 static void end_period(foc_state_t *state, const foc_input_t *in)
@@ -117,13 +137,14 @@ bool foc_step(foc_state_t *state, const config_t *config, const fast_setpoint_t 
         setpoint_apply(state, setpoint);
         state->spare_step = spare_tasks_after_setpoint(state->spare_step, step_count);
     }
-    const ab16_t acting = state->observer.u;
     foc_current_step(state, in->phase_current_code);
     bool frozen = false;
     if (step_count == state->spare_step) {
         frozen = do_spare_task(state, config, in);
     }
-    emf_observer_step(&state->observer, acting, state->period.i_ab_pu, &setpoint->observer);
+    emf_observer_step(&state->observer, state->u_acting, state->period.i_ab_pu,
+                      &setpoint->observer);
+    state->u_acting = state->period.u_ab;
     end_period(state, in);
     return frozen;
 }
@@ -146,7 +167,7 @@ void foc_report_copy(const foc_state_t *state, fast_report_t *report)
     report->sample.unsaturated_q_q25 = period->voltage.unsaturated_q_q25;
     report->sample.flux_q14 = observer->x;
     report->sample.theta_turn = period->theta_turn;
-    report->sequence = (uint16_t)state->step_count;
+    report->sequence = (uint16_t)state->period.step_count;
     report->sums = state->sums;
     report->i_pu = period->i_pu;
     report->u_pu = period->voltage.applied;

@@ -2,8 +2,9 @@
 #include "frozen_currents.h"
 
 bool frozen_currents_step(frozen_currents_t *state, const foc_period_t *latest,
-                          const uint16_t codes[SENSE_PHASES], uint32_t step_count)
+                          const uint16_t codes[SENSE_PHASES])
 {
+    const uint32_t step_count = latest->step_count;
     int32_t unmoved = 0;
     for (int x = 0; x < SENSE_PHASES; x++) {
         unmoved += codes[x] == state->code[x] ? 1 : 0;

@@ -39,9 +39,9 @@ Q_TARGET_INLINE bool frozen_currents_due(const foc_period_t *latest)
     return frozen_currents_error(latest) >> FROZEN_CURRENTS_ERROR_LOG2 != 0;
 }
 
-/* One look, if due. latest: this period; codes: its readings; step_count: its number. Returns true
- * if they are frozen. */
+/* One look, if due. latest: this period; codes: its readings. Returns true if they are
+ * frozen. */
 bool frozen_currents_step(frozen_currents_t *state, const foc_period_t *latest,
-                          const uint16_t codes[SENSE_PHASES], uint32_t step_count);
+                          const uint16_t codes[SENSE_PHASES]);
 
 #endif

@@ -32,7 +32,7 @@ static void count_quadrants(foc_state_t *state, ab16_t i)
     if ((step & 1U) != 0) {
         state->quadrant_transitions =
             (uint16_t)(state->quadrant_transitions + (step == 1U ? 1U : UINT16_MAX));
-        state->quadrant_step = (uint16_t)state->step_count;
+        state->quadrant_step = (uint16_t)state->period.step_count;
     }
 }
 
@@ -51,12 +51,15 @@ void idle_step(foc_state_t *state, const fast_setpoint_t *setpoint,
     const ab16_t i = sensor_isolation_current(&state->current, codes, sensed.i);
     const voltage_out_t no_voltage = {.unsaturated_d_q25 = 0};
     const dq16_t no_current = {.v = q_pair(0, 0)};
+    const ab16_t no_voltage_ab = {.v = q_pair(0, 0)};
     period->i_reference_pu = no_current;
     period->i_pu = transforms_park(i, angle_rotation(period->theta_turn));
     count_quadrants(state, i);
     state->idle_alpha_pu += (uint32_t)q_pair_x(i.v);
     state->idle_beta_pu += (uint32_t)q_pair_y(i.v);
     period->voltage = no_voltage;
+    period->u_ab = no_voltage_ab;
+    state->u_acting = no_voltage_ab;
     period->i_ab_pu = i;
     period->current_sum_pu = sensed.sum_pu;
     emf_observer_reset(&state->observer);
@@ -73,6 +76,6 @@ void idle_step(foc_state_t *state, const fast_setpoint_t *setpoint,
     }
     state->calibrating = setpoint->calibrate_offsets;
     state->sequence = FOC_NO_SETPOINT;
-    state->spare_step = spare_tasks_next(state->step_count);
+    state->spare_step = spare_tasks_next(state->period.step_count);
     state->postponed = true; /* a start applies its setpoint at once, also at a hall edge */
 }

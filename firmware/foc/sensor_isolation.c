@@ -4,7 +4,6 @@
 #include "core/angle.h"
 #include "core/sqrt3.h"
 #include "current_controller.h"
-#include "current_step.h"
 #include "design_response.h"
 #include "sense.h"
 #include "transforms.h"
@@ -56,14 +55,15 @@ void sensor_isolation_acknowledge(sensor_isolation_t *state)
  * voltage was limited, because there the current stays. wrong: used less predicted current, which
  * the decoupling has taken for a current (cross-coupling w L per unit of it).
  */
-static dq_t change_by(const foc_state_t *foc, dq_t error, dq_t wrong)
+static dq_t change_by(const foc_current_state_t *current, const foc_period_t *period, dq_t error,
+                      dq_t wrong)
 {
-    const sensor_isolation_t *state = &foc->current.isolation;
-    const voltage_out_t *voltage = &foc->period.voltage;
+    const sensor_isolation_t *state = &current->isolation;
+    const voltage_out_t *voltage = &period->voltage;
     const dq_t applied = dq_of(voltage->applied);
     const dq_t unsaturated = voltage_unsaturated(voltage);
-    const int32_t sampled_weight_q15 = Q15_ONE - foc->current.predictor.weight_q15;
-    const int64_t turned_q15 = ((int64_t)foc->period.rotor.speed_q32 * RADIANS_PER_TURN_Q15) >> 32;
+    const int32_t sampled_weight_q15 = Q15_ONE - current->predictor.weight_q15;
+    const int64_t turned_q15 = ((int64_t)period->rotor.speed_q32 * RADIANS_PER_TURN_Q15) >> 32;
     const int32_t coupled_q15 = (int32_t)((turned_q15 * sampled_weight_q15) >> 15);
     const int32_t d_q15 = (coupled_q15 * state->l_q_over_l_d_q10) >> 10;
     const int32_t q_q15 = (coupled_q15 * state->l_d_over_l_q_q10) >> 10;
@@ -79,15 +79,15 @@ static dq_t change_by(const foc_state_t *foc, dq_t error, dq_t wrong)
 
 /* The prediction for this sample. The first examined period begins from the current of the one
  * before. */
-static void predict(foc_state_t *foc)
+static void predict(foc_current_state_t *current, const foc_period_t *period)
 {
-    sensor_isolation_t *state = &foc->current.isolation;
-    const dq_t before = dq_of(foc->period.i_pu);
-    const dq_t reference = dq_of(foc->period.i_reference_pu);
-    const bool continues = state->periods > 0 && foc->step_count - state->last_step == 1U;
+    sensor_isolation_t *state = &current->isolation;
+    const dq_t before = dq_of(period->i_pu);
+    const dq_t reference = dq_of(period->i_reference_pu);
+    const bool continues = state->periods > 0 && period->step_count - state->last_step == 1U;
     if (!continues) {
         state->predicted_pu = before;
-        state->begin_sum_pu = foc->period.current_sum_pu;
+        state->begin_sum_pu = period->current_sum_pu;
         state->periods = 0;
         state->agreeing = 0;
         state->unknown = 0;
@@ -96,12 +96,12 @@ static void predict(foc_state_t *foc)
     const dq_t error = {.d = reference.d - before.d, .q = reference.q - before.q};
     const dq_t wrong = {.d = before.d - state->predicted_pu.d,
                         .q = before.q - state->predicted_pu.q};
-    const dq_t next = change_by(foc, error, wrong);
+    const dq_t next = change_by(current, period, error, wrong);
     const dq_t change = continues ? state->change_pu : next;
     state->predicted_pu.d = q_limit(state->predicted_pu.d + change.d, STATE_LIMIT_PU);
     state->predicted_pu.q = q_limit(state->predicted_pu.q + change.q, STATE_LIMIT_PU);
     state->change_pu = next;
-    state->last_step = foc->step_count;
+    state->last_step = period->step_count;
     state->periods++;
 }
 
@@ -178,35 +178,24 @@ static uint8_t isolate(sensor_isolation_t *state, abc_t read, abc_t predicted, i
     return answer == SENSE_PHASES ? (uint8_t)USE_PREDICTION : answer;
 }
 
-ab16_t sensor_isolation_examine(foc_state_t *foc, const uint16_t codes[SENSE_PHASES])
+void sensor_isolation_examine(foc_period_t *period, const uint16_t codes[SENSE_PHASES],
+                              foc_current_state_t *current, int32_t sum_pu)
 {
-    sensor_isolation_t *state = &foc->current.isolation;
-    const sense_state_t *sense = &foc->current.sense;
+    sensor_isolation_t *state = &current->isolation;
+    const sense_state_t *sense = &current->sense;
     if (state->phase != SENSE_PHASES) {
-        return sense_without(sense, codes, state->phase);
+        period->i_ab_pu = sense_without(sense, codes, state->phase);
+        return;
     }
-    predict(foc);
-    const rotation_t angle = angle_rotation(foc->period.theta_turn);
-    const sense_out_t sensed = sense_step(sense, codes, foc->current.on_q16);
+    predict(current, period);
+    const rotation_t angle = angle_rotation(period->theta_turn);
     const ab_t predicted = transforms_inverse_park(saturated(state->predicted_pu), angle);
     const uint8_t without =
-        isolate(state, sense_phases(sense, codes), phases_of(predicted), sensed.sum_pu);
+        isolate(state, sense_phases(sense, codes), phases_of(predicted), sum_pu);
     if (without == USE_PREDICTION) {
-        const ab16_t used = {
-            .v = q_pair(q_saturate16(predicted.alpha), q_saturate16(predicted.beta))};
-        return used;
+        period->i_ab_pu.v = q_pair(q_saturate16(predicted.alpha), q_saturate16(predicted.beta));
+    } else if (without != SENSE_PHASES) {
+        period->i_ab_pu = sense_without(sense, codes, without);
+        state->predicted_pu = dq_of(transforms_park(period->i_ab_pu, angle));
     }
-    if (without == SENSE_PHASES) {
-        return sensed.i;
-    }
-    const ab16_t used = sense_without(sense, codes, without);
-    state->predicted_pu = dq_of(transforms_park(used, angle));
-    return used;
-}
-
-void sensor_isolation_current_step(foc_state_t *foc, const uint16_t codes[SENSE_PHASES],
-                                   int32_t sum_pu)
-{
-    const sense_out_t sensed = {.i = sensor_isolation_examine(foc, codes), .sum_pu = sum_pu};
-    current_step_with(foc, &sensed);
 }

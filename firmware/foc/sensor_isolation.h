@@ -45,7 +45,7 @@ static inline uint8_t sensor_isolation_named(const sensor_isolation_t *state)
     return (uint8_t)(state->phase < SENSE_PHASES ? state->phase + 1 : 0);
 }
 
-/* Whether this period needs sensor_isolation_current_step(). */
+/* Whether this period needs sensor_isolation_examine(). */
 Q_TARGET_INLINE bool sensor_isolation_due(const sensor_isolation_t *state, int32_t sum_pu)
 {
     /* Outside -limit .. limit as one unsigned comparison; limit 0 while a sensor is named. */
@@ -60,12 +60,10 @@ static inline ab16_t sensor_isolation_current(const foc_current_state_t *current
     return phase < SENSE_PHASES ? sense_without(&current->sense, codes, phase) : sensed;
 }
 
-/* The current to use in a period that is due. foc: `period` has the angle and reference of this
- * period, the rest of the one before. */
-ab16_t sensor_isolation_examine(foc_state_t *foc, const uint16_t codes[SENSE_PHASES]);
-
-/* The whole current step of such a period; sum_pu: of the readings. */
-void sensor_isolation_current_step(foc_state_t *foc, const uint16_t codes[SENSE_PHASES],
-                                   int32_t sum_pu);
+/* A period that is due. period: angle, reference and sampled current of this period, of which
+ * i_ab_pu is replaced by the current to use; the rest is of the one before. sum_pu: of the
+ * readings. */
+void sensor_isolation_examine(foc_period_t *period, const uint16_t codes[SENSE_PHASES],
+                              foc_current_state_t *current, int32_t sum_pu);
 
 #endif

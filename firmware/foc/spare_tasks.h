@@ -2,8 +2,8 @@
 /*
  * spare_tasks.h: when the tasks are due that any period can do and none has to: field weakening and
  * the observer's acquisition, and before them the look for frozen readings. Once in four periods,
- * counted by foc_state_t.step_count; each time one period later where there is a hall edge or a new
- * setpoint, so that the long computations never meet.
+ * counted by foc_period_t.step_count; each time one period later where there is a hall edge or a
+ * new setpoint, so that the long computations never meet.
  */
 #ifndef FOC_SPARE_TASKS_H
 #define FOC_SPARE_TASKS_H

@@ -241,7 +241,7 @@ static inline bool observer_holds(const emf_observer_t *observer)
            bits31(observer->speed_q32) && bits31(observer->start_speed_q32) &&
            both_within(observer->minus_inductance, -MOST_INDUCTANCE_Q15, 0) &&
            observer_gains_hold(observer->gains) && observer_gains_hold(observer->acquisition) &&
-           observer_gains_hold(observer->tracking) && pair_holds(observer->u.v) &&
+           observer_gains_hold(observer->tracking) &&
            q_abs(q_pair_x(observer->x.v)) <= 32768 && q_abs(q_pair_y(observer->x.v)) <= 32768;
 }
 
@@ -249,6 +249,7 @@ static inline bool period_holds(const foc_period_t *period)
 {
     return pair_holds(period->i_ab_pu.v) && pair_holds(period->i_reference_pu.v) &&
            pair_holds(period->i_pu.v) && voltage_holds(&period->voltage) &&
+           pair_holds(period->u_ab.v) &&
            within(period->current_sum_pu, -MOST_READING_SUM_PU, MOST_READING_SUM_PU) &&
            within(period->v_dc_pu, 0, 65528);
 }

@@ -4,7 +4,7 @@
  * within the ranges of fast_ranges.h stays within them. Each kernel is replaced by its contract:
  * NAME_by_contract() proves what the proof of the kernel assumes, gives any result within the
  * ranges proved there, and names that proof. What is not replaced are the sources that connect
- * them: foc.c, current_step.h, idle.c, setpoint.c.
+ * them: foc.c, idle.c, setpoint.c.
  */
 #include "core/circle.h"
 #include "current_predictor.h"
@@ -225,22 +225,24 @@ static void field_weakening_step_by_contract(field_weakening_t *state, int32_t m
 #define field_weakening_step field_weakening_step_by_contract
 
 /* prove_sensor_isolation */
-static ab16_t sensor_isolation_examine_by_contract(foc_state_t *foc,
-                                                   const uint16_t codes[SENSE_PHASES])
+static void sensor_isolation_examine_by_contract(foc_period_t *period,
+                                                 const uint16_t codes[SENSE_PHASES],
+                                                 foc_current_state_t *current, int32_t sum_pu)
 {
-    const ab16_t out = {.v = any_pair()};
-    const foc_period_t *period = &foc->period;
     sensor_isolation_t any_state;
-    PROVE(sense_holds(&foc->current.sense) && codes_hold(codes));
-    PROVE(isolation_holds(&foc->current.isolation));
-    PROVE(within(foc->current.predictor.weight_q15, 0, 32767));
+    PROVE(sense_holds(&current->sense) && codes_hold(codes));
+    PROVE(isolation_holds(&current->isolation));
+    PROVE(within(current->predictor.weight_q15, 0, 32767));
+    PROVE(pair_holds(period->i_ab_pu.v));
     PROVE(pair_holds(period->i_pu.v) && pair_holds(period->i_reference_pu.v));
     PROVE(pair_holds(period->voltage.applied.v));
     PROVE(within(period->current_sum_pu, -MOST_READING_SUM_PU, MOST_READING_SUM_PU));
+    PROVE(within(sum_pu, -MOST_READING_SUM_PU, MOST_READING_SUM_PU));
     ASSUME(isolation_holds(&any_state));
-    foc->current.isolation = any_state;
-    return out;
+    current->isolation = any_state;
+    period->i_ab_pu.v = any_pair();
 }
+#define sensor_isolation_examine sensor_isolation_examine_by_contract
 
 void sensor_isolation_acknowledge(sensor_isolation_t *state)
 {
@@ -254,11 +256,9 @@ void sensor_isolation_acknowledge(sensor_isolation_t *state)
 static bool found_frozen;
 
 static bool frozen_currents_step_by_contract(frozen_currents_t *frozen, const foc_period_t *latest,
-                                             const uint16_t codes[SENSE_PHASES],
-                                             uint32_t step_count)
+                                             const uint16_t codes[SENSE_PHASES])
 {
     frozen_currents_t any_state;
-    (void)step_count;
     PROVE(pair_holds(latest->i_pu.v) && pair_holds(latest->i_reference_pu.v));
     PROVE(codes_hold(codes));
     *frozen = any_state;
@@ -294,17 +294,6 @@ static void emf_observer_step_by_contract(emf_observer_t *observer, ab16_t u, ab
 #include "setpoint.c"
 
 #include "idle.c"
-
-/* As in sensor_isolation.c. */
-#include "current_step.h"
-
-void sensor_isolation_current_step(foc_state_t *foc, const uint16_t codes[SENSE_PHASES],
-                                   int32_t sum_pu)
-{
-    const sense_out_t sensed = {.i = sensor_isolation_examine_by_contract(foc, codes),
-                                .sum_pu = sum_pu};
-    current_step_with(foc, &sensed);
-}
 
 /* prove_add_sums */
 static int32_t power_by_contract(q_pair_t u, q_pair_t i)
@@ -392,7 +381,8 @@ static bool state_holds(const foc_state_t *state)
            slope_holds(current->slope) && controller_holds(&current->controller) &&
            modulation_holds(&current->modulation) && predictor_holds(&current->predictor) &&
            sense_holds(&current->sense) && isolation_holds(&current->isolation) &&
-           observer_holds(&state->observer) && within(circle_made.radius_q15, 164, Q15_ONE) &&
+           observer_holds(&state->observer) && pair_holds(state->u_acting.v) &&
+           within(circle_made.radius_q15, 164, Q15_ONE) &&
            state->current_circle.radius_q15 == circle_made.radius_q15 &&
            state->current_circle.inverse_q14 == circle_made.inverse_q14 &&
            prefilter_holds(&state->prefilter) && weakening_holds(&state->weakening);
@@ -412,9 +402,9 @@ static void any_step(void (*step)(foc_state_t *, const config_t *, const fast_se
     config.current_loop.field_weakening_gain_pu_q15 = any_within(0, 32767);
     config.current_loop.field_weakening_current_pu_q15 = any_within(0, 32767);
     ASSUME(state_holds(&state) && setpoint_holds(&setpoint) && codes_hold(in.phase_current_code));
-    const uint32_t before = state.step_count;
+    const uint32_t before = state.period.step_count;
     step(&state, &config, &setpoint, &in);
-    PROVE(state_holds(&state) && state.step_count == before + 1U);
+    PROVE(state_holds(&state) && state.period.step_count == before + 1U);
     /* The rotor estimate is written by its own step only. */
     PROVE(state.rotor.hall.theta_q32 == rotor_made.hall.theta_q32 &&
           state.rotor.hall.periods_since_edge == rotor_made.hall.periods_since_edge &&

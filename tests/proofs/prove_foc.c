@@ -68,17 +68,20 @@ void prove_sense_calibration(void)
 /* Any state that the steps before can have left, any readings. */
 void prove_sensor_isolation(void)
 {
-    foc_state_t foc;
+    foc_period_t period;
+    foc_current_state_t current;
     uint16_t codes[3];
-    sensor_isolation_t *state = &foc.current.isolation;
-    ASSUME(sense_holds(&foc.current.sense) && codes_hold(codes) && isolation_holds(state));
-    foc.current.predictor.weight_q15 = any_within(0, 32767);
-    foc.period.i_pu.v = any_pair();
-    foc.period.i_reference_pu.v = any_pair();
-    foc.period.voltage.applied.v = any_pair();
-    foc.period.current_sum_pu = any_within(-MOST_READING_SUM_PU, MOST_READING_SUM_PU);
-    const ab16_t out = sensor_isolation_examine(&foc, codes);
-    PROVE(pair_holds(out.v) && isolation_holds(state));
+    sensor_isolation_t *state = &current.isolation;
+    ASSUME(sense_holds(&current.sense) && codes_hold(codes) && isolation_holds(state));
+    current.predictor.weight_q15 = any_within(0, 32767);
+    period.i_ab_pu.v = any_pair();
+    period.i_pu.v = any_pair();
+    period.i_reference_pu.v = any_pair();
+    period.voltage.applied.v = any_pair();
+    period.current_sum_pu = any_within(-MOST_READING_SUM_PU, MOST_READING_SUM_PU);
+    sensor_isolation_examine(&period, codes, &current,
+                             any_within(-MOST_READING_SUM_PU, MOST_READING_SUM_PU));
+    PROVE(pair_holds(period.i_ab_pu.v) && isolation_holds(state));
     sensor_isolation_acknowledge(state);
     PROVE(isolation_holds(state));
     PROOF_END();
@@ -241,6 +244,7 @@ void prove_frozen_currents(void)
     period.i_pu.v = any_pair();
     period.i_reference_pu.v = any_pair();
     const uint32_t step_count = nondet_uint32();
+    period.step_count = step_count;
     const frozen_currents_t before = state;
     const bool a = codes[0] == before.code[0];
     const bool b = codes[1] == before.code[1];
@@ -250,7 +254,7 @@ void prove_frozen_currents(void)
     error_square = nondet_uint32();
     ASSUME(error_square <= UINT32_C(1) << 31);
     const bool due = frozen_currents_due(&period);
-    const bool result = frozen_currents_step(&state, &period, codes, step_count);
+    const bool result = frozen_currents_step(&state, &period, codes);
     PROVE(due == (error_square >= 2097152U));
     PROVE(result == (stayed && periods >= (error_square >= 4194304U ? 8U : 12U)));
     PROVE(state.begin_step == (stayed ? before.begin_step : step_count));

@@ -78,7 +78,6 @@ static void fill(uint32_t periods)
     observer.start_speed_q32 = 3;
     observer.alpha_q30 = 4;
     observer.beta_q30 = 5;
-    observer.u.v = q_pair(6, 7);
     observer.x.v = q_pair(8, 9);
     observer.gains = observer.tracking;
     observer.periods = periods;
@@ -94,8 +93,6 @@ void test_reset_keeps_the_speed_of_a_complete_acquisition_only(void)
         TEST_ASSERT_EQUAL_INT32(0, observer.speed_q32);
         TEST_ASSERT_EQUAL_INT32(0, observer.alpha_q30);
         TEST_ASSERT_EQUAL_INT32(0, observer.beta_q30);
-        TEST_ASSERT_EQUAL_INT32(0, q_pair_x(observer.u.v));
-        TEST_ASSERT_EQUAL_INT32(0, q_pair_y(observer.u.v));
         TEST_ASSERT_EQUAL_INT32(0, q_pair_x(observer.x.v));
         TEST_ASSERT_EQUAL_INT32(0, q_pair_y(observer.x.v));
         TEST_ASSERT_EQUAL_UINT32(0, observer.periods);

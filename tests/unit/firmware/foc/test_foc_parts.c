@@ -18,7 +18,7 @@ void test_first_state_is_zero_but_for_what_is_initialised(void)
     foc_init(&foc, &config, BASES_MODEL_TIMER_Hz);
     TEST_ASSERT_EQUAL_UINT16(0, foc.period.rotor.theta_turn);
     TEST_ASSERT_EQUAL_UINT16(0, foc.period.theta_turn);
-    TEST_ASSERT_EQUAL_UINT32(0, foc.step_count);
+    TEST_ASSERT_EQUAL_UINT32(0, foc.period.step_count);
     TEST_ASSERT_EQUAL_INT32(FOC_NO_SETPOINT, foc.sequence);
     TEST_ASSERT_EQUAL_UINT32(66, foc.observer.acquisition_periods); /* 20 000/300 */
     for (int x = 0; x < SENSE_PHASES; x++) {
@@ -114,7 +114,7 @@ void test_observed_angle_less_its_lead_is_used_if_the_setpoint_asks_for_it(void)
         (void)begin_period(&foc, &config, &setpoint, &in);
         TEST_ASSERT_EQUAL_UINT16(used != 0 ? 40000 : 5000, foc.period.theta_turn);
         TEST_ASSERT_EQUAL_UINT16(5000, foc.period.rotor.theta_turn);
-        TEST_ASSERT_EQUAL_UINT32(1, foc.step_count);
+        TEST_ASSERT_EQUAL_UINT32(1, foc.period.step_count);
     }
 }
 
@@ -127,10 +127,10 @@ void test_observer_meets_the_voltage_that_acts_and_the_current_of_the_period(voi
     setpoint.tuning.forward_q_q25 = 20000 * 1024;
     step(true);
     /* Without an angle or a speed the voltage is the feed-forward, along beta. */
-    TEST_ASSERT_INT32_WITHIN(2, 0, q_pair_x(foc.observer.u.v));
-    TEST_ASSERT_INT32_WITHIN(2, 20000, q_pair_y(foc.observer.u.v));
+    const ab16_t acting = foc.period.u_ab;
+    TEST_ASSERT_INT32_WITHIN(2, 0, q_pair_x(acting.v));
+    TEST_ASSERT_INT32_WITHIN(2, 20000, q_pair_y(acting.v));
     emf_observer_t expected = foc.observer;
-    const ab16_t acting = foc.observer.u;
     codes[1] = 2148;
     codes[2] = 1948;
     step(true);
@@ -152,7 +152,7 @@ void test_every_copied_field_is_that_of_the_state(void)
     foc.period.voltage.applied.v = q_pair(103, 104);
     foc.observer.x.v = q_pair(105, 106);
     foc.period.theta_turn = 107;
-    foc.step_count = 65536 + 108;
+    foc.period.step_count = 65536 + 108;
     foc.sums.i_d_pu = 109;
     foc.period.i_pu.v = q_pair(110, 111);
     foc.period.current_sum_pu = 112;

@@ -11,14 +11,13 @@
 
 static frozen_currents_t state;
 static foc_period_t latest;
-static uint32_t step_count;
 
 void setUp(void)
 {
     rig_up();
     const frozen_currents_t fresh = {.last_step = 0};
     state = fresh;
-    step_count = 1000;
+    latest.step_count = 1000;
     latest.i_pu.v = q_pair(0, -4000);
     latest.i_reference_pu.v = q_pair(0, -5600);
     codes[0] = 1900;
@@ -30,8 +29,8 @@ void tearDown(void) {}
 
 static bool look(uint32_t periods)
 {
-    step_count += periods;
-    return frozen_currents_step(&state, &latest, codes, step_count);
+    latest.step_count += periods;
+    return frozen_currents_step(&state, &latest, codes);
 }
 
 /* Periods from the first look, which has nothing to compare with, to the one that finds `3 -
@@ -39,13 +38,13 @@ static bool look(uint32_t periods)
 static uint32_t periods_until(int moving, uint32_t between)
 {
     look(100);
-    const uint32_t begin = step_count;
+    const uint32_t begin = latest.step_count;
     for (int n = 1; n <= 20; n++) {
         for (int x = 0; x < moving; x++) {
             codes[x]++;
         }
         if (look(between)) {
-            return step_count - begin;
+            return latest.step_count - begin;
         }
     }
     return 0;

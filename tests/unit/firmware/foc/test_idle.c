@@ -34,6 +34,8 @@ void test_idle_step_applies_no_voltage_and_weakens_no_field(void)
     foc.period.voltage.unsaturated_d_q25 = 1;
     foc.period.voltage.unsaturated_q_q25 = 2;
     foc.period.voltage.applied.v = q_pair(3, 4);
+    foc.period.u_ab.v = q_pair(3, 4);
+    foc.u_acting.v = q_pair(3, 4);
     foc.weakening.current_q28 = -5;
     foc.observer.periods = 6;
     foc.observer.x.v = q_pair(7, 8);
@@ -42,6 +44,10 @@ void test_idle_step_applies_no_voltage_and_weakens_no_field(void)
     TEST_ASSERT_EQUAL_INT32(0, period->voltage.unsaturated_q_q25);
     TEST_ASSERT_EQUAL_INT32(0, q_pair_x(period->voltage.applied.v));
     TEST_ASSERT_EQUAL_INT32(0, q_pair_y(period->voltage.applied.v));
+    TEST_ASSERT_EQUAL_INT32(0, q_pair_x(period->u_ab.v));
+    TEST_ASSERT_EQUAL_INT32(0, q_pair_y(period->u_ab.v));
+    TEST_ASSERT_EQUAL_INT32(0, q_pair_x(foc.u_acting.v));
+    TEST_ASSERT_EQUAL_INT32(0, q_pair_y(foc.u_acting.v));
     TEST_ASSERT_EQUAL_INT32(0, foc.weakening.current_q28);
     TEST_ASSERT_EQUAL_UINT32(0, foc.observer.periods);
     TEST_ASSERT_EQUAL_INT32(0, q_pair_x(foc.observer.x.v));

@@ -84,7 +84,7 @@ static void fast_rotor(void)
 
 static void assert_change(dq_t error, dq_t wrong, int32_t d, int32_t q)
 {
-    const dq_t change = change_by(&foc, error, wrong);
+    const dq_t change = change_by(&foc.current, &foc.period, error, wrong);
     TEST_ASSERT_EQUAL_INT32(d, change.d);
     TEST_ASSERT_EQUAL_INT32(q, change.q);
 }
@@ -122,14 +122,14 @@ void test_prediction_begins_anew_after_a_period_without_examination(void)
     foc.period.i_pu.v = q_pair(1000, -2000);
     foc.period.i_reference_pu.v = q_pair(1400, -2800);
     foc.period.current_sum_pu = 77;
-    foc.step_count = 12;
+    foc.period.step_count = 12;
     for (uint32_t gap = 2; gap <= 3; gap++) {
         isolation->periods = 5;
         isolation->last_step = 12 - gap;
         isolation->agreeing = 1;
         isolation->unknown = 3;
         isolation->answer = 1;
-        predict(&foc);
+        predict(&foc.current, &foc.period);
         TEST_ASSERT_EQUAL_UINT16(1, isolation->periods);
         TEST_ASSERT_EQUAL_UINT16(0, isolation->agreeing);
         TEST_ASSERT_EQUAL_UINT16(0, isolation->unknown);
@@ -150,10 +150,10 @@ void test_prediction_is_limited_to_twice_the_largest_current(void)
         const dq_t change = {.d = sign * 10, .q = -sign * 10};
         isolation->periods = 1;
         isolation->last_step = 11;
-        foc.step_count = 12;
+        foc.period.step_count = 12;
         isolation->predicted_pu = near;
         isolation->change_pu = change;
-        predict(&foc);
+        predict(&foc.current, &foc.period);
         TEST_ASSERT_EQUAL_INT32(sign * 65536, isolation->predicted_pu.d);
         TEST_ASSERT_EQUAL_INT32(-sign * 65536, isolation->predicted_pu.q);
         TEST_ASSERT_EQUAL_UINT16(2, isolation->periods);

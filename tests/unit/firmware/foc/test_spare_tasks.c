@@ -97,7 +97,7 @@ void test_first_of_a_start_is_in_the_next_fourth_period(void)
         while (foc.observer.periods == 0) {
             step(true);
         }
-        TEST_ASSERT_EQUAL_UINT32(FIRST[idle], foc.step_count);
+        TEST_ASSERT_EQUAL_UINT32(FIRST[idle], foc.period.step_count);
     }
 }
 
@@ -136,7 +136,7 @@ void test_look_comes_three_periods_after_the_last_one_at_the_earliest(void)
         step(true);
         TEST_ASSERT_EQUAL_UINT32(4 + late, foc.current.frozen.last_step);
         steps(4 - late);
-        TEST_ASSERT_EQUAL_UINT32(8, foc.step_count);
+        TEST_ASSERT_EQUAL_UINT32(8, foc.period.step_count);
         TEST_ASSERT_EQUAL_UINT32(late == 1 ? 8 : 6, foc.current.frozen.last_step);
         step(true);
         TEST_ASSERT_EQUAL_UINT32(8, foc.observer.periods);
