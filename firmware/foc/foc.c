@@ -2,7 +2,6 @@
 #include "foc/foc.h"
 
 #include "core/angle.h"
-#include "core/sqrt3.h"
 #include "current_controller.h"
 #include "current_predictor.h"
 #include "emf_observer.h"
@@ -39,7 +38,7 @@ void foc_current_step(foc_state_t *restrict state, const uint16_t *restrict code
     const rotation_t angle_applied = transforms_advance(angle, current->advance);
     const ab_t u = transforms_inverse_park(period->voltage.applied, angle_applied);
     /* Full voltage is 32 768, which a packed pair would turn round. */
-    period->u_ab.v = q_pair(q_saturate16(u.alpha), q_saturate16(u.beta));
+    period->u_ab = ab16_saturated(u);
     const dq16_t predicted = current_predictor_step(&current->predictor);
     const ab_t i_applied = transforms_inverse_park(predicted, angle_applied);
     const abc_t trim = modulation_dead_time(current->slope, i_applied);
@@ -155,66 +154,6 @@ void foc_idle_step(foc_state_t *state, const config_t *config, const fast_setpoi
     (void)begin_period(state, config, setpoint, in);
     idle_step(state, setpoint, in->phase_current_code);
     end_period(state, in);
-}
-
-void foc_report_copy(const foc_state_t *state, fast_report_t *report)
-{
-    const foc_period_t *period = &state->period;
-    const emf_observer_t *observer = &state->observer;
-    const sense_state_t *sense = &state->current.sense;
-    const int32_t speed_q32 = observer->speed_q32;
-    report->sample.unsaturated_d_q25 = period->voltage.unsaturated_d_q25;
-    report->sample.unsaturated_q_q25 = period->voltage.unsaturated_q_q25;
-    report->sample.flux_q14 = observer->x;
-    report->sample.theta_turn = period->theta_turn;
-    report->sequence = (uint16_t)state->period.step_count;
-    report->sums = state->sums;
-    report->i_pu = period->i_pu;
-    report->u_pu = period->voltage.applied;
-    report->current_sum_pu = period->current_sum_pu;
-    report->wrong_current_sensor = sensor_isolation_named(&state->current.isolation);
-    report->current_undetermined = state->current.isolation.undetermined;
-    report->i_d_weakening_pu = field_weakening_current_pu(&state->weakening);
-    for (int x = 0; x < SENSE_PHASES; x++) {
-        report->offset_q4[x] = sense->offset_q4[x];
-    }
-    report->offsets_done = sense->calibrated;
-    report->speed_q32 = period->rotor.speed_q32;
-    report->rotor_valid = period->rotor.valid;
-    report->rotor_faults = period->rotor.faults;
-    report->observer.speed_q32 = speed_q32;
-    report->observer.theta_turn = (uint16_t)((observer->theta_q32 - (uint32_t)speed_q32) >> 16);
-    report->observer.sensor_turn = period->rotor.theta_turn;
-    report->observer.acquired = observer->periods >= observer->acquisition_periods;
-    report->quadrant_transitions = state->quadrant_transitions;
-    report->quadrant_step = state->quadrant_step;
-    report->idle_alpha_pu = state->idle_alpha_pu;
-    report->idle_beta_pu = state->idle_beta_pu;
-}
-
-/* Phase currents of the period, recomputed from its dq vector. */
-static abc_t phase_currents(const fast_report_t *report)
-{
-    const ab_t i = transforms_inverse_park(report->i_pu, angle_rotation(report->sample.theta_turn));
-    const int32_t beta_part = (i.beta * SQRT3_2_Q15) >> 15;
-    const int32_t half_alpha = i.alpha >> 1;
-    const abc_t out = {.a = i.alpha, .b = beta_part - half_alpha, .c = -beta_part - half_alpha};
-    return out;
-}
-
-void foc_report_complete(fast_report_t *report)
-{
-    const fast_sample_t *sample = &report->sample;
-    const voltage_out_t voltage = {.unsaturated_d_q25 = sample->unsaturated_d_q25,
-                                   .unsaturated_q_q25 = sample->unsaturated_q_q25,
-                                   .applied = report->u_pu};
-    const dq_t applied = dq_of(voltage.applied);
-    const dq_t unsaturated = voltage_unsaturated(&voltage);
-    report->voltage_use_q15 = modulation_index_square_q15(applied.d, unsaturated.q);
-    report->voltage_limited = unsaturated.q != applied.q || unsaturated.d != applied.d;
-    report->adc_saturated = sense_adc_saturated(report->offset_q4, phase_currents(report));
-    report->observer.flux_q14 =
-        transforms_park(sample->flux_q14, angle_rotation(report->observer.theta_turn));
 }
 
 void foc_init(foc_state_t *state, const config_t *config, int32_t timer_Hz)

@@ -2,7 +2,6 @@
 #include "sensor_isolation.h"
 
 #include "core/angle.h"
-#include "core/sqrt3.h"
 #include "current_controller.h"
 #include "design_response.h"
 #include "sense.h"
@@ -105,20 +104,6 @@ static void predict(foc_current_state_t *current, const foc_period_t *period)
     state->periods++;
 }
 
-static dq16_t saturated(dq_t i)
-{
-    const dq16_t out = {.v = q_pair(q_saturate16(i.d), q_saturate16(i.q))};
-    return out;
-}
-
-static abc_t phases_of(ab_t i)
-{
-    const int32_t beta_part = (i.beta * SQRT3_2_Q15) >> 15;
-    const int32_t half_alpha = i.alpha >> 1;
-    const abc_t out = {.a = i.alpha, .b = beta_part - half_alpha, .c = -beta_part - half_alpha};
-    return out;
-}
-
 /* The sensor that alone explains the sum: the residuals of the other two are below 5/16 of it.
  * SENSE_PHASES: none. All three cannot be, because they add up to the sum. */
 static uint8_t explained_by(abc_t residual, int32_t sum_pu)
@@ -189,11 +174,11 @@ void sensor_isolation_examine(foc_period_t *period, const uint16_t codes[SENSE_P
     }
     predict(current, period);
     const rotation_t angle = angle_rotation(period->theta_turn);
-    const ab_t predicted = transforms_inverse_park(saturated(state->predicted_pu), angle);
+    const ab_t predicted = transforms_inverse_park(dq16_saturated(state->predicted_pu), angle);
     const uint8_t without =
-        isolate(state, sense_phases(sense, codes), phases_of(predicted), sum_pu);
+        isolate(state, sense_phases(sense, codes), transforms_inverse_clarke(predicted), sum_pu);
     if (without == USE_PREDICTION) {
-        period->i_ab_pu.v = q_pair(q_saturate16(predicted.alpha), q_saturate16(predicted.beta));
+        period->i_ab_pu = ab16_saturated(predicted);
     } else if (without != SENSE_PHASES) {
         period->i_ab_pu = sense_without(sense, codes, without);
         state->predicted_pu = dq_of(transforms_park(period->i_ab_pu, angle));

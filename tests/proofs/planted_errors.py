@@ -124,7 +124,7 @@ PLANTED_IN_PROOFS = (
                  "const int32_t limited_d = q_limit(d, circle->radius_q15);",
                  "const int32_t limited_d = d;"),
     PlantedProofError("whole_step", "foc/foc.c",
-                 "q_pair(q_saturate16(u.alpha), q_saturate16(u.beta))", "q_pair(u.alpha, u.beta)"),
+                 "period->u_ab = ab16_saturated(u)", "period->u_ab.v = q_pair(u.alpha, u.beta)"),
     PlantedProofError("whole_step", "foc/foc.c",
                  "transforms_inverse_park(predicted, angle_applied)",
                  "transforms_inverse_park(i, angle_applied)"),

@@ -15,6 +15,7 @@
 #define angle_rotation(theta_turn) ((void)(theta_turn), any_rotation())
 #define modulation_index_square_q15(d, q) ((void)(d), (void)(q), any_within(0, 65536))
 #include "foc.c"
+#include "report.c"
 #undef modulation_index_square_q15
 #undef angle_rotation
 #include "operating_point.c"

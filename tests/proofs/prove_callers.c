@@ -21,7 +21,7 @@ static config_field_t any_field(uint32_t offset_bytes)
 }
 
 #define config_field_at any_field
-#include "foc.c"
+#include "report.c"
 #include "validate.c"
 
 config_t proof_config;

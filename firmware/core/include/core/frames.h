@@ -12,6 +12,7 @@
 #include <stdint.h>
 
 #include "core/pair.h"
+#include "core/q15.h"
 
 typedef struct {
     int32_t a, b, c; /* phases */
@@ -35,6 +36,20 @@ typedef struct {
     q_pair_t v;
 } dq16_t;
 
+/* Components saturated to 16 bits. */
+Q_TARGET_INLINE ab16_t ab16_saturated(ab_t a)
+{
+    const ab16_t out = {.v = q_pair(q_saturate16(a.alpha), q_saturate16(a.beta))};
+    return out;
+}
+
+Q_TARGET_INLINE dq16_t dq16_saturated(dq_t a)
+{
+    const dq16_t out = {.v = q_pair(q_saturate16(a.d), q_saturate16(a.q))};
+    return out;
+}
+
+/* Components within 16 bits. */
 Q_TARGET_INLINE dq16_t dq16_of(dq_t a)
 {
     const dq16_t out = {.v = q_pair(a.d, a.q)};

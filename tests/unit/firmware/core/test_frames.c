@@ -26,3 +26,17 @@ void test_frames_have_no_padding(void)
     TEST_ASSERT_EQUAL_UINT(2 * sizeof(int32_t), sizeof(ab_t));
     TEST_ASSERT_EQUAL_UINT(2 * sizeof(int32_t), sizeof(dq_t));
 }
+
+void test_packed_vectors_saturate_each_component_by_itself(void)
+{
+    static const int32_t VALUES[][2] = {{0, 0},           {32767, 32767},   {32768, 32767},
+                                        {-32768, -32768}, {-32769, -32768}, {-70000, -32768}};
+    for (int k = 0; k < 6; k++) {
+        const ab_t ab = {.alpha = VALUES[k][0], .beta = 5};
+        const dq_t dq = {.d = -5, .q = VALUES[k][0]};
+        TEST_ASSERT_EQUAL_INT32(VALUES[k][1], q_pair_x(ab16_saturated(ab).v));
+        TEST_ASSERT_EQUAL_INT32(5, q_pair_y(ab16_saturated(ab).v));
+        TEST_ASSERT_EQUAL_INT32(-5, q_pair_x(dq16_saturated(dq).v));
+        TEST_ASSERT_EQUAL_INT32(VALUES[k][1], q_pair_y(dq16_saturated(dq).v));
+    }
+}

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The parts of a period of the fast loop from chosen states: which angle, which sums, when the
- * field is weakened, and every field of the report. */
+ * field is weakened, and what the observer gets. */
 #include "foc.c" /* its functions are private */
 
 #include "foc_rig.h"
@@ -140,86 +140,4 @@ void test_observer_meets_the_voltage_that_acts_and_the_current_of_the_period(voi
     TEST_ASSERT_EQUAL_INT32(expected.beta_q30, foc.observer.beta_q30);
     TEST_ASSERT_EQUAL_HEX32(expected.theta_q32, foc.observer.theta_q32);
     TEST_ASSERT_TRUE(foc.observer.beta_q30 > 4000 * 20000);
-}
-
-/* ---- Report ---- */
-
-void test_every_copied_field_is_that_of_the_state(void)
-{
-    memset(&report, 0, sizeof(report));
-    foc.period.voltage.unsaturated_d_q25 = 101;
-    foc.period.voltage.unsaturated_q_q25 = 102;
-    foc.period.voltage.applied.v = q_pair(103, 104);
-    foc.observer.x.v = q_pair(105, 106);
-    foc.period.theta_turn = 107;
-    foc.period.step_count = 65536 + 108;
-    foc.sums.i_d_pu = 109;
-    foc.period.i_pu.v = q_pair(110, 111);
-    foc.period.current_sum_pu = 112;
-    foc.current.isolation.phase = 1;
-    foc.current.isolation.undetermined = true;
-    foc.weakening.current_q28 = -113 * 8192;
-    for (int x = 0; x < SENSE_PHASES; x++) {
-        foc.current.sense.offset_q4[x] = 114 + x;
-    }
-    foc.current.sense.calibrated = true;
-    foc.period.rotor.speed_q32 = 117;
-    foc.period.rotor.valid = true;
-    foc.period.rotor.faults = 118;
-    foc.period.rotor.theta_turn = 119;
-    foc.quadrant_transitions = 123;
-    foc.quadrant_step = 124;
-    foc.idle_alpha_pu = 125;
-    foc.idle_beta_pu = 126;
-    foc_report_copy(&foc, &report);
-    TEST_ASSERT_EQUAL_INT32(101, report.sample.unsaturated_d_q25);
-    TEST_ASSERT_EQUAL_INT32(102, report.sample.unsaturated_q_q25);
-    TEST_ASSERT_EQUAL_INT32(103, q_pair_x(report.u_pu.v));
-    TEST_ASSERT_EQUAL_INT32(104, q_pair_y(report.u_pu.v));
-    TEST_ASSERT_EQUAL_INT32(105, q_pair_x(report.sample.flux_q14.v));
-    TEST_ASSERT_EQUAL_UINT16(107, report.sample.theta_turn);
-    TEST_ASSERT_EQUAL_UINT16(108, report.sequence);
-    TEST_ASSERT_EQUAL_UINT32(109, report.sums.i_d_pu);
-    TEST_ASSERT_EQUAL_INT32(111, q_pair_y(report.i_pu.v));
-    TEST_ASSERT_EQUAL_INT32(112, report.current_sum_pu);
-    TEST_ASSERT_EQUAL_UINT8(2, report.wrong_current_sensor);
-    TEST_ASSERT_TRUE(report.current_undetermined);
-    TEST_ASSERT_EQUAL_INT32(-113, report.i_d_weakening_pu);
-    for (int x = 0; x < SENSE_PHASES; x++) {
-        TEST_ASSERT_EQUAL_INT32(114 + x, report.offset_q4[x]);
-    }
-    TEST_ASSERT_TRUE(report.offsets_done);
-    TEST_ASSERT_EQUAL_INT32(117, report.speed_q32);
-    TEST_ASSERT_TRUE(report.rotor_valid);
-    TEST_ASSERT_EQUAL_UINT16(118, report.rotor_faults);
-    TEST_ASSERT_EQUAL_UINT16(119, report.observer.sensor_turn);
-    TEST_ASSERT_EQUAL_UINT16(123, report.quadrant_transitions);
-    TEST_ASSERT_EQUAL_UINT16(124, report.quadrant_step);
-    TEST_ASSERT_EQUAL_UINT32(125, report.idle_alpha_pu);
-    TEST_ASSERT_EQUAL_UINT32(126, report.idle_beta_pu);
-}
-
-/* Its angle is that at the next sample. */
-void test_observer_is_reported_at_the_latest_sample(void)
-{
-    foc.observer.speed_q32 = 120 << 16;
-    foc.observer.theta_q32 = (1000U << 16) + 65535U;
-    for (uint32_t short_of = 0; short_of <= 1; short_of++) {
-        foc.observer.periods = foc.observer.acquisition_periods - short_of;
-        foc_report_copy(&foc, &report);
-        TEST_ASSERT_EQUAL_INT32(120 << 16, report.observer.speed_q32);
-        TEST_ASSERT_EQUAL_UINT16(880, report.observer.theta_turn);
-        TEST_ASSERT_EQUAL_INT(short_of == 0, report.observer.acquired);
-    }
-}
-
-/* cos 0 is 32 767/32 768: 30 002 becomes 30 001, and sqrt(3)/2 of it is 25 981.7. */
-void test_phase_currents_of_the_report_are_exact_to_the_last_unit(void)
-{
-    report.i_pu.v = q_pair(0, 30002);
-    report.sample.theta_turn = 0;
-    const abc_t phases = phase_currents(&report);
-    TEST_ASSERT_EQUAL_INT32(0, phases.a);
-    TEST_ASSERT_EQUAL_INT32(25981, phases.b);
-    TEST_ASSERT_EQUAL_INT32(-25981, phases.c);
 }

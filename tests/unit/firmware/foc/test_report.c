@@ -45,6 +45,76 @@ void test_the_initial_report_is_unlimited_with_mid_range_offsets(void)
     TEST_ASSERT_EQUAL_INT32(2048 * 16, report.offset_q4[2]);
 }
 
+void test_every_copied_field_is_that_of_the_state(void)
+{
+    fast_report_t report = {0};
+    foc.period.voltage.unsaturated_d_q25 = 101;
+    foc.period.voltage.unsaturated_q_q25 = 102;
+    foc.period.voltage.applied.v = q_pair(103, 104);
+    foc.observer.x.v = q_pair(105, 106);
+    foc.period.theta_turn = 107;
+    foc.period.step_count = 65536 + 108;
+    foc.sums.i_d_pu = 109;
+    foc.period.i_pu.v = q_pair(110, 111);
+    foc.period.current_sum_pu = 112;
+    foc.current.isolation.phase = 1;
+    foc.current.isolation.undetermined = true;
+    foc.weakening.current_q28 = -113 * 8192;
+    for (int x = 0; x < SENSE_PHASES; x++) {
+        foc.current.sense.offset_q4[x] = 114 + x;
+    }
+    foc.current.sense.calibrated = true;
+    foc.period.rotor.speed_q32 = 117;
+    foc.period.rotor.valid = true;
+    foc.period.rotor.faults = 118;
+    foc.period.rotor.theta_turn = 119;
+    foc.quadrant_transitions = 123;
+    foc.quadrant_step = 124;
+    foc.idle_alpha_pu = 125;
+    foc.idle_beta_pu = 126;
+    foc_report_copy(&foc, &report);
+    TEST_ASSERT_EQUAL_INT32(101, report.sample.unsaturated_d_q25);
+    TEST_ASSERT_EQUAL_INT32(102, report.sample.unsaturated_q_q25);
+    TEST_ASSERT_EQUAL_INT32(103, q_pair_x(report.u_pu.v));
+    TEST_ASSERT_EQUAL_INT32(104, q_pair_y(report.u_pu.v));
+    TEST_ASSERT_EQUAL_INT32(105, q_pair_x(report.sample.flux_q14.v));
+    TEST_ASSERT_EQUAL_UINT16(107, report.sample.theta_turn);
+    TEST_ASSERT_EQUAL_UINT16(108, report.sequence);
+    TEST_ASSERT_EQUAL_UINT32(109, report.sums.i_d_pu);
+    TEST_ASSERT_EQUAL_INT32(111, q_pair_y(report.i_pu.v));
+    TEST_ASSERT_EQUAL_INT32(112, report.current_sum_pu);
+    TEST_ASSERT_EQUAL_UINT8(2, report.wrong_current_sensor);
+    TEST_ASSERT_TRUE(report.current_undetermined);
+    TEST_ASSERT_EQUAL_INT32(-113, report.i_d_weakening_pu);
+    for (int x = 0; x < SENSE_PHASES; x++) {
+        TEST_ASSERT_EQUAL_INT32(114 + x, report.offset_q4[x]);
+    }
+    TEST_ASSERT_TRUE(report.offsets_done);
+    TEST_ASSERT_EQUAL_INT32(117, report.speed_q32);
+    TEST_ASSERT_TRUE(report.rotor_valid);
+    TEST_ASSERT_EQUAL_UINT16(118, report.rotor_faults);
+    TEST_ASSERT_EQUAL_UINT16(119, report.observer.sensor_turn);
+    TEST_ASSERT_EQUAL_UINT16(123, report.quadrant_transitions);
+    TEST_ASSERT_EQUAL_UINT16(124, report.quadrant_step);
+    TEST_ASSERT_EQUAL_UINT32(125, report.idle_alpha_pu);
+    TEST_ASSERT_EQUAL_UINT32(126, report.idle_beta_pu);
+}
+
+/* Its angle is that at the next sample. */
+void test_observer_is_reported_at_the_latest_sample(void)
+{
+    foc.observer.speed_q32 = 120 << 16;
+    foc.observer.theta_q32 = (1000U << 16) + 65535U;
+    for (uint32_t short_of = 0; short_of <= 1; short_of++) {
+        foc.observer.periods = foc.observer.acquisition_periods - short_of;
+        fast_report_t report;
+        foc_report_copy(&foc, &report);
+        TEST_ASSERT_EQUAL_INT32(120 << 16, report.observer.speed_q32);
+        TEST_ASSERT_EQUAL_UINT16(880, report.observer.theta_turn);
+        TEST_ASSERT_EQUAL_INT(short_of == 0, report.observer.acquired);
+    }
+}
+
 /* The slow context may complete the same copy again if the fast loop has made no new one. */
 void test_completing_a_report_again_leaves_it_as_it_is(void)
 {

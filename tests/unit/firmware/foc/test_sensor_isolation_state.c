@@ -160,15 +160,6 @@ void test_prediction_is_limited_to_twice_the_largest_current(void)
     }
 }
 
-void test_phases_of_a_vector_are_exact_to_the_last_unit(void)
-{
-    const ab_t i = {.alpha = 1001, .beta = 30001}; /* sqrt(3)/2 of it: 25 981.7 */
-    const abc_t phases = phases_of(i);
-    TEST_ASSERT_EQUAL_INT32(1001, phases.a);
-    TEST_ASSERT_EQUAL_INT32(25981 - 500, phases.b);
-    TEST_ASSERT_EQUAL_INT32(-25981 - 500, phases.c);
-}
-
 /* ---- Explanation ---- */
 
 /* Of a sum of 1 600 and 1 615 alike 5/16 are 500, in whole sixteenths. */

@@ -93,3 +93,24 @@ void test_advancing_an_angle_equals_adding_the_angles(void)
         }
     }
 }
+
+void test_phases_of_a_vector_are_exact_to_the_last_unit(void)
+{
+    const ab_t i = {.alpha = 1001, .beta = 30001}; /* sqrt(3)/2 of it: 25 981.7 */
+    const abc_t phases = transforms_inverse_clarke(i);
+    TEST_ASSERT_EQUAL_INT32(1001, phases.a);
+    TEST_ASSERT_EQUAL_INT32(25981 - 500, phases.b);
+    TEST_ASSERT_EQUAL_INT32(-25981 - 500, phases.c);
+}
+
+void test_phases_add_up_to_zero_but_for_rounding(void)
+{
+    for (int32_t alpha = -65535; alpha <= 65535; alpha += 4369) {
+        for (int32_t beta = -65535; beta <= 65535; beta += 4369) {
+            const ab_t x = {.alpha = alpha, .beta = beta};
+            const abc_t phases = transforms_inverse_clarke(x);
+            TEST_ASSERT_INT32_WITHIN(1, 0, phases.a + phases.b + phases.c);
+            TEST_ASSERT_DOUBLE_WITHIN(2.0, beta, (phases.b - phases.c) / sqrt(3.0));
+        }
+    }
+}
