@@ -41,7 +41,7 @@ void emf_observer_init(emf_observer_t *observer, const config_t *config)
 void emf_observer_reset(emf_observer_t *observer)
 {
     const ab16_t zero = {.v = q_pair(0, 0)};
-    if (observer->periods >= observer->acquisition_periods) {
+    if (emf_observer_acquired(observer)) {
         observer->start_speed_q32 = observer->speed_q32;
     }
     observer->alpha_q30 = 0;
@@ -66,7 +66,7 @@ static uint32_t octant_q32(q_pair_t x)
 
 void emf_observer_acquire(emf_observer_t *observer)
 {
-    if (observer->periods >= observer->acquisition_periods) {
+    if (emf_observer_acquired(observer)) {
         return;
     }
     observer->periods += EMF_OBSERVER_ACQUIRE_PERIODS;
@@ -74,7 +74,7 @@ void emf_observer_acquire(emf_observer_t *observer)
         observer->theta_q32 = octant_q32(observer->x.v);
         observer->speed_q32 = observer->start_speed_q32;
     }
-    if (observer->periods >= observer->acquisition_periods) {
+    if (emf_observer_acquired(observer)) {
         observer->gains = observer->tracking;
     }
 }

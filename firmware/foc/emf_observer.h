@@ -15,6 +15,7 @@
 #ifndef FOC_EMF_OBSERVER_H
 #define FOC_EMF_OBSERVER_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "config/config.h"
@@ -32,6 +33,19 @@ enum {
 
 /* config: accepted by config_validate(). Divides. */
 void emf_observer_init(emf_observer_t *observer, const config_t *config);
+
+/* The rotor's angle at the next sample: that of x less its lead. */
+static inline uint16_t emf_observer_rotor_turn(const emf_observer_t *observer,
+                                               const observer_tuning_t *tuning)
+{
+    return (uint16_t)((observer->theta_q32 >> 16) - tuning->lead_turn);
+}
+
+/* The acquisition is complete. */
+static inline bool emf_observer_acquired(const emf_observer_t *observer)
+{
+    return observer->periods >= observer->acquisition_periods;
+}
 
 /* Bridge not switching: the next period is a start. */
 void emf_observer_reset(emf_observer_t *observer);
@@ -67,9 +81,11 @@ Q_TARGET_INLINE void emf_observer_step(emf_observer_t *restrict observer, ab16_t
     const int32_t driven_beta_q30 = q_pair_mac_y(beta_q30, volt, u.v);
     const int32_t left_alpha_q30 = q_pair_mac_x(driven_alpha_q30, resistance, i.v);
     const int32_t left_beta_q30 = q_pair_mac_y(driven_beta_q30, resistance, i.v);
-    observer->alpha_q30 = q_saturate31(q_pair_mac_x(left_alpha_q30, leak, x));
-    observer->beta_q30 = q_saturate31(q_pair_mac_y(left_beta_q30, leak, x));
+    const int32_t next_alpha_q30 = q_saturate31(q_pair_mac_x(left_alpha_q30, leak, x));
+    const int32_t next_beta_q30 = q_saturate31(q_pair_mac_y(left_beta_q30, leak, x));
     observer->x.v = x;
+    observer->alpha_q30 = next_alpha_q30;
+    observer->beta_q30 = next_beta_q30;
 
     /* The sine of the angle error, times |x| scaled by a power of two into 1/2 .. 1. */
     const uint32_t halvings = scaled_leading_zeros(q_pair_square(x) | 1U) >> 1;

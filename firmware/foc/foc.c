@@ -6,8 +6,7 @@
 #include "current_predictor.h"
 #include "emf_observer.h"
 #include "field_weakening.h"
-#include "frozen_currents.h"
-#include "idle.h"
+#include "idle_currents.h"
 #include "modulation.h"
 #include "reference_prefilter.h"
 #include "rotor.h"
@@ -45,55 +44,6 @@ void foc_current_step(foc_state_t *restrict state, const uint16_t *restrict code
     modulation_step(&current->modulation, u, trim, current->on_q16);
 }
 
-/* The next period's field-weakening current. A change of it re-applies the setpoint, also when it
- * has just returned to zero. */
-static void weaken_field(foc_state_t *state, const config_t *config)
-{
-    const voltage_out_t *voltage = &state->period.voltage;
-    const int32_t margin_q15 = field_weakening_margin_q15(
-        &state->weakening, q_pair_x(voltage->applied.v), voltage_unsaturated(voltage).q);
-    if (margin_q15 < 0) {
-        current_controller_keep_reserve(&state->current.controller, voltage);
-    }
-    if (margin_q15 < 0 || state->weakening.current_q28 != 0) {
-        field_weakening_step(&state->weakening, margin_q15,
-                             config->current_loop.field_weakening_gain_pu_q15,
-                             config->current_loop.field_weakening_current_pu_q15);
-        state->sequence = FOC_NO_SETPOINT;
-    }
-}
-
-static bool at_hall_edge(const rotor_state_t *rotor)
-{
-    return rotor->sensor == CONFIG_ROTOR_HALL && rotor->hall.periods_since_edge == 0;
-}
-
-/* A new setpoint that meets a hall edge waits one period, so that the two longest computations
- * never meet. */
-static bool setpoint_is_due(foc_state_t *state)
-{
-    state->postponed = at_hall_edge(&state->rotor) && !state->postponed;
-    return !state->postponed;
-}
-
-/* Returns true if the readings are frozen. A look comes one period before the other tasks. */
-static bool do_spare_task(foc_state_t *state, const config_t *config, const foc_input_t *in)
-{
-    frozen_currents_t *const frozen = &state->current.frozen;
-    const uint32_t step_count = state->spare_step++;
-    if (at_hall_edge(&state->rotor)) {
-        return false;
-    }
-    if (frozen_currents_due(&state->period) &&
-        step_count - frozen->last_step >= SPARE_TASKS_PERIODS - 1U) {
-        return frozen_currents_step(frozen, &state->period, in->phase_current_code);
-    }
-    state->spare_step = spare_tasks_next(step_count);
-    weaken_field(state, config);
-    emf_observer_acquire(&state->observer);
-    return false;
-}
-
 /* |u| <= 1 and |i| <= 1.42: the sum of products is below 2^31. */
 static void add_sums(foc_sums_t *sums, const foc_period_t *period)
 {
@@ -108,18 +58,23 @@ static void add_sums(foc_sums_t *sums, const foc_period_t *period)
     *sums = now;
 }
 
-/* What both kinds of period begin and end with. Returns the number of this period. */
-Q_TARGET_INLINE uint32_t begin_period(foc_state_t *state, const config_t *config,
-                                      const fast_setpoint_t *setpoint, const foc_input_t *in)
+/* The rotor by its sensor, and the angle in use: the sensor's or the observer's. */
+Q_TARGET_INLINE void estimate_rotor(foc_state_t *state, const config_t *config,
+                                    const observer_tuning_t *tuning, const foc_input_t *in)
 {
-    rotor_step(&state->rotor, config, in, &state->observer, setpoint->observer.lead_turn,
-               &state->period.rotor);
-    state->period.theta_turn = state->period.rotor.theta_turn;
-    if (setpoint->observer.used) {
-        state->period.theta_turn =
-            (uint16_t)((state->observer.theta_q32 >> 16) - setpoint->observer.lead_turn);
+    foc_period_t *const period = &state->period;
+    rotor_step(&state->rotor, config, in, &state->observer, tuning, &period->rotor);
+    period->theta_turn = period->rotor.theta_turn;
+    if (tuning->used) {
+        period->theta_turn = emf_observer_rotor_turn(&state->observer, tuning);
     }
-    return ++state->period.step_count;
+}
+
+/* The observer gets the voltage that acts from this sample on: that of the period before. */
+Q_TARGET_INLINE void observe_rotor(foc_state_t *state, const observer_tuning_t *tuning)
+{
+    emf_observer_step(&state->observer, state->u_acting, state->period.i_ab_pu, tuning);
+    state->u_acting = state->period.u_ab;
 }
 
 static void end_period(foc_state_t *state, const foc_input_t *in)
@@ -131,28 +86,71 @@ static void end_period(foc_state_t *state, const foc_input_t *in)
 bool foc_step(foc_state_t *state, const config_t *config, const fast_setpoint_t *setpoint,
               const foc_input_t *in)
 {
-    const uint32_t step_count = begin_period(state, config, setpoint, in);
-    if (state->sequence != setpoint->sequence && setpoint_is_due(state)) {
-        setpoint_apply(state, setpoint);
-        state->spare_step = spare_tasks_after_setpoint(state->spare_step, step_count);
-    }
+    state->period.step_count++;
+    estimate_rotor(state, config, &setpoint->observer, in);
+    setpoint_step(state, setpoint);
     foc_current_step(state, in->phase_current_code);
-    bool frozen = false;
-    if (step_count == state->spare_step) {
-        frozen = do_spare_task(state, config, in);
-    }
-    emf_observer_step(&state->observer, state->u_acting, state->period.i_ab_pu,
-                      &setpoint->observer);
-    state->u_acting = state->period.u_ab;
+    const bool frozen = spare_tasks_step(state, config, in->phase_current_code);
+    observe_rotor(state, &setpoint->observer);
     end_period(state, in);
     return frozen;
+}
+
+static void measure_idle_current(foc_state_t *state, const uint16_t codes[SENSE_PHASES])
+{
+    foc_period_t *const period = &state->period;
+    const sense_out_t sensed = sense_step(&state->current.sense, codes, state->current.on_q16);
+    const ab16_t i = sensor_isolation_current(&state->current, codes, sensed.i);
+    period->i_ab_pu = i;
+    period->current_sum_pu = sensed.sum_pu;
+    period->i_pu = transforms_park(i, angle_rotation(period->theta_turn));
+    idle_currents_step(&state->idle, i, period->step_count);
+}
+
+/* What only a switching bridge needs: zero, so that the next start is without a step. It applies
+ * its setpoint at once, also at a hall edge. */
+static void reset_control(foc_state_t *state)
+{
+    static const foc_period_t ZERO;
+    foc_period_t *const period = &state->period;
+    period->i_reference_pu = ZERO.i_reference_pu;
+    period->voltage = ZERO.voltage;
+    period->u_ab = ZERO.u_ab;
+    state->u_acting = ZERO.u_ab;
+    emf_observer_reset(&state->observer);
+    current_controller_reset(&state->current.controller);
+    reference_prefilter_reset(&state->prefilter);
+    current_predictor_reset(&state->current.predictor);
+    state->weakening.current_q28 = 0;
+    modulation_centre(&state->current.modulation, state->current.on_q16);
+    state->sequence = FOC_NO_SETPOINT;
+    state->postponed = true;
+    state->spare_step = spare_tasks_next(period->step_count);
+}
+
+/* The calibration begins anew when it is asked for again. */
+static void calibrate_offsets(foc_state_t *state, bool wanted, const uint16_t codes[SENSE_PHASES])
+{
+    if (wanted) {
+        if (!state->calibrating) {
+            sense_calibrate_restart(&state->current.sense);
+        }
+        sense_calibrate_step(&state->current.sense, codes);
+    }
+    state->calibrating = wanted;
 }
 
 void foc_idle_step(foc_state_t *state, const config_t *config, const fast_setpoint_t *setpoint,
                    const foc_input_t *in)
 {
-    (void)begin_period(state, config, setpoint, in);
-    idle_step(state, setpoint, in->phase_current_code);
+    state->period.step_count++;
+    estimate_rotor(state, config, &setpoint->observer, in);
+    measure_idle_current(state, in->phase_current_code);
+    reset_control(state);
+    if (setpoint->clear_trip) {
+        sensor_isolation_acknowledge(&state->current.isolation);
+    }
+    calibrate_offsets(state, setpoint->calibrate_offsets, in->phase_current_code);
     end_period(state, in);
 }
 
@@ -171,7 +169,7 @@ void foc_init(foc_state_t *state, const config_t *config, int32_t timer_Hz)
     emf_observer_init(&state->observer, config);
     state->sequence = FOC_NO_SETPOINT;
     state->spare_step = spare_tasks_next(0);
-    idle_centre_on_times(&state->current);
+    modulation_centre(&state->current.modulation, state->current.on_q16);
 }
 
 int32_t foc_modulation_limit_q15(const config_t *config, int32_t timer_Hz)

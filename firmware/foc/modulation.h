@@ -34,6 +34,14 @@ modulation_t modulation_of(int32_t period_counts, int32_t min_pulse_counts, int3
 /* Full dead-time correction of the configuration, counts, at the battery's middle voltage. */
 int32_t modulation_dead_time_counts(const config_t *config, int32_t timer_Hz);
 
+/* Half the period on every leg. */
+static inline void modulation_centre(const modulation_t *modulation, int32_t on_q16[SENSE_PHASES])
+{
+    for (int x = 0; x < SENSE_PHASES; x++) {
+        on_q16[x] = modulation->centre_q16;
+    }
+}
+
 /*
  * Dead-time correction of each phase as a share of the full one, Q15, -1 .. 1. i: predicted
  * current, |i| <= 1.007. Phase a is alpha, b and c are +-sqrt(3)/2 beta - alpha/2, over the zone.

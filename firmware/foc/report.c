@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "core/angle.h"
 #include "current_controller.h"
+#include "emf_observer.h"
 #include "field_weakening.h"
 #include "foc/foc.h"
 #include "modulation_index.h"
@@ -36,11 +37,11 @@ void foc_report_copy(const foc_state_t *state, fast_report_t *report)
     report->observer.speed_q32 = speed_q32;
     report->observer.theta_turn = (uint16_t)((observer->theta_q32 - (uint32_t)speed_q32) >> 16);
     report->observer.sensor_turn = period->rotor.theta_turn;
-    report->observer.acquired = observer->periods >= observer->acquisition_periods;
-    report->quadrant_transitions = state->quadrant_transitions;
-    report->quadrant_step = state->quadrant_step;
-    report->idle_alpha_pu = state->idle_alpha_pu;
-    report->idle_beta_pu = state->idle_beta_pu;
+    report->observer.acquired = emf_observer_acquired(observer);
+    report->quadrant_transitions = state->idle.quadrant_transitions;
+    report->quadrant_step = state->idle.quadrant_step;
+    report->idle_alpha_pu = state->idle.alpha_pu;
+    report->idle_beta_pu = state->idle.beta_pu;
 }
 
 void foc_report_complete(fast_report_t *report)

@@ -11,6 +11,7 @@
 #include <stdint.h>
 
 #include "config/config.h"
+#include "emf_observer.h"
 #include "foc/input.h"
 #include "foc/state.h"
 #include "hall.h"
@@ -21,11 +22,18 @@ void rotor_init(rotor_state_t *state, const config_t *config);
 void rotor_other_step(rotor_state_t *state, const config_t *config, const foc_input_t *in,
                       rotor_out_t *out);
 
+/* In a period in which the hall sensors have changed; false without them. */
+static inline bool rotor_at_hall_edge(const rotor_state_t *state)
+{
+    return state->sensor == CONFIG_ROTOR_HALL && state->hall.periods_since_edge == 0;
+}
+
 /* out: always the same structure; unchanged fields are not written. The sensor is looked up only
  * in a period with an event; without hall sensors that is every period, because hall_init() leaves
  * an edge overdue. */
 static inline void rotor_step(rotor_state_t *state, const config_t *config, const foc_input_t *in,
-                              const emf_observer_t *observer, uint16_t lead_turn, rotor_out_t *out)
+                              const emf_observer_t *observer, const observer_tuning_t *tuning,
+                              rotor_out_t *out)
 {
     hall_t *hall = &state->hall;
     if (!hall_extrapolate(hall, in->hall_state)) {
@@ -34,8 +42,8 @@ static inline void rotor_step(rotor_state_t *state, const config_t *config, cons
             return;
         }
         const hall_observed_t observed = {
-            .theta_turn = (uint16_t)((observer->theta_q32 >> 16) - lead_turn),
-            .known = observer->periods >= observer->acquisition_periods,
+            .theta_turn = emf_observer_rotor_turn(observer, tuning),
+            .known = emf_observer_acquired(observer),
         };
         hall_process_event(hall, config, in->hall_state, observed);
         out->speed_q32 = hall->speed_q32;

@@ -6,6 +6,8 @@
 #include "current_predictor.h"
 #include "field_weakening.h"
 #include "reference_prefilter.h"
+#include "rotor.h"
+#include "spare_tasks.h"
 
 Q_TARGET_INLINE dq_t inside_circle(const circle_t *circle, int32_t d, int32_t q)
 {
@@ -14,7 +16,13 @@ Q_TARGET_INLINE dq_t inside_circle(const circle_t *circle, int32_t d, int32_t q)
     return out;
 }
 
-void setpoint_apply(foc_state_t *state, const fast_setpoint_t *setpoint)
+static bool is_due(foc_state_t *state)
+{
+    state->postponed = rotor_at_hall_edge(&state->rotor) && !state->postponed;
+    return !state->postponed;
+}
+
+static void apply(foc_state_t *state, const fast_setpoint_t *setpoint)
 {
     foc_current_state_t *current = &state->current;
     const dq_t reference =
@@ -41,5 +49,13 @@ void setpoint_apply(foc_state_t *state, const fast_setpoint_t *setpoint)
     current->gains = current_gains_of(&setpoint->tuning, current->predictor.weight_q15, target);
     current->advance = setpoint->tuning.advance;
     current->slope = setpoint->dead_time_slope;
+    state->spare_step = spare_tasks_after_setpoint(state->spare_step, state->period.step_count);
     state->calibrating = false;
+}
+
+void setpoint_take(foc_state_t *state, const fast_setpoint_t *setpoint)
+{
+    if (is_due(state)) {
+        apply(state, setpoint);
+    }
 }

@@ -12,8 +12,18 @@
 /* Largest |i_d_sampling_correction_pu| that is used. */
 enum { SETPOINT_SAMPLING_CORRECTION_PU = 200 };
 
-/* state->period.i_reference_pu becomes the setpoint plus the field-weakening current, prefiltered
- * and limited to the current circle with priority for d. */
-void setpoint_apply(foc_state_t *state, const fast_setpoint_t *setpoint);
+/* A setpoint that is not the one in use. state->period.i_reference_pu becomes the setpoint plus the
+ * field-weakening current, prefiltered and limited to the current circle with priority for d; the
+ * spare tasks wait for another period. At a hall edge the setpoint waits one period, so that the
+ * two longest computations never meet. */
+void setpoint_take(foc_state_t *state, const fast_setpoint_t *setpoint);
+
+/* Every period with the bridge switching. */
+static inline void setpoint_step(foc_state_t *state, const fast_setpoint_t *setpoint)
+{
+    if (state->sequence != setpoint->sequence) {
+        setpoint_take(state, setpoint);
+    }
+}
 
 #endif

@@ -130,7 +130,7 @@ PLANTED_IN_PROOFS = (
                  "transforms_inverse_park(i, angle_applied)"),
     PlantedProofError("whole_step", "foc/foc.c",
                  "q_saturate13(in->bus_voltage_code) * 8", "in->bus_voltage_code * 8"),
-    PlantedProofError("whole_idle_step", "foc/idle.c",
+    PlantedProofError("whole_idle_step", "foc/foc.c",
                  "period->i_pu = transforms_park(i,",
                  "period->i_pu = transforms_park((ab16_t){.v = q_pair(sensed.sum_pu, 0)},"),
     PlantedProofError("frozen_currents", "foc/frozen_currents.c",

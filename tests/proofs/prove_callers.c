@@ -36,7 +36,7 @@ void prove_board_temperatures(void)
     PROOF_END();
 }
 
-/* i_pu is what transforms_park() gives, in foc.c and idle.c; the field-weakening current
+/* i_pu is what transforms_park() gives, in foc.c; the field-weakening current
  * what prove_field_weakening() leaves. */
 void prove_reported_currents(void)
 {

@@ -4,7 +4,7 @@
  * within the ranges of fast_ranges.h stays within them. Each kernel is replaced by its contract:
  * NAME_by_contract() proves what the proof of the kernel assumes, gives any result within the
  * ranges proved there, and names that proof. What is not replaced are the sources that connect
- * them: foc.c, idle.c, setpoint.c.
+ * them: foc.c, setpoint.c, spare_tasks.c, idle_currents.c.
  */
 #include "core/circle.h"
 #include "current_predictor.h"
@@ -13,13 +13,14 @@
 #include "field_weakening.h"
 #include "frozen_currents.h"
 #include "hall.h"
-#include "idle.h"
+#include "idle_currents.h"
 #include "modulation.h"
 #include "reference_contracts.h"
 #include "reference_prefilter.h"
 #include "rotor.h"
 #include "sensor_isolation.h"
 #include "setpoint.h"
+#include "spare_tasks.h"
 #include "transforms.h"
 
 /* The state before the step, of which the rotor estimate may change only in its own step. */
@@ -29,11 +30,11 @@ static rotor_state_t rotor_made;
  * reading, observer and lead angle. */
 static void rotor_step_by_contract(rotor_state_t *state, const config_t *config,
                                    const foc_input_t *in, const emf_observer_t *observer,
-                                   uint16_t lead_turn, rotor_out_t *out)
+                                   const observer_tuning_t *tuning, rotor_out_t *out)
 {
     rotor_state_t any_state;
     rotor_out_t any_out;
-    (void)config, (void)in, (void)observer, (void)lead_turn;
+    (void)config, (void)in, (void)observer, (void)tuning;
     any_state.sensor = state->sensor;
     rotor_made = any_state;
     *state = any_state;
@@ -293,7 +294,9 @@ static void emf_observer_step_by_contract(emf_observer_t *observer, ab16_t u, ab
 
 #include "setpoint.c"
 
-#include "idle.c"
+#include "spare_tasks.c"
+
+#include "idle_currents.c"
 
 /* prove_add_sums */
 static int32_t power_by_contract(q_pair_t u, q_pair_t i)

@@ -48,7 +48,7 @@ static void apply_any_setpoint(int32_t radius)
         .i_reference_pu = {.d = nondet_int16(), .q = nondet_int16()},
         .tuning = no_tuning(),
     };
-    setpoint_apply(&state, &setpoint);
+    apply(&state, &setpoint);
     const dq_t reference = prefilter->reference_pu;
     PROVE(reference.d >= -radius && reference.d <= radius);
     PROVE(setpoint.i_reference_pu.q >= 0

@@ -227,6 +227,14 @@ typedef struct {
     dq16_t applied;                               /* Q15, inside the unit circle */
 } voltage_out_t;
 
+/* idle_currents.h */
+typedef struct {
+    uint32_t quadrant;             /* of the current vector, 0 .. 3 */
+    uint16_t quadrant_transitions; /* wrapping; forward counts up */
+    uint16_t quadrant_step;        /* step_count at the latest of them */
+    uint32_t alpha_pu, beta_pu;    /* sums of the current, wrapping */
+} idle_currents_t;
+
 /* One period: what was measured and what was done. */
 typedef struct {
     rotor_out_t rotor;      /* by the sensor */
@@ -251,13 +259,10 @@ typedef struct {
     reference_prefilter_t prefilter;
     field_weakening_t weakening;
     foc_sums_t sums;
-    uint32_t spare_step;                  /* step_count at which the spare tasks are due */
-    int32_t sequence;                     /* of the setpoint in use, or FOC_NO_SETPOINT */
-    uint32_t quadrant;                    /* of the current vector with the bridge off, 0 .. 3 */
-    uint16_t quadrant_transitions;        /* wrapping; forward counts up */
-    uint16_t quadrant_step;               /* step_count at the latest of them */
-    uint32_t idle_alpha_pu, idle_beta_pu; /* sums of the current with the bridge off, wrapping */
-    bool calibrating;
+    uint32_t spare_step; /* step_count at which the spare tasks are due */
+    int32_t sequence;    /* of the setpoint in use, or FOC_NO_SETPOINT */
+    idle_currents_t idle;
+    bool calibrating; /* of the current sensors, in the latest period with the bridge off */
     bool postponed; /* a new setpoint has waited for a hall edge; true at a start, which never waits
                      */
 } foc_state_t;

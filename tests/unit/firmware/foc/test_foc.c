@@ -3,9 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "config/bases.h"
-#include "field_weakening.h"
-#include "sense.h"
+#include "foc.c" /* its functions are private */
 
 #include "foc_rig.h"
 
@@ -35,6 +33,69 @@ static void applied(double *alpha, double *beta)
                           foc.current.on_q16[2] >> 16};
     *alpha = (2.0 * on[0] - on[1] - on[2]) / 3.0 / PERIOD_COUNTS;
     *beta = (on[1] - on[2]) / sqrt(3.0) / PERIOD_COUNTS;
+}
+
+void test_first_state_is_zero_but_for_what_is_initialised(void)
+{
+    memset(&foc, 0x55, sizeof(foc));
+    foc_init(&foc, &config, BASES_MODEL_TIMER_Hz);
+    TEST_ASSERT_EQUAL_UINT16(0, foc.period.rotor.theta_turn);
+    TEST_ASSERT_EQUAL_UINT16(0, foc.period.theta_turn);
+    TEST_ASSERT_EQUAL_UINT32(0, foc.period.step_count);
+    TEST_ASSERT_EQUAL_INT32(FOC_NO_SETPOINT, foc.sequence);
+    TEST_ASSERT_EQUAL_UINT32(66, foc.observer.acquisition_periods); /* 20 000/300 */
+    for (int x = 0; x < SENSE_PHASES; x++) {
+        TEST_ASSERT_EQUAL_INT32(PERIOD_COUNTS / 2, foc.current.on_q16[x] >> 16);
+    }
+}
+
+void test_sums_grow_by_the_values_of_the_period(void)
+{
+    foc_sums_t sums = {.i_d_pu = 10, .i_q_pu = 20, .power_pu = 30, .v_dc_pu = 40};
+    foc.period.i_pu.v = q_pair(-1024, 2048);
+    foc.period.voltage.applied.v = q_pair(64, 96); /* - 2 + 6 */
+    foc.period.v_dc_pu = 1000;
+    add_sums(&sums, &foc.period);
+    TEST_ASSERT_EQUAL_INT32(10 - 1024, (int32_t)sums.i_d_pu);
+    TEST_ASSERT_EQUAL_UINT32(20 + 2048, sums.i_q_pu);
+    TEST_ASSERT_EQUAL_UINT32(30 + 4, sums.power_pu);
+    TEST_ASSERT_EQUAL_UINT32(40 + 1000, sums.v_dc_pu);
+}
+
+void test_observed_angle_less_its_lead_is_used_if_the_setpoint_asks_for_it(void)
+{
+    in.rotor_angle_turn = 5000;
+    for (int used = 0; used <= 1; used++) {
+        restart();
+        setpoint.observer.used = used != 0;
+        setpoint.observer.lead_turn = 1000;
+        foc.observer.theta_q32 = (41000U << 16) + 65535U;
+        estimate_rotor(&foc, &config, &setpoint.observer, &in);
+        TEST_ASSERT_EQUAL_UINT16(used != 0 ? 40000 : 5000, foc.period.theta_turn);
+        TEST_ASSERT_EQUAL_UINT16(5000, foc.period.rotor.theta_turn);
+    }
+}
+
+void test_observer_meets_the_voltage_that_acts_and_the_current_of_the_period(void)
+{
+    setpoint.observer.volt = q_pair(5000, 5000);
+    setpoint.observer.minus_resistance = q_pair(-300, -300);
+    setpoint.tuning.forward_q_q25 = 20000 * 1024;
+    step(true);
+    /* Without an angle or a speed the voltage is the feed-forward, along beta. */
+    const ab16_t acting = foc.period.u_ab;
+    TEST_ASSERT_INT32_WITHIN(2, 0, q_pair_x(acting.v));
+    TEST_ASSERT_INT32_WITHIN(2, 20000, q_pair_y(acting.v));
+    emf_observer_t expected = foc.observer;
+    codes[1] = 2148;
+    codes[2] = 1948;
+    step(true);
+    TEST_ASSERT_INT32_WITHIN(1, 1847, q_pair_y(period->i_ab_pu.v)); /* 2 * 1600/sqrt 3 */
+    emf_observer_step(&expected, acting, period->i_ab_pu, &setpoint.observer);
+    TEST_ASSERT_EQUAL_INT32(expected.alpha_q30, foc.observer.alpha_q30);
+    TEST_ASSERT_EQUAL_INT32(expected.beta_q30, foc.observer.beta_q30);
+    TEST_ASSERT_EQUAL_HEX32(expected.theta_q32, foc.observer.theta_q32);
+    TEST_ASSERT_TRUE(foc.observer.beta_q30 > 4000 * 20000);
 }
 
 void test_idle_step_centres_the_legs_and_does_not_integrate(void)
@@ -173,6 +234,66 @@ void test_idle_step_resets_the_integrators(void)
     }
     step(true);
     TEST_ASSERT_EQUAL_INT32_ARRAY(first, foc.current.on_q16, 3);
+}
+
+void test_idle_step_resets_the_controller_state(void)
+{
+    setpoint.i_reference_pu.q = 5000;
+    for (int n = 0; n < 100; n++) {
+        step(true);
+    }
+    TEST_ASSERT_NOT_EQUAL(0, foc.current.controller.q.integrator_q30);
+    foc_idle_step(&foc, &config, &setpoint, &in);
+    TEST_ASSERT_EQUAL_INT32(0, foc.current.controller.q.integrator_q30);
+    TEST_ASSERT_EQUAL_INT32(0, dq_of(period->i_reference_pu).d);
+    TEST_ASSERT_EQUAL_INT32(0, dq_of(period->i_reference_pu).q);
+    TEST_ASSERT_EQUAL_INT32(0, q_pair_y(foc.current.predictor.predicted_pu.v));
+    TEST_ASSERT_EQUAL_INT32(FOC_NO_SETPOINT, foc.sequence);
+    for (int x = 0; x < SENSE_PHASES; x++) {
+        TEST_ASSERT_EQUAL_INT32(PERIOD_COUNTS / 2, foc.current.on_q16[x] >> 16);
+    }
+}
+
+void test_idle_step_applies_no_voltage_and_weakens_no_field(void)
+{
+    foc.period.voltage.unsaturated_d_q25 = 1;
+    foc.period.voltage.unsaturated_q_q25 = 2;
+    foc.period.voltage.applied.v = q_pair(3, 4);
+    foc.period.u_ab.v = q_pair(3, 4);
+    foc.u_acting.v = q_pair(3, 4);
+    foc.weakening.current_q28 = -5;
+    foc.observer.periods = 6;
+    foc.observer.x.v = q_pair(7, 8);
+    foc_idle_step(&foc, &config, &setpoint, &in);
+    TEST_ASSERT_EQUAL_INT32(0, period->voltage.unsaturated_d_q25);
+    TEST_ASSERT_EQUAL_INT32(0, period->voltage.unsaturated_q_q25);
+    TEST_ASSERT_EQUAL_INT32(0, q_pair_x(period->voltage.applied.v));
+    TEST_ASSERT_EQUAL_INT32(0, q_pair_y(period->voltage.applied.v));
+    TEST_ASSERT_EQUAL_INT32(0, q_pair_x(period->u_ab.v));
+    TEST_ASSERT_EQUAL_INT32(0, q_pair_y(period->u_ab.v));
+    TEST_ASSERT_EQUAL_INT32(0, q_pair_x(foc.u_acting.v));
+    TEST_ASSERT_EQUAL_INT32(0, q_pair_y(foc.u_acting.v));
+    TEST_ASSERT_EQUAL_INT32(0, foc.weakening.current_q28);
+    TEST_ASSERT_EQUAL_UINT32(0, foc.observer.periods);
+    TEST_ASSERT_EQUAL_INT32(0, q_pair_x(foc.observer.x.v));
+}
+
+/* Codes of 100 in phase b and -100 in c: no alpha current, beta 2 * 1600/sqrt 3 = 1847.5; then 50
+ * more in b, so that the sum is 800 and phase a is reconstructed as minus 800. */
+void test_idle_step_sums_up_the_current_of_the_stator(void)
+{
+    codes[1] = 2148;
+    codes[2] = 1948;
+    foc_idle_step(&foc, &config, &setpoint, &in);
+    TEST_ASSERT_EQUAL_INT32(0, q_pair_x(period->i_ab_pu.v));
+    TEST_ASSERT_INT32_WITHIN(1, 1847, q_pair_y(period->i_ab_pu.v));
+    TEST_ASSERT_EQUAL_INT32(0, period->current_sum_pu);
+    const int32_t beta = q_pair_y(period->i_ab_pu.v);
+    codes[1] = 2198;
+    foc_idle_step(&foc, &config, &setpoint, &in);
+    TEST_ASSERT_EQUAL_INT32(800, period->current_sum_pu);
+    TEST_ASSERT_EQUAL_INT32(-800, (int32_t)foc.idle.alpha_pu);
+    TEST_ASSERT_EQUAL_INT32(beta + q_pair_y(period->i_ab_pu.v), (int32_t)foc.idle.beta_pu);
 }
 
 void test_a_voltage_shortfall_raises_field_weakening_up_to_its_limit(void)

@@ -211,3 +211,15 @@ void test_rounding_of_a_leg_is_passed_on_to_the_last_fraction(void)
     TEST_ASSERT_EQUAL_HEX32((1000 << 16) + 0x7FFE, on_q16[1]); /* - 1 - 1 */
     TEST_ASSERT_EQUAL_HEX32((1000 << 16) + 0x7FFF, on_q16[2]); /* - 2 + 2/2 */
 }
+
+void test_centred_legs_are_on_for_half_the_period(void)
+{
+    for (int p = 0; p < PERIOD_COUNT; p++) {
+        const modulation_t modulation = modulation_of(PERIODS[p], 2, 0, Q15_ONE);
+        int32_t on_q16[3] = {0, 1, 2};
+        modulation_centre(&modulation, on_q16);
+        for (int x = 0; x < 3; x++) {
+            TEST_ASSERT_EQUAL_INT32(PERIODS[p] / 2, on_q16[x] >> 16);
+        }
+    }
+}

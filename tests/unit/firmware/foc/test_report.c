@@ -68,10 +68,10 @@ void test_every_copied_field_is_that_of_the_state(void)
     foc.period.rotor.valid = true;
     foc.period.rotor.faults = 118;
     foc.period.rotor.theta_turn = 119;
-    foc.quadrant_transitions = 123;
-    foc.quadrant_step = 124;
-    foc.idle_alpha_pu = 125;
-    foc.idle_beta_pu = 126;
+    foc.idle.quadrant_transitions = 123;
+    foc.idle.quadrant_step = 124;
+    foc.idle.alpha_pu = 125;
+    foc.idle.beta_pu = 126;
     foc_report_copy(&foc, &report);
     TEST_ASSERT_EQUAL_INT32(101, report.sample.unsaturated_d_q25);
     TEST_ASSERT_EQUAL_INT32(102, report.sample.unsaturated_q_q25);

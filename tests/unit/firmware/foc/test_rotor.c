@@ -37,7 +37,8 @@ static rotor_out_t look(uint16_t angle_turn, uint8_t hall_state, const encoder_i
     const foc_input_t in = {
         .rotor_angle_turn = angle_turn, .hall_state = hall_state, .encoder = *encoder};
     static const emf_observer_t NO_OBSERVER = {.acquisition_periods = 1};
-    rotor_step(&rotor, &config, &in, &NO_OBSERVER, 0, &out);
+    static const observer_tuning_t NO_LEAD;
+    rotor_step(&rotor, &config, &in, &NO_OBSERVER, &NO_LEAD, &out);
     return out;
 }
 
@@ -145,7 +146,8 @@ static void assert_observed(uint32_t periods, bool known)
     const foc_input_t in = {.hall_state = sensors};
     const emf_observer_t observer = {
         .theta_q32 = (44500U << 16) + 65535U, .periods = periods, .acquisition_periods = 66};
-    rotor_step(&rotor, &config, &in, &observer, 900, &out);
+    const observer_tuning_t tuning = {.lead_turn = 900};
+    rotor_step(&rotor, &config, &in, &observer, &tuning, &out);
     const hall_observed_t observed = {.theta_turn = 43600, .known = known};
     TEST_ASSERT_FALSE(hall_extrapolate(&expected, sensors));
     hall_process_event(&expected, &config, sensors, observed);
