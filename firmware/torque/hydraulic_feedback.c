@@ -27,11 +27,6 @@ void hydraulic_feedback_init(hydraulic_feedback_state_t *state, const config_t *
     forget_gain(state, config);
 }
 
-static int32_t times_q15(int32_t torque_mNm, int32_t gain_q15)
-{
-    return (int32_t)(((int64_t)torque_mNm * gain_q15) >> 15);
-}
-
 /* a / b in Q15, both >= 0. */
 static int32_t ratio_q15(int32_t a, int32_t b)
 {
@@ -59,8 +54,8 @@ static possible_t possible(const config_t *config, const hydraulic_model_t *mode
     const int32_t band_q15 = config->brake.hydraulic_gain_band_q15;
     possible_t out = {.smaller_mNm = q_min(q_min(early_mNm, late_mNm), reported_mNm),
                       .larger_mNm = q_max(q_max(early_mNm, late_mNm), reported_mNm)};
-    out.least_mNm = times_q15(out.smaller_mNm, ONE_Q15 - band_q15);
-    out.most_mNm = times_q15(out.larger_mNm, ONE_Q15 + band_q15);
+    out.least_mNm = q15_product(out.smaller_mNm, ONE_Q15 - band_q15);
+    out.most_mNm = q15_product(out.larger_mNm, ONE_Q15 + band_q15);
     return out;
 }
 
@@ -155,7 +150,7 @@ static int32_t modelled_ago_mNm(const hydraulic_feedback_state_t *state, int32_t
 static int32_t since_report_mNm(const hydraulic_feedback_state_t *state, int32_t ago_ms)
 {
     const int32_t modelled_mNm =
-        times_q15(modelled_ago_mNm(state, 0) - modelled_ago_mNm(state, ago_ms), state->gain_q15);
+        q15_product(modelled_ago_mNm(state, 0) - modelled_ago_mNm(state, ago_ms), state->gain_q15);
     /* 2^25 times 63 is within 32 bits. */
     const int32_t straight_mNm = state->change_mNm * ago_ms / state->between_ms;
     if (modelled_mNm > 0) {
@@ -199,7 +194,7 @@ hydraulic_feedback_out_t hydraulic_feedback_step(hydraulic_feedback_state_t *sta
         state->contradicts_mNm =
             contradiction_mNm(&could, report->torque_mNm, brake->hydraulic_tolerance_mNm);
         /* Short of what the learned gain makes, or beyond the band. */
-        could.least_mNm = times_q15(could.smaller_mNm, state->least_q15);
+        could.least_mNm = q15_product(could.smaller_mNm, state->least_q15);
         count_outside(state, contradiction_mNm(&could, report->torque_mNm,
                                                brake->hydraulic_tolerance_mNm / OUTSIDE_SHARE));
         state->good = state->confirmed ||
@@ -217,7 +212,7 @@ hydraulic_feedback_out_t hydraulic_feedback_step(hydraulic_feedback_state_t *sta
     }
     hydraulic_feedback_out_t out = {
         .used = hydraulic_feedback_used(state),
-        .torque_mNm = times_q15(modelled_mNm, state->gain_q15),
+        .torque_mNm = q15_product(modelled_mNm, state->gain_q15),
     };
     out.lost = state->seen && !out.used;
     if (out.used) {

@@ -46,15 +46,10 @@ void hydraulic_watch_init(hydraulic_watch_t *watch)
     end_finding(watch);
 }
 
-static int32_t times_q15(int32_t torque_mNm, int32_t gain_q15)
-{
-    return q_saturate64(((int64_t)torque_mNm * gain_q15) >> 15);
-}
-
 int32_t hydraulic_watch_corrected_mNm(const hydraulic_watch_t *watch, int32_t modelled_mNm)
 {
-    return q_max(q_saturate64((int64_t)times_q15(modelled_mNm, watch->gain_q15) + watch->extra_mNm),
-                 0);
+    return q_max(
+        q_saturate64((int64_t)q15_product(modelled_mNm, watch->gain_q15) + watch->extra_mNm), 0);
 }
 
 static int32_t limited_mNm(int64_t torque_mNm)
@@ -137,7 +132,7 @@ static bool slips(const config_t *config, int32_t change_q8_mrad_s)
 /* What of the deceleration in which the road was followed is now the inertia's. */
 static void weigh(hydraulic_watch_t *watch, int32_t weight_q15)
 {
-    const int32_t more_q8_mNm = times_q15(watch->quarter_q8_mNm, weight_q15 - watch->weight_q15);
+    const int32_t more_q8_mNm = q15_product(watch->quarter_q8_mNm, weight_q15 - watch->weight_q15);
     watch->road_q8_mNm = q_saturate64(watch->road_q8_mNm + (int64_t)more_q8_mNm * 4);
     watch->weight_q15 = weight_q15;
 }
@@ -210,7 +205,7 @@ static int32_t missing_mNm(hydraulic_watch_t *watch, const config_t *config,
     learn_inertia(watch, filtered_mNm, inertial_mNm, floor_mNm);
     const int32_t speed_mrad_s = watch->speed_lp_q8_mrad_s / 256;
     const int64_t air_mNm = drag_mNm(&config->brake, speed_mrad_s);
-    return limited_mNm(times_q15(inertial_mNm, watch->weight_q15) + air_mNm - filtered_mNm);
+    return limited_mNm(q15_product(inertial_mNm, watch->weight_q15) + air_mNm - filtered_mNm);
 }
 
 /* The road follows what is missing. An inertia that is a quarter wrong makes a quarter of the
@@ -320,7 +315,7 @@ static bool agrees(hydraulic_watch_t *watch, const config_brake_t *brake,
                    const hydraulic_watch_input_t *in)
 {
     const int32_t largest_mNm = q_saturate64((int64_t)in->commanded_mNm + in->uncertain_mNm);
-    const int32_t least_mNm = times_q15(largest_mNm, ONE_Q15 - brake->hydraulic_gain_band_q15);
+    const int32_t least_mNm = q15_product(largest_mNm, ONE_Q15 - brake->hydraulic_gain_band_q15);
     const bool now =
         in->reported_mNm >= least_mNm && least_mNm > brake->hydraulic_tolerance_mNm / AGREES_SHARE;
     watch->agrees_ms = now ? watch->agrees_ms + 1 : 0;
@@ -489,8 +484,8 @@ void hydraulic_watch_step(hydraulic_watch_t *watch, const config_t *config,
     const int32_t share_q15 = brake->hydraulic_watch_share_q15;
     const int32_t expected_mNm =
         q_min(hydraulic_watch_corrected_mNm(watch, in->modelled_mNm), MOST_mNm);
-    const int32_t shares_mNm = times_q15(expected_mNm, share_q15) +
-                               times_q15(q_abs(in->motor_mNm - motor_mNm), share_q15) / 2;
+    const int32_t shares_mNm = q15_product(expected_mNm, share_q15) +
+                               q15_product(q_abs(in->motor_mNm - motor_mNm), share_q15) / 2;
     const int32_t parts_mNm = parts_unfollowed_mNm(
         watch, expected_mNm, watch->known_lp_mNm.accumulator >> FILTER_LOG2, change_q8);
     const int32_t tolerated_mNm = floor_mNm + unlike_mNm + late_mNm(in->uncertain_mNm) +
@@ -499,7 +494,7 @@ void hydraulic_watch_step(hydraulic_watch_t *watch, const config_t *config,
     const int32_t excess_mNm =
         commanded ? -lacking_mNm - tolerated_mNm
                   : -lacking_mNm - unlike_mNm - QUIET_SHARE * floor_mNm -
-                        QUIET_SHARE * times_q15(q_abs(in->motor_mNm - motor_mNm), share_q15);
+                        QUIET_SHARE * q15_product(q_abs(in->motor_mNm - motor_mNm), share_q15);
     const int32_t end_mNm_ms = end_of_sum_mNm_ms(enough_mNm_ms);
     watch->missing_mNm_ms =
         commanded || watch->extra_mNm > 0
