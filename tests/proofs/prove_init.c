@@ -56,7 +56,7 @@ void prove_dead_time_counts(void)
     PROOF_END();
 }
 
-/* Constants as observer_constants() clamps them. */
+/* Constants as observer_design clamps them. */
 void prove_observer_tuning(void)
 {
     config_t config;
