@@ -32,7 +32,7 @@ observer_constants_t observer_constants(const config_t *config, int32_t modulati
 static int32_t half_angle_q24(int32_t speed_q32)
 {
     const int32_t size_q32 = q_abs(q_clamp(speed_q32, -(1 << 30), 1 << 30));
-    return (int32_t)((INT64_C(52707179) * size_q32) >> 32);
+    return (int32_t)((ANGLE_PI_Q24 * size_q32) >> 32);
 }
 
 /* tan(w T/2): h + h^3/3. */

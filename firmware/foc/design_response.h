@@ -9,16 +9,16 @@
 #include <stdint.h>
 
 #include "config/config.h"
+#include "core/angle.h"
 
 #define DESIGN_ONE_Q24 (INT64_C(1) << 24)
-#define DESIGN_PI_Q24 INT64_C(52707179)
 
 /* Second Pade approximation of exp(-y), y = w T/2 up to 1/4: error y^5/720, less than half a unit
  * of Q15. */
 static inline int64_t design_half_period_q24(const config_t *config)
 {
     const int64_t exact_q24 =
-        config->current_loop.bandwidth_Hz * DESIGN_PI_Q24 / config->drive.pwm_frequency_Hz;
+        config->current_loop.bandwidth_Hz * ANGLE_PI_Q24 / config->drive.pwm_frequency_Hz;
     const int64_t y_q24 = exact_q24 < DESIGN_ONE_Q24 / 4 ? exact_q24 : DESIGN_ONE_Q24 / 4;
     const int64_t even_q24 = DESIGN_ONE_Q24 + ((y_q24 * y_q24) >> 24) / 12;
     return ((even_q24 - y_q24 / 2) << 24) / (even_q24 + y_q24 / 2);

@@ -8,7 +8,7 @@
 #include "transforms.h"
 
 enum {
-    RADIANS_PER_TURN_Q15 = 205887, /* round(32768 * 2 pi) */
+    RADIANS_PER_TURN_Q15 = ANGLE_PI_Q24 >> 8, /* 2 pi */
     USE_PREDICTION = SENSE_PHASES + 1,
     RATIO_MAX_Q10 = 16 * 1024,
     STATE_LIMIT_PU = 65536 /* of predictions: twice the largest current */

@@ -20,6 +20,8 @@ typedef struct {
     q_pair_t v;
 } rotation_t;
 
+#define ANGLE_PI_Q24 INT64_C(52707179) /* 2^24 pi */
+
 enum { ANGLE_QUARTER_TURN = 16384, ANGLE_TABLE_POINTS = 256 /* a turn */ };
 
 extern const q_pair_t ANGLE_TABLE[ANGLE_TABLE_POINTS];

@@ -12,6 +12,11 @@ void tearDown(void) {}
 
 static const long double TURN = 6.283185307179586476925286766559L;
 
+void test_half_a_turn_in_radians_is_rounded_to_nearest(void)
+{
+    TEST_ASSERT_EQUAL_INT64(llroundl(ldexpl(TURN / 2.0L, 24)), ANGLE_PI_Q24);
+}
+
 void test_sine_and_cosine_are_within_one_lsb_of_the_exact_value_at_every_angle(void)
 {
     for (uint32_t theta = 0; theta < 65536U; theta++) {
