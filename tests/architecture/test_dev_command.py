@@ -19,6 +19,7 @@ COMMANDS = (
     "firmware",
     "flash",
     "hubsim",
+    "study",
     "python",
     "fmu",
     "release",

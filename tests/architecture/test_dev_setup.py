@@ -56,6 +56,11 @@ class SetupTest(DevFixture):
             (["hubsim", "run", "stop", "--csv", "x.csv"], {"sim"}),
             (["hubsim", "run", "stop", "--mdf", "x.mf4"], {"sim", "formats"}),
             (["hubsim", "sweep", "stop"], {"sim", "sweep", "formats"}),
+            (["hubsim", "stops", "--count", "4"], {"sim", "figures"}),
+            (["hubsim", "blackbox", "log.txt"], {"sim", "figures"}),
+            (["hubsim", "report", "a.json", "--blackbox", "log.txt"], {"sim", "figures"}),
+            (["study"], {"sim"}),
+            (["study", "coast"], {"sim", "figures"}),
             (["table", "mine.toml"], {"sim"}),
             (["table", "mine.toml", "--plots"], {"sim", "figures"}),
             (

@@ -79,12 +79,17 @@ def vector(made: Figure) -> bytes:
     return out.getvalue()
 
 
-def save(figures: dict[str, Figure], directory: Path) -> list[Path]:
-    """Write every figure as SVG and PNG, all of them or none; returns the paths."""
+def rendered(figures: dict[str, Figure]) -> dict[str, bytes]:
+    """Return every figure as SVG and PNG, by the files' names."""
     files: dict[str, bytes] = {}
     for name, made in figures.items():
         with mpl.rc_context(_STYLE):
             raster = io.BytesIO()
             made.savefig(raster, format="png", dpi=110, metadata={"Software": None})
         files |= {f"{name}.svg": vector(made), f"{name}.png": raster.getvalue()}
-    return generate.write_all(files, directory)
+    return files
+
+
+def save(figures: dict[str, Figure], directory: Path) -> list[Path]:
+    """Write every figure as SVG and PNG, all of them or none; returns the paths."""
+    return generate.write_all(rendered(figures), directory)

@@ -16,6 +16,7 @@ work.
   firmware [PORT]               ELF, BIN, HEX, sizes, stack; stm32f405 (default), stm32g431, qemu
   flash [PORT]                  firmware onto a board through a debug probe
   hubsim ARGUMENT...            the simulator's own command
+  study [NAME]                  measurements in closed loop: table, picture; no NAME: their list
   python ARGUMENT...            the project's Python, with hubsim and regen_table importable
   fmu [--config CONFIG.toml]    units for co-simulation (FMI 2.0, 3.0): controller, whole vehicle
   release [-o DIR]              firmware, configurations, DBC, FMUs and wheel with SHA-256 sums
@@ -113,8 +114,20 @@ Usage: tools/dev hubsim ARGUMENT...
 
 Brings the simulation engine up to date and hands the arguments to `python -m hubsim`; its own help
 follows once it is installed (tools/dev setup sim), and `tools/dev hubsim COMMAND --help` is its own
-as well. Sweeps and files that end in .parquet or .mf4 install their Python packages first; `run
-SCENARIO --on qemu` installs the emulator and builds the cross-compiled controllers.
+as well. Sweeps, pictures and files that end in .parquet or .mf4 install their Python packages
+first; `run SCENARIO --on qemu` installs the emulator and builds the cross-compiled controllers.
+TEXT
+}
+
+help_study() {
+    cat <<'TEXT'
+Usage: tools/dev study [NAME [OPTION...]]
+
+Brings the simulation engine up to date and measures what a study of host_sim/studies asks; without
+NAME it lists them. The table NAME.csv, its origin NAME.json and the picture go to the folder of -o,
+without it to build/studies/NAME; --json FILE has everything for machines; --refresh measures all of
+it again and renews table, picture and page in host_sim/studies/NAME. `tools/dev study NAME --help`
+has the rest. Exit status 1 if what the study asks for does not hold.
 TEXT
 }
 

@@ -48,7 +48,7 @@ python_is_ready() { venv_belongs_here || find_python >/dev/null; }
 # Where the project's own packages are; and, for a test run, what a test's Python programs read
 # (tools/run_tests).
 pth_text() {
-    printf '%s\n' "$ROOT/tools" "$ROOT/host_sim/python" \
+    printf '%s\n' "$ROOT/tools" "$ROOT/host_sim/python" "$ROOT/host_sim" \
         'import os; "HUBFOC_OPENED" in os.environ and __import__("run_tests.opened")'
 }
 

@@ -2,7 +2,7 @@
 """Many short runs of several drives: draw them, measure them in parallel, keep them as a table.
 
 A case is a frozen dataclass that says what to run; an outcome is one of int, float and str fields
-that says what came of it. ``coast``, ``envelope`` and ``stored_share`` define theirs.
+that says what came of it. ``stored_share`` and the studies (host_sim/studies) define theirs.
 """
 
 import argparse
@@ -12,14 +12,11 @@ import os
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import Field, asdict, fields
-from pathlib import Path
 from typing import Any, ClassVar, Protocol, TypeVar
 
 import numpy as np
 from regen_table import installation
-from rich.progress import Progress
 
-from hubsim import files
 from hubsim.engine import Rows
 from hubsim.errors import HubsimError
 from hubsim.results import as_json
@@ -109,36 +106,16 @@ def read_csv(kind: type[Outcome], text: str) -> list[Outcome]:
 
 def accept(options: argparse.Namespace) -> None:
     """Refuse numbers of ``--count``, ``--workers`` and ``--seed`` that mean nothing."""
-    for name, value, least in (
-        ("--count", options.count, 1),
-        ("--workers", options.workers, 1),
-        ("--seed", options.seed, 0),
-    ):
+    for name, least in (("count", 1), ("workers", 1), ("seed", 0)):
+        value = getattr(options, name, None)
         if value is not None and value < least:
-            raise HubsimError(f"{name} {value}: accepted: a whole number from {least}")
+            raise HubsimError(f"--{name} {value}: accepted: a whole number from {least}")
 
 
-def make(
-    name: str,
-    options: argparse.Namespace,
-    bar: Progress,
-    draw: Callable[[int, int], list[Case]],
-    measure: Callable[[int, Case], Outcome],
-    summary: Callable[[Sequence[Outcome]], list[str]],
-    picture: Callable[[Sequence[Outcome], Path], object],
-) -> list[Outcome]:
-    """Measure the cases that a command asks for and write NAME.csv, NAME.json and the picture.
-
-    ``draw`` gets the count of cases and the seed.
-    """
-    accept(options)
-    files.make_directory(options.output)
-    drawn = draw(options.count, options.seed)
-    task = bar.add_task(name, total=len(drawn))
-    found = measured(measure, drawn, options.workers, lambda: bar.advance(task))
-    origin = installation.provenance(scenario=name, seed=options.seed, date=options.date)
-    files.write_text(options.output / f"{name}.csv", as_csv(found))
-    content = {"provenance": origin, "summary": summary(found)}
-    files.write_text(options.output / f"{name}.json", as_json(content))
-    picture(found, options.output)
-    return found
+def files_of(
+    name: str, outcomes: Sequence[Outcome], lines: Sequence[str], seed: int | None, date: str | None
+) -> dict[str, bytes]:
+    """Return the table NAME.csv and its origin NAME.json, with the lines that sum it up."""
+    origin = installation.provenance(scenario=name, seed=seed, date=date)
+    content = as_json({"provenance": origin, "summary": lines})
+    return {f"{name}.csv": as_csv(outcomes).encode(), f"{name}.json": content.encode()}

@@ -19,7 +19,7 @@ from regen_table import installation
 from regen_table.cli import Parser, ShowVersion
 from regen_table.errors import ConfigurationError
 
-from hubsim import cli_sweeps
+from hubsim import cli_sweeps, moved
 from hubsim.errors import HubsimError
 
 DEFAULT_CONFIG = installation.ROOT / "tools" / "motors" / "lu2013.toml"
@@ -45,7 +45,6 @@ EXAMPLES = (
         "--vary brake.strategy=series_optimal,parallel_ratio --output grid.parquet"
     ),
     "hubsim stops --count 40 --output stops",
-    "hubsim coast --count 40 --output coast",
     "hubsim faults --reduced --output faults",
     (
         "hubsim sweep stop --vary 'plant.vehicle.mass_kg=normal(660,30)' --runs 1000 --output "
@@ -59,7 +58,10 @@ Commands: TypeAlias = "argparse._SubParsersAction[Parser]"
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return the process's exit status."""
-    options = parser().parse_args(arguments)
+    given = sys.argv[1:] if arguments is None else arguments
+    if given and given[0] in moved.STUDIES:
+        return moved.answer(given[0])
+    options = parser().parse_args(given)
     try:
         commands = importlib.import_module("hubsim.commands")
         status = int(commands.COMMANDS[options.command](options))

@@ -50,70 +50,6 @@ def _add_stops(commands: Commands) -> None:
     add_date(command)
 
 
-def _add_envelope(commands: Commands) -> None:
-    text = "the drives that come along at the edges of their envelope"
-    command = commands.add_parser(
-        "envelope",
-        help=text,
-        description=(
-            f"{text[0].upper()}{text[1:]}: speed to 110 %, driving and braking demand, battery, "
-            "charge limit and temperatures in a Latin hypercube for each drive, from every start: "
-            "standing, rolling, full, cold, rotor sensor dead. Exit status 1 if a run with a good "
-            "sensor has a fault."
-        ),
-    )
-    command.add_argument(
-        "--count", type=int, default=480, metavar="N", help="of all drives; default: 480"
-    )
-    command.add_argument("--seed", type=int, default=1, metavar="N", help="default: 1")
-    command.add_argument(
-        "--workers",
-        type=int,
-        metavar="N",
-        help="processes on this machine; default: one for each core",
-    )
-    command.add_argument(
-        "--output",
-        type=Path,
-        required=True,
-        metavar="DIR",
-        help="for envelope.csv, its origin envelope.json, envelope.svg, envelope.png",
-    )
-    add_date(command)
-
-
-def _add_coast(commands: Commands) -> None:
-    text = "motor torque without a demand beside the least that physics allows"
-    command = commands.add_parser(
-        "coast",
-        help=text,
-        description=(
-            f"{text[0].upper()}{text[1:]}: speed up to 110 % of the largest, battery and slope in "
-            "a Latin hypercube for each drive that comes along, the battery connected or "
-            "disconnecting while the vehicle coasts, brakes or drives. Exit status 1 if a case "
-            "has more torque or bus voltage than it should, or a fault."
-        ),
-    )
-    command.add_argument(
-        "--count", type=int, default=2000, metavar="N", help="of all drives; default: 2000"
-    )
-    command.add_argument("--seed", type=int, default=1, metavar="N", help="default: 1")
-    command.add_argument(
-        "--workers",
-        type=int,
-        metavar="N",
-        help="processes on this machine; default: one for each core",
-    )
-    command.add_argument(
-        "--output",
-        type=Path,
-        required=True,
-        metavar="DIR",
-        help="for coast.csv, its origin coast.json, coast.svg and coast.png",
-    )
-    add_date(command)
-
-
 def _add_faults(commands: Commands) -> None:
     text = "every fault at instants of a stop, beside the stop without it"
     command = commands.add_parser(
@@ -161,4 +97,4 @@ def _add_faults(commands: Commands) -> None:
     add_date(command)
 
 
-COMMANDS = (_add_stops, _add_envelope, _add_coast, _add_faults)
+COMMANDS = (_add_stops, _add_faults)

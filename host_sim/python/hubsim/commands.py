@@ -232,7 +232,7 @@ def sweep_runs(options: argparse.Namespace) -> int:
 
 
 def measure_many(options: argparse.Namespace) -> int:
-    """Do ``hubsim stops``, ``envelope``, ``coast`` and ``faults``: many runs of every drive."""
+    """Do ``hubsim stops`` and ``faults``: many runs of every drive."""
     # Matplotlib takes longer to load than most commands take.
     report = {"stops": "stored_share"}.get(options.command, options.command)
     module = importlib.import_module(f"hubsim.{report}_report")
@@ -473,7 +473,7 @@ COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "run": run_scenario,
     "sim": run_strategies,
     "sweep": sweep_runs,
-    **dict.fromkeys(("stops", "envelope", "coast", "faults"), measure_many),
+    **dict.fromkeys(("stops", "faults"), measure_many),
     "compare": compare_runs,
     "report": write_report,
     **{"list": list_names, "blackbox": black_box.command, "crash": crash.command},

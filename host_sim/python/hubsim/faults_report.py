@@ -14,7 +14,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from regen_table import installation, plotting
+from matplotlib.figure import Figure
+from regen_table import generate, plotting
 from rich.progress import Progress
 
 from hubsim import cases, faults, faults_sweep, files
@@ -111,11 +112,8 @@ def conclude(options: argparse.Namespace, bar: Progress) -> tuple[list[str], boo
         files.write_text(options.json, as_json([as_object(outcome) for outcome in found]))
     lines = [*by_fault(found), "", *summary(found)]
     if options.output is not None:
-        files.write_text(options.output / CSV, cases.as_csv(found))
-        origin = installation.provenance(scenario="faults", date=options.date)
-        content = {"provenance": origin, "summary": summary(found)}
-        files.write_text(options.output / "faults.json", as_json(content))
-        draw(found, options.output)
+        made = cases.files_of("faults", found, summary(found), None, options.date)
+        generate.write_all(made | plotting.rendered({"faults": figure(found)}), options.output)
     return lines, True
 
 
@@ -210,8 +208,8 @@ def _sentence(o: Outcome) -> str:
     )
 
 
-def draw(outcomes: Sequence[Outcome], directory: Path) -> list[Path]:
-    """Write faults.svg and faults.png: the share of each fault's runs that misses each limit.
+def figure(outcomes: Sequence[Outcome]) -> Figure:
+    """Draw the share of each fault's runs that misses each limit.
 
     A fault and its mirror images share a line.
     """
@@ -242,4 +240,4 @@ def draw(outcomes: Sequence[Outcome], directory: Path) -> list[Path]:
     axes.tick_params(top=True, labeltop=True)
     axes.set_yticks(range(len(names)), names, fontsize=6)
     axes.grid(visible=False)
-    return plotting.save({"faults": made}, directory)
+    return made

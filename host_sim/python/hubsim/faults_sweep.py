@@ -20,12 +20,12 @@ from regen_table import loops
 from regen_table.schema import Drive
 
 from hubsim import faults, overrides, reasons, run, stops
+from hubsim.drives import drive_named
 from hubsim.engine import Engine, Rows, parameters
 from hubsim.errors import HubsimError
 from hubsim.faults import Fault
 from hubsim.faults_outcome import Outcome
 from hubsim.scenario import Scenario
-from hubsim.stored_share import drive_named
 
 STOP, ROLL_BACK = "stop", "roll back"
 # Configuration, rotor sensor: every sensor with the paper's vehicle, each other with its own.

@@ -8,19 +8,18 @@ and battery stands for the vehicle (stops).
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 from regen_table import limited_stop, models
 from regen_table.schema import Drive
 
-from hubsim import cases, overrides, reasons, run, stops
-from hubsim.engine import ROOT, Rows
+from hubsim import cases, reasons, run, stops
+from hubsim.drives import drive_named, with_open_circuit_voltage
+from hubsim.engine import Rows
 from hubsim.errors import HubsimError
 from hubsim.scenario import Scenario
 
-DRIVES = ("lu2013", "ebike36v", "scooter48v", "ipm400v")
 DEMAND_SHARE = (0.1, 1.2)  # of the rated torque
 SPEED_SHARE = (0.2, 1.0)  # of the largest speed
 SLOW_SHARE = 0.3  # of the largest speed: below it the tolerance is TOLERANCE_SLOW
@@ -107,13 +106,6 @@ class Outcome:
         return abs(self.difference) <= self.tolerance and not self.first_fault
 
 
-@lru_cache(maxsize=len(DRIVES))
-def drive_named(name: str) -> Drive:
-    """Return a drive that comes along."""
-    path = ROOT / "tools" / "motors" / f"{name}.toml"
-    return overrides.load_drive(path, overrides.Overrides())
-
-
 def draw(drives: Sequence[str], count: int, seed: int) -> list[Case]:
     """Return so many stops, the drives in turn, each drive's a Latin hypercube.
 
@@ -146,18 +138,10 @@ def _case(name: str, _number: int, share: Rows) -> Case:
     )
 
 
-def with_battery(drive: Drive, case: Case) -> Drive:
-    """Return the drive with the open-circuit voltage of a stop, where that is one number."""
-    if not isinstance(drive.battery.open_circuit_voltage_v, float | int):
-        return drive
-    battery = drive.battery.model_copy(update={"open_circuit_voltage_v": case.open_circuit_v})
-    return drive.model_copy(update={"battery": battery})
-
-
 def measure(number: int, case: Case) -> Outcome:
     """Simulate one stop and compare it."""
     plain = drive_named(case.drive)
-    drive = with_battery(plain, case)
+    drive = with_open_circuit_voltage(plain, case.open_circuit_v)
     ideal = limited_stop.stop(
         drive,
         drive.brake.strategy,

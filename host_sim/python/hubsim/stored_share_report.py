@@ -3,30 +3,35 @@
 
 import argparse
 from collections.abc import Sequence
-from functools import partial
-from pathlib import Path
 
 import numpy as np
-from regen_table import plotting
+from matplotlib.figure import Figure
+from regen_table import generate, plotting
 from rich.progress import Progress
 
-from hubsim import cases, stored_share
+from hubsim import cases, drives, files, stored_share
 from hubsim.stored_share import NOT_STARTED, SLOW_SHARE, TOLERANCE, TOLERANCE_SLOW, Outcome
 
 SHOWN_PERCENT = 3.0  # what lies beyond is drawn on the edge
 PERCENT = 100.0
 
 
-def make(options: argparse.Namespace, bar: Progress) -> list[Outcome]:
-    """Measure the stops that the command asks for and write everything into its folder."""
-    drawn = partial(stored_share.draw, stored_share.DRIVES)
-    return cases.make("stops", options, bar, drawn, stored_share.measure, summary, draw)
-
-
 def conclude(options: argparse.Namespace, bar: Progress) -> tuple[list[str], bool]:
-    """Do what the command asks for; return what it says, and whether all stops are within."""
-    found = make(options, bar)
-    return summary(found), all(o.within for o in found if o.comparable)
+    """Do the command; return what it says, and whether all stops are within."""
+    cases.accept(options)
+    files.make_directory(options.output)
+    drawn = stored_share.draw(drives.DRIVES, options.count, options.seed)
+    task = bar.add_task("stops", total=len(drawn))
+    found = cases.measured(stored_share.measure, drawn, options.workers, lambda: bar.advance(task))
+    lines = summary(found)
+    table = cases.files_of("stops", found, lines, options.seed, options.date)
+    generate.write_all(table | plotting.rendered({"stops": figure(found)}), options.output)
+    return lines, holds(found)
+
+
+def holds(outcomes: Sequence[Outcome]) -> bool:
+    """Return whether all stops that have an ideal are within."""
+    return all(o.within for o in outcomes if o.comparable)
 
 
 def worst(outcomes: Sequence[Outcome], count: int = 5) -> list[Outcome]:
@@ -60,8 +65,8 @@ def summary(outcomes: Sequence[Outcome]) -> list[str]:
     return lines
 
 
-def draw(outcomes: Sequence[Outcome], directory: Path) -> list[Path]:
-    """Write stops.svg and stops.png."""
+def figure(outcomes: Sequence[Outcome]) -> Figure:
+    """Draw the difference to the ideal over the open-circuit voltage, a panel for each drive."""
     names = list(dict.fromkeys(outcome.drive for outcome in outcomes))
     made, panels = plotting.figure(
         "Stored share of the kinetic energy, firmware less ideal", 2, (len(names) + 1) // 2,
@@ -85,4 +90,4 @@ def draw(outcomes: Sequence[Outcome], directory: Path) -> list[Path]:
         axes.set(title=name, xlabel="open-circuit voltage, V", ylabel="% of the kinetic energy")
         axes.set_ylim(-1.05 * SHOWN_PERCENT, 1.05 * SHOWN_PERCENT)
     plotting.legend_below(made, panels[0], 2)
-    return plotting.save({"stops": made}, directory)
+    return made

@@ -10,8 +10,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from hubsim import cli, recordings, run
+from hubsim import cli, moved, recordings, run
 from hubsim.cli import DEFAULT_CONFIG
+from hubsim.engine import ROOT
 
 Hubsim = Callable[..., subprocess.CompletedProcess[str]]
 QUICK = ("--set", "initial_speed_kmh=10", "--set", "demand_nm=60", "--set", "drag=false")
@@ -325,9 +326,10 @@ HEAVY = {
         ("--version",),
         *(
             (name, "--help")
-            for name in ("run", "sim", "sweep", "stops", "compare", "list", "report")
+            for name in ("run", "sim", "sweep", "stops", "faults", "compare", "list", "report")
         ),
         ("run", "stop", "--colour"),
+        ("envelope", "--count", "40"),
     ],
 )
 def test_help_and_usage_errors_import_only_the_standard_library(call: tuple[str, ...]) -> None:
@@ -343,8 +345,29 @@ def test_help_and_usage_errors_import_only_the_standard_library(call: tuple[str,
     )
     loaded = done.stdout.partition("modules:")[2]
     assert HEAVY & set(loaded.split()) == set()
-    own = ["hubsim", "hubsim.cli", "hubsim.cli_sweeps", "hubsim.errors"]
+    own = ["hubsim", "hubsim.cli", "hubsim.cli_sweeps", "hubsim.errors", "hubsim.moved"]
     assert loaded.partition("own:")[2].split() == own
+
+
+@pytest.mark.parametrize("name", moved.STUDIES)
+def test_a_command_that_became_a_study_names_it_in_one_line(name: str, hubsim: Hubsim) -> None:
+    study = ROOT / "host_sim" / "studies" / moved.STUDIES[name] / "study.py"
+    assert study.is_file()
+    done = hubsim(name, "--output", "out")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == (
+        f"hubsim: {name} is a study now: ./tools/dev study {moved.STUDIES[name]}\n"
+    )
+
+
+@pytest.mark.parametrize("name", ["blend_out", "dips", "edges", "faults_tables", "healthy_brakes"])
+def test_a_program_that_became_a_study_names_it_in_one_line(name: str) -> None:
+    call = [sys.executable, "-m", f"hubsim.{name}", "--output", "out"]
+    done = subprocess.run(call, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == (
+        f"hubsim: {name} is a study now: ./tools/dev study {moved.STUDIES[name]}\n"
+    )
 
 
 def test_help_of_the_units_imports_no_slow_library() -> None:

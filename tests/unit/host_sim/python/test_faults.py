@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from hubsim import (
+    drives,
     engine,
     events,
     faults,
@@ -16,7 +17,6 @@ from hubsim import (
     reasons,
     run,
     stops,
-    stored_share,
 )
 from hubsim.errors import HubsimError
 from hubsim.faults_outcome import Outcome
@@ -126,7 +126,7 @@ def test_an_event_takes_an_amount_where_the_fault_has_one() -> None:
 
 
 def test_a_fault_concerns_the_chosen_wheels_only() -> None:
-    drive = stored_share.drive_named("lu2013")
+    drive = drives.drive_named("lu2013")
     scenario = Scenario(initial_speed_kmh=20.0, max_duration_s=1.0, demand_nm=20.0)
     vehicle, _ = run.prepare(drive, scenario, Path(), {})
     with vehicle:
@@ -238,7 +238,7 @@ def test_instants_lie_while_driving_coasting_and_in_the_whole_stop() -> None:
     assert times == sorted(times)
     assert times[0] < faults_sweep.COAST_S < times[1] < faults_sweep.BRAKE_S < times[2]
     # 165 kg from 40 km/h with 75 N m on 0.3 m: 7.3 s.
-    drive = stored_share.drive_named("lu2013")
+    drive = drives.drive_named("lu2013")
     whole = 165.0 * 40.0 / 3.6 * drive.vehicle.wheel_radius_m / 75.0
     assert times[-1] == pytest.approx(faults_sweep.BRAKE_S + 0.9 * whole, abs=1e-3)
 
@@ -288,7 +288,7 @@ class _Wheel:
     """A braking wheel of the paper's vehicle, and a fault in it."""
 
     def __init__(self, name: str, needs: dict[str, float] | None = None) -> None:
-        drive = stored_share.drive_named("lu2013")
+        drive = drives.drive_named("lu2013")
         plant = {"bus.capacitance_f": 0.004, **(needs or {})}
         scenario = Scenario(
             initial_speed_kmh=30.0, max_duration_s=9.0, demand_nm=60.0, noise=False, plant=plant

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hubsim import cases, cli, reasons, run, stops, stored_share, stored_share_report
+from hubsim import cases, cli, drives, reasons, run, stops, stored_share, stored_share_report
 from hubsim.engine import Rows
 from hubsim.errors import HubsimError
 from hubsim.scenario import Scenario
@@ -26,11 +26,11 @@ OUTCOME = Outcome(
 def test_every_drive_gets_a_latin_hypercube_over_its_whole_range() -> None:
     """So many stops, so many slices of each range: one stop in each slice."""
     count = 50
-    drawn = stored_share.draw(stored_share.DRIVES, 4 * count, 9)
-    assert drawn == stored_share.draw(stored_share.DRIVES, 4 * count, 9)
-    assert drawn != stored_share.draw(stored_share.DRIVES, 4 * count, 10)
-    for name in stored_share.DRIVES:
-        drive = stored_share.drive_named(name)
+    drawn = stored_share.draw(drives.DRIVES, 4 * count, 9)
+    assert drawn == stored_share.draw(drives.DRIVES, 4 * count, 9)
+    assert drawn != stored_share.draw(drives.DRIVES, 4 * count, 10)
+    for name in drives.DRIVES:
+        drive = drives.drive_named(name)
         here = [case for case in drawn if case.drive == name]
         flat = name == "lu2013"
         battery = (
@@ -49,9 +49,8 @@ def test_every_drive_gets_a_latin_hypercube_over_its_whole_range() -> None:
             # A hair inside, because the values are rounded.
             slices = np.floor(np.clip(shares, 1e-6, 1.0 - 1e-6) * count + 1e-3)
             assert len(set(slices)) >= count - 2
-    with_charge = next(case for case in drawn if case.drive == "ipm400v")
-    drive = stored_share.drive_named("ipm400v")
-    assert stored_share.with_battery(drive, with_charge) is drive
+    drive = drives.drive_named("ipm400v")
+    assert drives.with_open_circuit_voltage(drive, 350.0) is drive
 
 
 def rows_of(torque: list[float], reason: str) -> Rows:
@@ -81,7 +80,7 @@ def test_a_stop_stores_what_the_whole_vehicle_stores() -> None:
     """All four wheels of the paper's vehicle, at an open-circuit voltage that is not the file's."""
     case = Case("lu2013", 33.0, 12.0, 60.0, 0.5, 50.5)
     found = stored_share.measure(0, case)
-    drive = stored_share.with_battery(stored_share.drive_named("lu2013"), case)
+    drive = drives.with_open_circuit_voltage(drives.drive_named("lu2013"), case.open_circuit_v)
     standing = Scenario(
         initial_speed_kmh=12.0, demand_nm=33.0, drag=False, stop_at_standstill=True,
         winding_temperature_c=60.0,
@@ -140,7 +139,7 @@ def test_the_command_writes_table_origin_and_picture(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Two stops of the e-bike, the slow one in this process; the same bytes a second time."""
-    monkeypatch.setattr(stored_share, "DRIVES", ("ebike36v",))
+    monkeypatch.setattr(drives, "DRIVES", ("ebike36v",))
     monkeypatch.setattr(stored_share, "SPEED_SHARE", (0.1, 0.15))
     monkeypatch.setattr(stored_share, "DEMAND_SHARE", (0.8, 1.0))
     call = ["stops", "--count", "2", "--workers", "1", "--date", "2026-01-01", "--output"]

@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: Apache-2.0
+"""``python -m studies``: what ``./tools/dev study`` does.
+
+Exit status 0: done, and what the study asks for holds; 1: refused, failed, or it does not hold;
+2: wrong call. The list loads the standard library alone.
+"""
+
+import ast
+import difflib
+import importlib
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+FOLDER = Path(__file__).resolve().parent
+HELP = ("-h", "--help")
+USAGE = "Usage: tools/dev study NAME [OPTION...]"
+
+
+def names() -> list[str]:
+    """Return the names of all studies."""
+    return sorted(path.parent.name for path in FOLDER.glob("*/study.py"))
+
+
+def question(name: str) -> str:
+    """Return what a study asks, in one line: the first of its module."""
+    text = (FOLDER / name / "study.py").read_text(encoding="utf-8")
+    return (ast.get_docstring(ast.parse(text)) or "").partition("\n")[0]
+
+
+def listed() -> str:
+    """Return a line for each study."""
+    return "\n".join(f"  {name:15} {question(name)}" for name in names())
+
+
+def main(arguments: Sequence[str]) -> int:
+    """List the studies, or run one."""
+    if not arguments or arguments[0] in HELP:
+        print(f"{USAGE}\n" if arguments else "studies:", listed(), sep="\n")
+        print("\ntools/dev study NAME --help has the options.")
+        return 0
+    name = arguments[0].replace("-", "_")
+    if name not in names():
+        near = difflib.get_close_matches(name, names(), n=1)
+        hint = f"did you mean {near[0]}?" if near else f"there are: {', '.join(names())}"
+        print(f"study: no study {arguments[0]!r}, {hint}", file=sys.stderr)
+        return 2
+    return int(importlib.import_module(f"studies.{name}.study").main(arguments[1:]))
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
