@@ -15,12 +15,13 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
-from hubsim import cases, files
-from hubsim.cases import DataclassInstance
-from hubsim.drives import DRIVES
+from hubsim import files
 from hubsim.engine import ROOT
 from hubsim.errors import HubsimError
-from hubsim.results import as_json
+from hubsim.run.results import as_json
+from hubsim.sweep import cases
+from hubsim.sweep.cases import DataclassInstance
+from hubsim.sweep.drives import DRIVES
 from matplotlib.figure import Figure
 from regen_table import generate, installation, plotting
 from regen_table.cli import Parser

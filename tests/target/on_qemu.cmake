@@ -160,7 +160,7 @@ function(pil_test folder name timeout labels)
 endfunction()
 pil_test(pil pil 300 python test_pil.py)
 file(GLOB scenarios
-  CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/host_sim/python/hubsim/scenarios/*.toml")
+  CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/host_sim/python/hubsim/scenario/builtin/*.toml")
 foreach(path IN LISTS scenarios)
   cmake_path(GET path STEM scenario)
   pil_test(pil pil_${scenario} 3000 "python;full"

@@ -12,6 +12,10 @@ vehicle.
     hubsim.Controller(...)            the controller of one wheel alone
     hubsim.Plant(...)                 the vehicle without controllers, for those of one's own
     hubsim.parameters()               everything about the simulated world that can be set
+
+Modules are in groups: ``scenario`` (what is to be done and shown), ``run`` (one run of it),
+``sweep`` (many), ``report`` (the page and a controller's own records), ``fmu`` and ``cli``. What is
+directly in the package is their common floor: the engine, one controller, files, errors.
 """
 
 import importlib
@@ -20,29 +24,39 @@ from typing import TYPE_CHECKING, Any
 from regen_table import __version__
 
 if TYPE_CHECKING:
-    from hubsim.bench import Bench, Recording
     from hubsim.configuration import Configuration
     from hubsim.configuration import load as load_configuration
     from hubsim.controller import Controller
     from hubsim.engine import parameters
     from hubsim.errors import HubsimError
-    from hubsim.external import Measurement, Plant
+    from hubsim.run.bench import Bench, Recording
+    from hubsim.run.external import Measurement, Plant
     from hubsim.variables import Values, Variable
 
 # Loaded at first use, so that a command that needs none of it starts without NumPy and the engine.
 _PLACES = {
-    "Bench": ("hubsim.bench", "Bench"),
+    "Bench": ("hubsim.run.bench", "Bench"),
     "Configuration": ("hubsim.configuration", "Configuration"),
     "Controller": ("hubsim.controller", "Controller"),
     "HubsimError": ("hubsim.errors", "HubsimError"),
-    "Measurement": ("hubsim.external", "Measurement"),
-    "Plant": ("hubsim.external", "Plant"),
-    "Recording": ("hubsim.bench", "Recording"),
+    "Measurement": ("hubsim.run.external", "Measurement"),
+    "Plant": ("hubsim.run.external", "Plant"),
+    "Recording": ("hubsim.run.bench", "Recording"),
     "Values": ("hubsim.variables", "Values"),
     "Variable": ("hubsim.variables", "Variable"),
     "load_configuration": ("hubsim.configuration", "load"),
     "parameters": ("hubsim.engine", "parameters"),
 }
+
+# Modules that can be had from the package itself, as ``from hubsim import stops``.
+_MODULES = {
+    "scenario": ("criteria", "cycles", "events", "expression", "faults", "keys", "overrides"),
+    "run": (
+        *("bench", "difference", "evaluation", "external", "plant", "plotjuggler", "recordings"),
+        *("results", "stops"),
+    ),
+}
+_GROUPS = {name: group for group, names in _MODULES.items() for name in names}
 
 __all__ = [
     "Bench",
@@ -61,13 +75,16 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:  # noqa: ANN401, whatever is public
-    if name not in _PLACES:
+    if name in _GROUPS:
+        found = importlib.import_module(f"hubsim.{_GROUPS[name]}.{name}")
+    elif name in _PLACES:
+        module, attribute = _PLACES[name]
+        found = getattr(importlib.import_module(module), attribute)
+    else:
         raise AttributeError(f"module 'hubsim' has no attribute {name!r}")
-    module, attribute = _PLACES[name]
-    found = getattr(importlib.import_module(module), attribute)
     globals()[name] = found
     return found
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_PLACES})
+    return sorted({*globals(), *_PLACES, *_GROUPS})

@@ -14,11 +14,13 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
-from hubsim import cases, configuration, reasons, run, stops
-from hubsim.drives import DRIVES, drive_named
+from hubsim import configuration, reasons, run
 from hubsim.engine import Rows
-from hubsim.plant import STANDARD_GRAVITY_M_PER_S2
+from hubsim.run import stops
+from hubsim.run.plant import STANDARD_GRAVITY_M_PER_S2
 from hubsim.scenario import Scenario
+from hubsim.sweep import cases
+from hubsim.sweep.drives import DRIVES, drive_named
 from matplotlib.figure import Figure
 from regen_table import plotting
 from regen_table.cli import Parser

@@ -11,10 +11,12 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
-from hubsim import cases, drives, reasons, run, stops
+from hubsim import reasons, run
 from hubsim.engine import Rows
 from hubsim.errors import HubsimError
+from hubsim.run import stops
 from hubsim.scenario import Scenario
+from hubsim.sweep import cases, drives
 from regen_table import models
 from regen_table.schema import Drive
 from studies import least_torque

@@ -9,7 +9,7 @@ status 1 if a case has more torque or bus voltage than it should, or a fault.
 from collections.abc import Sequence
 
 import numpy as np
-from hubsim import drives
+from hubsim.sweep import drives
 from matplotlib.figure import Figure
 from regen_table import plotting
 from studies.coast import runs

@@ -16,10 +16,11 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
-from hubsim import run, stops
-from hubsim.drives import drive_named
+from hubsim import run
 from hubsim.engine import Rows
+from hubsim.run import stops
 from hubsim.scenario import Scenario
+from hubsim.sweep.drives import drive_named
 from matplotlib.figure import Figure
 from regen_table import models, plotting, stop_limits
 from regen_table.schema import Drive

@@ -12,10 +12,12 @@ from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
-from hubsim import cases, faults_sweep, overrides, run, stops
+from hubsim import run
 from hubsim.engine import Engine, Rows
-from hubsim.plant import STANDARD_GRAVITY_M_PER_S2
-from hubsim.scenario import Scenario
+from hubsim.run import stops
+from hubsim.run.plant import STANDARD_GRAVITY_M_PER_S2
+from hubsim.scenario import Scenario, overrides
+from hubsim.sweep import cases, faults_sweep
 from regen_table import models
 from regen_table.schema import Drive
 

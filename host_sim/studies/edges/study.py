@@ -11,9 +11,10 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
 import numpy as np
-from hubsim import drives, reasons
+from hubsim import reasons
 from hubsim.engine import Rows
 from hubsim.errors import HubsimError
+from hubsim.sweep import drives
 from matplotlib.figure import Figure
 from regen_table import plotting
 from studies.common import Study, markdown, percent

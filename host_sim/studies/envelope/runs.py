@@ -12,11 +12,13 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
-from hubsim import cases, reasons, run, stops
-from hubsim.drives import drive_named, with_open_circuit_voltage
+from hubsim import reasons, run
 from hubsim.engine import Engine, Rows
 from hubsim.errors import HubsimError
+from hubsim.run import stops
 from hubsim.scenario import Scenario
+from hubsim.sweep import cases
+from hubsim.sweep.drives import drive_named, with_open_circuit_voltage
 from regen_table import models
 
 STARTS = ("standing", "rolling", "full", "cold", "dead_line", "plug_off")

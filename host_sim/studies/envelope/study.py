@@ -8,7 +8,7 @@ sensor dead. Exit status 1 if a run with a good sensor has a fault.
 
 from collections.abc import Sequence
 
-from hubsim import drives
+from hubsim.sweep import drives
 from matplotlib.figure import Figure
 from regen_table import plotting
 from studies.common import Study, markdown, percent

@@ -31,9 +31,10 @@ from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
-from hubsim import faults, faults_sweep
-from hubsim.faults_outcome import Outcome
-from hubsim.faults_sweep import BACK_BRAKE_S, BRAKE_S, ROLL_BACK, Group
+from hubsim.scenario import faults
+from hubsim.sweep import faults_sweep
+from hubsim.sweep.faults_outcome import Outcome
+from hubsim.sweep.faults_sweep import BACK_BRAKE_S, BRAKE_S, ROLL_BACK, Group
 from regen_table.sections import Motor
 
 HEALTHY_GAIN, HEALTHY_MASS, HEALTHY_SLOPE_M_PER_S2 = 0.2, 0.15, 0.1

@@ -14,10 +14,12 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from hubsim import cases, faults, faults_report, faults_sweep, reasons
+from hubsim import reasons
 from hubsim.engine import ROOT
-from hubsim.faults_outcome import Outcome
-from hubsim.faults_sweep import DEMAND_SHARES, ROLL_BACK, Case
+from hubsim.scenario import faults
+from hubsim.sweep import cases, faults_report, faults_sweep
+from hubsim.sweep.faults_outcome import Outcome
+from hubsim.sweep.faults_sweep import DEMAND_SHARES, ROLL_BACK, Case
 from regen_table import plotting
 from rich.progress import Progress
 from studies import common

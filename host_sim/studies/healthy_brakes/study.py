@@ -15,8 +15,10 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from hubsim import faults_sweep, reasons, run, stops
+from hubsim import reasons, run
+from hubsim.run import stops
 from hubsim.scenario import Scenario
+from hubsim.sweep import faults_sweep
 from matplotlib.figure import Figure
 from regen_table import plotting
 from regen_table.cli import Parser

@@ -8,8 +8,8 @@ should, or has a fault.
 
 from collections.abc import Sequence
 
-from hubsim import drives, stored_share, stored_share_report
-from hubsim.stored_share import Outcome
+from hubsim.sweep import drives, stored_share, stored_share_report
+from hubsim.sweep.stored_share import Outcome
 from studies.common import Study, markdown
 
 

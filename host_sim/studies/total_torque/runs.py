@@ -13,8 +13,9 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-from hubsim import run, stops
+from hubsim import run
 from hubsim.engine import Engine, Rows
+from hubsim.run import stops
 from hubsim.scenario import Scenario
 from regen_table.schema import Drive
 

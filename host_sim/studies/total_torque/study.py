@@ -14,9 +14,9 @@ from dataclasses import asdict, dataclass
 from itertools import product
 
 import numpy as np
-from hubsim import cycles, reasons
-from hubsim.drives import drive_named
-from hubsim.scenario import Scenario
+from hubsim import reasons
+from hubsim.scenario import Scenario, cycles
+from hubsim.sweep.drives import drive_named
 from matplotlib.figure import Figure
 from regen_table import plotting
 from regen_table.cli import Parser

@@ -21,9 +21,11 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from hubsim import cli, emulator, evaluation, overrides, run, scenario
-from hubsim.events import Event
-from hubsim.results import json_object
+from hubsim import cli, emulator, run, scenario
+from hubsim.run import evaluation
+from hubsim.run.results import json_object
+from hubsim.scenario import overrides
+from hubsim.scenario.events import Event
 
 ROOT = Path(__file__).resolve().parents[3]
 HERE = Path(__file__).resolve().parent

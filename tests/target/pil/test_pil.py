@@ -14,10 +14,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hubsim import cli, emulator, evaluation, overrides, run, scenario
+from hubsim import cli, emulator, run, scenario
 from hubsim.engine import Engine
 from hubsim.errors import HubsimError
-from hubsim.results import RunResult, json_object
+from hubsim.run import evaluation
+from hubsim.run.results import RunResult, json_object
+from hubsim.scenario import overrides
 
 DRIVE = cli.DEFAULT_CONFIG
 ELF_PROGRAM_HEADERS = (28, 42, 44)  # offset of the table; size and number of its entries

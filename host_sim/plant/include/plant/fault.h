@@ -5,8 +5,8 @@
  * Currents are shares of the full scale of the current converters and bus voltages shares of that
  * of the bus converter, so that one number suits every drive. A fault begins when its parameter
  * leaves 0 and, where the physics allows, ends when it returns. The names people use, with meaning
- * and values, are in python/hubsim/faults.toml. Further faults are parameters of their own models:
- * sensors.hall_stuck_low, brake.torque_loss, winding_sensor.open and so on.
+ * and values, are in python/hubsim/scenario/faults.toml. Further faults are parameters of their own
+ * models: sensors.hall_stuck_low, brake.torque_loss, winding_sensor.open and so on.
  */
 #ifndef PLANT_FAULT_H
 #define PLANT_FAULT_H

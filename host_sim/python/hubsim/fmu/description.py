@@ -14,13 +14,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from hubsim import configuration, plant, run
+from hubsim import configuration, run
 from hubsim import variables as ports
 from hubsim.configuration import Configuration
 from hubsim.controller import Controller
 from hubsim.engine import parameters
 from hubsim.errors import HubsimError
 from hubsim.fmu import KINDS
+from hubsim.run import plant
 from hubsim.scenario import Scenario
 
 REAL, FLAG, CODE = "REAL", "FLAG", "CODE"

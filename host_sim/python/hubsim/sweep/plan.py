@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from hubsim.errors import HubsimError
-from hubsim.overrides import value_of
+from hubsim.scenario.overrides import value_of
 
 RUNS_MAX = 1_000_000
 _CALL = re.compile(r"(range|normal|uniform|choice)\((.*)\)", re.DOTALL)

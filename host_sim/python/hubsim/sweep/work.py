@@ -12,10 +12,11 @@ from regen_table import installation
 from regen_table.errors import ConfigurationError
 from regen_table.schema import Drive
 
-from hubsim import configuration, evaluation, expression, overrides, run, scenario
+from hubsim import configuration, run, scenario
 from hubsim.errors import HubsimError
-from hubsim.results import RunResult
-from hubsim.scenario import Scenario
+from hubsim.run import evaluation
+from hubsim.run.results import RunResult
+from hubsim.scenario import Scenario, expression, overrides
 
 Row = dict[str, Any]
 ENERGIES = (

@@ -4,7 +4,7 @@
 import hubsim
 import numpy as np
 import pytest
-from hubsim import external
+from hubsim.run import external
 
 LEVEL = np.full((4, 3), 0.5)
 

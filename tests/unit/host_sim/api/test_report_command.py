@@ -10,9 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from black_box_memory import memory, printed
-from hubsim import evaluation, run, scenario, stops
+from hubsim import run, scenario
 from hubsim.engine import ROOT
-from hubsim.results import load_result
+from hubsim.run import evaluation, stops
+from hubsim.run.results import load_result
 from hubsim_command import Hubsim, hubsim_in
 from regen_table import schema
 

@@ -7,8 +7,9 @@ One wheel is simulated in place of the vehicle; the ideal stop is the upper boun
 import hubsim
 import numpy as np
 import pytest
-from hubsim import configuration, run, scenario, stops
+from hubsim import configuration, run, scenario
 from hubsim.engine import ROOT
+from hubsim.run import stops
 from regen_table import ideal, image, joint, models, schema
 from regen_table.schema import Drive
 

@@ -141,7 +141,7 @@ def test_installed_simulator_contains_scenarios_cycles_drives_and_reasons(
     for directory, ending in (
         ("tools/motors", "toml"),
         ("host_sim/cycles", "csv"),
-        ("host_sim/python/hubsim/scenarios", "toml"),
+        ("host_sim/python/hubsim/scenario/builtin", "toml"),
     ):
         names = [path.stem for path in (REPOSITORY / directory).glob(f"*.{ending}")]
         assert len(names) > 1

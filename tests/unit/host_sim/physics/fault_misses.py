@@ -4,8 +4,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from hubsim import faults_sweep
-from hubsim.faults_outcome import Outcome
+from hubsim.sweep import faults_sweep
+from hubsim.sweep.faults_outcome import Outcome
 
 LIST = Path(__file__).with_name("fault_misses.txt")
 HEAD = "# Runs of 'hubsim faults --reduced' that miss a limit: fault, vehicle, sensor, s: limits\n"

@@ -10,8 +10,10 @@ from pathlib import Path
 
 import pytest
 from fault_misses import LIST, as_text, listed
-from hubsim import cli, faults, faults_report, faults_sweep
-from hubsim.faults_outcome import Outcome
+from hubsim import cli
+from hubsim.scenario import faults
+from hubsim.sweep import faults_report, faults_sweep
+from hubsim.sweep.faults_outcome import Outcome
 
 SLACK = 0.3  # of the limits: what is so near to one may change with any line of the firmware
 KEYS = {

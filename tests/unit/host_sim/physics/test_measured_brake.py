@@ -10,8 +10,8 @@ import math
 import numpy as np
 import pytest
 from hubsim import Bench, reasons
-from hubsim.drives import DRIVES, drive_named
 from hubsim.engine import ROOT
+from hubsim.sweep.drives import DRIVES, drive_named
 
 SHARES = (1.5, 2.5)  # of the rated torque: the motor can make the first alone
 FITTED = {"brake_sensor.fitted": 1.0}

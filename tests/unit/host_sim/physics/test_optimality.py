@@ -3,7 +3,8 @@
 
 import numpy as np
 import pytest
-from hubsim import configuration, stops
+from hubsim import configuration
+from hubsim.run import stops
 from one_wheel import quarter, started, stopped
 from regen_table import image
 from regen_table.schema import Drive

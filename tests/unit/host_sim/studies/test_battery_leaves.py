@@ -7,8 +7,8 @@ age may leave of it (regen_table.bus_capacitor.LEFT_SHARE).
 
 import numpy as np
 import pytest
-from hubsim import cases, drives
 from hubsim.engine import Rows
+from hubsim.sweep import cases, drives
 from regen_table import bus_capacitor, models
 from regen_table.schema import Drive
 from studies.coast import runs as coast

@@ -3,8 +3,8 @@
 
 import numpy as np
 import pytest
-from hubsim import cases
-from hubsim.drives import DRIVES, drive_named
+from hubsim.sweep import cases
+from hubsim.sweep.drives import DRIVES, drive_named
 from studies.blend_out import study as blend_out
 from studies.blend_out.study import Case
 

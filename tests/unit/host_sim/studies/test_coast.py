@@ -7,8 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hubsim import cases, drives, run, stops
+from hubsim import run
+from hubsim.run import stops
 from hubsim.scenario import Scenario
+from hubsim.sweep import cases, drives
 from regen_table import models
 from studies import least_torque
 from studies.coast import runs as coast

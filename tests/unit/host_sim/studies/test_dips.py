@@ -5,7 +5,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from hubsim.drives import drive_named
+from hubsim.sweep.drives import drive_named
 from studies.dips import study as dips
 
 

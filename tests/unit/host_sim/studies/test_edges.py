@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hubsim import cases
-from hubsim.drives import DRIVES
+from hubsim.sweep import cases
+from hubsim.sweep.drives import DRIVES
 from studies.edges import judges as edge_judges
 from studies.edges import runs as edge_runs
 from studies.edges import study as edges

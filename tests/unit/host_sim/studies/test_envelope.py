@@ -3,8 +3,8 @@
 
 from collections.abc import Sequence
 
-from hubsim import cases
-from hubsim.drives import DRIVES
+from hubsim.sweep import cases
+from hubsim.sweep.drives import DRIVES
 from studies.envelope import runs
 from studies.envelope.runs import SENSOR_STARTS, Outcome
 

@@ -5,8 +5,9 @@ import math
 from collections import Counter
 
 import pytest
-from hubsim import drives, faults
-from hubsim.faults_outcome import Outcome
+from hubsim.scenario import faults
+from hubsim.sweep import drives
+from hubsim.sweep.faults_outcome import Outcome
 from studies.faults import bounds as faults_bounds
 from studies.faults import study as faults_tables
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Stops over the whole range of battery, demand, speed and temperature, beside the ideal."""
 
-from hubsim import cases, drives, stored_share
-from hubsim.stored_share import RIPPLE_MAX, TOLERANCE
+from hubsim.sweep import cases, drives, stored_share
+from hubsim.sweep.stored_share import RIPPLE_MAX, TOLERANCE
 
 COUNT, SEED = 20, 2
 MOST_ABOVE = TOLERANCE  # the ideal, slow stops included

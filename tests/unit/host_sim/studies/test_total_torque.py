@@ -10,8 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hubsim.drives import DRIVES, drive_named
 from hubsim.scenario import Scenario
+from hubsim.sweep.drives import DRIVES, drive_named
 from studies.total_torque import runs, study
 from studies.total_torque.study import START_SHARES, STOP, Case, Outcome
 

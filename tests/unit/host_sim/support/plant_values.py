@@ -7,7 +7,7 @@
 import sys
 from pathlib import Path
 
-from hubsim import plant
+from hubsim.run import plant
 from regen_table import schema
 
 
