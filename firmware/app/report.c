@@ -6,6 +6,7 @@
 #include "app/commit.h"
 #include "app/config_lines.h"
 #include "core/fault.h"
+#include "core/findings.h"
 #include "motor/feasible_torque.h"
 
 #if !defined(HUBFOC_VERSION) || !defined(HUBFOC_PORT_NAME)
@@ -335,22 +336,6 @@ bool report_can(const report_status_t *status, uint32_t number, text_t *line)
     }
 }
 
-static const fault_t *fault_that_begins(const char *prefix, uint32_t number)
-{
-    uint32_t left = number;
-    const fault_t *row = fault_row(0);
-    for (unsigned i = 0; row != NULL; row = fault_row(++i)) {
-        if (!text_begins_with(reason_name(row->reason), prefix)) {
-            continue;
-        }
-        if (left == 0) {
-            return row;
-        }
-        left--;
-    }
-    return NULL;
-}
-
 /* A word that is a configuration field is followed by its value, as `config` shows it. */
 static void add_time(const boot_report_t *boot, const char *time, text_t *line)
 {
@@ -374,33 +359,57 @@ static void add_time(const boot_report_t *boot, const char *time, text_t *line)
     }
 }
 
-bool report_faults(const boot_report_t *boot, const char *prefix, uint32_t number, text_t *line)
+/* A fault of the table: its text, and one line for each check that finds it. The fast monitor's
+ * trips have the row TRIP in common. */
+static bool add_fault(const boot_report_t *boot, reason_t reason, uint32_t *left, text_t *line)
 {
-    const fault_t *row = fault_that_begins(prefix, number / 2U);
-    if (row == NULL) {
-        return false;
-    }
-    if (number % 2U == 0) {
-        text_add_integer(line, (int32_t)row->reason);
+    if (*left == 0) {
+        text_add_integer(line, (int32_t)reason);
         text_add(line, " ");
-        text_add(line, reason_name(row->reason));
+        text_add(line, reason_name(reason));
         text_add(line, ": ");
-        text_add(line, reason_text(row->reason));
+        text_add(line, reason_text(reason));
         text_add(line, "; ");
-        text_add(line, fault_driver_text(row->driver));
+        text_add(line, fault_driver_text(fault_driver(reason)));
         return true;
     }
-    text_add(line, "   after ");
-    add_time(boot, row->qualify, line);
-    text_add(line, ": ");
-    text_add(line, fault_reaction_text(row->reaction));
-    text_add(line, "; ends ");
-    text_add(line, fault_clearing_text(row->clearing));
-    if (row->clearing == FAULT_CLEARING_HEALS) {
-        text_add(line, ", ");
-        add_time(boot, row->heal, line);
+    (*left)--;
+    bool listed = false;
+    for (finding_t k = 0; k <= FINDING_COUNT; k++) {
+        const bool last = k == FINDING_COUNT;
+        const finding_row_t row = findings_row(last ? FINDING_TRIP : k);
+        if (last ? listed : row.reason != reason) {
+            continue;
+        }
+        listed = true;
+        if (*left == 0) {
+            text_add(line, "   after ");
+            add_time(boot, row.qualify, line);
+            text_add(line, ": ");
+            text_add(line, findings_reaction_text(row.reaction));
+            text_add(line, "; ends ");
+            text_add(line, fault_clearing_text(fault_clearing(reason)));
+            if (fault_clearing(reason) == FAULT_CLEARING_HEALS) {
+                text_add(line, ", ");
+                add_time(boot, row.heal, line);
+            }
+            return true;
+        }
+        (*left)--;
     }
-    return true;
+    return false;
+}
+
+bool report_faults(const boot_report_t *boot, const char *prefix, uint32_t number, text_t *line)
+{
+    uint32_t left = number;
+    reason_t reason = REASON_NONE;
+    for (uint32_t place = 0; fault_listed(place, &reason); place++) {
+        if (text_begins_with(reason_name(reason), prefix) && add_fault(boot, reason, &left, line)) {
+            return true;
+        }
+    }
+    return false;
 }
 
 bool report_config(const boot_report_t *boot, const char *prefix, uint32_t number, text_t *line)

@@ -180,8 +180,8 @@ static bool stored_offsets_plausible(const config_t *c)
     const int32_t offsets_q4[] = {c->drive.offset_a_q4, c->drive.offset_b_q4, c->drive.offset_c_q4};
     bool good = true;
     for (int x = 0; x < 3; x++) {
-        const int32_t beside_q4 = offsets_q4[x] - 32768;
-        good = good && beside_q4 <= tolerance_q4 && -beside_q4 <= tolerance_q4;
+        const int32_t deviation_q4 = offsets_q4[x] - 32768;
+        good = good && deviation_q4 <= tolerance_q4 && -deviation_q4 <= tolerance_q4;
     }
     return good;
 }

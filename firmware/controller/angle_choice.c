@@ -42,7 +42,7 @@ static bool fast_enough(const angle_choice_state_t *state, const config_t *confi
  * least in a millisecond; an observer that is not settled does, as after the first hall edge, which
  * turns the current by 60 degrees. */
 static bool settled(const angle_choice_state_t *state, const config_t *config,
-                    const angle_choice_input_t *in)
+                    const rotor_view_t *in)
 {
     const int32_t half_change_mrad_s = in->observer_mrad_s / 2 - state->last_mrad_s / 2;
     const int32_t least_mrad_s = config->rotor.observer_speed_mrad_s;
@@ -52,7 +52,7 @@ static bool settled(const angle_choice_state_t *state, const config_t *config,
 
 /* A rotor that turns round passes through standstill, where it cannot be observed: a direction that
  * changes is the observer's, from currents and dead time at low speed, unless it lasts. */
-static void watch_direction(angle_choice_state_t *state, const angle_choice_input_t *in)
+static void watch_direction(angle_choice_state_t *state, const rotor_view_t *in)
 {
     const int32_t direction = in->observer_mrad_s >= 0 ? 1 : -1;
     if (!in->switching || !in->acquired || state->against + 1 >= STEADY_STEPS) {
@@ -80,7 +80,7 @@ static int32_t active_permille(const config_t *config, int32_t i_d_pu)
 /* Half a turn from the rotor the current of a salient motor turns the active flux round, so that
  * the observer, which follows it, agrees with the wrong angle. But there is little of it left: less
  * than the magnets' alone, to which a current adds half at least, and a third of both. */
-static bool lacks_flux(const config_t *config, const angle_choice_input_t *in)
+static bool lacks_flux(const config_t *config, const rotor_view_t *in)
 {
     if (in->flux_q14 >= in->expected_q14) {
         return false;
@@ -89,8 +89,7 @@ static bool lacks_flux(const config_t *config, const angle_choice_input_t *in)
     return active >= SALIENT_PERMILLE && in->flux_q14 * 3000 < active * in->expected_q14;
 }
 
-static void confirm(angle_choice_state_t *state, const config_t *config,
-                    const angle_choice_input_t *in)
+static void confirm(angle_choice_state_t *state, const config_t *config, const rotor_view_t *in)
 {
     watch_direction(state, in);
     state->lacks_flux = in->acquired && lacks_flux(config, in);
@@ -111,7 +110,7 @@ static void confirm(angle_choice_state_t *state, const config_t *config,
 /* From half its speed on the observer's angle is good enough to take torque away. No step without
  * PWM is plausible. */
 static bool watches(const angle_choice_state_t *state, const config_t *config,
-                    const angle_choice_input_t *in)
+                    const rotor_view_t *in)
 {
     return state->confirmed ||
            (state->plausible >= CONFIRM_STEPS && state->against == 0 &&
@@ -122,8 +121,7 @@ static bool watches(const angle_choice_state_t *state, const config_t *config,
  * know of an acceleration at their next edge only; halls that stand are 60 degrees off soon. Below
  * its speed an observer does not for a moment where the current changes, and with little current is
  * 35 degrees wrong; halls are half a sector late there. */
-static bool slips(const angle_choice_state_t *state, const config_t *config,
-                  const angle_choice_input_t *in)
+static bool slips(const angle_choice_state_t *state, const config_t *config, const rotor_view_t *in)
 {
     const bool hall = config->rotor.sensor == CONFIG_ROTOR_HALL;
     const int32_t size_mrad_s = q_abs(in->observer_mrad_s);
@@ -135,8 +133,7 @@ static bool slips(const angle_choice_state_t *state, const config_t *config,
 }
 
 /* A sensor that is wrong agrees with the observer in passing: it has to for a long time. */
-static void compare(angle_choice_state_t *state, const config_t *config,
-                    const angle_choice_input_t *in)
+static void compare(angle_choice_state_t *state, const config_t *config, const rotor_view_t *in)
 {
     const bool lacks = state->lacks_flux && in->switching &&
                        q_abs(in->sensor_mrad_s / 2) >= config->rotor.observer_speed_mrad_s / 4;
@@ -170,7 +167,7 @@ static void compare(angle_choice_state_t *state, const config_t *config,
  * angle they show now. Where no confirmed observer sees whether it is right they are wrong then,
  * and where the observer does not even watch at once; an encoder returns with a confirmed index. */
 static void watch_return(angle_choice_state_t *state, const config_t *config,
-                         const angle_choice_input_t *in)
+                         const rotor_view_t *in)
 {
     const int32_t half_mrad_s = q_abs(in->sensor_mrad_s / 2);
     const int32_t least_mrad_s = config->rotor.observer_speed_mrad_s;
@@ -185,7 +182,7 @@ static void watch_return(angle_choice_state_t *state, const config_t *config,
     state->was_valid = in->sensor_valid;
 }
 
-static reason_t name_of(const angle_choice_input_t *in)
+static reason_t name_of(const rotor_view_t *in)
 {
     const int32_t sensor_mrad_s = q_max(in->sensor_mrad_s, -INT32_MAX);
     const int32_t along_mrad_s = in->observer_mrad_s >= 0 ? sensor_mrad_s : -sensor_mrad_s;
@@ -197,9 +194,9 @@ static reason_t name_of(const angle_choice_input_t *in)
 }
 
 /* Currents that read too small leave a part of L_q i_q, at most 5/8 of it here, across the flux,
- * which keeps its length; a slip changes that where the current is large (README, Choice of
- * angle). */
-static bool explained_by_gain(const config_t *config, const angle_choice_input_t *in)
+ * which keeps its length; a slip changes that where the current is large (DERIVATIONS.md,
+ * Gain error of all current sensors). */
+static bool explained_by_gain(const config_t *config, const rotor_view_t *in)
 {
     const int32_t along = active_permille(config, in->i_pu.d);
     const int32_t across = linked_permille(config, config->motor.q_inductance_nH, in->i_pu.q);
@@ -210,8 +207,8 @@ static bool explained_by_gain(const config_t *config, const angle_choice_input_t
 }
 
 /* Once, for as long as the sensor is wrong. */
-static void name_sensor(angle_choice_state_t *state, const config_t *config,
-                        const angle_choice_input_t *in)
+static void name_sensor(angle_choice_state_t *state, const config_t *config, const rotor_view_t *in,
+                        bool gain_suspected)
 {
     state->wrong_steps = counted(state->wrong_steps, state->sensor_wrong);
     const bool slips = state->wrong_steps == 1 && state->slipped >= SLIPPED_STEPS;
@@ -221,10 +218,9 @@ static void name_sensor(angle_choice_state_t *state, const config_t *config,
     const int32_t waits_steps = state->gain_explains ? GAIN_STEPS : NAME_STEPS;
     if (!state->sensor_wrong) {
         state->name = REASON_NONE;
-    } else if (slips && !state->gain_explains && !in->gain_suspected) {
+    } else if (slips && !state->gain_explains && !gain_suspected) {
         state->name = REASON_ROTOR_SLIPPED; /* so near for so long: it turns as fast */
-    } else if (state->name == REASON_NONE && state->wrong_steps >= waits_steps &&
-               !in->gain_suspected) {
+    } else if (state->name == REASON_NONE && state->wrong_steps >= waits_steps && !gain_suspected) {
         /* An observer that is gone by then was wrong itself, as in a wheel that locks. */
         state->name = watches(state, config, in) ? name_of(in) : REASON_ROTOR_UNCERTAIN;
     }
@@ -232,31 +228,37 @@ static void name_sensor(angle_choice_state_t *state, const config_t *config,
 
 /* A sensor that was invalid has lost its place, maybe: it is used again once it agrees, or once the
  * observer cannot tell. */
-static bool may_return(const angle_choice_state_t *state, const angle_choice_input_t *in)
+static bool may_return(const angle_choice_state_t *state, const rotor_view_t *in)
 {
     return !state->observer_used || !state->confirmed || q_abs(in->difference_turn) < AGREED_TURN;
 }
 
-angle_choice_output_t angle_choice_step(angle_choice_state_t *state, const config_t *config,
-                                        const angle_choice_input_t *in)
+void angle_choice_init(angle_choice_state_t *state)
+{
+    const angle_choice_state_t fresh = {.confirmed = false};
+    *state = fresh;
+}
+
+angle_choice_t angle_choice_step(angle_choice_state_t *state, const config_t *config,
+                                 const rotor_view_t *in, bool gain_suspected, bool cleared)
 {
     if (config->rotor.observer_takeover == 0) {
-        const angle_choice_output_t sensor_alone = {.valid = in->sensor_valid};
+        const angle_choice_t sensor_alone = {.valid = in->sensor_valid};
         return sensor_alone;
     }
     confirm(state, config, in);
     compare(state, config, in);
     watch_return(state, config, in);
-    state->sensor_wrong = state->sensor_wrong && !in->cleared;
-    name_sensor(state, config, in);
+    state->sensor_wrong = state->sensor_wrong && !(cleared && !in->switching);
+    name_sensor(state, config, in, gain_suspected);
     const bool sensor = in->sensor_valid && !state->sensor_wrong && may_return(state, in);
     state->observer_used =
         !sensor && (state->observer_used || watches(state, config, in) || !in->switching);
-    const angle_choice_output_t out = {
+    const angle_choice_t out = {
         .valid = sensor || (state->observer_used && state->confirmed),
-        .observer_used = state->observer_used,
+        .by = state->observer_used ? ANGLE_BY_OBSERVER : ANGLE_BY_SENSOR,
         .sensor_wrong = state->sensor_wrong,
-        .reason = state->name,
+        .name = state->name,
     };
     return out;
 }

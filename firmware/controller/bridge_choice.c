@@ -7,7 +7,7 @@ enum { MOST_CURRENT_mA = 10000000 };
 
 void bridge_choice_init(bridge_choice_state_t *state)
 {
-    const bridge_choice_state_t fresh = {.overspeed = false};
+    const bridge_choice_state_t fresh = {.idle_steps = 0};
     *state = fresh;
 }
 
@@ -18,43 +18,42 @@ static uint16_t counted(uint16_t steps, bool condition)
 
 /* Switching begins only from a current that it can control; an eighth is for the transient of
  * diodes that conduct. A short circuit's settled current, psi / L_d, is i_d alone: whole limit. */
-static bool current_controllable(const config_t *config, const bridge_choice_input_t *in)
+static bool current_controllable(const config_t *config, const measured_t *now)
 {
-    const int32_t eighths = bridge_is_short(in->bridge) ? 8 : 7;
+    const int32_t eighths = bridge_is_short(now->report->bridge) ? 8 : 7;
     const int64_t most_mA = (int64_t)config->motor.max_phase_current_mA * eighths / 8;
-    const int64_t d_mA = q_limit(in->i_d_mA, MOST_CURRENT_mA);
-    const int64_t q_mA = q_limit(in->i_q_mA, MOST_CURRENT_mA);
+    const int64_t d_mA = q_limit(now->latest_i_d_mA, MOST_CURRENT_mA);
+    const int64_t q_mA = q_limit(now->latest_i_q_mA, MOST_CURRENT_mA);
     return d_mA * d_mA + q_mA * q_mA <= most_mA * most_mA;
 }
 
 /* Without demand the open bridge makes no torque. Opening keeps a sixteenth of the voltage. */
-static bool may_coast(const bridge_choice_input_t *in)
+static bool may_coast(const safe_state_t *safe, int32_t phase_voltage_mV, bool open, bool wanted)
 {
-    const bool open = in->bridge == BRIDGE_OFF;
-    const int32_t limit_mV = in->phase_voltage_mV - (open ? 0 : in->phase_voltage_mV / 16);
-    return !in->torque_wanted && in->safe_bridge == BRIDGE_OFF && in->safe_torque_mNm == 0 &&
-           in->emf_mV < limit_mV;
+    const int32_t limit_mV = phase_voltage_mV - (open ? 0 : phase_voltage_mV / 16);
+    return !wanted && safe->bridge == BRIDGE_OFF && safe->torque_mNm == 0 &&
+           safe->emf_mV < limit_mV;
 }
 
-static bool coasts(bridge_choice_state_t *state, const config_t *config,
-                   const bridge_choice_input_t *in)
+static bool coasts(bridge_choice_state_t *state, const config_t *config, const safe_state_t *safe,
+                   int32_t phase_voltage_mV, bool open, bool wanted)
 {
     const int32_t delay_ms = config->modes.coast_delay_ms;
-    state->idle_steps = counted(state->idle_steps, may_coast(in));
-    return delay_ms > 0 && state->idle_steps >= (in->bridge == BRIDGE_OFF ? 1 : delay_ms);
+    state->idle_steps = counted(state->idle_steps, may_coast(safe, phase_voltage_mV, open, wanted));
+    return delay_ms > 0 && state->idle_steps >= (open ? 1 : delay_ms);
 }
 
-/* Of three ways to let go the one with the least torque. PWM, which may be forced to brake as well,
- * is left where no current holds the voltage, or where the safe state brakes with half as much. */
-static bool pwm_is_worse(const bridge_choice_input_t *in)
+/* Of PWM, freewheel and short circuit the one with the least torque. PWM, which may be forced to
+ * brake as well, is left where no current holds the voltage, or where the safe state brakes with
+ * half as much. */
+static bool pwm_is_worse(const current_setpoint_t *current, int32_t safe_torque_mNm, bool switching)
 {
-    return !in->torque_feasible ||
-           (in->bridge == BRIDGE_PWM ? in->forced_mNm / 2 : in->forced_mNm) > in->safe_torque_mNm;
+    return !current->feasible ||
+           (switching ? current->forced_mNm / 2 : current->forced_mNm) > safe_torque_mNm;
 }
 
-static bool torque_lost(bridge_choice_state_t *state, const bridge_choice_input_t *in)
+static bool torque_lost(bridge_choice_state_t *state, bool worse)
 {
-    const bool worse = pwm_is_worse(in);
     state->infeasible_steps = counted(state->infeasible_steps, worse);
     if (state->infeasible_steps >= BRIDGE_CHOICE_INFEASIBLE_STEPS ||
         (worse && state->return_steps > 0)) {
@@ -65,39 +64,28 @@ static bool torque_lost(bridge_choice_state_t *state, const bridge_choice_input_
     return state->return_steps > 0;
 }
 
-int32_t bridge_choice_phase_mV(const config_t *config, int32_t phase_mV, int32_t bus_mV,
-                               int32_t charging_mA)
-{
-    const int64_t lift_uV = (int64_t)charging_mA * config->battery.resistance_uOhm / 1000;
-    const int32_t lift_mV = q_min(q_saturate64(lift_uV / 1000), q_max(bus_mV, 1) / 2);
-    const int32_t lowered_mV = phase_mV - q_scale(phase_mV, lift_mV, q_max(bus_mV, 1));
-    return lowered_mV - (lowered_mV >> BRIDGE_CHOICE_HYSTERESIS_LOG2);
-}
-
-static void warn_of_overspeed(bridge_choice_state_t *state, bool lost)
-{
-    if (lost) {
-        state->overspeed_steps = BRIDGE_CHOICE_OVERSPEED_STEPS;
-    } else if (state->overspeed_steps > 0) {
-        state->overspeed_steps--;
-    }
-    state->overspeed = state->overspeed_steps > 0;
-}
-
 bridge_mode_t bridge_choice_step(bridge_choice_state_t *state, const config_t *config,
-                                 const bridge_choice_input_t *in)
+                                 const measured_t *now, const monitored_t *watch,
+                                 const torque_output_t *torque, const torque_enable_t *enable,
+                                 bool demanded, findings_t *findings)
 {
-    const bool idle = coasts(state, config, in);
-    const bool lost = torque_lost(state, in);
-    warn_of_overspeed(state, (lost || in->forced_mNm > 0) && in->torque_enabled);
-    if (!in->torque_enabled) {
-        return in->safe_bridge;
+    const safe_state_t *safe = &watch->safe;
+    const bool switching = measured_switching(now);
+    const bool enabled = torque_enable_any(*enable);
+    const bool wanted = demanded || torque->command_mNm != 0;
+    const bool idle = coasts(state, config, safe, torque->phase_voltage_mV,
+                             now->report->bridge == BRIDGE_OFF, wanted);
+    const bool lost =
+        torque_lost(state, pwm_is_worse(&torque->current, safe->torque_mNm, switching));
+    findings_set(findings, FINDING_FORCED_TORQUE,
+                 enabled && (lost || torque->current.forced_mNm > 0));
+    if (!enabled) {
+        return safe->bridge;
     }
-    const bool rests = idle && in->observer_used && in->bridge != BRIDGE_PWM;
-    if (!in->rotor_valid && !rests) {
+    const bool rests = idle && now->angle_by == ANGLE_BY_OBSERVER && !switching;
+    if (!now->angle_valid && !rests) {
         return BRIDGE_PWM;
     }
-    const bool begins = in->bridge != BRIDGE_PWM;
-    const bool can_switch = !lost && (!begins || current_controllable(config, in));
-    return can_switch && !idle ? BRIDGE_PWM : in->safe_bridge;
+    const bool can_switch = !lost && (switching || current_controllable(config, now));
+    return can_switch && !idle ? BRIDGE_PWM : safe->bridge;
 }

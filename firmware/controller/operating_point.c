@@ -72,7 +72,7 @@ static int32_t circle_mV(const operating_point_state_t *state, int32_t bus_mV)
     return part_of(part_of(bus_mV, state->modulation_limit_q15), INVERSE_SQRT3_Q15);
 }
 
-/* With a reserve below the index at which the fast loop begins to weaken the field (README,
+/* With a reserve below the index at which the fast loop begins to weaken the field (DERIVATIONS.md,
  * Voltage reserve). */
 static int32_t phase_voltage_mV(const operating_point_state_t *state, const config_t *config,
                                 int32_t radius_mV)
@@ -82,9 +82,10 @@ static int32_t phase_voltage_mV(const operating_point_state_t *state, const conf
     return sampling_correction_mean_voltage(&state->sampling, part_of(radius_mV, index_q15));
 }
 
-observer_view_t operating_point_observer(operating_point_state_t *state, const config_t *config,
-                                         const observer_report_t *observer)
+rotor_view_t operating_point_rotor(operating_point_state_t *state, const config_t *config,
+                                   const fast_report_t *report)
 {
+    const observer_report_t *observer = &report->observer;
     const int32_t change_q32 = observer->speed_q32 - state->observer_speed_q32;
     state->observer_speed_q32 +=
         observer->acquired && state->observer.follows_speed ? change_q32 / LEAD_SHARE : change_q32;
@@ -93,26 +94,26 @@ observer_view_t operating_point_observer(operating_point_state_t *state, const c
     const uint16_t lead_turn = observer_lead_turn(&state->observer_leak, state->observer_speed_q32);
     const uint16_t rotor_turn = (uint16_t)(observer->theta_turn - lead_turn);
     state->observer_lead_turn = lead_turn;
-    const observer_view_t out = {
-        .speed_mrad_s = bases_speed_mrad_s(config, observer->speed_q32),
+    const dq_t flux_q14 = dq_of(observer->flux_q14);
+    const rotor_view_t out = {
+        .observer_mrad_s = bases_speed_mrad_s(config, observer->speed_q32),
+        .sensor_mrad_s = bases_speed_mrad_s(config, report->speed_q32),
         .difference_turn = angle_difference(observer->sensor_turn, rotor_turn),
-        .flux_q14 = dq_of(observer->flux_q14),
-        .expected_q14 = observer_expected_flux_q14(&state->observer, lead_turn),
+        .flux_q14 = flux_q14.d,
+        .across_q14 = flux_q14.q,
+        .expected_q14 = q_saturate16(observer_expected_flux_q14(&state->observer, lead_turn)),
+        .i_pu = dq_of(report->i_pu),
+        .acquired = observer->acquired,
+        .sensor_valid = report->sensor_valid,
+        .switching = report->bridge == BRIDGE_PWM,
     };
     return out;
 }
 
-rotor_speed_t operating_point_speed(const config_t *config, int32_t turn_q32)
+void operating_point_of(operating_point_state_t *state, const config_t *config, rotor_speed_t speed,
+                        int32_t winding_temperature_cC, measured_t *out)
 {
-    const rotor_speed_t out = {.turn_q32 = turn_q32,
-                               .wheel_mrad_s = bases_speed_mrad_s(config, turn_q32)};
-    return out;
-}
-
-operating_point_t operating_point_of(operating_point_state_t *state, const config_t *config,
-                                     const fast_report_t *report, rotor_speed_t speed,
-                                     int32_t winding_temperature_cC)
-{
+    const fast_report_t *report = out->report;
     average(state, report);
     state->speed_q32 = speed.turn_q32;
     state->winding_temperature_cC = winding_temperature_cC;
@@ -124,22 +125,19 @@ operating_point_t operating_point_of(operating_point_state_t *state, const confi
     const int32_t radius_mV = circle_mV(state, bus_mV);
     const dq_t latest_i = dq_of(report->i_pu);
     const dq_t latest_u = dq_of(report->u_pu);
-    const operating_point_t out = {
-        .speed_mrad_s = speed.wheel_mrad_s,
-        .i_d_mA = bases_current_mA(config, i_pu.d),
-        .i_q_mA = bases_current_mA(config, i_pu.q),
-        .sampled_pu = state->i_pu,
-        .bus_voltage_mV = bus_mV,
-        .bus_current_mA = bus_current_mA(state, config),
-        .i_d_weakening_mA = bases_current_mA(
-            config, sampling_correction_mean_change(sampling, report->i_d_weakening_pu)),
-        .phase_voltage_mV = phase_voltage_mV(state, config, radius_mV),
-        .latest_i_d_mA = bases_current_mA(config, latest_i.d),
-        .latest_i_q_mA = bases_current_mA(config, latest_i.q),
-        .latest_u_d_mV = part_of(radius_mV, latest_u.d),
-        .latest_u_q_mV = part_of(radius_mV, latest_u.q),
-    };
-    return out;
+    out->speed_mrad_s = speed.wheel_mrad_s;
+    out->i_d_mA = bases_current_mA(config, i_pu.d);
+    out->i_q_mA = bases_current_mA(config, i_pu.q);
+    out->sampled_pu = state->i_pu;
+    out->bus_voltage_mV = bus_mV;
+    out->bus_current_mA = bus_current_mA(state, config);
+    out->i_d_weakening_mA = bases_current_mA(
+        config, sampling_correction_mean_change(sampling, report->i_d_weakening_pu));
+    out->phase_voltage_mV = phase_voltage_mV(state, config, radius_mV);
+    out->latest_i_d_mA = bases_current_mA(config, latest_i.d);
+    out->latest_i_q_mA = bases_current_mA(config, latest_i.q);
+    out->latest_u_d_mV = part_of(radius_mV, latest_u.d);
+    out->latest_u_q_mV = part_of(radius_mV, latest_u.q);
 }
 
 void operating_point_setpoint(const operating_point_state_t *state, const config_t *config,

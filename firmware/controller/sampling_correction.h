@@ -2,7 +2,7 @@
 /*
  * sampling_correction.h: difference between the current sampled once per PWM period and its mean
  * over the period. Torque follows the mean, the current controller sees the sample. Slow loop,
- * 1 kHz. With g = (w T)^2/12 (README, Sampling correction):
+ * 1 kHz. With g = (w T)^2/12 (DERIVATIONS.md, Sampling correction):
  *
  *     i_sampled - i_mean = g (i_d + psi/L_d, i_q)          u_mean = (1 - g/2) u_commanded
  */

@@ -4,7 +4,7 @@
  * temperature. Slow loop, 1 kHz; pure; divides.
  *
  * Voltages are in modulation units: 1.0 is the radius of the voltage circle,
- * modulation_limit * u_dc / sqrt 3. Gains: README, Current controller.
+ * modulation_limit * u_dc / sqrt 3. DERIVATIONS.md, Tuning; gains: foc, Current controller.
  */
 #ifndef CONTROLLER_TUNING_H
 #define CONTROLLER_TUNING_H

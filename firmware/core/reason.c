@@ -5,20 +5,19 @@
  * each behind the zero of the one before: for shells and logs, in half a kilobyte of flash less
  * than with a pointer to each. */
 #define LIMIT_NUMBER(number, identifier, text) (number),
-#define FAULT_NUMBER(number, identifier, text, qualify, heal, reaction, clearing, driver) (number),
+#define FAULT_NUMBER(number, identifier, text, clearing, driver) (number),
 static const uint8_t NUMBERS[] = {LIMIT_LIST(LIMIT_NUMBER) FAULT_LIST(FAULT_NUMBER)};
 #undef LIMIT_NUMBER
 #undef FAULT_NUMBER
 
 #define LIMIT_NAME(number, identifier, text) #identifier "\0"
-#define FAULT_NAME(number, identifier, text, qualify, heal, reaction, clearing, driver)            \
-#identifier "\0"
+#define FAULT_NAME(number, identifier, text, clearing, driver) #identifier "\0"
 static const char NAMES[] = LIMIT_LIST(LIMIT_NAME) FAULT_LIST(FAULT_NAME);
 #undef LIMIT_NAME
 #undef FAULT_NAME
 
 #define LIMIT_TEXT(number, identifier, text) text "\0"
-#define FAULT_TEXT(number, identifier, text, qualify, heal, reaction, clearing, driver) text "\0"
+#define FAULT_TEXT(number, identifier, text, clearing, driver) text "\0"
 static const char TEXTS[] = LIMIT_LIST(LIMIT_TEXT) FAULT_LIST(FAULT_TEXT);
 #undef LIMIT_TEXT
 #undef FAULT_TEXT

@@ -32,7 +32,7 @@ void foc_report_copy(const foc_state_t *state, fast_report_t *report)
     }
     report->offsets_done = sense->calibrated;
     report->speed_q32 = period->rotor.speed_q32;
-    report->rotor_valid = period->rotor.valid;
+    report->sensor_valid = period->rotor.valid;
     report->rotor_faults = period->rotor.faults;
     report->observer.speed_q32 = speed_q32;
     report->observer.theta_turn = (uint16_t)((observer->theta_q32 - (uint32_t)speed_q32) >> 16);

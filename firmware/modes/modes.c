@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "modes/modes.h"
 
+#include "config/demand_age.h"
 #include "core/fault.h"
 #include "core/q15.h"
 
@@ -38,14 +39,64 @@ static void fail(modes_state_t *state, reason_t fault)
     enter(state, MODE_FAULT);
 }
 
+/* What the driver asks for in this step. */
+typedef struct {
+    bool enable;
+    bool lost;   /* the demand is older than its timeout */
+    bool drives; /* driving alone, no lift-off braking: must end once before RUN */
+    bool quiet;  /* at rest without a torque demand */
+} request_t;
+
+/* Lift-off braking, against the direction, is no driving: a released accelerator may demand it. */
+static bool drive_demanded(const wheel_demand_t *demand)
+{
+    const int32_t sign = drive_direction_sign(demand->direction);
+    const int32_t drive_mNm = demand->drive_torque_mNm;
+    return sign > 0 ? drive_mNm > 0 : sign < 0 ? drive_mNm < 0 : drive_mNm != 0;
+}
+
+/* The warning of this step. */
+typedef struct {
+    finding_t row; /* FINDING_COUNT: none */
+    reason_t reason;
+    bool off; /* a finding takes all torque away, named or not */
+} warning_t;
+
+static warning_t warning_of(const findings_t *findings)
+{
+    const finding_t row = findings_warning(findings);
+    const warning_t out = {
+        .row = row, .reason = findings_reason(findings, row), .off = findings_off(findings)};
+    return out;
+}
+
+static request_t request_of(const config_t *config, const slow_input_t *in, bool at_rest)
+{
+    const bool drives = drive_demanded(&in->demand);
+    const request_t out = {
+        .enable = in->demand.enable,
+        .lost = demand_is_lost(config, in->demand_age_ms),
+        .drives = drives,
+        .quiet = at_rest && !drives && in->demand.brake_torque_mNm <= 0,
+    };
+    return out;
+}
+
+/* The rotor's angle may be used for torque, or an observer will find it as soon as the bridge
+ * switches. */
+static bool angle_ready(const config_t *config, const measured_t *now, const monitored_t *watch)
+{
+    return now->angle_valid || (now->angle_by == ANGLE_BY_OBSERVER &&
+                                watch->bound_mrad_s >= config->rotor.observer_speed_mrad_s);
+}
+
 /* A rising edge of fault_reset is accepted only at rest and without a torque demand, and never for
  * a fault that only a restart clears. It stays pending for some steps, because the fast loop must
  * clear its trip and check again before the monitor reports no fault. */
-static bool acknowledgement_pending(modes_state_t *state, const modes_input_t *in)
+static bool acknowledgement_pending(modes_state_t *state, bool reset, bool quiet)
 {
-    const bool edge = in->fault_reset && !state->reset_before;
-    state->reset_before = in->fault_reset;
-    const bool quiet = !in->torque_demanded && in->at_rest;
+    const bool edge = reset && !state->reset_before;
+    state->reset_before = reset;
     const bool allowed = state->mode == MODE_FAULT && quiet &&
                          fault_clearing(state->fault) != FAULT_CLEARING_RESTART;
     if (edge && quiet) {
@@ -63,43 +114,53 @@ static bool acknowledgement_pending(modes_state_t *state, const modes_input_t *i
     return state->acknowledge_steps > 0;
 }
 
-static void latch_warning(modes_state_t *state, const modes_input_t *in)
+/* Why a demand was lost: its timeout, or the sensor that made it be lost. */
+static void latch_warning(modes_state_t *state, const request_t *request, reason_t demand_reason)
 {
     const bool runs = state->mode == MODE_RUN || state->mode == MODE_LIMP;
-    if (runs && in->enable && in->demand_lost) {
-        state->warning = in->lost_reason;
+    if (runs && request->enable && request->lost) {
+        const bool sensor = (int)demand_reason >= REASON_FIRST_FAULT;
+        state->warning = sensor ? demand_reason : REASON_DEMAND_TIMEOUT;
     }
 }
 
-static void calibrate(modes_state_t *state, const config_modes_t *config, const modes_input_t *in)
+/* While the EMF drives a current there is no zero to be seen: after a while the stored offsets
+ * serve. */
+static bool offsets_waited(const modes_state_t *state, const config_modes_t *config,
+                           const monitored_t *watch)
 {
-    if (in->emf_conducts) { /* no zero to be seen: after a while the stored offsets serve */
-        state->quiet_steps = 0;
-        if (state->steps >= config->offset_wait_ms) {
-            state->offsets_stored = true;
-            enter(state, MODE_READY);
-        }
+    return state->mode == MODE_OFFSET_CAL && watch->emf_conducts &&
+           state->steps >= config->offset_wait_ms;
+}
+
+static void calibrate(modes_state_t *state, const config_modes_t *config, const monitored_t *watch,
+                      bool offsets_done)
+{
+    state->quiet_steps =
+        (uint16_t)(watch->emf_conducts ? 0 : q_min(state->quiet_steps + 1, UINT16_MAX));
+    const bool measured = state->quiet_steps >= MODES_CALIBRATION_SETTLE_STEPS && offsets_done;
+    if (measured || offsets_waited(state, config, watch)) {
+        enter(state, MODE_READY);
+    }
+}
+
+/* RUN and LIMP. Never to READY while rolling: switching off must not take the electric brake
+ * away. */
+static void run(modes_state_t *state, const request_t *request, bool rolling, finding_t warning)
+{
+    if (!request->enable && !rolling) {
+        enter(state, MODE_READY);
         return;
     }
-    state->quiet_steps = (uint16_t)q_min(state->quiet_steps + 1, UINT16_MAX);
-    if (state->quiet_steps < MODES_CALIBRATION_SETTLE_STEPS) {
-        return; /* the fast loop has not read the request yet: its result would be that of the
-                   last calibration */
-    }
-    if (in->offsets_done) {
-        if (in->offsets_plausible) {
-            state->offsets_stored = false;
-            enter(state, MODE_READY);
-        } else {
-            fail(state, REASON_OFFSET_IMPLAUSIBLE);
-        }
-    } else if (state->quiet_steps >= MODES_CALIBRATION_TIMEOUT_STEPS) {
-        fail(state, REASON_OFFSET_IMPLAUSIBLE);
+    const bool limps = findings_reaction(warning) != FINDING_REACTION_NONE || state->offsets_stored;
+    if (limps != (state->mode == MODE_LIMP)) {
+        enter(state, limps ? MODE_LIMP : MODE_RUN);
     }
 }
 
-static void advance(modes_state_t *state, const config_modes_t *config, const modes_input_t *in,
-                    bool acknowledged)
+static void advance(modes_state_t *state, const config_t *config, const measured_t *now,
+                    const monitored_t *watch, const slow_input_t *in, const request_t *request,
+                    bool acknowledged, finding_t warning)
 {
     switch (state->mode) {
     case MODE_BOOT:
@@ -110,31 +171,20 @@ static void advance(modes_state_t *state, const config_modes_t *config, const mo
     case MODE_SELFTEST:
         if (in->selftest_passed) {
             enter(state, MODE_OFFSET_CAL);
-        } else if (state->steps >= config->selftest_timeout_ms) {
-            fail(state, REASON_SELFTEST_FAILED);
         }
         break;
     case MODE_OFFSET_CAL:
-        calibrate(state, config, in);
+        calibrate(state, &config->modes, watch, now->report->offsets_done);
         break;
     case MODE_READY:
-        if (in->enable && !in->demand_lost && !in->drive_demanded && in->rotor_valid) {
+        if (request->enable && !request->lost && !request->drives &&
+            angle_ready(config, now, watch)) {
             enter(state, MODE_RUN);
         }
         break;
     case MODE_RUN:
     case MODE_LIMP:
-        if (!in->enable && !in->rolling) {
-            enter(state, MODE_READY); /* never while rolling: switching off must not take the
-                                         electric brake away */
-        } else {
-            const bool warning =
-                (in->warning && fault_reaction(in->warning_reason) != FAULT_REACTION_NONE) ||
-                state->offsets_stored;
-            if (warning != (state->mode == MODE_LIMP)) {
-                enter(state, warning ? MODE_LIMP : MODE_RUN);
-            }
-        }
+        run(state, request, watch->bound_mrad_s > config->brake.blend_out_end_mrad_s, warning);
         break;
     case MODE_FAULT:
         if (acknowledged) { /* and no fault is present: modes_step() */
@@ -146,13 +196,8 @@ static void advance(modes_state_t *state, const config_modes_t *config, const mo
     }
 }
 
-static reason_t present_warning(const modes_state_t *state, const modes_input_t *in)
-{
-    return !in->warning && state->offsets_stored ? REASON_OFFSETS_STORED : in->warning_reason;
-}
-
 static torque_enable_t torque_enable_of(const modes_state_t *state, const config_modes_t *config,
-                                        const modes_input_t *in)
+                                        bool enable, bool ready, const warning_t *warning)
 {
     torque_enable_t out = {.drive_q15 = 0, .brake_q15 = 0, .reason = REASON_TORQUE_ENABLE};
     switch (state->mode) {
@@ -160,15 +205,15 @@ static torque_enable_t torque_enable_of(const modes_state_t *state, const config
         out.drive_q15 = Q15_ONE;
         out.brake_q15 = Q15_ONE;
         out.reason = REASON_NONE;
-        if (!in->enable) { /* switched off while rolling: braking only */
+        if (!enable) { /* switched off while rolling: braking only */
             out.drive_q15 = 0;
             out.reason = REASON_TORQUE_ENABLE;
         }
         break;
     case MODE_LIMP:
-        out.drive_q15 = (int16_t)(in->enable ? config->limp_drive_share_q15 : 0);
+        out.drive_q15 = (int16_t)(enable ? config->limp_drive_share_q15 : 0);
         out.brake_q15 = Q15_ONE;
-        out.reason = present_warning(state, in);
+        out.reason = warning->reason;
         break;
     case MODE_FAULT:
         out.reason = state->fault;
@@ -180,28 +225,29 @@ static torque_enable_t torque_enable_of(const modes_state_t *state, const config
     case MODE_OFFSET_CAL:
         break;
     case MODE_READY:
-        out.reason = in->rotor_valid ? REASON_TORQUE_ENABLE : REASON_ROTOR_UNCERTAIN;
+        out.reason = ready ? REASON_TORQUE_ENABLE : REASON_ROTOR_UNCERTAIN;
         break;
     }
-    if (in->battery_lost && torque_enable_any(out)) {
+    if (warning->off && torque_enable_any(out)) {
         out.drive_q15 = 0;
         out.brake_q15 = 0;
-        /* Without a name in the first millisecond. */
-        out.reason = in->warning_reason != REASON_NONE ? in->warning_reason : REASON_TORQUE_ENABLE;
+        /* Without a name in the first millisecond; stored offsets take no torque away. */
+        out.reason = warning->row < FINDING_OFFSETS_OLD ? warning->reason : REASON_TORQUE_ENABLE;
     }
     return out;
 }
 
 /* What keeps READY from RUN, and then what keeps RUN from driving. */
-static waits_for_t of_the_driver(const modes_input_t *in)
+static waits_for_t of_the_driver(const request_t *request)
 {
-    if (!in->enable) {
+    if (!request->enable) {
         return WAITS_FOR_ENABLE;
     }
-    return in->demand_lost ? WAITS_FOR_DEMAND_LINK : WAITS_FOR_NONE;
+    return request->lost ? WAITS_FOR_DEMAND_LINK : WAITS_FOR_NONE;
 }
 
-static waits_for_t waits_for(const modes_state_t *state, const modes_input_t *in)
+static waits_for_t waits_for(const modes_state_t *state, const monitored_t *watch,
+                             const request_t *request, bool ready, bool off, bool neutral)
 {
     waits_for_t out = WAITS_FOR_NONE;
     switch (state->mode) {
@@ -210,22 +256,22 @@ static waits_for_t waits_for(const modes_state_t *state, const modes_input_t *in
     case MODE_SELFTEST:
         return WAITS_FOR_SELFTEST;
     case MODE_OFFSET_CAL:
-        return in->emf_conducts ? WAITS_FOR_LOWER_SPEED : WAITS_FOR_OFFSETS;
+        return watch->emf_conducts ? WAITS_FOR_LOWER_SPEED : WAITS_FOR_OFFSETS;
     case MODE_READY:
-        out = of_the_driver(in);
-        if (out == WAITS_FOR_NONE && in->drive_demanded) {
+        out = of_the_driver(request);
+        if (out == WAITS_FOR_NONE && request->drives) {
             out = WAITS_FOR_PEDAL_RELEASE;
         }
-        return out == WAITS_FOR_NONE && !in->rotor_valid ? WAITS_FOR_ROTOR_ANGLE : out;
+        return out == WAITS_FOR_NONE && !ready ? WAITS_FOR_ROTOR_ANGLE : out;
     case MODE_RUN:
     case MODE_LIMP:
-        out = in->battery_lost ? WAITS_FOR_BATTERY : of_the_driver(in);
-        return out == WAITS_FOR_NONE && in->neutral ? WAITS_FOR_DIRECTION : out;
+        out = off ? WAITS_FOR_BATTERY : of_the_driver(request);
+        return out == WAITS_FOR_NONE && neutral ? WAITS_FOR_DIRECTION : out;
     case MODE_FAULT:
         if (fault_clearing(state->fault) == FAULT_CLEARING_RESTART) {
             return WAITS_FOR_RESTART;
         }
-        if (in->torque_demanded || !in->at_rest) {
+        if (!request->quiet) {
             return WAITS_FOR_REST;
         }
         return state->fault_persists ? WAITS_FOR_FAULT_CAUSE : WAITS_FOR_ACKNOWLEDGEMENT;
@@ -235,51 +281,83 @@ static waits_for_t waits_for(const modes_state_t *state, const modes_input_t *in
 
 /* Stored offsets are replaced by measured ones as soon as the open bridge of a coasting wheel shows
  * zero current. */
-static bool calibrates_offsets(const modes_state_t *state, const modes_input_t *in)
+static bool calibrates_offsets(const modes_state_t *state, bool open, bool emf_conducts)
 {
-    const bool coasts = state->offsets_stored && in->bridge == BRIDGE_OFF;
-    return (state->mode == MODE_OFFSET_CAL || coasts) && !in->emf_conducts;
+    const bool coasts = state->offsets_stored && open;
+    return (state->mode == MODE_OFFSET_CAL || coasts) && !emf_conducts;
 }
 
-/* The monitor's fault, or what was good at the start and is withdrawn. */
-static reason_t present_fault(const modes_state_t *state, const modes_input_t *in)
+/* Offsets that are implausible, or whose averaging does not come to its end. In its first steps the
+ * fast loop has not read the request yet: its result would be that of the last calibration. */
+static bool calibration_fails(const modes_state_t *state, const monitored_t *watch,
+                              bool offsets_done)
 {
-    if (in->fault == REASON_NONE && !in->config_accepted) {
+    const int32_t quiet_steps = state->quiet_steps + 1;
+    if (state->mode != MODE_OFFSET_CAL || watch->emf_conducts ||
+        quiet_steps < MODES_CALIBRATION_SETTLE_STEPS) {
+        return false;
+    }
+    return offsets_done ? !watch->offsets_plausible
+                        : quiet_steps >= MODES_CALIBRATION_TIMEOUT_STEPS;
+}
+
+/* What the start lacks, also when it is withdrawn later. */
+static reason_t start_fails(const modes_state_t *state, const config_modes_t *config,
+                            const slow_input_t *in, bool calibration_failed)
+{
+    const bool over = state->mode != MODE_SELFTEST || state->steps >= config->selftest_timeout_ms;
+    if (!in->config_accepted) {
         return REASON_CONFIG_INVALID;
     }
-    const bool was_passed = state->mode != MODE_SELFTEST;
-    return in->fault == REASON_NONE && was_passed && !in->selftest_passed ? REASON_SELFTEST_FAILED
-                                                                          : in->fault;
+    if (over && !in->selftest_passed) {
+        return REASON_SELFTEST_FAILED;
+    }
+    return calibration_failed ? REASON_OFFSET_IMPLAUSIBLE : REASON_NONE;
 }
 
-modes_output_t modes_step(modes_state_t *state, const config_t *config, const modes_input_t *in)
+modes_output_t modes_step(modes_state_t *state, const config_t *config, const measured_t *now,
+                          const monitored_t *watch, const last_t *last, const slow_input_t *in,
+                          findings_t *findings)
 {
-    if (state->inverted != inverted_copy(state)) {
+    const bool damaged = state->inverted != inverted_copy(state);
+    if (damaged) {
         state->fault = REASON_MEMORY;
         enter(state, MODE_FAULT);
     }
-    const bool acknowledged = acknowledgement_pending(state, in);
+    const request_t request = request_of(config, in, watch->at_rest);
+    const bool acknowledged = acknowledgement_pending(state, in->demand.fault_reset, request.quiet);
+    const bool measured = now->report->offsets_done && watch->offsets_plausible;
     state->steps = (uint16_t)q_min(state->steps + 1, UINT16_MAX);
-    if (state->offsets_stored && in->offsets_done && in->offsets_plausible) {
-        state->offsets_stored = false;
-    }
-    const reason_t fault = present_fault(state, in);
-    if (fault != REASON_NONE && state->mode != MODE_BOOT) {
-        fail(state, fault);
+    const bool calibration_failed = calibration_fails(state, watch, now->report->offsets_done);
+    findings_set_named(findings, FINDING_CONFIGURATION, FINDING_OFFSETS_WRONG,
+                       start_fails(state, &config->modes, in, calibration_failed));
+    findings_set_named(findings, FINDING_ACCELERATOR, FINDING_DEMAND_REFUSED, in->demand.reason);
+    findings_set(findings, FINDING_STATE_DAMAGED, damaged);
+    const finding_t fault = findings_fault(findings);
+    state->offsets_stored =
+        (state->offsets_stored && !measured) ||
+        (fault == FINDING_COUNT && offsets_waited(state, &config->modes, watch));
+    findings_set(findings, FINDING_OFFSETS_OLD, state->offsets_stored);
+    const warning_t warning = warning_of(findings);
+    if (fault != FINDING_COUNT && state->mode != MODE_BOOT) {
+        fail(state, findings_reason(findings, fault));
     } else {
-        advance(state, &config->modes, in, acknowledged);
+        advance(state, config, now, watch, in, &request, acknowledged, warning.row);
     }
-    latch_warning(state, in);
+    latch_warning(state, &request, in->demand.reason);
     state->inverted = inverted_copy(state);
-    const reason_t present = present_warning(state, in);
+
+    const bool ready = angle_ready(config, now, watch);
     const modes_output_t out = {
         .mode = state->mode,
         .fault = state->fault,
-        .warning = state->warning != REASON_NONE ? state->warning : present,
-        .present_warning = present,
-        .torque_enable = torque_enable_of(state, &config->modes, in),
-        .waits_for = waits_for(state, in),
-        .calibrate_offsets = calibrates_offsets(state, in),
+        .warning = state->warning != REASON_NONE ? state->warning : warning.reason,
+        .present_warning = warning.reason,
+        .torque_enable = torque_enable_of(state, &config->modes, request.enable, ready, &warning),
+        .waits_for = waits_for(state, watch, &request, ready, warning.off,
+                               last->engaged == DRIVE_DIRECTION_NEUTRAL),
+        .calibrate_offsets =
+            calibrates_offsets(state, now->report->bridge == BRIDGE_OFF, watch->emf_conducts),
         .clear_trip = acknowledged,
     };
     return out;

@@ -17,14 +17,14 @@ static int32_t length(dq_t i)
 }
 
 bool monitor_current_step(monitor_current_state_t *state, const config_t *config,
-                          const monitor_current_input_t *in)
+                          const measured_t *now, dq_t reference_pu)
 {
     const int32_t most_pu = config->monitor.current_missing_pu_q15;
-    const int32_t reference_pu = length(in->reference_pu);
-    if (!in->switching || length(in->sampled_pu) > ZERO_CURRENT_PU) {
+    const int32_t length_pu = length(reference_pu);
+    if (!measured_switching(now) || length(now->sampled_pu) > ZERO_CURRENT_PU) {
         state->missing_pu = 0;
-    } else if (!in->voltage_limited && reference_pu > 2 * ZERO_CURRENT_PU) {
-        const int32_t added_pu = q_min(reference_pu, most_pu / LEAST_STEPS + 1);
+    } else if (!now->report->voltage_limited && length_pu > 2 * ZERO_CURRENT_PU) {
+        const int32_t added_pu = q_min(length_pu, most_pu / LEAST_STEPS + 1);
         state->missing_pu = q_min(state->missing_pu + added_pu, most_pu);
     }
     return state->missing_pu >= most_pu;

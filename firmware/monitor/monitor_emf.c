@@ -5,7 +5,7 @@
 #include "core/divide.h"
 #include "core/q15.h"
 
-/* Mathematics, not taste: at 4 U the error of e turns it by 15 degrees (README, Angle check). */
+/* At 4 U the error of e turns it by less than 15 degrees: DERIVATIONS.md, Angle check. */
 enum { MARGIN = 4, MOST_CURRENT_mA = 10000000, MOST_MISSING_Q20 = 1 << 19 };
 
 static const int64_t NV_PER_MV = 1000000;
@@ -34,31 +34,33 @@ typedef struct {
 } view_t;
 
 /* Two thirds of the dead times' share: ns * Hz = 1e-9, in 1e-6 of the bus voltage. */
-static int64_t dead_time_nV(const config_t *config, const monitor_emf_input_t *in)
+static int64_t dead_time_nV(const config_t *config, const measured_t *now)
 {
     const int64_t two_thirds = config->drive.dead_time_ns * config->drive.pwm_frequency_Hz / 1500;
-    return two_thirds * in->bus_voltage_mV;
+    return two_thirds * now->bus_voltage_mV;
 }
 
-static view_t view_of(const config_t *config, const monitor_emf_input_t *in)
+static view_t view_of(const config_t *config, const measured_t *now)
 {
     const config_motor_t *motor = &config->motor;
-    const int64_t w_mrad_s = bases_electrical_mrad_s(config, in->speed_mrad_s);
+    const int64_t w_mrad_s = bases_electrical_mrad_s(config, now->speed_mrad_s);
     const int64_t emf_nV = divide_by_thousand(w_mrad_s * motor->flux_linkage_nWb);
     const int32_t x_d_uOhm = reactance_uOhm(w_mrad_s, motor->d_inductance_nH);
     const int32_t x_q_uOhm = motor->q_inductance_nH == motor->d_inductance_nH
                                  ? x_d_uOhm
                                  : reactance_uOhm(w_mrad_s, motor->q_inductance_nH);
-    const int32_t i_d_mA = q_limit(in->i_d_mA, MOST_CURRENT_mA);
-    const int32_t i_q_mA = q_limit(in->i_q_mA, MOST_CURRENT_mA);
+    const int32_t i_d_mA = q_limit(now->latest_i_d_mA, MOST_CURRENT_mA);
+    const int32_t i_q_mA = q_limit(now->latest_i_q_mA, MOST_CURRENT_mA);
 
     /* uOhm * mA = nV. |i_d| + |i_q| is never less than |i|. */
     const int64_t r_uOhm = motor->phase_resistance_uOhm;
-    const int64_t e_d_nV = in->u_d_mV * NV_PER_MV - (r_uOhm * i_d_mA - (int64_t)x_q_uOhm * i_q_mA);
-    const int64_t e_q_nV = in->u_q_mV * NV_PER_MV - (r_uOhm * i_q_mA + (int64_t)x_d_uOhm * i_d_mA);
+    const int64_t e_d_nV =
+        now->latest_u_d_mV * NV_PER_MV - (r_uOhm * i_d_mA - (int64_t)x_q_uOhm * i_q_mA);
+    const int64_t e_q_nV =
+        now->latest_u_q_mV * NV_PER_MV - (r_uOhm * i_q_mA + (int64_t)x_d_uOhm * i_d_mA);
     const int32_t x_uOhm = q_max(q_abs(x_d_uOhm), q_abs(x_q_uOhm));
     const int32_t i_mA = q_abs(i_d_mA) + q_abs(i_q_mA);
-    const int64_t uncertain_nV = (r_uOhm / 2 + x_uOhm / 4) * i_mA + dead_time_nV(config, in);
+    const int64_t uncertain_nV = (r_uOhm / 2 + x_uOhm / 4) * i_mA + dead_time_nV(config, now);
     const view_t out = {
         .across_nV = e_d_nV,
         .along_nV = emf_nV >= 0 ? e_q_nV : -e_q_nV,
@@ -72,16 +74,15 @@ static view_t view_of(const config_t *config, const monitor_emf_input_t *in)
     return out;
 }
 
-/* U_q, of the component along the q axis alone: README, Angle check. */
-static int64_t uncertain_along_nV(const view_t *view, const config_t *config,
-                                  const monitor_emf_input_t *in)
+/* U_q, of the component along the q axis alone: DERIVATIONS.md, Angle check. */
+static int64_t uncertain_along_nV(const view_t *view, const config_t *config, const measured_t *now)
 {
     /* |i| <= larger + smaller / 2; an angle error turns the difference of the axes' voltages. */
     const int32_t size_mA = (q_max(view->d_mA, view->q_mA) + view->d_mA + view->q_mA) / 2;
     const int64_t uncertain_nV = (int64_t)(config->motor.phase_resistance_uOhm / 2) * view->q_mA +
                                  (int64_t)(view->x_d_uOhm / 4) * view->d_mA +
                                  (int64_t)(q_abs(view->x_q_uOhm - view->x_d_uOhm) / 4) * size_mA +
-                                 dead_time_nV(config, in);
+                                 dead_time_nV(config, now);
     return larger(uncertain_nV, NV_PER_MV);
 }
 
@@ -94,17 +95,17 @@ static int32_t missing_q20(int64_t apart_nV, int64_t expected_nV)
 }
 
 /* Steps beyond the tolerance less steps within it; below 0 weak, above strong. */
-static void watch_flux(monitor_emf_state_t *state, const config_t *config,
-                       const monitor_emf_input_t *in, const view_t *view)
+static void watch_flux(monitor_emf_state_t *state, const config_t *config, const measured_t *now,
+                       const view_t *view)
 {
     const int32_t share_q24 = bases_share_at_q24(config, config->motor.flux_coefficient_ppm_K,
-                                                 in->winding_temperature_cC);
+                                                 now->winding_temperature_cC);
     /* The share with 10 bits of fraction, so that any flux fits 64 bits. */
     const int64_t expected_nV = (view->emf_nV >> 10) * (share_q24 >> 14);
     const int64_t tolerance_nV =
         divide_by_thousand(expected_nV) * config->monitor.flux_tolerance_permille;
     const int64_t apart_nV = view->along_nV - expected_nV;
-    const bool beyond = magnitude(apart_nV) > tolerance_nV + uncertain_along_nV(view, config, in);
+    const bool beyond = magnitude(apart_nV) > tolerance_nV + uncertain_along_nV(view, config, now);
     if (beyond) {
         const int32_t step = apart_nV < 0 ? -1 : 1;
         state->flux_level = (int16_t)q_limit(state->flux_level + step, MONITOR_EMF_FLUX_STEPS);
@@ -128,7 +129,7 @@ static void watch_flux(monitor_emf_state_t *state, const config_t *config,
 }
 
 /* Of a step that counts against the angle. A rotor may be slower than its sensor says, or stand:
- * README. */
+ * DERIVATIONS.md, Angle check. */
 static int32_t weight_of(const view_t *view)
 {
     const int64_t half_nV = view->emf_nV / 2;
@@ -138,30 +139,29 @@ static int32_t weight_of(const view_t *view)
 
 /* A salient motor at full current has e within U up to any speed, and with |i_d| > psi/(L_q - L_d)
  * its observer sees no half turn: the sign of e_q shows it. */
-static bool opposite(const view_t *view, const config_t *config, const monitor_emf_input_t *in)
+static bool opposite(const view_t *view, const config_t *config, const measured_t *now)
 {
     const config_motor_t *motor = &config->motor;
     if (view->along_nV >= 0 || motor->q_inductance_nH <= motor->d_inductance_nH) {
         return false;
     }
-    const int64_t least_nV = uncertain_along_nV(view, config, in);
+    const int64_t least_nV = uncertain_along_nV(view, config, now);
     return view->emf_nV >= least_nV && -view->along_nV >= least_nV;
 }
 
-bool monitor_emf_step(monitor_emf_state_t *state, const config_t *config,
-                      const monitor_emf_input_t *in)
+bool monitor_emf_step(monitor_emf_state_t *state, const config_t *config, const measured_t *now)
 {
-    if (!in->switching || !in->rotor_valid) {
+    if (!measured_switching(now) || !now->angle_valid) {
         state->level = 0;
         return false;
     }
-    const view_t view = view_of(config, in);
-    const bool judged = view.emf_nV >= MARGIN * view.uncertain_nV || opposite(&view, config, in);
+    const view_t view = view_of(config, now);
+    const bool judged = view.emf_nV >= MARGIN * view.uncertain_nV || opposite(&view, config, now);
     const bool wrong = magnitude(view.across_nV) >= view.along_nV;
     if (judged && !wrong) {
-        watch_flux(state, config, in, &view);
+        watch_flux(state, config, now, &view);
     }
-    const bool counts = judged && wrong && !in->voltage_limited;
+    const bool counts = judged && wrong && !now->report->voltage_limited;
     const int32_t weight = counts ? weight_of(&view) : -MONITOR_EMF_SEEN;
     const int32_t most = MONITOR_EMF_SEEN * config->monitor.angle_fault_time_ms;
     state->level = (uint16_t)q_clamp(state->level + weight, 0, most);

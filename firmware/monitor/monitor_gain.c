@@ -20,16 +20,15 @@ static bool contradicts(const monitor_window_t *window, const config_t *config, 
             above_mA * bus_mV > rated_uW / MONITOR_GAIN_EXTRA_SHARE);
 }
 
-bool monitor_gain_step(monitor_window_t *window, const config_t *config,
-                       const monitor_gain_input_t *in)
+bool monitor_gain_step(monitor_window_t *window, const config_t *config, const measured_t *now)
 {
-    if (in->battery_current_mA == MONITOR_GAIN_NOT_GIVEN || config->battery.driven_wheels != 1 ||
-        !in->switching) {
+    if (!now->battery->current_given || measured_battery_open(now) ||
+        config->battery.driven_wheels != 1 || !measured_switching(now)) {
         monitor_window_restart(window);
         return false;
     }
-    const int32_t battery_mA = q_limit(in->battery_current_mA, MONITOR_WINDOW_MOST);
-    return monitor_window_add(window, q_limit(in->bus_current_mA, MONITOR_WINDOW_MOST)) &&
+    const int32_t battery_mA = q_limit(now->battery->current_mA, MONITOR_WINDOW_MOST);
+    return monitor_window_add(window, q_limit(now->bus_current_mA, MONITOR_WINDOW_MOST)) &&
            monitor_window_judge(window,
-                                contradicts(window, config, battery_mA, in->bus_voltage_mV));
+                                contradicts(window, config, battery_mA, now->bus_voltage_mV));
 }

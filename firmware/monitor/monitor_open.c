@@ -90,21 +90,29 @@ static int32_t turned_since(monitor_open_state_t *state, uint16_t theta_turn)
     return step_turn;
 }
 
-bool monitor_open_step(monitor_open_state_t *state, const monitor_open_input_t *in)
+/* An open phase leaves the other two opposite currents, which add up to zero; a sensor that shows
+ * none leaves a sum of what its phase carries, up to the tolerance of that check. */
+static reason_t name_of(dq_t sampled_pu, int32_t current_sum_pu)
 {
-    const int32_t step_turn = q_abs(turned_since(state, in->theta_turn));
-    if (!in->switching) {
+    const int32_t size_pu = q_max(q_abs(sampled_pu.d), q_abs(sampled_pu.q));
+    return q_abs(current_sum_pu) > size_pu / SUM_SHARE ? REASON_CURRENT_SUM : REASON_PHASE_OPEN;
+}
+
+reason_t monitor_open_step(monitor_open_state_t *state, const measured_t *now, dq_t reference_pu)
+{
+    const int32_t step_turn = q_abs(turned_since(state, now->report->sample.theta_turn));
+    if (!measured_switching(now)) {
         for (int x = 0; x < PHASES; x++) {
             state->missing[x][0] = 0;
             state->missing[x][1] = 0;
             state->turned[x] = 0;
             state->zeros[x] = 0;
         }
-        return false;
+        return REASON_NONE;
     }
-    const sincos_t at = angle_sincos(in->theta_turn);
-    const phases_t current = phases_of(in->sampled_pu, at);
-    const phases_t wanted = phases_of(in->reference_pu, at);
+    const sincos_t at = angle_sincos(now->report->sample.theta_turn);
+    const phases_t current = phases_of(dq_of(now->report->i_pu), at);
+    const phases_t wanted = phases_of(reference_pu, at);
     const int32_t longest_pu = largest(&current);
     const int32_t judged_pu = q_max(largest(&wanted) / 2, MONITOR_OPEN_LEAST_PU);
     uint8_t most = 0;
@@ -120,11 +128,7 @@ bool monitor_open_step(monitor_open_state_t *state, const monitor_open_input_t *
         most = (uint8_t)q_max(most, q_max(state->missing[x][0], state->missing[x][1]));
     }
     state->suspected = most >= MONITOR_OPEN_SUSPECT_STEPS;
-    return zero || most >= MONITOR_OPEN_STEPS;
-}
-
-reason_t monitor_open_reason(dq_t sampled_pu, int32_t current_sum_pu)
-{
-    const int32_t size_pu = q_max(q_abs(sampled_pu.d), q_abs(sampled_pu.q));
-    return q_abs(current_sum_pu) > size_pu / SUM_SHARE ? REASON_CURRENT_SUM : REASON_PHASE_OPEN;
+    return zero || most >= MONITOR_OPEN_STEPS
+               ? name_of(dq_of(now->report->i_pu), now->report->current_sum_pu)
+               : REASON_NONE;
 }

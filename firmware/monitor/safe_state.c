@@ -42,16 +42,17 @@ static int32_t infinite_mA(const config_motor_t *motor)
     return q_saturate64((int64_t)(flux_nWb / l_nH) * 1000 + part_mA);
 }
 
-static void make_ratios(machine_t *m, const config_t *config, const safe_state_input_t *in)
+static void make_ratios(machine_t *m, const config_t *config, const measured_t *now,
+                        int32_t bound_mrad_s)
 {
     if (m->has_ratios) {
         return;
     }
     const config_motor_t *motor = &config->motor;
-    const int64_t w_mrad_s = bases_electrical_mrad_s(config, q_abs(in->speed_mrad_s));
+    const int64_t w_mrad_s = bases_electrical_mrad_s(config, q_abs(bound_mrad_s));
     const int32_t x_uOhm = q_saturate64(divide_by_million(w_mrad_s * motor->d_inductance_nH));
     const int32_t r_uOhm = bases_at_winding_temperature(config, motor->phase_resistance_uOhm,
-                                                        in->winding_temperature_cC);
+                                                        now->winding_temperature_cC);
     m->infinite_mA = infinite_mA(motor);
     const int64_t flux_uA_Wb = divide_by_million((int64_t)motor->flux_linkage_nWb * m->infinite_mA);
     m->stall_mNm = q_saturate64(divide_by_thousand(flux_uA_Wb * 3 / 2 * motor->pole_pairs));
@@ -80,30 +81,32 @@ static int32_t root_q24(int64_t x_q24)
 
 /* I / I_infinite of the short circuit, and its torque over 3/2 p psi^2/L_d:
  * sqrt(rho^2 + sigma^2)/(rho^2 + sigma), rho times the square of that. */
-static letting_go_t shorted_at(machine_t *m, const config_t *config, const safe_state_input_t *in)
+static steady_state_t shorted_at(machine_t *m, const config_t *config, const measured_t *now,
+                                 int32_t bound_mrad_s)
 {
-    make_ratios(m, config, in);
+    make_ratios(m, config, now, bound_mrad_s);
     const int64_t rho2 = square_q24(m->rho_q24);
     const int64_t sigma2 = square_q24(m->sigma_q24);
     const int32_t y_q24 =
         scaled_ratio(root_q24(rho2 + sigma2), q_max(q_saturate64(rho2 + m->sigma_q24), 1));
-    const letting_go_t out = {
+    const steady_state_t out = {
         .torque_mNm = share_of(share_of(m->stall_mNm, m->rho_q24), square_q24(y_q24)),
         .current_mA = share_of(m->infinite_mA, y_q24),
         .charging_mA = 0,
-        .bus_mV = in->bus_voltage_mV,
+        .bus_mV = now->bus_voltage_mV,
     };
     return out;
 }
 
-letting_go_t safe_state_short(const config_t *config, const safe_state_input_t *in)
+steady_state_t safe_state_short(const config_t *config, const measured_t *now, int32_t bound_mrad_s)
 {
-    machine_t m = machine_at(config, in->speed_mrad_s);
-    return shorted_at(&m, config, in);
+    machine_t m = machine_at(config, bound_mrad_s);
+    return shorted_at(&m, config, now, bound_mrad_s);
 }
 
 /* I / I_infinite on the diodes at u = U/E below one. L_d = L_q:
- * (rho^2 + 1) y^2 + 2 rho u y + u^2 - 1 = 0; otherwise without resistance, README. */
+ * (rho^2 + 1) y^2 + 2 rho u y + u^2 - 1 = 0; otherwise without resistance. DERIVATIONS.md, The safe
+ * state. */
 static int32_t rectified_q24(const machine_t *m, int32_t u_q24)
 {
     const int32_t u2 = square_q24(u_q24);
@@ -134,12 +137,12 @@ static bool battery_may_hold(const config_t *config, int32_t bus_mV)
 }
 
 /* Diodes that rectify the EMF into the bus. Zero torque and current where it does not reach. */
-static letting_go_t freewheel_at(machine_t *m, const config_t *config, const safe_state_input_t *in,
-                                 int32_t bus_voltage_mV)
+static steady_state_t freewheel_at(machine_t *m, const config_t *config, const measured_t *now,
+                                   int32_t bound_mrad_s, bool battery_gone, int32_t bus_voltage_mV)
 {
     const int32_t drops_mV = 2 * config->drive.diode_drop_mV;
-    const bool fixed_bus = !in->battery_open && battery_may_hold(config, bus_voltage_mV);
-    letting_go_t out = {.bus_mV = bus_voltage_mV};
+    const bool fixed_bus = !battery_gone && battery_may_hold(config, bus_voltage_mV);
+    steady_state_t out = {.bus_mV = bus_voltage_mV};
     /* Line to line, sqrt(3) w psi. */
     const int64_t line_uV = (int64_t)m->emf_mV * 1732;
     const int64_t reached_mV = (int64_t)q_max(bus_voltage_mV, 0) + drops_mV;
@@ -150,7 +153,7 @@ static letting_go_t freewheel_at(machine_t *m, const config_t *config, const saf
         out.bus_mV = q_saturate64(divide_by_thousand(line_uV)) - drops_mV;
         return out;
     }
-    make_ratios(m, config, in);
+    make_ratios(m, config, now, bound_mrad_s);
     const int32_t u_mV = q_scale(bus_voltage_mV + drops_mV, INVERSE_SQRT3_Q16, 65536);
     const int32_t u_q24 = scaled_ratio(u_mV, m->emf_mV);
     const int32_t y_q24 = rectified_q24(m, u_q24);
@@ -161,32 +164,45 @@ static letting_go_t freewheel_at(machine_t *m, const config_t *config, const saf
     return out;
 }
 
-static bool may_open(const config_t *config, const safe_state_input_t *in)
+/* Turning by the sensor that gives the angle of the current; 0: unknown. */
+static int32_t turning_mrad_s(const measured_t *now)
+{
+    return now->angle_valid && now->angle_by == ANGLE_BY_SENSOR ? now->speed_mrad_s : 0;
+}
+
+static bool may_open(const config_t *config, const measured_t *now)
 {
     const short_exit_input_t at = {
-        .i_d_mA = in->i_d_mA,
-        .i_q_mA = in->i_q_mA,
-        .turning_mrad_s = in->turning_mrad_s,
-        .bus_mV = bus_is_known(config, in->bus_voltage_mV) ? q_max(in->bus_voltage_mV, 0)
-                                                           : config->drive.device_voltage_mV,
+        .i_d_mA = now->latest_i_d_mA,
+        .i_q_mA = now->latest_i_q_mA,
+        .turning_mrad_s = turning_mrad_s(now),
+        .bus_mV = bus_is_known(config, now->bus_voltage_mV) ? q_max(now->bus_voltage_mV, 0)
+                                                            : config->drive.device_voltage_mV,
     };
     return short_exit_fits(config, &at);
 }
 
-static bool freewheel_admissible(const config_t *config, const safe_state_input_t *in,
-                                 const letting_go_t *off)
+/* Current that the battery takes from this wheel. */
+static int32_t charge_current_mA(const config_t *config, const measured_t *now)
+{
+    return q_min(q_max(now->battery->charge_current_mA, 0) / config->battery.driven_wheels,
+                 config->battery.max_charge_current_mA);
+}
+
+static bool freewheel_admissible(const config_t *config, const measured_t *now,
+                                 const steady_state_t *off)
 {
     return off->current_mA <= config->motor.max_phase_current_mA &&
-           off->charging_mA <= in->charge_current_mA &&
+           off->charging_mA <= charge_current_mA(config, now) &&
            off->bus_mV < config->drive.device_voltage_mV;
 }
 
 /* With nothing admissible the devices' voltage decides: a bus that stays below it hurts less than
  * a current that cannot be ended without raising it. */
-static bool prefers_short(const config_t *config, const safe_state_input_t *in,
-                          const letting_go_t *off, const letting_go_t *shorted)
+static bool prefers_short(const config_t *config, const measured_t *now, const steady_state_t *off,
+                          const steady_state_t *shorted)
 {
-    if (freewheel_admissible(config, in, off)) {
+    if (freewheel_admissible(config, now, off)) {
         return shorted->current_mA <= config->motor.max_phase_current_mA &&
                shorted->torque_mNm < off->torque_mNm;
     }
@@ -194,54 +210,56 @@ static bool prefers_short(const config_t *config, const safe_state_input_t *in,
            off->bus_mV >= config->drive.device_voltage_mV;
 }
 
-bool safe_state_short_surges(const config_t *config, const safe_state_input_t *in,
-                             const letting_go_t *freewheel)
+bool safe_state_short_surges(const config_t *config, const measured_t *now, int32_t bound_mrad_s,
+                             const steady_state_t *freewheel)
 {
     if (freewheel->current_mA > config->motor.max_phase_current_mA ||
         freewheel->bus_mV >= config->drive.device_voltage_mV) {
         return false;
     }
-    const int64_t settled_mA = safe_state_short(config, in).current_mA;
+    const int64_t settled_mA = safe_state_short(config, now, bound_mrad_s).current_mA;
     const int64_t trip_mA =
         ((int64_t)config->monitor.overcurrent_pu_q15 * config->drive.current_full_scale_mA) >> 15;
-    const int64_t d_mA = q_limit(in->i_d_mA, MOST_mA) + settled_mA;
-    const int64_t q_mA = q_limit(in->i_q_mA, MOST_mA);
+    const int64_t d_mA = q_limit(now->latest_i_d_mA, MOST_mA) + settled_mA;
+    const int64_t q_mA = q_limit(now->latest_i_q_mA, MOST_mA);
     const int64_t left_mA = trip_mA - settled_mA;
     return left_mA < 0 || d_mA * d_mA + q_mA * q_mA > left_mA * left_mA;
 }
 
-safe_state_t safe_state_shorted(const config_t *config, const safe_state_input_t *in,
+safe_state_t safe_state_shorted(const config_t *config, const measured_t *now, int32_t bound_mrad_s,
                                 bridge_mode_t side)
 {
-    machine_t m = machine_at(config, in->speed_mrad_s);
+    machine_t m = machine_at(config, bound_mrad_s);
     const safe_state_t out = {.bridge = side,
                               .emf_mV = m.emf_mV,
-                              .freewheel = {.bus_mV = in->bus_voltage_mV},
-                              .torque_mNm = shorted_at(&m, config, in).torque_mNm};
+                              .freewheel = {.bus_mV = now->bus_voltage_mV},
+                              .torque_mNm = shorted_at(&m, config, now, bound_mrad_s).torque_mNm};
     return out;
 }
 
-safe_state_t safe_state_step(const config_t *config, const safe_state_input_t *in)
+safe_state_t safe_state_step(const config_t *config, const measured_t *now, bridge_mode_t before,
+                             int32_t bound_mrad_s, bool battery_gone)
 {
-    const bool was_short = bridge_is_short(in->bridge);
-    machine_t m = machine_at(config, in->speed_mrad_s);
+    const bool was_short = bridge_is_short(before);
+    machine_t m = machine_at(config, bound_mrad_s);
     const int32_t bus_mV =
-        was_short ? q_scale(in->bus_voltage_mV, config->monitor.short_release_permille, 1000)
-                  : in->bus_voltage_mV;
-    const letting_go_t off = freewheel_at(&m, config, in, bus_mV);
+        was_short ? q_scale(now->bus_voltage_mV, config->monitor.short_release_permille, 1000)
+                  : now->bus_voltage_mV;
+    const steady_state_t off = freewheel_at(&m, config, now, bound_mrad_s, battery_gone, bus_mV);
     safe_state_t out = {.bridge = BRIDGE_OFF, .emf_mV = m.emf_mV, .freewheel = off};
     const bool quiet = off.current_mA == 0 && off.bus_mV < config->drive.device_voltage_mV;
     if (quiet && !was_short) {
         return out;
     }
-    const letting_go_t shorted = shorted_at(&m, config, in);
-    if (prefers_short(config, in, &off, &shorted) || (was_short && !may_open(config, in))) {
+    const steady_state_t shorted = shorted_at(&m, config, now, bound_mrad_s);
+    if (prefers_short(config, now, &off, &shorted) || (was_short && !may_open(config, now))) {
         out.bridge = BRIDGE_SHORT;
         out.torque_mNm = shorted.torque_mNm;
         return out;
     }
     if (was_short) {
-        out.freewheel = freewheel_at(&m, config, in, in->bus_voltage_mV);
+        out.freewheel =
+            freewheel_at(&m, config, now, bound_mrad_s, battery_gone, now->bus_voltage_mV);
     }
     out.torque_mNm = out.freewheel.torque_mNm;
     return out;

@@ -21,8 +21,8 @@ static int32_t trimmed_d_mA(const feasible_set_t *set, motor_point_t at, int32_t
     }
     const int32_t ratio =
         scaled_ratio(model->resistance_b, q_max(model->reactance_q_b, model->resistance_b + 1));
-    const int64_t kept_mA = q_min(braking_mA, scaled_multiply((int32_t)most_mA, ratio));
-    const int32_t circle_mA = -scaled_root(most_mA * most_mA - kept_mA * kept_mA);
+    const int64_t q_mA = q_min(braking_mA, scaled_multiply((int32_t)most_mA, ratio));
+    const int32_t circle_mA = -scaled_root(most_mA * most_mA - q_mA * q_mA);
     return q_max(d_mA, q_min(wanted_mA, circle_mA));
 }
 

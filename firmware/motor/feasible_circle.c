@@ -28,7 +28,8 @@ static int32_t best_d_b(const motor_model_t *m)
     return scaled_multiply(d_of_most, m->constants->current_most_b);
 }
 
-/* README, Phase current: the quadratic of both sides, and its change by the resistive power. */
+/* DERIVATIONS.md, Phase current: the quadratic of both sides, and its change by the resistive
+ * power. */
 static feasible_circle_t circle_start(const feasible_set_t *set)
 {
     const motor_model_t *m = set->model;
@@ -159,8 +160,8 @@ feasible_bounds_t feasible_by_voltage_and_current(feasible_side_t *side, feasibl
     return out;
 }
 
-/* README, Forced torque: |u|^2 along the circle to the second order, from zero torque towards
- * braking; its root nearest zero torque, or its least. */
+/* DERIVATIONS.md, Forced torque: |u|^2 along the circle to the second order, from zero torque
+ * towards braking; its root nearest zero torque, or its least. */
 static motor_point_t least_forced(const feasible_set_t *set, motor_point_t at, int32_t i_q_b)
 {
     const motor_model_t *m = set->model;

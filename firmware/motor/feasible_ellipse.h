@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * feasible_ellipse.h: what the parts of feasible_torque.h share: the voltage ellipse along a
- * straight line of currents, the map's i_d, and the limits of the numbers. Derivations: README,
+ * straight line of currents, the map's i_d, and the limits of the numbers. DERIVATIONS.md,
  * Feasible torque.
  */
 #ifndef MOTOR_FEASIBLE_ELLIPSE_H

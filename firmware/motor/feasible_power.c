@@ -74,7 +74,7 @@ int32_t feasible_power_b(const motor_model_t *model, int32_t current_mA, int32_t
     return scaled_multiply(scaled_multiply(i_b, v_b), SCALED_ONE / 3 * 2);
 }
 
-/* Additional returned power by the angle error: README, Uncertain angle. */
+/* Additional returned power by the angle error: DERIVATIONS.md, Uncertain angle. */
 static int32_t uncertain_b(const motor_model_t *m, motor_point_t at, int32_t i_q_b)
 {
     const int32_t saliency = m->reactance_d_b - m->reactance_q_b;
@@ -100,10 +100,10 @@ static int32_t add_switching(power_t *p, const motor_model_t *m, const motor_poi
     return i_q_b;
 }
 
-/* What the battery takes, less what an uncertain angle may return beyond the margin: but no draw by
+/* Power into the battery, less what an uncertain angle may return beyond the margin: but no draw by
  * that. */
-static int32_t taken_b(const motor_model_t *m, motor_point_t at, int32_t i_q_b,
-                       feasible_returned_t returned)
+static int32_t charging_b(const motor_model_t *m, motor_point_t at, int32_t i_q_b,
+                          feasible_returned_t returned)
 {
     if (m->constants->hall_angle_b == 0) {
         return returned.power_b;
@@ -119,7 +119,8 @@ int32_t feasible_excess_b(const feasible_set_t *set, motor_point_t at, feasible_
     const int32_t i_q_b = clamped_b(motor_model_i_q_b(m, at));
     const int32_t switching_b =
         scaled_multiply(m->constants->loss_b, motor_model_magnitude_b(at.d_b, i_q_b));
-    return q_saturate64(power_of_x_b(&p, at.x_b) + switching_b + taken_b(m, at, i_q_b, returned));
+    return q_saturate64(power_of_x_b(&p, at.x_b) + switching_b +
+                        charging_b(m, at, i_q_b, returned));
 }
 
 /* i_d over i_qt along the voltage ellipse, at a point on it. */
@@ -198,7 +199,7 @@ int32_t feasible_by_returned_mNm(const feasible_side_t *side, feasible_returned_
     motor_point_t at = side->cap;
     power_t p = power_at(side->set, at.d_b);
     int32_t i_q_b = add_switching(&p, m, &at);
-    p.c = coefficient((int64_t)p.c + taken_b(m, at, i_q_b, returned));
+    p.c = coefficient((int64_t)p.c + charging_b(m, at, i_q_b, returned));
     const int64_t vertex_b = 2 * (((int64_t)p.a * at.x_b) >> 24) + p.b;
     if (vertex_b >= 0 && power_of_x_b(&p, at.x_b) >= 0) {
         return FEASIBLE_UNBOUNDED; /* the power returned up to the cap is below the bound */
@@ -217,6 +218,6 @@ int32_t feasible_by_returned_mNm(const feasible_side_t *side, feasible_returned_
         at.x_b = q_max(at.x_b, side->cap.x_b);
         last = !corrected(side->set, &at, true, &p) || pass == CORRECTIONS - 1;
         i_q_b = add_switching(&p, m, &at);
-        p.c = coefficient((int64_t)p.c + taken_b(m, at, i_q_b, returned));
+        p.c = coefficient((int64_t)p.c + charging_b(m, at, i_q_b, returned));
     }
 }

@@ -125,8 +125,9 @@ static bool voltage_end(const feasible_side_t *side, motor_point_t *end, int32_t
     return exists;
 }
 
-/* i_d of maximum torque per voltage, README, Feasible torque; resistance and iron loss not counted.
- * Not needed, and then the most negative number, where it lies beyond the current circle. */
+/* i_d of maximum torque per voltage, DERIVATIONS.md, Feasible torque; resistance and iron loss not
+ * counted. Not needed, and then the most negative number, where it lies beyond the current circle.
+ */
 static int32_t voltage_best_d_b(const motor_model_t *m, int32_t voltage_b)
 {
     const int32_t l_d = m->constants->inductance_d_b;
@@ -152,7 +153,7 @@ static int32_t weakest_d_b(const motor_model_t *m, int32_t voltage_b)
     const int32_t always_b = q_min(m->constants->weakening_most_b, circle_b(m));
     const int32_t share_q15 =
         fade_q15(m->winding_temperature_cC, motor->derate_winding_temperature_cC,
-                       motor->max_winding_temperature_cC);
+                 motor->max_winding_temperature_cC);
     const int32_t more_b = scaled_multiply(circle_b(m) - always_b, share_q15 * 512);
     return q_max(-(always_b + more_b), q_min(voltage_best_d_b(m, voltage_b), 0));
 }

@@ -176,8 +176,8 @@ static int32_t length_mA(int32_t i_d_mA, int32_t i_q_mA)
 }
 
 /* One part of what the heat of the 64 ms before calls for. */
-static void take_heat(thermal_model_state_t *state, const config_t *config, int32_t d_mA,
-                      int32_t q_mA, int32_t speed_mrad_s)
+static void add_heat(thermal_model_state_t *state, const config_t *config, int32_t d_mA,
+                     int32_t q_mA, int32_t speed_mrad_s)
 {
     thermal_lumps_t *const winding = &state->winding;
     if (state->steps == IRON_STEP) {
@@ -203,7 +203,7 @@ void thermal_model_step(thermal_model_state_t *state, const config_t *config, in
     state->square_sum += (int64_t)d_mA * d_mA + (int64_t)q_mA * q_mA;
     state->length_sum += length_mA(d_mA, q_mA);
     if (state->heat_due) {
-        take_heat(state, config, d_mA, q_mA, speed_mrad_s);
+        add_heat(state, config, d_mA, q_mA, speed_mrad_s);
     }
     state->steps++;
     if (state->steps < THERMAL_MODEL_STEP_MS) {

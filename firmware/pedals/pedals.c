@@ -111,8 +111,8 @@ static wheel_demand_t switches(pedals_state_t *state, const config_t *config,
     return alone;
 }
 
-static void take_accelerator(pedals_state_t *state, const config_pedals_t *pedals,
-                             const travel_t *travel, pedals_output_t *out)
+static void apply_accelerator(pedals_state_t *state, const config_pedals_t *pedals,
+                              const travel_t *travel, pedals_output_t *out)
 {
     state->accelerator_fault = qualify(&state->accelerator_fault_ms, state->accelerator_fault,
                                        travel->plausible, pedals->fault_time_ms);
@@ -151,7 +151,7 @@ pedals_output_t pedals_step(pedals_state_t *state, const config_t *config, const
     if (pedals->accelerator_channels > 0) {
         const travel_t travel =
             read_pedal(pedals, in, ACCELERATOR, pedals->accelerator_channels, sampled);
-        take_accelerator(state, pedals, &travel, &out);
+        apply_accelerator(state, pedals, &travel, &out);
     }
     out.demand.reason = state->brake_fault ? REASON_BRAKE_PEDAL_SENSOR : out.demand.reason;
     return out;

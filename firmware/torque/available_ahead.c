@@ -29,7 +29,7 @@ void available_ahead_init(available_ahead_state_t *state)
     const available_t none = {.driving = limit_init(0, REASON_TORQUE_ENABLE),
                               .braking = limit_init(0, REASON_TORQUE_ENABLE)};
     const available_slope_t unknown = {.known = false};
-    const available_ahead_input_t zero = {.speed_mrad_s = 0};
+    const available_inputs_t zero = {.speed_mrad_s = 0};
     state->step = 0;
     state->expected = zero;
     state->speed = unknown;
@@ -112,25 +112,26 @@ static void carry(available_slope_t slopes[AVAILABLE_SLOPED_LINES], limit_t *exp
 /* ---- the steps of a round ---- */
 
 static void expect_inputs(available_ahead_state_t *state, const config_t *config,
-                          const torque_limits_t *limits, const available_ahead_input_t *in)
+                          const torque_limits_t *limits, const measured_t *now,
+                          int32_t phase_voltage_mV, int32_t brake_torque_mNm)
 {
-    const int32_t speed_mrad_s = slope_sample(&state->speed, in->speed_mrad_s, INT32_MAX);
+    const int32_t speed_mrad_s = slope_sample(&state->speed, now->speed_mrad_s, INT32_MAX);
     const bool rolls_on =
-        in->speed_mrad_s > 0 ? speed_mrad_s > 0 : in->speed_mrad_s < 0 && speed_mrad_s < 0;
-    const int32_t fastest_mrad_s =
-        q_max(config->motor.max_speed_mrad_s / 4 * 5, q_limit(q_abs(in->speed_mrad_s), MOST_VALUE));
+        now->speed_mrad_s > 0 ? speed_mrad_s > 0 : now->speed_mrad_s < 0 && speed_mrad_s < 0;
+    const int32_t fastest_mrad_s = q_max(config->motor.max_speed_mrad_s / 4 * 5,
+                                         q_limit(q_abs(now->speed_mrad_s), MOST_VALUE));
     state->expected.speed_mrad_s = rolls_on ? q_limit(speed_mrad_s, fastest_mrad_s) : 0;
     state->expected.phase_voltage_mV =
-        q_clamp(slope_sample(&state->voltage, in->phase_voltage_mV, INT32_MAX), 0, MOST_VALUE);
+        q_clamp(slope_sample(&state->voltage, phase_voltage_mV, INT32_MAX), 0, MOST_VALUE);
     state->expected.winding_temperature_cC =
-        slope_sample(&state->winding, in->winding_temperature_cC, TEMPERATURE_STEP_cC);
+        slope_sample(&state->winding, now->winding_temperature_cC, TEMPERATURE_STEP_cC);
     state->expected.switch_temperature_cC =
-        slope_sample(&state->switches, in->switch_temperature_cC, TEMPERATURE_STEP_cC);
+        slope_sample(&state->switches, now->switch_temperature_cC, TEMPERATURE_STEP_cC);
     state->returned_b = q_clamp(
         slope_sample(&state->returned, limits->losses.returned.power_b, INT32_MAX), 0, MOST_VALUE);
     state->drawn_b =
         q_clamp(slope_sample(&state->drawn, limits->drawn_b, INT32_MAX), 0, MOST_VALUE);
-    state->expected.brake_demand_mNm = q_max(in->brake_demand_mNm, 0);
+    state->expected.brake_torque_mNm = q_max(brake_torque_mNm, 0);
 }
 
 static bool is_bounded(const limit_t *lines)
@@ -203,7 +204,7 @@ static void expect_strategy(available_ahead_state_t *state, const config_t *conf
                             const torque_limits_t *limits)
 {
     const available_slope_t *speed = &state->speed;
-    const available_ahead_input_t *then = &state->expected;
+    const available_inputs_t *then = &state->expected;
     int32_t optimum_mNm = limits->braking[TORQUE_LINE_LOSS_OPTIMUM].torque_mNm;
     if (optimum_mNm != FEASIBLE_UNBOUNDED) { /* of the shaft: with the friction of now */
         optimum_mNm +=
@@ -211,7 +212,7 @@ static void expect_strategy(available_ahead_state_t *state, const config_t *conf
             loss_maps_torque_mNm(config, speed->value, state->winding.value);
     }
     torque_limits_strategy(state->braking_lines, config, then->speed_mrad_s, optimum_mNm,
-                           then->brake_demand_mNm);
+                           then->brake_torque_mNm);
 }
 
 /* Deratings at the expected temperatures and speed; what has no slope as it is now. */
@@ -220,7 +221,7 @@ static void expect_other_lines(available_ahead_state_t *state, const config_t *c
 {
     static const torque_line_t PRESENT[] = {TORQUE_LINE_MAX_TORQUE, TORQUE_LINE_ROTOR,
                                             TORQUE_LINE_ENABLE, TORQUE_LINE_ABS};
-    const available_ahead_input_t *then = &state->expected;
+    const available_inputs_t *then = &state->expected;
     limit_t *braking = state->braking_lines;
     for (size_t i = 0; i < sizeof PRESENT / sizeof PRESENT[0]; i++) {
         state->driving_lines[PRESENT[i]] = limits->driving[PRESENT[i]];
@@ -245,7 +246,7 @@ static available_t available_of(const limit_t *driving, const limit_t *braking)
 
 void available_ahead_step(available_ahead_state_t *state, const motor_constants_t *motor,
                           const config_t *config, const torque_limits_t *limits,
-                          const available_ahead_input_t *in)
+                          const measured_t *now, int32_t phase_voltage_mV, int32_t brake_torque_mNm)
 {
     const int32_t step_mNm = q_max(config->motor.max_torque_mNm >> STEP_LOG2, 1);
     const bool idle = state->step % PHASE_steps != 0;
@@ -256,7 +257,7 @@ void available_ahead_step(available_ahead_state_t *state, const motor_constants_
     }
     switch (phase) {
     case 0:
-        expect_inputs(state, config, limits, in);
+        expect_inputs(state, config, limits, now, phase_voltage_mV, brake_torque_mNm);
         break;
     case 1:
         carry(state->braking, state->braking_lines, limits->braking, &limits->losses, step_mNm);

@@ -22,8 +22,7 @@ void brake_blending_init(brake_blending_state_t *state, const config_t *config)
     state->bridged_q6_mNm = 0;
     state->within_q6_mNm = 0;
     state->bridging_ms = 0;
-    state->added_mNm = 0;
-    state->taken_mNm = 0;
+    state->covered_mNm = 0;
     state->slower_mrad_s = 0;
     state->open_steps = 0;
     filter_reset(&state->limit_lp_mNm, 0, LIMIT_FILTER_LOG2);
@@ -47,7 +46,7 @@ static int32_t expected(filter_t *low_pass, int32_t value, int32_t ahead_ms)
 
 /* Motor limit when the hydraulic brake responds. The line BLEND_OUT binds from one speed on, which
  * its slope before does not show: it is taken at the speed expected when the hydraulic brake has
- * all but a seventh of its lag over (README, Blend-out). */
+ * all but a seventh of its lag over (DERIVATIONS.md, Blend-out). */
 static int32_t expected_limit_mNm(brake_blending_state_t *state, const config_t *config,
                                   int32_t limit_mNm, int32_t speed_mrad_s)
 {
@@ -69,25 +68,26 @@ typedef struct {
 } motor_share_t;
 
 static motor_share_t motor_share(const brake_blending_state_t *state, const config_t *config,
-                                 const brake_blending_input_t *in, int32_t electric_mNm,
-                                 bool measured)
+                                 const measured_t *now, const last_t *last, bool enabled,
+                                 const motor_now_t *motor, int32_t electric_mNm, bool measured)
 {
     motor_share_t out = {.expected_mNm = 0, .shortfall_mNm = 0};
-    const int32_t achieved_mNm = braking_part(in->motor_achieved_mNm, in->speed_mrad_s);
-    if (!torque_enable_any(in->torque_enable) || state->open_steps > BRAKE_BLENDING_CLOSING_STEPS) {
+    const int32_t achieved_mNm = braking_part(motor->achieved_mNm, now->speed_mrad_s);
+    if (!enabled || state->open_steps > BRAKE_BLENDING_CLOSING_STEPS) {
         /* The model knows what a shorted motor brakes with. Its currents, which may be beyond the
          * sensors' range, only show that it does. */
-        out.expected_mNm = achieved_mNm >= in->short_mNm / SHORT_SHOWN_SHARE ? in->short_mNm : 0;
+        out.expected_mNm =
+            achieved_mNm >= motor->short_mNm / SHORT_SHOWN_SHARE ? motor->short_mNm : 0;
         return out;
     }
-    const int32_t commanded_mNm = braking_part(in->motor_command_mNm, in->speed_mrad_s);
+    const int32_t commanded_mNm = braking_part(last->torque_command_mNm, now->speed_mrad_s);
     const int32_t build_up_ms =
         config->brake.hydraulic_dead_time_ms + config->brake.hydraulic_time_constant_ms;
     /* A brake that leaves earlier than configured must not leave before the motor has come. */
     const int32_t arrival_ms = measured ? q_min(config->brake.motor_arrival_ms, build_up_ms / 2 + 1)
                                         : config->brake.motor_arrival_ms;
     const int32_t reachable_mNm =
-        q_saturate64((int64_t)commanded_mNm + (int64_t)in->motor_growth_mNm * arrival_ms);
+        q_saturate64((int64_t)commanded_mNm + (int64_t)motor->growth_mNm * arrival_ms);
     /* What it cannot release in the time in which the hydraulic torque builds up. */
     const int32_t released_mNm =
         q_saturate64((int64_t)demand_rate_mNm_per_step(config) * build_up_ms);
@@ -102,9 +102,9 @@ static motor_share_t motor_share(const brake_blending_state_t *state, const conf
 
 /* A motor that is counted on has a bridge that closes for the demand. One that closes for moments
  * only takes as many steps to be counted on again. */
-static void count_open(brake_blending_state_t *state, const brake_blending_input_t *in)
+static void count_open(brake_blending_state_t *state, bool bridge_open, int32_t brake_torque_mNm)
 {
-    if (in->bridge_open && in->demand_mNm > 0) {
+    if (bridge_open && brake_torque_mNm > 0) {
         state->open_steps = (uint8_t)q_min(state->open_steps + 1, 2 * BRAKE_BLENDING_CLOSING_STEPS);
     } else if (state->open_steps > 0) {
         state->open_steps--;
@@ -115,11 +115,11 @@ static void count_open(brake_blending_state_t *state, const brake_blending_input
  * dead time, then with the lag. In the blend-out range what is kept fades as well. The motor torque
  * never rises above the limit by it. */
 static int32_t bridged_mNm(brake_blending_state_t *state, const config_brake_t *brake,
-                           int32_t limit_mNm, const brake_blending_input_t *in, bool measured)
+                           int32_t limit_mNm, int32_t motor_command_mNm, int32_t speed_mrad_s,
+                           bool measured)
 {
     const int32_t within_q6 = q_min(limit_mNm, MOST_FILTERED) * ONE_Q6;
-    const int32_t made_mNm =
-        q_min(braking_part(in->motor_command_mNm, in->speed_mrad_s), MOST_FILTERED);
+    const int32_t made_mNm = q_min(braking_part(motor_command_mNm, speed_mrad_s), MOST_FILTERED);
     /* A limit that sinks slowly is followed with the lag; one that steps is bridged anew. */
     const bool steps = state->within_q6_mNm - within_q6 > state->bridged_q6_mNm / STEP_SHARE;
     state->within_q6_mNm = within_q6;
@@ -133,10 +133,10 @@ static int32_t bridged_mNm(brake_blending_state_t *state, const config_brake_t *
         return limit_mNm;
     }
     const int32_t slower = measured ? 2 : 1;
-    const int32_t kept_ms = q_min(brake->hydraulic_dead_time_ms, brake->bridging_time_ms) * slower;
-    const int32_t rest_ms = brake->bridging_time_ms * slower - kept_ms;
+    const int32_t dead_ms = q_min(brake->hydraulic_dead_time_ms, brake->bridging_time_ms) * slower;
+    const int32_t rest_ms = brake->bridging_time_ms * slower - dead_ms;
     int32_t above_q6 = state->bridged_q6_mNm - within_q6;
-    if (state->bridging_ms < kept_ms) {
+    if (state->bridging_ms < dead_ms) {
         state->bridging_ms++;
     } else {
         /* exp(-2.3) is a tenth */
@@ -146,7 +146,7 @@ static int32_t bridged_mNm(brake_blending_state_t *state, const config_brake_t *
     const int32_t above_mNm = q_clamp(made_mNm - limit_mNm, 0, above_q6 / ONE_Q6);
     const int32_t end_mrad_s = brake->blend_out_end_mrad_s;
     const int32_t share_q15 = fade_q15(
-        q_abs(in->speed_mrad_s), q_max(brake->blend_out_start_mrad_s, end_mrad_s + 1), end_mrad_s);
+        q_abs(speed_mrad_s), q_max(brake->blend_out_start_mrad_s, end_mrad_s + 1), end_mrad_s);
     const int32_t faded_mNm = (int32_t)(((int64_t)above_mNm * share_q15) >> 15);
     return limit_mNm + (share_q15 < Q15_ONE ? faded_mNm : above_mNm);
 }
@@ -174,28 +174,29 @@ static int32_t command_mNm(const hydraulic_feedback_state_t *brake, int32_t requ
 
 /* What the motor may make beside the torque that the hydraulic brake makes now; beside one that
  * takes its own path, what that does not make yet. */
-static int32_t beside_hydraulic_mNm(const config_t *config, const brake_blending_input_t *in,
-                                    int32_t demand_mNm, int32_t taken_mNm)
+static int32_t uncovered_mNm(const config_t *config, const demand_t *demand, int32_t covered_mNm,
+                             int32_t motor_command_mNm, int32_t speed_mrad_s)
 {
-    if (!in->handed_over) {
-        return demand_mNm - taken_mNm;
+    if (!demand->handed_over) {
+        return demand->brake_torque_mNm - covered_mNm;
     }
-    const int32_t made_mNm = braking_part(in->motor_command_mNm, in->speed_mrad_s);
+    const int32_t made_mNm = braking_part(motor_command_mNm, speed_mrad_s);
     return made_mNm - demand_handed_over_mNm(config, made_mNm);
 }
 
 /* The hydraulic torque of this step, measured or modelled, and what is found of it. */
 static hydraulic_feedback_out_t hydraulic_torque(brake_blending_state_t *state,
                                                  const config_t *config,
-                                                 const brake_blending_input_t *in)
+                                                 const hydraulic_feedback_t *report,
+                                                 int32_t speed_mrad_s, int32_t motor_mNm, bool seen,
+                                                 bool acknowledged)
 {
     const hydraulic_model_t *model = &state->hydraulic;
     hydraulic_feedback_state_t *feedback = &state->feedback;
-    const hydraulic_feedback_out_t now =
-        hydraulic_feedback_step(feedback, config, model, &in->hydraulic);
-    const hydraulic_watch_input_t seen = {
-        .speed_mrad_s = in->speed_mrad_s,
-        .motor_mNm = in->motor_achieved_mNm,
+    const hydraulic_feedback_out_t now = hydraulic_feedback_step(feedback, config, model, report);
+    const hydraulic_watch_input_t watched = {
+        .speed_mrad_s = speed_mrad_s,
+        .motor_mNm = motor_mNm,
         .modelled_mNm = now.used && !feedback->confirmed && feedback->outside_ms == 0
                             ? now.torque_mNm
                             : hydraulic_model_torque_mNm(model),
@@ -207,10 +208,10 @@ static hydraulic_feedback_out_t hydraulic_torque(brake_blending_state_t *state,
         .reported_mNm = feedback->report_mNm,
         .reported = feedback->seen && !feedback->refuted &&
                     feedback->since_ms <= config->brake.hydraulic_timeout_ms,
-        .trusted = in->watched,
-        .acknowledged = in->acknowledged,
+        .trusted = seen,
+        .acknowledged = acknowledged,
     };
-    hydraulic_watch_step(&state->watch, config, &seen);
+    hydraulic_watch_step(&state->watch, config, &watched);
     if (state->watch.confirms_report && !feedback->confirmed) {
         feedback->heal_ms = 0;
     }
@@ -262,80 +263,101 @@ static int32_t raised_mNm(const brake_blending_state_t *state, int32_t bound_mNm
     return q_max(bound_mNm, q_min(q_saturate64((int64_t)bound_mNm + missing_mNm), beyond_mNm));
 }
 
+/* Bound of the motor's braking torque: hard lines at once, deferrable ones bridged. beyond_mNm:
+ * that of a motor that makes up for a brake whose torque is measured. */
+static int32_t motor_bound_mNm(brake_blending_state_t *state, const config_t *config,
+                               const torque_limits_t *limits, const torque_limits_classes_t *bounds,
+                               int32_t beyond_mNm, int32_t last_command_mNm, int32_t speed_mrad_s,
+                               bool measured)
+{
+    /* What only the deceleration or only the reports show is a warning: a slope, a tow or a wrong
+     * sensor looks the same, and the motor would brake beside a brake that works. */
+    const bool makes_up = measured && hydraulic_watch_is_short(&state->watch) &&
+                          (state->watch.confirms_report || !state->watch.by_report);
+    const torque_limits_classes_t most =
+        makes_up ? beyond_strategy(config, limits, speed_mrad_s) : *bounds;
+    const int32_t share_mNm = limits->braking[TORQUE_LINE_ELECTRIC_SHARE].torque_mNm;
+    const int32_t bound_mNm = q_min(makes_up ? most.hard_mNm : q_min(most.hard_mNm, share_mNm),
+                                    bridged_mNm(state, &config->brake, most.deferrable_mNm,
+                                                last_command_mNm, speed_mrad_s, measured));
+    /* A motor that makes up is beyond this already. */
+    return measured
+               ? raised_mNm(state, bound_mNm, faded_mNm(config, beyond_mNm, q_abs(speed_mrad_s)))
+               : bound_mNm;
+}
+
 brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const config_t *config,
-                                         const torque_limits_t *limits,
-                                         const brake_blending_input_t *in)
+                                         const torque_limits_t *limits, const measured_t *now,
+                                         const last_t *last, const hydraulic_feedback_t *report,
+                                         const torque_enable_t *enable, const demand_t *demand,
+                                         const motor_now_t *motor, bool seen, bool acknowledged)
 {
     const config_brake_t *brake = &config->brake;
-    const int32_t demand_mNm = q_max(in->demand_mNm, 0);
+    const int32_t speed_mrad_s = now->speed_mrad_s;
+    const int32_t brake_torque_mNm = q_max(demand->brake_torque_mNm, 0);
     const torque_limits_classes_t bounds = torque_limits_classes(limits->braking);
     const int32_t share_mNm = limits->braking[TORQUE_LINE_ELECTRIC_SHARE].torque_mNm;
     /* Tightest of the lines that do not depend on the demand. */
     const int32_t independent_mNm = q_min(bounds.hard_mNm, bounds.deferrable_mNm);
     const limit_t available =
         torque_limits_at_most(limits->braking, q_min(independent_mNm, share_mNm));
-    const int32_t predicted_mNm =
-        expected_limit_mNm(state, config, independent_mNm, in->speed_mrad_s);
+    const int32_t predicted_mNm = expected_limit_mNm(state, config, independent_mNm, speed_mrad_s);
     /* The anti-lock system's bound steps, so its slope says nothing; nor does a slipping wheel's.
      */
     const bool anti_lock = limits->braking[TORQUE_LINE_ABS].torque_mNm <= independent_mNm;
     const int32_t later_mNm = anti_lock ? independent_mNm : predicted_mNm;
     const bool measured = hydraulic_feedback_used(&state->feedback);
-    count_open(state, in);
-    const motor_share_t motor = motor_share(
-        state, config, in, q_min(q_min(demand_mNm, available.torque_mNm), later_mNm), measured);
-    const int32_t required_mNm =
-        q_min(q_max(demand_mNm - motor.expected_mNm + motor.shortfall_mNm, 0), demand_mNm);
+    count_open(state, motor->bridge_open, brake_torque_mNm);
+    const motor_share_t share =
+        motor_share(state, config, now, last, torque_enable_any(*enable), motor,
+                    q_min(q_min(brake_torque_mNm, available.torque_mNm), later_mNm), measured);
+    const int32_t required_mNm = q_min(
+        q_max(brake_torque_mNm - share.expected_mNm + share.shortfall_mNm, 0), brake_torque_mNm);
     const int32_t beyond_mNm = measured ? least_beyond_mNm(limits) : 0;
     const int32_t most_mNm = measured ? faded_mNm(config, beyond_mNm, state->slower_mrad_s) : 0;
     const int32_t commanded_mNm =
-        command_mNm(&state->feedback, required_mNm, motor.expected_mNm, most_mNm);
+        command_mNm(&state->feedback, required_mNm, share.expected_mNm, most_mNm);
     const int32_t hydraulic_mNm = q_min(commanded_mNm, brake->max_hydraulic_torque_mNm);
-    hydraulic_model_step(&state->hydraulic, config, hydraulic_mNm + state->added_mNm);
-    const hydraulic_feedback_out_t now = hydraulic_torque(state, config, in);
-    /* What only the deceleration or only the reports show is a warning: a slope, a tow or a wrong
-     * sensor looks the same, and the motor would brake beside a brake that works. */
-    const bool makes_up = now.used && hydraulic_watch_is_short(&state->watch) &&
-                          (state->watch.confirms_report || !state->watch.by_report);
-    const torque_limits_classes_t most =
-        makes_up ? beyond_strategy(config, limits, in->speed_mrad_s) : bounds;
-    int32_t bound_mNm = q_min(makes_up ? most.hard_mNm : q_min(most.hard_mNm, share_mNm),
-                              bridged_mNm(state, brake, most.deferrable_mNm, in, now.used));
-    if (now.used) { /* a motor that makes up is beyond this already */
-        bound_mNm =
-            raised_mNm(state, bound_mNm, faded_mNm(config, beyond_mNm, q_abs(in->speed_mrad_s)));
-    }
-    limit_t electric = limit_init(demand_mNm, REASON_NONE);
+    hydraulic_model_step(&state->hydraulic, config, hydraulic_mNm + last->hydraulic_added_mNm);
+    const hydraulic_feedback_out_t made = hydraulic_torque(state, config, report, speed_mrad_s,
+                                                           motor->achieved_mNm, seen, acknowledged);
+    const int32_t bound_mNm = motor_bound_mNm(state, config, limits, &bounds, beyond_mNm,
+                                              last->torque_command_mNm, speed_mrad_s, made.used);
+    limit_t electric = limit_init(brake_torque_mNm, REASON_NONE);
     limit_tighten(&electric, bound_mNm, available.reason);
     /* Hydraulic torque that covers a motor shortfall does not reduce the motor command. */
-    const int32_t taken_mNm = q_max(now.torque_mNm - motor.shortfall_mNm - state->added_mNm, 0);
-    const int32_t beside_mNm = beside_hydraulic_mNm(config, in, demand_mNm, taken_mNm);
-    limit_tighten(&electric, beside_mNm, REASON_TORQUE_RATE);
+    const int32_t covered_mNm =
+        q_max(made.torque_mNm - share.shortfall_mNm - last->hydraulic_added_mNm, 0);
+    const int32_t left_mNm =
+        uncovered_mNm(config, demand, covered_mNm, last->torque_command_mNm, speed_mrad_s);
+    limit_tighten(&electric, left_mNm, REASON_TORQUE_RATE);
     /* On its own path the brake arrives without a command that the model would know. */
-    const int32_t arrived_mNm =
-        in->handed_over ? demand_mNm : q_max(taken_mNm - state->taken_mNm, 0);
-    state->taken_mNm = taken_mNm;
+    const int32_t rise_mNm =
+        demand->handed_over ? brake_torque_mNm : q_max(covered_mNm - state->covered_mNm, 0);
+    state->covered_mNm = covered_mNm;
 
     const bool beyond = commanded_mNm > brake->max_hydraulic_torque_mNm;
     const brake_blending_out_t out = {
         .electric_mNm = electric.torque_mNm,
         .hydraulic_mNm = hydraulic_mNm,
         .slower_mrad_s = state->slower_mrad_s,
-        .road_mNm = q_max(-state->watch.beside_mNm, 0),
-        .beside_mNm = q_max(beside_mNm, 0),
-        .arrived_mNm = arrived_mNm,
+        .road_mNm = q_max(-state->watch.road_mNm, 0),
+        .uncovered_mNm = q_max(left_mNm, 0),
+        .rise_mNm = rise_mNm,
         .available = available,
         .reason = electric.reason,
         .hydraulic_reason = state->watch.reason != REASON_NONE ? state->watch.reason
                             : beyond                           ? REASON_HYDRAULIC_LIMIT
-                            : now.lost                         ? REASON_HYDRAULIC_FEEDBACK
+                            : made.lost                        ? REASON_HYDRAULIC_FEEDBACK
                                                                : REASON_NONE,
     };
     return out;
 }
 
-void brake_blending_sent(brake_blending_state_t *state, const brake_blending_out_t *split,
-                         int32_t hydraulic_mNm)
+void brake_blending_report(const brake_blending_state_t *state, findings_t *findings)
 {
-    state->added_mNm = q_max(hydraulic_mNm - split->hydraulic_mNm, 0);
+    const bool lost = state->feedback.seen && state->feedback.heal_ms > 0;
+    const reason_t found = state->watch.reason;
+    findings_set_named(findings, FINDING_BRAKE_WEAK, FINDING_BRAKE_REPORT,
+                       found == REASON_NONE && lost ? REASON_HYDRAULIC_FEEDBACK : found);
 }

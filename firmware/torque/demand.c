@@ -19,14 +19,14 @@ int32_t demand_rate_mNm_per_step(const config_t *config)
 
 /* An engaged direction stays, at any speed; another one is refused while the wheel turns against
  * it. */
-static drive_direction_t engage(drive_direction_t engaged, const demand_input_t *in,
-                                int32_t largest_mrad_s)
+static drive_direction_t engage(drive_direction_t engaged, drive_direction_t direction,
+                                int32_t speed_mrad_s, int32_t largest_mrad_s)
 {
-    const int32_t sign = drive_direction_sign(in->direction);
+    const int32_t sign = drive_direction_sign(direction);
     const bool turns_against =
-        sign > 0 ? in->speed_mrad_s < -largest_mrad_s : in->speed_mrad_s > largest_mrad_s;
-    const bool accepted = sign != 0 && (in->direction == engaged || !turns_against);
-    return accepted ? in->direction : DRIVE_DIRECTION_NEUTRAL;
+        sign > 0 ? speed_mrad_s < -largest_mrad_s : speed_mrad_s > largest_mrad_s;
+    const bool accepted = sign != 0 && (direction == engaged || !turns_against);
+    return accepted ? direction : DRIVE_DIRECTION_NEUTRAL;
 }
 
 int32_t demand_handed_over_mNm(const config_t *config, int32_t left_mNm)
@@ -39,18 +39,20 @@ int32_t demand_handed_over_mNm(const config_t *config, int32_t left_mNm)
 /* Lift-off braking falls first, then what the pedal demands. */
 static void fall(demand_state_t *state, const config_t *config)
 {
-    const int32_t step_mNm = demand_handed_over_mNm(config, state->brake_mNm + state->lift_off_mNm);
+    const int32_t step_mNm =
+        demand_handed_over_mNm(config, state->brake_torque_mNm + state->lift_off_mNm);
     const int32_t lift_off_mNm = ramp_step(state->lift_off_mNm, 0, step_mNm);
     const int32_t left_mNm = step_mNm - (state->lift_off_mNm - lift_off_mNm);
     state->lift_off_mNm = lift_off_mNm;
-    state->brake_mNm = ramp_step(state->brake_mNm, 0, left_mNm);
+    state->brake_torque_mNm = ramp_step(state->brake_torque_mNm, 0, left_mNm);
 }
 
-static demand_t lost_demand(demand_state_t *state, const config_t *config, const demand_input_t *in)
+static demand_t lost_demand(demand_state_t *state, const config_t *config,
+                            const wheel_demand_t *wheel, bool standstill)
 {
     const config_driver_t *driver = &config->driver;
     state->lost_ms = q_saturate64((int64_t)state->lost_ms + 1);
-    const bool until_standstill = driver->no_other_brake != 0 && !in->standstill;
+    const bool until_standstill = driver->no_other_brake != 0 && !standstill;
     const bool kept = state->lost_ms <= driver->lost_hold_ms || until_standstill;
     /* The brake system's own path has a dead time as well. */
     const int32_t dead_time_ms = config->brake.hydraulic_dead_time_ms;
@@ -59,8 +61,8 @@ static demand_t lost_demand(demand_state_t *state, const config_t *config, const
         fall(state, config);
     }
     const demand_t out = {
-        .lift_off_mNm = in->abs_active ? 0 : state->lift_off_mNm,
-        .brake_mNm = state->brake_mNm,
+        .lift_off_mNm = wheel->abs_active ? 0 : state->lift_off_mNm,
+        .brake_torque_mNm = state->brake_torque_mNm,
         .engaged = state->engaged,
         .reason = REASON_DEMAND_TIMEOUT,
         .drive_withdrawn = true,
@@ -71,23 +73,25 @@ static demand_t lost_demand(demand_state_t *state, const config_t *config, const
 }
 
 static demand_t valid_demand(demand_state_t *state, const config_t *config,
-                             const demand_input_t *in)
+                             const wheel_demand_t *wheel, int32_t speed_mrad_s)
 {
-    const int32_t wanted_mNm = q_clamp(in->drive_mNm, -LARGEST_DEMAND_mNm, LARGEST_DEMAND_mNm);
-    state->engaged = engage(state->engaged, in, config->driver.direction_change_mrad_s);
+    const int32_t wanted_mNm =
+        q_clamp(wheel->drive_torque_mNm, -LARGEST_DEMAND_mNm, LARGEST_DEMAND_mNm);
+    state->engaged = engage(state->engaged, wheel->direction, speed_mrad_s,
+                            config->driver.direction_change_mrad_s);
     const int32_t sign = drive_direction_sign(state->engaged);
     const int32_t along_mNm = wanted_mNm * sign;
     state->lost_ms = 0;
-    state->brake_mNm = q_clamp(in->brake_mNm, 0, LARGEST_DEMAND_mNm);
-    state->asked_mNm = state->brake_mNm;
-    state->lift_off_mNm = in->abs_active ? 0 : q_max(-along_mNm, 0);
-    const bool withdrawn = state->brake_mNm > 0 || sign == 0;
+    state->brake_torque_mNm = q_clamp(wheel->brake_torque_mNm, 0, LARGEST_DEMAND_mNm);
+    state->received_brake_torque_mNm = state->brake_torque_mNm;
+    state->lift_off_mNm = wheel->abs_active ? 0 : q_max(-along_mNm, 0);
+    const bool withdrawn = state->brake_torque_mNm > 0 || sign == 0;
     demand_t out = {
-        .drive_mNm = withdrawn || along_mNm < 0 ? 0 : wanted_mNm,
+        .drive_torque_mNm = withdrawn || along_mNm < 0 ? 0 : wanted_mNm,
         .lift_off_mNm = state->lift_off_mNm,
-        .brake_mNm = state->brake_mNm,
+        .brake_torque_mNm = state->brake_torque_mNm,
         .engaged = state->engaged,
-        .reason = in->reason,
+        .reason = wheel->reason,
         .drive_withdrawn = withdrawn,
         .hydraulic_valid = true,
     };
@@ -95,14 +99,16 @@ static demand_t valid_demand(demand_state_t *state, const config_t *config,
         out.reason = REASON_DRIVE_DIRECTION;
     } else if (withdrawn && along_mNm > 0) {
         out.reason = REASON_BRAKE_PRIORITY;
-    } else if (along_mNm < 0 && in->abs_active) {
+    } else if (along_mNm < 0 && wheel->abs_active) {
         out.reason = REASON_ABS;
     }
     return out;
 }
 
-demand_t demand_step(demand_state_t *state, const config_t *config, const demand_input_t *in)
+demand_t demand_step(demand_state_t *state, const config_t *config, const slow_input_t *in,
+                     int32_t speed_mrad_s, bool standstill)
 {
-    return demand_is_lost(config, in->age_ms) ? lost_demand(state, config, in)
-                                              : valid_demand(state, config, in);
+    return demand_is_lost(config, in->demand_age_ms)
+               ? lost_demand(state, config, &in->demand, standstill)
+               : valid_demand(state, config, &in->demand, speed_mrad_s);
 }

@@ -6,7 +6,8 @@
 #include "core/q15.h"
 #include "core/scaled.h"
 
-/* Gain of the loop, and the offset that lets the limit rise from zero (README, Fold-back). */
+/* Gain of the loop, and the offset that lets the limit rise from zero (DERIVATIONS.md, Fold-back).
+ */
 enum {
     STEPS_LOG2 = 3,
     LITTLE_q24 = SCALED_ONE / 64,

@@ -3,7 +3,6 @@
 
 #include "core/q15.h"
 #include "core/ramp.h"
-#include "torque/demand.h"
 
 enum {
     TOLERANCE_SHARE = 8, /* of the demand: what the road is known to */
@@ -17,7 +16,7 @@ void hill_hold_init(hill_hold_state_t *state)
 }
 
 /* What the motor torque along the engaged direction leaves of the hold torque. */
-static int32_t beside_motor_mNm(const config_t *config, int32_t along_mNm)
+static int32_t left_by_motor_mNm(const config_t *config, int32_t along_mNm)
 {
     const int32_t whole_mNm = config->driver.hold_torque_mNm;
     const int32_t released_mNm = q_min(whole_mNm, config->motor.max_torque_mNm / 4 * 3);
@@ -31,50 +30,55 @@ static int32_t by_time_mNm(const config_driver_t *driver, int32_t release_ms)
                    driver->hold_release_ms);
 }
 
-static void release(hill_hold_state_t *state, const config_t *config, const hill_hold_input_t *in)
+static void release(hill_hold_state_t *state, const config_t *config, drive_direction_t engaged,
+                    int32_t command_mNm, int32_t speed_mrad_s)
 {
-    const int32_t sign = drive_direction_sign(in->engaged);
-    const int32_t along_mrad_s = q_limit(in->speed_mrad_s, INT32_MAX) * sign;
+    const int32_t sign = drive_direction_sign(engaged);
+    const int32_t along_mrad_s = q_limit(speed_mrad_s, INT32_MAX) * sign;
     state->caught = state->caught || along_mrad_s < -config->monitor.standstill_mrad_s;
     state->release_ms = q_min(state->release_ms + 1, config->driver.hold_release_ms);
-    const int32_t beside_mNm = beside_motor_mNm(config, q_limit(in->command_mNm, INT32_MAX) * sign);
+    const int32_t left_mNm = left_by_motor_mNm(config, q_limit(command_mNm, INT32_MAX) * sign);
     const int32_t timed_mNm = by_time_mNm(&config->driver, state->release_ms);
-    state->torque_mNm = state->caught ? beside_mNm : q_min(beside_mNm, timed_mNm);
+    state->torque_mNm = state->caught ? left_mNm : q_min(left_mNm, timed_mNm);
     state->holds = state->torque_mNm > 0 && along_mrad_s <= config->monitor.standstill_mrad_s;
 }
 
 /* Before standstill, as long as the driver brakes and the wheel is slow. */
-static bool is_ahead(hill_hold_state_t *state, const hill_hold_input_t *in)
+static bool is_ahead(hill_hold_state_t *state, const brake_blending_out_t *split,
+                     int32_t braking_mNm, bool drives, int32_t speed_abs_mrad_s)
 {
-    const int32_t speed_mrad_s = q_abs(in->speed_mrad_s);
-    const bool brakes = in->demand_mNm > 0 && in->drive_mNm == 0;
-    const bool rolls_off = in->road_mNm > in->demand_mNm - in->demand_mNm / TOLERANCE_SHARE;
-    if (!brakes || speed_mrad_s / 2 > state->begun_mrad_s) {
+    const bool brakes = braking_mNm > 0 && !drives;
+    const bool rolls_off = split->road_mNm > braking_mNm - braking_mNm / TOLERANCE_SHARE;
+    if (!brakes || speed_abs_mrad_s / 2 > state->begun_mrad_s) {
         state->begun_mrad_s = 0;
     }
-    if (brakes && rolls_off && in->slower_mrad_s <= speed_mrad_s / SLOWER_SHARE &&
+    if (brakes && rolls_off && split->slower_mrad_s <= speed_abs_mrad_s / SLOWER_SHARE &&
         state->begun_mrad_s == 0) {
-        state->begun_mrad_s = speed_mrad_s;
+        state->begun_mrad_s = speed_abs_mrad_s;
     }
     return state->begun_mrad_s > 0;
 }
 
-int32_t hill_hold_step(hill_hold_state_t *state, const config_t *config,
-                       const hill_hold_input_t *in)
+int32_t hill_hold_step(hill_hold_state_t *state, const config_t *config, const demand_t *demand,
+                       const brake_blending_out_t *split, int32_t command_mNm, int32_t speed_mrad_s,
+                       bool standstill)
 {
-    const bool neutral = in->engaged == DRIVE_DIRECTION_NEUTRAL;
-    if (!state->holds && in->standstill && in->demand_mNm > 0 && !neutral) {
+    const int32_t braking_mNm = demand->brake_torque_mNm + demand->lift_off_mNm;
+    const bool drives = demand->drive_torque_mNm != 0;
+    const bool neutral = demand->engaged == DRIVE_DIRECTION_NEUTRAL;
+    if (!state->holds && standstill && braking_mNm > 0 && !neutral) {
         const hill_hold_state_t begun = {.holds = true};
         *state = begun;
     }
     /* Without a hold torque the result is the same, at less cost. */
-    if (!state->holds && !neutral && config->driver.hold_torque_mNm > 0 && is_ahead(state, in)) {
+    if (!state->holds && !neutral && config->driver.hold_torque_mNm > 0 &&
+        is_ahead(state, split, braking_mNm, drives, q_abs(speed_mrad_s))) {
         state->torque_mNm = config->driver.hold_torque_mNm;
     } else if (!state->holds || neutral) {
         state->holds = false;
         state->torque_mNm = ramp_step(state->torque_mNm, 0, demand_rate_mNm_per_step(config));
-    } else if (in->drive_mNm != 0) {
-        release(state, config, in);
+    } else if (drives) {
+        release(state, config, demand->engaged, command_mNm, speed_mrad_s);
     } else {
         state->torque_mNm = config->driver.hold_torque_mNm;
         state->release_ms = 0;

@@ -98,7 +98,7 @@ static void learn(hydraulic_feedback_state_t *state, const config_t *config,
 }
 
 /* Counts of the reports' age; true in the millisecond of a new one. */
-static bool arrived(hydraulic_feedback_state_t *state, const hydraulic_feedback_t *report)
+static bool is_new_report(hydraulic_feedback_state_t *state, const hydraulic_feedback_t *report)
 {
     const int32_t age_ms =
         report->age_ms < (uint32_t)INT32_MAX ? (int32_t)report->age_ms : INT32_MAX;
@@ -188,7 +188,7 @@ hydraulic_feedback_out_t hydraulic_feedback_step(hydraulic_feedback_state_t *sta
     const int32_t modelled_mNm = hydraulic_model_torque_mNm(model);
     state->now = (state->now + 1U) % (HYDRAULIC_FEEDBACK_PAST_ms + 1);
     state->model_mNm[state->now] = modelled_mNm;
-    if (brake->hydraulic_timeout_ms > 0 && arrived(state, report)) {
+    if (brake->hydraulic_timeout_ms > 0 && is_new_report(state, report)) {
         possible_t could =
             possible(config, model, modelled_ago_mNm(state, brake->hydraulic_report_delay_ms));
         state->contradicts_mNm =

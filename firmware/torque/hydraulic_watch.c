@@ -407,6 +407,105 @@ static void age(hydraulic_watch_t *watch)
     }
 }
 
+/* Until the road is known: true while it is not. */
+static bool acquires_road(hydraulic_watch_t *watch, const config_brake_t *brake,
+                          const hydraulic_watch_input_t *in, int32_t floor_mNm, int32_t lacking_mNm)
+{
+    const bool quiet = in->modelled_mNm + in->uncertain_mNm <= floor_mNm;
+    watch->quiet_ms = quiet && watch->reason == REASON_NONE
+                          ? q_min(watch->quiet_ms + 1, HYDRAULIC_WATCH_QUIET_ms)
+                          : 0;
+    if (watch->provisional && quiet) {
+        watch->provisional = false;
+        watch->acquired_ms = 0;
+    }
+    if (watch->acquired_ms >= HYDRAULIC_WATCH_ACQUIRE_ms) {
+        return false;
+    }
+    if (in->uncertain_mNm <= floor_mNm && watch->pause_ms == 0 &&
+        q_abs(in->speed_mrad_s) > brake->blend_out_start_mrad_s) {
+        watch->provisional = !quiet;
+        watch->acquired_ms++;
+        watch->road_q8_mNm += lacking_mNm * (256 / ACQUIRE_SHARE);
+    }
+    return true;
+}
+
+/* Sums of what is missing and what is too much beyond the tolerance. deviation_mNm: that the road
+ * has not followed, after a change of it by up to change_q8. */
+static void sum_up(hydraulic_watch_t *watch, const config_brake_t *brake,
+                   const hydraulic_watch_input_t *in, int32_t floor_mNm, int32_t lacking_mNm,
+                   int32_t deviation_mNm, int32_t change_q8, int32_t end_mNm_ms)
+{
+    /* What the motor makes for longer has become part of `road`. */
+    const int32_t motor_mNm =
+        filter_step(&watch->motor_lp_mNm, q_limit(in->motor_mNm, MOST_mNm) / 16, MOTOR_LOG2) * 16;
+    const int32_t share_q15 = brake->hydraulic_watch_share_q15;
+    const int32_t expected_mNm =
+        q_min(hydraulic_watch_corrected_mNm(watch, in->modelled_mNm), MOST_mNm);
+    const int32_t motor_part_mNm = q15_product(q_abs(in->motor_mNm - motor_mNm), share_q15);
+    const int32_t shares_mNm = q15_product(expected_mNm, share_q15) + motor_part_mNm / 2;
+    const int32_t parts_mNm = parts_unfollowed_mNm(
+        watch, expected_mNm, watch->known_lp_mNm.accumulator >> FILTER_LOG2, change_q8);
+    const int32_t tolerated_mNm = floor_mNm + deviation_mNm + late_mNm(in->uncertain_mNm) +
+                                  (in->reported ? shares_mNm : q_min(shares_mNm, parts_mNm));
+    const bool commanded = in->modelled_mNm > floor_mNm;
+    /* Without a command an excess may be a hill, sand, another load, a brake not commanded here. */
+    const int32_t excess_mNm = commanded ? -lacking_mNm - tolerated_mNm
+                                         : -lacking_mNm - deviation_mNm - QUIET_SHARE * floor_mNm -
+                                               QUIET_SHARE * motor_part_mNm;
+    watch->missing_mNm_ms =
+        commanded || watch->extra_mNm > 0
+            ? summed_mNm_ms(watch->missing_mNm_ms, lacking_mNm - tolerated_mNm, end_mNm_ms)
+            : 0;
+    watch->excess_mNm_ms =
+        watch->provisional ? 0 : summed_mNm_ms(watch->excess_mNm_ms, excess_mNm, end_mNm_ms);
+}
+
+/* With the road known: follows it, and decides what the brake or its reports lack. */
+static void judge(hydraulic_watch_t *watch, const config_t *config,
+                  const hydraulic_watch_input_t *in, int32_t floor_mNm, int32_t lacking_mNm)
+{
+    const config_brake_t *brake = &config->brake;
+    const bool commanded = in->modelled_mNm > floor_mNm;
+    const bool hidden = hides_torque(watch, config, q_abs(in->speed_mrad_s));
+    const bool undecided = is_undecided(watch, brake, in);
+    const int32_t change_q8 = awaits_brake(watch, in->uncertain_mNm > floor_mNm) || undecided
+                                  ? 0
+                                  : road_change_q8_mNm(brake, q_abs(in->speed_mrad_s));
+    const int32_t deviation_mNm = follow_road(watch, floor_mNm, lacking_mNm, change_q8);
+    if (watch->confirms_report) {
+        follow_report(watch, brake, in, floor_mNm);
+        return;
+    }
+    const int32_t enough_mNm_ms = q_saturate64((int64_t)brake->hydraulic_watch_inertia_g_m2 *
+                                               brake->hydraulic_watch_speed_mrad_s);
+    if (watch->by_report || q_abs(in->outside_ms) > brake->hydraulic_timeout_ms) {
+        follow_report(watch, brake, in, floor_mNm);
+        watch->by_report = hydraulic_watch_is_short(watch) ||
+                           watch->reason == REASON_HYDRAULIC_STRONG ||
+                           watch->reason == REASON_HYDRAULIC_STUCK;
+        if (undecided && !hidden) {
+            decide_report(watch, in, lacking_mNm, enough_mNm_ms);
+        }
+        return;
+    }
+    const int32_t end_mNm_ms = end_of_sum_mNm_ms(enough_mNm_ms);
+    sum_up(watch, brake, in, floor_mNm, lacking_mNm, deviation_mNm, change_q8, end_mNm_ms);
+    if (in->reported && !hidden && (undecided || in->contradicts_mNm != 0)) {
+        decide_report(watch, in, lacking_mNm, enough_mNm_ms);
+    } else if (in->reported && watch->reason == REASON_NONE) {
+        clear_sums(watch); /* reports agree with the commands: it is the road */
+    } else {
+        watch->report_mNm_ms = 0;
+    }
+    if (watch->missing_mNm_ms >= end_mNm_ms && !hidden) {
+        found_missing(watch, in->modelled_mNm, lacking_mNm);
+    } else if (watch->excess_mNm_ms >= end_mNm_ms) {
+        found_excess(watch, in->modelled_mNm, -lacking_mNm, commanded);
+    }
+}
+
 void hydraulic_watch_step(hydraulic_watch_t *watch, const config_t *config,
                           const hydraulic_watch_input_t *in)
 {
@@ -424,94 +523,21 @@ void hydraulic_watch_step(hydraulic_watch_t *watch, const config_t *config,
     }
     int32_t change_q8_mrad_s = 0;
     const int32_t floor_mNm = torque_of_mNm(brake, brake->hydraulic_watch_floor_mrad_s2);
-    const int32_t beside_mNm = missing_mNm(watch, config, in, floor_mNm, &change_q8_mrad_s);
-    watch->beside_mNm = beside_mNm;
+    const int32_t road_mNm = missing_mNm(watch, config, in, floor_mNm, &change_q8_mrad_s);
+    watch->road_mNm = road_mNm;
     if (slips(config, change_q8_mrad_s)) {
         if (!hydraulic_watch_is_short(watch) && watch->found_ms < HYDRAULIC_WATCH_PAUSE_ms) {
             end_finding(watch); /* it was the slip that looked like an excess */
         }
         watch->pause_ms = HYDRAULIC_WATCH_PAUSE_ms;
     }
-    const int32_t lacking_mNm = beside_mNm - (watch->road_q8_mNm >> 8);
-    const bool commanded = in->modelled_mNm > floor_mNm;
-    const bool quiet = in->modelled_mNm + in->uncertain_mNm <= floor_mNm;
-    watch->quiet_ms = quiet && watch->reason == REASON_NONE
-                          ? q_min(watch->quiet_ms + 1, HYDRAULIC_WATCH_QUIET_ms)
-                          : 0;
-    if (watch->provisional && quiet) {
-        watch->provisional = false;
-        watch->acquired_ms = 0;
-    }
-    if (watch->acquired_ms < HYDRAULIC_WATCH_ACQUIRE_ms) {
-        if (in->uncertain_mNm <= floor_mNm && watch->pause_ms == 0 &&
-            q_abs(in->speed_mrad_s) > brake->blend_out_start_mrad_s) {
-            watch->provisional = !quiet;
-            watch->acquired_ms++;
-            watch->road_q8_mNm += lacking_mNm * (256 / ACQUIRE_SHARE);
-        }
+    const int32_t lacking_mNm = road_mNm - (watch->road_q8_mNm >> 8);
+    if (acquires_road(watch, brake, in, floor_mNm, lacking_mNm)) {
         return;
     }
     if (watch->pause_ms > 0) {
         clear_sums(watch);
         return;
     }
-    const bool hidden = hides_torque(watch, config, q_abs(in->speed_mrad_s));
-    const bool undecided = is_undecided(watch, brake, in);
-    const int32_t change_q8 = awaits_brake(watch, in->uncertain_mNm > floor_mNm) || undecided
-                                  ? 0
-                                  : road_change_q8_mNm(brake, q_abs(in->speed_mrad_s));
-    const int32_t unlike_mNm = follow_road(watch, floor_mNm, lacking_mNm, change_q8);
-    if (watch->confirms_report) {
-        follow_report(watch, brake, in, floor_mNm);
-        return;
-    }
-    const int32_t enough_mNm_ms = q_saturate64((int64_t)brake->hydraulic_watch_inertia_g_m2 *
-                                               brake->hydraulic_watch_speed_mrad_s);
-    if (watch->by_report || q_abs(in->outside_ms) > brake->hydraulic_timeout_ms) {
-        follow_report(watch, brake, in, floor_mNm);
-        watch->by_report = hydraulic_watch_is_short(watch) ||
-                           watch->reason == REASON_HYDRAULIC_STRONG ||
-                           watch->reason == REASON_HYDRAULIC_STUCK;
-        if (undecided && !hidden) {
-            decide_report(watch, in, lacking_mNm, enough_mNm_ms);
-        }
-        return;
-    }
-
-    /* What the motor makes for longer has become part of `road`. */
-    const int32_t motor_mNm =
-        filter_step(&watch->motor_lp_mNm, q_limit(in->motor_mNm, MOST_mNm) / 16, MOTOR_LOG2) * 16;
-    const int32_t share_q15 = brake->hydraulic_watch_share_q15;
-    const int32_t expected_mNm =
-        q_min(hydraulic_watch_corrected_mNm(watch, in->modelled_mNm), MOST_mNm);
-    const int32_t shares_mNm = q15_product(expected_mNm, share_q15) +
-                               q15_product(q_abs(in->motor_mNm - motor_mNm), share_q15) / 2;
-    const int32_t parts_mNm = parts_unfollowed_mNm(
-        watch, expected_mNm, watch->known_lp_mNm.accumulator >> FILTER_LOG2, change_q8);
-    const int32_t tolerated_mNm = floor_mNm + unlike_mNm + late_mNm(in->uncertain_mNm) +
-                                  (in->reported ? shares_mNm : q_min(shares_mNm, parts_mNm));
-    /* Without a command an excess may be a hill, sand, another load, a brake not commanded here. */
-    const int32_t excess_mNm =
-        commanded ? -lacking_mNm - tolerated_mNm
-                  : -lacking_mNm - unlike_mNm - QUIET_SHARE * floor_mNm -
-                        QUIET_SHARE * q15_product(q_abs(in->motor_mNm - motor_mNm), share_q15);
-    const int32_t end_mNm_ms = end_of_sum_mNm_ms(enough_mNm_ms);
-    watch->missing_mNm_ms =
-        commanded || watch->extra_mNm > 0
-            ? summed_mNm_ms(watch->missing_mNm_ms, lacking_mNm - tolerated_mNm, end_mNm_ms)
-            : 0;
-    watch->excess_mNm_ms =
-        watch->provisional ? 0 : summed_mNm_ms(watch->excess_mNm_ms, excess_mNm, end_mNm_ms);
-    if (in->reported && !hidden && (undecided || in->contradicts_mNm != 0)) {
-        decide_report(watch, in, lacking_mNm, enough_mNm_ms);
-    } else if (in->reported && watch->reason == REASON_NONE) {
-        clear_sums(watch); /* reports agree with the commands: it is the road */
-    } else {
-        watch->report_mNm_ms = 0;
-    }
-    if (watch->missing_mNm_ms >= end_mNm_ms && !hidden) {
-        found_missing(watch, in->modelled_mNm, lacking_mNm);
-    } else if (watch->excess_mNm_ms >= end_mNm_ms) {
-        found_excess(watch, in->modelled_mNm, -lacking_mNm, commanded);
-    }
+    judge(watch, config, in, floor_mNm, lacking_mNm);
 }

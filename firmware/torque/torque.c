@@ -3,6 +3,7 @@
 
 #include "core/q15.h"
 #include "motor/motor_model.h"
+#include "torque/closing_voltage.h"
 
 void torque_init(torque_state_t *state, const config_t *config)
 {
@@ -23,8 +24,9 @@ static reason_t shown_reason(const demand_t *demand, const brake_blending_out_t 
                              const lift_off_t *lift_off, const torque_command_out_t *limited,
                              const current_setpoint_t *current, bool voltage_limited)
 {
-    reason_t reason =
-        demand->brake_mNm > 0 && split->reason != REASON_NONE ? split->reason : limited->reason;
+    reason_t reason = demand->brake_torque_mNm > 0 && split->reason != REASON_NONE
+                          ? split->reason
+                          : limited->reason;
     if (current->limited && (reason == REASON_NONE || reason == REASON_TORQUE_RATE)) {
         return REASON_PHASE_CURRENT;
     }
@@ -45,30 +47,16 @@ static int32_t hydraulic_command_mNm(const config_t *config, const brake_blendin
     return q_min(q_max(braking_mNm, hold_mNm), config->brake.max_hydraulic_torque_mNm);
 }
 
-static demand_input_t demand_input(const torque_input_t *in)
-{
-    const demand_input_t out = {
-        .drive_mNm = in->drive_torque_mNm,
-        .brake_mNm = in->brake_torque_mNm,
-        .age_ms = in->demand_age_ms,
-        .direction = in->direction,
-        .abs_active = in->abs_active,
-        .standstill = in->standstill,
-        .speed_mrad_s = in->speed_mrad_s,
-        .reason = in->demand_reason,
-    };
-    return out;
-}
-
 /* True where speed and motor torque tell what the hydraulic brake makes: no wheel slips, no sensor
  * is wrong. */
-static bool hydraulic_is_seen(const torque_limits_t *table, const torque_input_t *in)
+static bool hydraulic_is_seen(const torque_limits_t *table, const measured_t *now,
+                              const torque_enable_t *enable)
 {
-    const reason_t reason = in->torque_enable.reason;
+    const reason_t reason = enable->reason;
     const bool healthy = reason == REASON_NONE || reason == REASON_TORQUE_ENABLE ||
                          reason == REASON_HYDRAULIC_FEEDBACK ||
                          (reason >= REASON_HYDRAULIC_WEAK && reason <= REASON_HYDRAULIC_LATE);
-    return in->rotor_valid && healthy &&
+    return now->angle_valid && healthy &&
            table->braking[TORQUE_LINE_ABS].torque_mNm == FEASIBLE_UNBOUNDED;
 }
 
@@ -76,132 +64,142 @@ static bool hydraulic_is_seen(const torque_limits_t *table, const torque_input_t
  * that rolls back, those of braking. */
 static side_t demanded_side(const demand_t *demand, int32_t speed_mrad_s)
 {
-    const bool brakes = demand->brake_mNm > 0 || demand->lift_off_mNm > 0;
-    return brakes || torque_command_is_against(demand->drive_mNm, speed_mrad_s) ? SIDE_BRAKING
-                                                                                : SIDE_DRIVING;
+    const bool brakes = demand->brake_torque_mNm > 0 || demand->lift_off_mNm > 0;
+    return brakes || torque_command_is_against(demand->drive_torque_mNm, speed_mrad_s)
+               ? SIDE_BRAKING
+               : SIDE_DRIVING;
 }
 
-/* The inputs of each part have a function of their own, so that they share the stack. */
-static void step_limits(torque_state_t *state, const feasible_set_t *set, const torque_input_t *in,
-                        const demand_t *demand, motor_point_t flowing)
+/* That PWM has, or would have if it took over from diodes that charge the battery. */
+static int32_t phase_voltage_mV(const config_t *config, const measured_t *now,
+                                const monitored_t *watch, const torque_enable_t *enable)
 {
+    const int32_t charging_mA = safe_state_charging_mA(&watch->safe);
+    const bool takes_over =
+        !measured_switching(now) && charging_mA > 0 && torque_enable_any(*enable);
+    return takes_over
+               ? closing_voltage_mV(config, now->phase_voltage_mV, now->bus_voltage_mV, charging_mA)
+               : now->phase_voltage_mV;
+}
+
+/* The inputs of the table have a function of their own, so that they share the stack. */
+static void step_limits(torque_state_t *state, const feasible_set_t *set, const measured_t *now,
+                        const slow_input_t *in, const torque_enable_t *enable,
+                        const demand_t *demand, motor_point_t flowing, const findings_t *findings)
+{
+    const bool contradicts = findings_present(findings, FINDING_BUS_CONTRADICTED) ||
+                             findings_present(findings, FINDING_FLUX_HIGH);
     const torque_limits_input_t limited_by = {
-        .demanded = demanded_side(demand, in->speed_mrad_s),
-        .brake_demand_mNm = demand->brake_mNm,
-        .bus_voltage_mV = in->bus_voltage_mV,
-        .battery_voltage_mV = in->battery_voltage_mV,
-        .bus_current_mA = motor_model_bus_current_mA(set->model, flowing, in->bus_voltage_mV),
-        .bms_charge_current_mA = in->bms_charge_current_mA,
-        .bms_discharge_current_mA = in->bms_discharge_current_mA,
-        .bms_charge_peak_mA = in->bms_charge_peak_mA,
-        .switch_temperature_cC = in->switch_temperature_cC,
-        .rotor_valid = in->rotor_valid,
-        .abs_active = in->abs_active,
-        .abs_share_percent = in->abs_share_percent,
-        .torque_enable = in->torque_enable,
+        .demanded = demanded_side(demand, now->speed_mrad_s),
+        .brake_torque_mNm = demand->brake_torque_mNm,
+        /* Behind an open contactor it limits what is zero already. */
+        .battery_voltage_mV = contradicts ? now->battery->voltage_mV : 0,
+        .bus_current_mA = motor_model_bus_current_mA(set->model, flowing, now->bus_voltage_mV),
     };
-    torque_limits_step(&state->limits, set, &limited_by, &state->table);
+    torque_limits_step(&state->limits, set, now, &in->demand, enable, &limited_by, &state->table);
 }
 
-static brake_blending_out_t blend(torque_state_t *state, const config_t *config,
-                                  const torque_input_t *in, const demand_t *demand,
-                                  int32_t achieved_mNm)
+/* What is lost of the flux is missing in the torque; the hydraulic brake makes up for it. */
+static motor_now_t motor_now(const config_t *config, const measured_t *now,
+                             const monitored_t *watch, int32_t modelled_mNm)
 {
-    static const hydraulic_feedback_t NO_REPORT = {.age_ms = UINT32_MAX};
-    const brake_blending_input_t braking = {
-        .demand_mNm = demand->brake_mNm,
-        .speed_mrad_s = in->speed_mrad_s,
-        .motor_command_mNm = state->command.command_mNm,
-        .motor_growth_mNm = torque_command_growth_mNm(config, in->voltage_use_q15),
-        .motor_achieved_mNm = achieved_mNm,
-        .short_mNm = in->short_mNm,
-        .hydraulic = *(demand->hydraulic_valid ? &in->hydraulic : &NO_REPORT),
-        .watched = hydraulic_is_seen(&state->table, in) && demand->hydraulic_valid,
-        .acknowledged = in->acknowledged,
-        .bridge_open = in->bridge_open,
-        .handed_over = demand->handed_over,
-        .torque_enable = in->torque_enable,
-    };
-    return brake_blending_step(&state->blending, config, &state->table, &braking);
-}
-
-torque_output_t torque_step(torque_state_t *state, const config_t *config, const torque_input_t *in)
-{
-    const motor_model_t model =
-        motor_model_at(&state->motor, config, in->speed_mrad_s, in->winding_temperature_cC);
-    const feasible_set_t set = feasible_set_at(&model, in->phase_voltage_mV);
-    const motor_point_t flowing = motor_model_point(&model, in->current);
-    /* What is lost of the flux is missing in the torque; the hydraulic brake makes up for it. */
-    const int32_t modelled_mNm = motor_model_torque_mNm(&model, flowing);
+    const int32_t lost_q15 = watch->flux_missing_q15;
     const int32_t lost_mNm =
-        in->flux_missing_q15 > 0
-            ? q_scale(modelled_mNm, q_min(in->flux_missing_q15, 1 << 14), 1 << 15)
-            : 0;
-    const int32_t achieved_mNm = modelled_mNm - lost_mNm;
-    const demand_input_t demanded = demand_input(in);
-    const demand_t demand = demand_step(&state->demand, config, &demanded);
-    step_limits(state, &set, in, &demand, flowing);
-    const brake_blending_out_t split = blend(state, config, in, &demand, achieved_mNm);
-    const lift_off_t lift_off =
-        lift_off_split(&state->table, demand.lift_off_mNm, split.electric_mNm);
-    const torque_command_input_t wanted = {
-        .torque_enable = in->torque_enable,
-        .speed_mrad_s = in->speed_mrad_s,
-        .voltage_use_q15 = in->voltage_use_q15,
-        .drive_mNm = demand.drive_mNm,
-        .electric_mNm = split.electric_mNm + lift_off.motor_mNm,
-        .beside_mNm = q_saturate64((int64_t)split.beside_mNm + lift_off.motor_mNm),
-        .arrived_mNm = split.arrived_mNm,
-        .drive_withdrawn = demand.drive_withdrawn,
-        .bridge_open = in->bridge_open,
-    };
-    const torque_command_out_t limited =
-        torque_command_step(&state->command, config, &state->table, &wanted);
-    current_setpoint_t current = loss_braking_setpoint(
-        &set, &state->table.losses, limited.command_mNm,
-        current_setpoint_step(&set, limited.command_mNm, in->i_d_weakening_mA));
-    /* The bounds are those of the present voltage; the command follows at the torque rate. */
-    current.feasible = current.feasible || limited.falling;
-
-    const hill_hold_input_t standing = {
-        .demand_mNm = demand.brake_mNm + demand.lift_off_mNm,
-        .command_mNm = limited.command_mNm,
-        .drive_mNm = demand.drive_mNm,
-        .road_mNm = split.road_mNm,
-        .speed_mrad_s = in->speed_mrad_s,
-        .slower_mrad_s = split.slower_mrad_s,
-        .engaged = demand.engaged,
-        .standstill = in->standstill,
-    };
-    const int32_t hold_mNm = hill_hold_step(&state->hold, config, &standing);
-    const int32_t hydraulic_mNm = hydraulic_command_mNm(config, &split, &lift_off, hold_mNm);
-    /* On its own path the brake makes what was asked for, and has to let go of it afterwards. */
-    const int32_t own_path_mNm = demand.hydraulic_valid ? 0 : state->demand.asked_mNm;
-    brake_blending_sent(&state->blending, &split, q_max(hydraulic_mNm, own_path_mNm));
-
-    const torque_output_t out = {
-        .current = current,
-        .command_mNm = limited.command_mNm,
-        .estimate_mNm = achieved_mNm,
-        .hydraulic_mNm = hydraulic_mNm,
-        .hydraulic_reason = hold_mNm > demand.brake_mNm ? REASON_HILL_HOLD : split.hydraulic_reason,
-        .hydraulic_valid = demand.hydraulic_valid,
-        .available = split.available,
-        .reason = shown_reason(&demand, &split, &lift_off, &limited, &current, in->voltage_limited),
-        .engaged = demand.engaged,
-        .stop_lamp = stop_lamp_step(&state->lamp, config, in->speed_mrad_s, demand.brake_mNm),
+        lost_q15 > 0 ? q_scale(modelled_mNm, q_min(lost_q15, 1 << 14), 1 << 15) : 0;
+    const bool shorted = bridge_is_short(now->report->bridge) && now->angle_valid;
+    const motor_now_t out = {
+        .achieved_mNm = modelled_mNm - lost_mNm,
+        .short_mNm = shorted ? watch->safe.torque_mNm : 0,
+        .growth_mNm = torque_command_growth_mNm(config, now->report->voltage_use_q15),
+        /* Without any angle there is no torque that could ramp out. */
+        .bridge_open =
+            !measured_switching(now) || (now->sensor_wrong && now->angle_by == ANGLE_BY_SENSOR),
     };
     return out;
 }
 
-void torque_look_ahead(torque_state_t *state, const config_t *config, const torque_input_t *in)
+static brake_blending_out_t blend(torque_state_t *state, const config_t *config,
+                                  const measured_t *now, const last_t *last, const slow_input_t *in,
+                                  const monitored_t *watch, const torque_enable_t *enable,
+                                  const demand_t *demand, const motor_now_t *motor)
 {
-    const available_ahead_input_t now = {
-        .speed_mrad_s = in->speed_mrad_s,
-        .phase_voltage_mV = in->phase_voltage_mV,
-        .winding_temperature_cC = in->winding_temperature_cC,
-        .switch_temperature_cC = in->switch_temperature_cC,
-        .brake_demand_mNm = state->demand.brake_mNm,
+    static const hydraulic_feedback_t NO_REPORT = {.age_ms = UINT32_MAX};
+    const wheel_demand_t *wheel = &in->demand;
+    const bool acknowledged = wheel->fault_reset && watch->at_rest &&
+                              wheel->drive_torque_mNm == 0 && wheel->brake_torque_mNm <= 0;
+    const bool seen = hydraulic_is_seen(&state->table, now, enable) && demand->hydraulic_valid;
+    return brake_blending_step(&state->blending, config, &state->table, now, last,
+                               demand->hydraulic_valid ? &in->hydraulic : &NO_REPORT, enable,
+                               demand, motor, seen, acknowledged);
+}
+
+torque_output_t torque_step(torque_state_t *state, const config_t *config, const measured_t *now,
+                            const last_t *last, const slow_input_t *in, const monitored_t *watch,
+                            const torque_enable_t *enable, findings_t *findings)
+{
+    const int32_t voltage_mV = phase_voltage_mV(config, now, watch, enable);
+    const motor_model_t model =
+        motor_model_at(&state->motor, config, now->speed_mrad_s, now->winding_temperature_cC);
+    const feasible_set_t set = feasible_set_at(&model, voltage_mV);
+    const motor_current_t mean = {.d_mA = now->i_d_mA, .q_mA = now->i_q_mA};
+    const motor_point_t flowing = motor_model_point(&model, mean);
+    const motor_now_t motor =
+        motor_now(config, now, watch, motor_model_torque_mNm(&model, flowing));
+    const demand_t demand =
+        demand_step(&state->demand, config, in, now->speed_mrad_s, watch->standstill);
+    step_limits(state, &set, now, in, enable, &demand, flowing, findings);
+    const brake_blending_out_t split =
+        blend(state, config, now, last, in, watch, enable, &demand, &motor);
+    brake_blending_report(&state->blending, findings);
+    const lift_off_t lift_off =
+        lift_off_split(&state->table, demand.lift_off_mNm, split.electric_mNm);
+    const motor_braking_t braking = {
+        .electric_mNm = split.electric_mNm + lift_off.motor_mNm,
+        .uncovered_mNm = q_saturate64((int64_t)split.uncovered_mNm + lift_off.motor_mNm),
+        .rise_mNm = split.rise_mNm,
     };
-    available_ahead_step(&state->ahead, &state->motor, config, &state->table, &now);
+    const torque_command_out_t limited =
+        torque_command_step(&state->command, config, &state->table, now, last->torque_command_mNm,
+                            enable, &demand, &braking, motor.bridge_open);
+    current_setpoint_t current = loss_braking_setpoint(
+        &set, &state->table.losses, limited.command_mNm,
+        current_setpoint_step(&set, limited.command_mNm, now->i_d_weakening_mA));
+    /* The bounds are those of the present voltage; the command follows at the torque rate. */
+    current.feasible = current.feasible || limited.falling;
+
+    const int32_t hold_mNm =
+        hill_hold_step(&state->hold, config, &demand, &split, limited.command_mNm,
+                       now->speed_mrad_s, watch->standstill);
+    const int32_t hydraulic_mNm = hydraulic_command_mNm(config, &split, &lift_off, hold_mNm);
+    /* On its own path the brake makes what was asked for, and has to let go of it afterwards. */
+    const int32_t own_path_mNm =
+        demand.hydraulic_valid ? 0 : state->demand.received_brake_torque_mNm;
+    available_ahead_step(&state->ahead, &state->motor, config, &state->table, now, voltage_mV,
+                         state->demand.brake_torque_mNm);
+
+    const bool holds = hold_mNm > demand.brake_torque_mNm;
+    const torque_output_t out = {
+        .current = current,
+        .command_mNm = limited.command_mNm,
+        .estimate_mNm = motor.achieved_mNm,
+        .hydraulic_mNm = hydraulic_mNm,
+        .hydraulic_added_mNm = q_max(q_max(hydraulic_mNm, own_path_mNm) - split.hydraulic_mNm, 0),
+        .phase_voltage_mV = voltage_mV,
+        .hydraulic_reason = holds ? REASON_HILL_HOLD : split.hydraulic_reason,
+        .hydraulic_valid = demand.hydraulic_valid,
+        .available = split.available,
+        .available_now = state->ahead.now,
+        .available_ahead = state->ahead.ahead,
+        .reason = shown_reason(&demand, &split, &lift_off, &limited, &current,
+                               now->report->voltage_limited),
+        .engaged = demand.engaged,
+        .stop_lamp =
+            stop_lamp_step(&state->lamp, config, now->speed_mrad_s, demand.brake_torque_mNm),
+    };
+    return out;
+}
+
+const torque_limits_t *torque_limits_of(const torque_state_t *state)
+{
+    return &state->table;
 }

@@ -8,7 +8,6 @@
 
 void torque_command_init(torque_command_state_t *state)
 {
-    state->command_mNm = 0;
     state->braked = false;
 }
 
@@ -23,20 +22,19 @@ bool torque_command_is_against(int32_t torque_mNm, int32_t speed_mrad_s)
 }
 
 /* What is left at once of the last command; the rate has no say in it. */
-static int32_t remaining_mNm(const torque_command_state_t *state, const torque_limits_t *limits,
-                             const torque_command_input_t *in)
+static int32_t remaining_mNm(bool braked, const torque_limits_t *limits, int32_t speed_mrad_s,
+                             int32_t command_mNm, const demand_t *demand)
 {
-    if (torque_command_is_against(state->command_mNm, in->speed_mrad_s)) {
+    if (torque_command_is_against(command_mNm, speed_mrad_s)) {
         const int32_t most_mNm = limits->braking[TORQUE_LINE_ABS].torque_mNm;
-        return q_clamp(state->command_mNm, -most_mNm, most_mNm);
+        return q_clamp(command_mNm, -most_mNm, most_mNm);
     }
-    const bool is_wanted = same_sign(state->command_mNm, in->drive_mNm);
+    const bool is_wanted = same_sign(command_mNm, demand->drive_torque_mNm);
     /* At zero speed, which may be a stuck hall line, what braked still counts as braking. */
-    const bool is_withdrawn = in->drive_withdrawn && !state->braked;
+    const bool is_withdrawn = demand->drive_withdrawn && !braked;
     const bool has_turned_round =
-        state->braked && torque_command_is_against(-state->command_mNm, in->speed_mrad_s) &&
-        !is_wanted;
-    return is_withdrawn || has_turned_round ? 0 : state->command_mNm;
+        braked && torque_command_is_against(-command_mNm, speed_mrad_s) && !is_wanted;
+    return is_withdrawn || has_turned_round ? 0 : command_mNm;
 }
 
 /* A driving demand against the rotation, by a wheel that rolls back, obeys the limits of braking
@@ -62,40 +60,45 @@ int32_t torque_command_growth_mNm(const config_t *config, int32_t voltage_use_q1
 }
 
 torque_command_out_t torque_command_step(torque_command_state_t *state, const config_t *config,
-                                         const torque_limits_t *limits,
-                                         const torque_command_input_t *in)
+                                         const torque_limits_t *limits, const measured_t *now,
+                                         int32_t last_command_mNm, const torque_enable_t *enable,
+                                         const demand_t *demand, const motor_braking_t *braking,
+                                         bool bridge_open)
 {
+    const int32_t speed_mrad_s = now->speed_mrad_s;
+    const int32_t drive_mNm = demand->drive_torque_mNm;
     torque_command_out_t out = {.command_mNm = 0, .reason = REASON_NONE};
-    limit_t driving = limit_init(q_abs(in->drive_mNm), REASON_NONE);
-    if (in->drive_mNm != 0) {
-        const limit_t bound = drive_limit(limits, in->speed_mrad_s, in->drive_mNm);
+    limit_t driving = limit_init(q_abs(drive_mNm), REASON_NONE);
+    if (drive_mNm != 0) {
+        const limit_t bound = drive_limit(limits, speed_mrad_s, drive_mNm);
         limit_tighten(&driving, bound.torque_mNm, bound.reason);
     }
-    if (!torque_enable_any(in->torque_enable)) {
-        out.reason = in->electric_mNm != 0 ? in->torque_enable.reason : driving.reason;
+    if (!torque_enable_any(*enable)) {
+        out.reason = braking->electric_mNm != 0 ? enable->reason : driving.reason;
         torque_command_init(state);
         return out;
     }
-    state->command_mNm = in->bridge_open ? 0 : remaining_mNm(state, limits, in);
-    const int32_t drive_part_mNm = in->drive_mNm >= 0 ? driving.torque_mNm : -driving.torque_mNm;
-    const int32_t brake_part_mNm = in->speed_mrad_s >= 0 ? -in->electric_mNm : in->electric_mNm;
+    const int32_t before_mNm =
+        bridge_open ? 0
+                    : remaining_mNm(state->braked, limits, speed_mrad_s, last_command_mNm, demand);
+    const int32_t drive_part_mNm = drive_mNm >= 0 ? driving.torque_mNm : -driving.torque_mNm;
+    const int32_t brake_part_mNm =
+        speed_mrad_s >= 0 ? -braking->electric_mNm : braking->electric_mNm;
     const int32_t target_mNm = drive_part_mNm + brake_part_mNm;
 
     const int32_t rate_mNm = demand_rate_mNm_per_step(config);
-    const int32_t growth_mNm = torque_command_growth_mNm(config, in->voltage_use_q15);
-    const int32_t most_mNm = q_max(q_abs(state->command_mNm) + growth_mNm, 0);
+    const int32_t growth_mNm = torque_command_growth_mNm(config, now->report->voltage_use_q15);
+    const int32_t most_mNm = q_max(q_abs(before_mNm) + growth_mNm, 0);
     const int32_t within_mNm = q_clamp(target_mNm, -most_mNm, most_mNm);
-    const int32_t before_mNm = state->command_mNm;
-    state->command_mNm = ramp_step(before_mNm, within_mNm, rate_mNm);
-    if (in->arrived_mNm > 0 && in->drive_mNm == 0 &&
-        torque_command_is_against(state->command_mNm, in->speed_mrad_s)) {
-        const int32_t kept_mNm = q_max(q_abs(before_mNm) - in->arrived_mNm, in->beside_mNm);
-        state->command_mNm = q_clamp(state->command_mNm, -kept_mNm, kept_mNm);
+    out.command_mNm = ramp_step(before_mNm, within_mNm, rate_mNm);
+    if (braking->rise_mNm > 0 && drive_mNm == 0 &&
+        torque_command_is_against(out.command_mNm, speed_mrad_s)) {
+        const int32_t least_mNm =
+            q_max(q_abs(before_mNm) - braking->rise_mNm, braking->uncovered_mNm);
+        out.command_mNm = q_clamp(out.command_mNm, -least_mNm, least_mNm);
     }
-    state->braked =
-        torque_command_is_against(state->command_mNm, in->speed_mrad_s) ||
-        (state->braked && in->speed_mrad_s == 0 && same_sign(before_mNm, state->command_mNm));
-    out.command_mNm = state->command_mNm;
+    state->braked = torque_command_is_against(out.command_mNm, speed_mrad_s) ||
+                    (state->braked && speed_mrad_s == 0 && same_sign(before_mNm, out.command_mNm));
     out.falling =
         same_sign(out.command_mNm, target_mNm) && q_abs(out.command_mNm) > q_abs(target_mNm);
     const bool by_voltage = within_mNm != target_mNm && growth_mNm <= 0;

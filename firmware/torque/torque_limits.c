@@ -118,14 +118,14 @@ static int32_t winding_share_q15(const config_t *config, int32_t temperature_cC)
 {
     const config_motor_t *motor = &config->motor;
     return fade_q15(temperature_cC, motor->derate_winding_temperature_cC,
-                          motor->max_winding_temperature_cC);
+                    motor->max_winding_temperature_cC);
 }
 
 static int32_t switch_share_q15(const config_t *config, int32_t temperature_cC)
 {
     const config_drive_t *drive = &config->drive;
     return fade_q15(temperature_cC, drive->derate_switch_temperature_cC,
-                          drive->max_switch_temperature_cC);
+                    drive->max_switch_temperature_cC);
 }
 
 limit_t torque_limits_winding(const config_t *config, int32_t temperature_cC)
@@ -144,8 +144,7 @@ limit_t torque_limits_max_speed(const config_t *config, int32_t speed_mrad_s)
     const int32_t top_mrad_s = config->motor.max_speed_mrad_s;
     const int32_t fade_mrad_s =
         q15_share_of(top_mrad_s, (int16_t)config->motor.speed_fade_share_q15);
-    return share_line(config,
-                      fade_q15(q_abs(speed_mrad_s), top_mrad_s - fade_mrad_s, top_mrad_s),
+    return share_line(config, fade_q15(q_abs(speed_mrad_s), top_mrad_s - fade_mrad_s, top_mrad_s),
                       REASON_MAX_SPEED);
 }
 
@@ -207,7 +206,7 @@ static battery_limit_t battery_limit(foldback_state_t *state, const config_batte
 
 /* Lines equal for driving and braking. */
 static int32_t common_lines(torque_limits_t *out, const config_t *config,
-                            const motor_model_t *model, const torque_limits_input_t *in)
+                            const motor_model_t *model, const measured_t *now)
 {
     const config_motor_t *motor = &config->motor;
     limit_t *line = out->driving;
@@ -215,11 +214,11 @@ static int32_t common_lines(torque_limits_t *out, const config_t *config,
     line[TORQUE_LINE_MAX_POWER] =
         limit_init(power_torque_mNm(config, q_abs(model->speed_mrad_s)), REASON_MAX_POWER);
     const int32_t winding_q15 = winding_share_q15(config, model->winding_temperature_cC);
-    const int32_t switch_q15 = switch_share_q15(config, in->switch_temperature_cC);
+    const int32_t switch_q15 = switch_share_q15(config, now->switch_temperature_cC);
     line[TORQUE_LINE_WINDING] = share_line(config, winding_q15, REASON_WINDING_TEMPERATURE);
     line[TORQUE_LINE_SWITCH] = share_line(config, switch_q15, REASON_SWITCH_TEMPERATURE);
     line[TORQUE_LINE_ROTOR] =
-        limit_init(in->rotor_valid ? FEASIBLE_UNBOUNDED : 0, REASON_ROTOR_UNCERTAIN);
+        limit_init(now->angle_valid ? FEASIBLE_UNBOUNDED : 0, REASON_ROTOR_UNCERTAIN);
     limit_t *braking = out->braking;
     braking[TORQUE_LINE_MAX_TORQUE] = line[TORQUE_LINE_MAX_TORQUE];
     braking[TORQUE_LINE_MAX_POWER] = line[TORQUE_LINE_MAX_POWER];
@@ -319,7 +318,7 @@ static int32_t blend_out_share_q15(const config_brake_t *brake, int32_t speed_ab
 {
     const int32_t end_mrad_s = brake->blend_out_end_mrad_s;
     return fade_q15(speed_abs_mrad_s, q_max(brake->blend_out_start_mrad_s, end_mrad_s + 1),
-                          end_mrad_s);
+                    end_mrad_s);
 }
 
 /* A torque reduced by the blend-out, with that reason; `whole` without it. */
@@ -342,7 +341,7 @@ limit_t torque_limits_blend_out(const config_t *config, int32_t speed_mrad_s)
 /* The lines of the strategy and their blend-out: a rating or a share is scaled; the loss optimum
  * applies until the blend-out of max_torque falls below it. */
 void torque_limits_strategy(limit_t line[TORQUE_LINE_COUNT], const config_t *config,
-                            int32_t speed_mrad_s, int32_t optimum_mNm, int32_t demand_mNm)
+                            int32_t speed_mrad_s, int32_t optimum_mNm, int32_t brake_torque_mNm)
 {
     const config_brake_t *brake = &config->brake;
     const int32_t share_q15 = blend_out_share_q15(brake, q_abs(speed_mrad_s));
@@ -353,7 +352,8 @@ void torque_limits_strategy(limit_t line[TORQUE_LINE_COUNT], const config_t *con
     line[TORQUE_LINE_ELECTRIC_RATED] =
         limit_init(series ? FEASIBLE_UNBOUNDED : rated_mNm, REASON_ELECTRIC_RATED);
     line[TORQUE_LINE_BLEND_OUT] = torque_limits_blend_out(config, speed_mrad_s);
-    const int32_t part_mNm = q15_share_of(demand_mNm, (int16_t)brake->parallel_electric_share_q15);
+    const int32_t part_mNm =
+        q15_share_of(brake_torque_mNm, (int16_t)brake->parallel_electric_share_q15);
     line[TORQUE_LINE_ELECTRIC_SHARE] =
         brake->strategy == CONFIG_STRATEGY_PARALLEL_RATIO
             ? faded(part_mNm, share_q15, part_mNm, REASON_ELECTRIC_SHARE)
@@ -361,47 +361,51 @@ void torque_limits_strategy(limit_t line[TORQUE_LINE_COUNT], const config_t *con
 }
 
 limit_t torque_limits_anti_lock(torque_limits_state_t *state, const config_t *config,
-                                const torque_limits_input_t *in)
+                                const wheel_demand_t *wheel, int32_t brake_torque_mNm)
 {
-    if (in->abs_active) {
+    if (wheel->abs_active) {
         state->abs_hold_steps = config->brake.abs_hold_ms;
-        state->abs_share_percent = q_min(in->abs_share_percent, WHOLE_PERCENT);
+        state->abs_share_percent = q_min(wheel->abs_motor_share_percent, WHOLE_PERCENT);
     } else if (state->abs_hold_steps > 0) {
         state->abs_hold_steps--;
     }
-    if (!in->abs_active && state->abs_hold_steps <= 0) {
+    if (!wheel->abs_active && state->abs_hold_steps <= 0) {
         return limit_init(FEASIBLE_UNBOUNDED, REASON_ABS);
     }
     const int32_t left_mNm =
-        q_scale(q_max(in->brake_demand_mNm, 0), state->abs_share_percent, WHOLE_PERCENT);
+        q_scale(q_max(brake_torque_mNm, 0), state->abs_share_percent, WHOLE_PERCENT);
     return limit_init(left_mNm, REASON_ABS);
 }
 
 void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
-                        const torque_limits_input_t *in, torque_limits_t *table)
+                        const measured_t *now, const wheel_demand_t *wheel,
+                        const torque_enable_t *enable, const torque_limits_input_t *in,
+                        torque_limits_t *table)
 {
     const motor_model_t *model = set->model;
     static const reason_t DISCHARGE[2] = {REASON_DISCHARGE_CURRENT, REASON_BUS_VOLTAGE_LOW};
     static const reason_t CHARGE[2] = {REASON_CHARGE_CURRENT, REASON_BUS_VOLTAGE_HIGH};
     const config_t *config = model->config;
     const config_battery_t *battery = &config->battery;
-    const int32_t sensor_mV = q_clamp(in->bus_voltage_mV, 0, 2 * battery->overvoltage_trip_mV);
+    const int32_t sensor_mV = q_clamp(now->bus_voltage_mV, 0, 2 * battery->overvoltage_trip_mV);
     const int32_t highest_mV =
         q_clamp(in->battery_voltage_mV, sensor_mV, 2 * battery->overvoltage_trip_mV);
     /* The lowest: least power for a current, first to be empty. */
     const int32_t bus_mV =
         in->battery_voltage_mV > 0 ? q_min(sensor_mV, in->battery_voltage_mV) : sensor_mV;
     const int32_t drawn_mA = q_max(in->bus_current_mA, -INT32_MAX);
-    const battery_limit_t discharge = battery_limit(
-        &state->discharge, battery, battery->max_discharge_current_mA, in->bms_discharge_current_mA,
-        0, battery->discharge_foldback_voltage_mV - battery->min_voltage_mV,
-        bus_mV - battery->min_voltage_mV, drawn_mA, DISCHARGE);
-    const battery_limit_t charge = battery_limit(
-        &state->charge, battery, battery->max_charge_current_mA, in->bms_charge_current_mA,
-        in->bms_charge_peak_mA, battery->max_voltage_mV - battery->foldback_voltage_mV,
-        battery->max_voltage_mV - highest_mV, -drawn_mA, CHARGE);
+    const battery_limit_t discharge =
+        battery_limit(&state->discharge, battery, battery->max_discharge_current_mA,
+                      now->battery->discharge_current_mA, 0,
+                      battery->discharge_foldback_voltage_mV - battery->min_voltage_mV,
+                      bus_mV - battery->min_voltage_mV, drawn_mA, DISCHARGE);
+    const battery_limit_t charge =
+        battery_limit(&state->charge, battery, battery->max_charge_current_mA,
+                      now->battery->charge_current_mA, now->battery->charge_peak_current_mA,
+                      battery->max_voltage_mV - battery->foldback_voltage_mV,
+                      battery->max_voltage_mV - highest_mV, -drawn_mA, CHARGE);
 
-    const int32_t derating_q15 = common_lines(table, config, model, in);
+    const int32_t derating_q15 = common_lines(table, config, model, now);
     table->drawn_b = feasible_power_b(model, discharge.current_mA, bus_mV);
     const loss_braking_t losses = loss_braking_at(
         set, returned_at(model, charge.current_mA, charge.margin_mA, bus_mV), derating_q15);
@@ -409,14 +413,13 @@ void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
     table->losses.returned = losses.returned;
     feasible_lines(state, table, set, in->demanded, &discharge, &charge, bus_mV);
     table->driving[TORQUE_LINE_MAX_SPEED] = torque_limits_max_speed(config, model->speed_mrad_s);
-    table->driving[TORQUE_LINE_ENABLE] =
-        share_line(config, in->torque_enable.drive_q15, in->torque_enable.reason);
-    table->braking[TORQUE_LINE_ENABLE] =
-        share_line(config, in->torque_enable.brake_q15, in->torque_enable.reason);
+    table->driving[TORQUE_LINE_ENABLE] = share_line(config, enable->drive_q15, enable->reason);
+    table->braking[TORQUE_LINE_ENABLE] = share_line(config, enable->brake_q15, enable->reason);
     const int32_t optimum_mNm =
         loss_maps_torque_mNm(config, model->speed_mrad_s, model->winding_temperature_cC) +
         scaled_shift(model->friction_b, -model->constants->torque_shift);
     torque_limits_strategy(table->braking, config, model->speed_mrad_s, optimum_mNm,
-                           q_max(in->brake_demand_mNm, 0));
-    table->braking[TORQUE_LINE_ABS] = torque_limits_anti_lock(state, config, in);
+                           q_max(in->brake_torque_mNm, 0));
+    table->braking[TORQUE_LINE_ABS] =
+        torque_limits_anti_lock(state, config, wheel, in->brake_torque_mNm);
 }

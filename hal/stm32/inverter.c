@@ -280,7 +280,7 @@ bool inverter_fault(void)
     return fault();
 }
 
-/* The driver switches off one leg only (README); the other two must follow at once. */
+/* The driver switches off one leg only (README, Gate driver); the other two must follow at once. */
 void driver_fault_handler(void)
 {
     gate_driver_acknowledge();

@@ -8,8 +8,8 @@
  *
  * On a board with two shunts ADC2 has current c, and b is minus their sum.
  *
- * 21 MHz: 15 cycles of sampling, 12 of conversion each (README, Sampling). The interrupt comes
- * 2.6 us after the trigger.
+ * 21 MHz: 15 cycles of sampling, 12 of conversion each (DERIVATIONS, Sampling time). The interrupt
+ * comes 2.6 us after the trigger.
  *
  * The two pedal inputs are regular conversions of ADC1 and ADC2, one a millisecond, started by
  * software; an injected sequence interrupts and restarts them (section 13.3.9). The board has none

@@ -126,9 +126,9 @@ static const struct {
     X("switch_temperature_c", VALUE, "degC", "of the switches", w->switches.temperature_c) \
     X("winding_used_c", VALUE, "degC", \
       "of the winding as the controller uses it: sensor, or estimate", \
-      1e-2 * w->controller.slow.temperatures.used.winding_cC) \
+      1e-2 * controller_temperatures(&w->controller.slow).winding_cC) \
     X("switch_used_c", VALUE, "degC", "likewise, of the switches", \
-      1e-2 * w->controller.slow.temperatures.used.switch_cC) \
+      1e-2 * controller_temperatures(&w->controller.slow).switch_cC) \
     X("bridge", VALUE, "", \
       OUTPUT_TEXT.bridge, \
       (double)w->active.bridge) \

@@ -136,8 +136,8 @@ static slow_output_t slow(void *context, int wheel, const fault_params_t *fault,
     const int32_t *raw = answer->slow;
     int k = 0;
     EXCHANGE_SLOW_OUTPUTS(PIL_FROM_RAW)
-    shown->slow.temperatures.used.winding_cC = answer->winding_cC;
-    shown->slow.temperatures.used.switch_cC = answer->switch_cC;
+    shown->slow.last.temperature.winding_cC = answer->winding_cC;
+    shown->slow.last.temperature.switch_cC = answer->switch_cC;
     show_limits(answer->driving, shown->slow.torque.table.driving);
     show_limits(answer->braking, shown->slow.torque.table.braking);
     return out;

@@ -110,8 +110,9 @@ static void slow(const pil_request_t *request, wheel_t *wheel, pil_answer_t *ans
     int k = 0;
     EXCHANGE_SLOW_OUTPUTS(PIL_TO_RAW)
     const torque_limits_t *table = controller_limits(&wheel->controller.slow);
-    answer->winding_cC = wheel->controller.slow.temperatures.used.winding_cC;
-    answer->switch_cC = wheel->controller.slow.temperatures.used.switch_cC;
+    const wheel_temperatures_t in_use = controller_temperatures(&wheel->controller.slow);
+    answer->winding_cC = in_use.winding_cC;
+    answer->switch_cC = in_use.switch_cC;
     show_limits(table->driving, answer->driving);
     show_limits(table->braking, answer->braking);
 }

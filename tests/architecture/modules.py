@@ -23,8 +23,19 @@ MAY_INCLUDE: dict[str, tuple[str, ...]] = {
     "pedals": ("core", "config"),
     "comms": ("core",),
     "controller": ("core", "config", "foc", "motor", "torque", "monitor", "modes"),
-    "app": ("core", "config", "foc", "motor", "torque", "monitor", "modes", "pedals", "comms",
-            "controller", "hal"),  # fmt: skip
+    "app": (
+        "core",
+        "config",
+        "foc",
+        "motor",
+        "torque",
+        "monitor",
+        "modes",
+        "pedals",
+        "comms",
+        "controller",
+        "hal",
+    ),
 }
 
 # Pure: state, configuration and inputs in, outputs out, without access to hardware or the C

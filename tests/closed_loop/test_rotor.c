@@ -416,7 +416,7 @@ void test_parameter_errors_never_cause_an_angle_fault(void)
 }
 
 /* The bench wheel of wheel24v.toml, 0.07 kg m^2, whose halls still show several rad/s when it
- * stands (firmware/monitor/README.md, Angle check). Without the other brake it rolls back. */
+ * stands (firmware/monitor/DERIVATIONS.md, Angle check). Without the other brake it rolls back. */
 static reason_t fault_of_a_stop(double brake_nm, double slope, double rotor_turn)
 {
     bench_params_t params = fixture_drive("wheel24v");

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * A coasting bridge closes because a torque is wanted: with its rotor sensor, and without any,
- * where the observer has to find the angle first (README of monitor, Rotor). Torques are those of
- * the shaft, positive in the sense of the demand.
+ * where the observer has to find the angle first (controller/DERIVATIONS.md, Takeover from
+ * coasting). Torques are those of the shaft, positive in the sense of the demand.
  */
 #include <math.h>
 #include <stdio.h>
@@ -126,7 +126,7 @@ static outcome_t close_bridge(int instant, double sign)
     double window_nm[MEAN_PERIODS] = {0.0};
     int wrong = 0;
     for (int n = 0; n < WATCHED_PERIODS; n++) {
-        if (wheel->controller.slow.rotor.confirmed && out.confirmed == WATCHED_PERIODS) {
+        if (wheel->controller.slow.measure.angle.confirmed && out.confirmed == WATCHED_PERIODS) {
             out.confirmed = n;
         }
         const double before_nms = wheel->totals.torque_impulse_nms;

@@ -232,7 +232,7 @@ void test_torque_returns_after_an_active_short_circuit(void)
         (void)settled(&stand, -60.0);
         /* Its own count, because no input does it: psi/L_d is less than the phase current, so that
          * PWM holds the voltage at any speed. */
-        wheel->controller.slow.bridge_choice.return_steps = 200;
+        wheel->controller.slow.bridge.return_steps = 200;
         fixture_run(bench, 0.1);
         TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, wheel->active.bridge);
         fixture_run(bench, 0.2);

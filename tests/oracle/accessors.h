@@ -54,7 +54,7 @@
     X(offset_c_q4, report->offset_q4[2]) \
     X(offsets_done, report->offsets_done) \
     X(speed_q32, report->speed_q32) \
-    X(rotor_valid, report->rotor_valid) \
+    X(rotor_valid, report->sensor_valid) \
     X(observer_speed_q32, report->observer.speed_q32) \
     X(observer_theta_turn, report->observer.theta_turn) \
     X(observer_flux_d_q14, dq_of(report->observer.flux_q14).d) \

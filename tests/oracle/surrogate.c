@@ -218,7 +218,7 @@ static void report_rotor(surrogate_t *wheel, const fast_setpoint_t *setpoint,
     const double turns_q32 =
         w_rad_s / (2.0 * NUMBERS_PI * wheel->config->drive.pwm_frequency_Hz) * 4294967296.0;
     report->speed_q32 = numbers_whole(turns_q32 * fault->sensor_speed);
-    report->rotor_valid = !fault->rotor_invalid;
+    report->sensor_valid = !fault->rotor_invalid;
     report->rotor_faults = (uint16_t)(report->rotor_faults + (fault->rotor_faults ? 1 : 0));
     wheel->switching_ms = switching ? wheel->switching_ms + 1 : 0;
     observer_report_t *observer = &report->observer;
@@ -352,7 +352,7 @@ static void make_wild(fast_report_t *report, random_t *random)
     }
     report->offsets_done = random_chance(random, 700);
     report->speed_q32 = random_between(random, -(1 << 30), 1 << 30);
-    report->rotor_valid = random_chance(random, 700);
+    report->sensor_valid = random_chance(random, 700);
     report->observer.speed_q32 = random_between(random, -(1 << 30), 1 << 30);
     report->observer.theta_turn = (uint16_t)random_wild(random);
     report->observer.sensor_turn = (uint16_t)random_wild(random);

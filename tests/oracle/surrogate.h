@@ -15,8 +15,8 @@
 #include <stdint.h>
 
 #include "config/config.h"
-#include "core/slow_messages.h"
 #include "core/fast_messages.h"
+#include "core/slow_messages.h"
 #include "random.h"
 
 /* What is wrong at present. Shares of 1 where nothing else is given. */

@@ -21,7 +21,7 @@ from planted_errors import PlantedError
 
 # What is proved together in one run: the functions of these headers, without HEAVY.
 GROUPS: dict[str, tuple[str, ...]] = {
-    "modes": ("modes/modes", "config/demand_age", "pedals/pedals"),
+    "modes": ("modes/modes", "config/demand_age", "pedals/pedals", "core/findings"),
     "monitor": ("monitor/monitor", "monitor/monitor_fast",
                 "monitor/monitor_bus", "monitor/monitor_gain", "monitor/monitor_window",
                 "monitor/monitor_current", "monitor/monitor_open",
@@ -31,7 +31,8 @@ GROUPS: dict[str, tuple[str, ...]] = {
                    "controller/current_expectation", "controller/temperatures"),
     "torque": ("torque/limit", "torque/lift_off", "torque/stop_lamp", "torque/foldback",
                "torque/demand", "torque/hill_hold", "torque/torque_command",
-               "torque/hydraulic_model", "torque/torque_limits", "core/fade"),
+               "torque/hydraulic_model", "torque/torque_limits", "torque/closing_voltage",
+               "core/fade"),
     "torque_models": ("motor/motor_model", "torque/hydraulic_watch", "torque/hydraulic_feedback",
                       "torque/brake_blending", "torque/available_ahead", "motor/thermal_model"),
 }  # fmt: skip
@@ -42,7 +43,7 @@ FULL = (
     "short", "safe_state", "shorted", "short_surges", "exit_fits",
     "grid", "map_row",
     "feasible_points", "feasible_parts", "available_ahead",
-    "hydraulic_finding", "controller_init", "controller_slow", "controller_fast",
+    "hydraulic_finding", "measure", "controller_init", "controller_slow", "controller_fast",
     "operating_point", "controller_ends", "black_box",
 )  # fmt: skip
 HEAVY: tuple[str, ...] = (
@@ -55,9 +56,9 @@ HEAVY: tuple[str, ...] = (
 VALUES: dict[str, tuple[str, ...]] = {
     "torque_steps": (
         "torque_limits_step", "current_setpoint_step", "brake_blending_step",
-        "brake_blending_sent", "torque_step",
+        "brake_blending_report", "torque_step", "torque_limits_of",
     ),
-    "monitor_whole": ("monitor_slow_step",),
+    "monitor_whole": ("monitor_step",),
     "torque_init": ("torque_init",),
     "feasible_torque": (
         "torque_command_step", "motor_model_at", "motor_model_point",
@@ -86,13 +87,14 @@ VALUES: dict[str, tuple[str, ...]] = {
     "map_row": ("loss_maps_row_rise_mA", "loss_maps_row_d_mA"),
     "feasible_points": ("feasible_holds", "feasible_excess_b", "feasible_point"),
     "feasible_parts": ("feasible_circle_d_b", "feasible_ellipse_root"),
-    "available_ahead": ("available_ahead_step", "torque_look_ahead"),
+    "available_ahead": ("available_ahead_step",),
     "hydraulic_finding": ("hydraulic_watch_step",),
-    "controller_init": ("controller_init",),
+    "controller_init": ("controller_init", "finding_times"),
     "controller_slow": ("controller_slow_step",),
-    "controller_fast": ("controller_fast_step", "controller_limits"),
+    "measure": ("measure_init", "measure_step", "measure_setpoint"),
+    "controller_fast": ("controller_fast_step", "controller_limits", "controller_temperatures"),
     "operating_point": (
-        "operating_point_init", "operating_point_observer", "operating_point_speed",
+        "operating_point_init", "operating_point_rotor",
         "operating_point_of", "operating_point_setpoint", "operating_point_initial_setpoint",
     ),
     "controller_ends": (
@@ -111,13 +113,14 @@ TESTED: tuple[str, ...] = (
 
 # Sources of a part, where they are not the one of the header's name.
 SOURCES = {
-    "monitor/monitor": ("monitor_fast.c", "monitor_slow.c"),
+    "monitor/monitor": ("monitor_fast.c", "monitor.c"),
     "monitor/monitor_fast": (),
     "motor/motor_model": ("motor_constants.c", "motor_model.c"),
     "motor/feasible_torque": ("feasible_torque.c", "feasible_circle.c", "feasible_power.c"),
 }
 # Of core, as they are, where they have no contract.
-CORE_SOURCES = ("angle", "drive_direction", "fault", "grid", "isqrt", "divide", "scaled")
+CORE_SOURCES = ("angle", "drive_direction", "fault", "findings", "grid", "isqrt", "divide",
+                "scaled", "words")  # fmt: skip
 # Sources of functions without a contract that a part calls as they are (contracts.AS_THEY_ARE).
 BODIES = {"controller/controller": ("foc/report.c", "foc/sense.c")}
 # Members that point to an object of their own.
@@ -126,6 +129,7 @@ POINTEES = {
     "feasible_set_t": {"model": "motor_model_t"},
     "feasible_side_t": {"set": "feasible_set_t"},
     "recorder_t": {"memory": "recorder_memory_t"},
+    "measured_t": {"report": "fast_report_t", "battery": "battery_limits_t"},
 }
 CHECKS = (
     "--signed-overflow-check",
@@ -135,10 +139,11 @@ CHECKS = (
     "--pointer-check",
     "--unwinding-assertions",
 )
-# Of a loop; some groups have longer ones.
+# Of a loop; some functions have longer ones, as those that see the findings.
 UNWIND = 20
-UNWIND_OF = {"recorder_init": 401, "recorder_slow": 70, "loss_maps_row_d_mA": 131,
-             "loss_maps_row_rise_mA": 131}  # fmt: skip
+UNWIND_OF_TYPE = {"findings_t": 65, "controller_t": 65, "controller_slow_t": 65}
+UNWIND_OF = {"finding_times": 65, "recorder_init": 401, "recorder_slow": 70,
+             "loss_maps_row_d_mA": 131, "loss_maps_row_rise_mA": 131}  # fmt: skip
 OVERFLOW_CHECKS = ("--signed-overflow-check", "--undefined-shift-check")
 CORE_HEADERS = tuple(path.name for path in sorted(FIRMWARE.glob("core/include/core/*.h")))
 
@@ -171,6 +176,11 @@ def functions_of(chosen: str) -> list[str]:
 def _include(header: Path) -> str:
     name = header.as_posix()
     return f'#include "{name.split("/include/")[1] if "/include/" in name else header.name}"'
+
+
+def _unwind(name: str) -> int:
+    given = [parameter.type for parameter in contracts.known()[name].parameters]
+    return max(UNWIND_OF.get(name, UNWIND), *(UNWIND_OF_TYPE.get(kind, 0) for kind in given), 0)
 
 
 def _sources(part: str) -> list[Path]:
@@ -289,7 +299,7 @@ def harness(one: Contract) -> str:
 
 def _same_pointers(one: Contract) -> list[str]:
     """Return assignments of the pointers that a postcondition makes equal to a parameter."""
-    made = [re.fullmatch(r"result\.(\w+) == (\w+)", term.strip())
+    made = [re.fullmatch(r"result\.(\w+) == (&?[\w>-]+(?:\.\w+)?)", term.strip())
             for line in one.post for term in line.split("&&")]  # fmt: skip
     return [f"    result.{match[1]} = {match[2]};" for match in made
             if match and match[1] in POINTEES.get(one.result, {})]  # fmt: skip
@@ -458,7 +468,7 @@ def command(
         *(["-DCONTRACT_ENDS"] if ends else []),
         *(["--slice-formula"] if values else []),
         "--unwind",
-        str(max(UNWIND_OF.get(name, UNWIND) for name in names)),
+        str(max(map(_unwind, names))),
         "--verbosity",
         "4",
     ]

@@ -15,7 +15,8 @@ PROOFS = Path(__file__).resolve().parent
 FIRMWARE = PROOFS.parents[1] / "firmware"
 MODULES = ("motor", "torque", "monitor", "modes", "pedals", "controller")
 # Beside them, of other modules.
-OTHER_HEADERS = ("app/include/app/recorder.h", "config/include/config/demand_age.h")
+OTHER_HEADERS = ("app/include/app/recorder.h", "config/include/config/demand_age.h",
+                 "config/include/config/finding_times.h")  # fmt: skip
 WITHOUT = PROOFS / "without_contract.txt"
 WITHOUT_HEAD = """\
 # SPDX-License-Identifier: Apache-2.0

@@ -241,8 +241,8 @@ static inline bool observer_holds(const emf_observer_t *observer)
            bits31(observer->speed_q32) && bits31(observer->start_speed_q32) &&
            both_within(observer->minus_inductance, -MOST_INDUCTANCE_Q15, 0) &&
            observer_gains_hold(observer->gains) && observer_gains_hold(observer->acquisition) &&
-           observer_gains_hold(observer->tracking) &&
-           q_abs(q_pair_x(observer->x.v)) <= 32768 && q_abs(q_pair_y(observer->x.v)) <= 32768;
+           observer_gains_hold(observer->tracking) && q_abs(q_pair_x(observer->x.v)) <= 32768 &&
+           q_abs(q_pair_y(observer->x.v)) <= 32768;
 }
 
 static inline bool period_holds(const foc_period_t *period)

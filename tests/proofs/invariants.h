@@ -24,8 +24,7 @@
 #define current_shift_holds(k) is_within((k)->current_shift, 1, 16)
 #define model_shifts_hold(k) (is_within((k)->torque_shift, -30, 30) && current_shift_holds(k))
 #define motor_constants_hold(k)                                                                    \
-    (model_shifts_hold(k) &&                                                                       \
-     is_within((k)->current_most_b, 0, MOTOR_MODEL_MOST_CURRENT_b) &&                              \
+    (model_shifts_hold(k) && is_within((k)->current_most_b, 0, MOTOR_MODEL_MOST_CURRENT_b) &&      \
      is_within((k)->weakening_most_b, 0, MOTOR_MODEL_MOST_CURRENT_b) &&                            \
      (k)->coulomb_step_q8_b >= 0 && (k)->viscous_b >= 0 &&                                         \
      is_within((k)->torque_factor_q24, 0, 2 * SCALED_ONE))
@@ -47,8 +46,7 @@
 #define anti_lock_holds(s) (is_within((s)->abs_share_percent, 0, 100) && (s)->abs_hold_steps >= 0)
 
 #define table_holds(t)                                                                             \
-    every(i, TORQUE_LINE_COUNT,                                                                    \
-          (t)->driving[i].torque_mNm >= 0 && (t)->braking[i].torque_mNm >= 0)
+    every(i, TORQUE_LINE_COUNT, (t)->driving[i].torque_mNm >= 0 && (t)->braking[i].torque_mNm >= 0)
 
 #define lines_hold(lines) every(i, TORQUE_LINE_COUNT, (lines)[i].torque_mNm >= 0)
 
@@ -65,19 +63,17 @@
 
 #define ahead_holds(s)                                                                             \
     (lines_hold((s)->driving_lines) && lines_hold((s)->braking_lines) &&                           \
-     (s)->expected.brake_demand_mNm >= 0 && (s)->now.driving.torque_mNm >= 0 &&                    \
+     (s)->expected.brake_torque_mNm >= 0 && (s)->now.driving.torque_mNm >= 0 &&                    \
      (s)->now.braking.torque_mNm >= 0 && (s)->ahead.driving.torque_mNm >= 0 &&                     \
      (s)->ahead.braking.torque_mNm >= 0)
 
 #define torque_state_holds(s, c)                                                                   \
     (motor_constants_hold(&(s)->motor) && is_within((s)->demand.lift_off_mNm, 0, 100000000) &&     \
-     is_within((s)->demand.brake_mNm, 0, 100000000) &&                                             \
-     is_within((s)->demand.asked_mNm, 0, 100000000) && (s)->demand.lost_ms >= 0 &&                 \
-     anti_lock_holds(&(s)->limits) &&                                                              \
-     is_within((s)->limits.charge.allowed_q24, 0, SCALED_ONE) &&                                   \
+     is_within((s)->demand.brake_torque_mNm, 0, 100000000) &&                                      \
+     is_within((s)->demand.received_brake_torque_mNm, 0, 100000000) && (s)->demand.lost_ms >= 0 && \
+     anti_lock_holds(&(s)->limits) && is_within((s)->limits.charge.allowed_q24, 0, SCALED_ONE) &&  \
      is_within((s)->limits.discharge.allowed_q24, 0, SCALED_ONE) &&                                \
      lines_hold((s)->table.driving) && lines_hold((s)->table.braking) &&                           \
-     is_within((s)->command.command_mNm, -400000000, 400000000) &&                                 \
      is_within((s)->hold.torque_mNm, 0, (c)->driver.hold_torque_mNm) &&                            \
      is_within((s)->hold.release_ms, 0, (c)->driver.hold_release_ms) &&                            \
      (s)->hold.begun_mrad_s >= 0 && (s)->lamp.speed_lp_q8_mrad_s >= 0 &&                           \
@@ -162,7 +158,7 @@ enum { MOST_ROW_POINTS = 65 };
 #define monitor_state_holds(s, c)                                                                  \
     (monitor_emf_holds(&(s)->emf, c) &&                                                            \
      is_within((s)->current.missing_pu, 0, (c)->monitor.current_missing_pu_q15) &&                 \
-     monitor_window_holds(&(s)->bus) && monitor_window_holds(&(s)->gain) &&                        \
+     monitor_window_holds(&(s)->contradiction) && monitor_window_holds(&(s)->gain) &&              \
      monitor_stuck_holds(&(s)->stuck) && monitor_open_holds(&(s)->open) &&                         \
      monitor_speed_holds(&(s)->speed, c) && (s)->swing.swing_mV >= 0)
 
@@ -183,18 +179,51 @@ enum { MOST_ROW_POINTS = 65 };
     (thermal_model_holds(&(s)->model) && temperature_sensor_holds(&(s)->winding_sensor) &&         \
      temperature_sensor_holds(&(s)->switch_sensor))
 
+/* findings.h: times of at least one step, those of checks with a filter of their own one; a row is
+ * present as long as its debounce says; what is present is active. */
+#define findings_bit_set(f, row)                                                                   \
+    (((f)->present[(unsigned)(row) / 32U] >> ((unsigned)(row) % 32U) & 1U) != 0U)
+#define finding_at_once(times, row)                                                                \
+    ((times)[row].qualify_steps == 1U && (times)[row].heal_steps == 1U)
+#define finding_times_hold(times)                                                                  \
+    (every(i, FINDING_COUNT, (times)[i].qualify_steps >= 1U && (times)[i].heal_steps >= 1U) &&     \
+     finding_at_once(times, FINDING_TRIP) && finding_at_once(times, FINDING_TRIP_PHASE_OPEN) &&    \
+     finding_at_once(times, FINDING_BUS_JUMPED) && finding_at_once(times, FINDING_BATTERY_LEFT) && \
+     finding_at_once(times, FINDING_BATTERY_UNKNOWN) &&                                            \
+     finding_at_once(times, FINDING_CONFIGURATION) && finding_at_once(times, FINDING_FLUX_LOW) &&  \
+     finding_at_once(times, FINDING_BRAKE_WEAK))
+#define findings_hold(f)                                                                           \
+    (finding_times_hold((f)->times) &&                                                             \
+     every(i, FINDING_COUNT,                                                                       \
+           findings_bit_set(f, i) == ((f)->debounce[i].left > 0U) &&                               \
+               (f)->debounce[i].left <= (f)->times[i].heal_steps) &&                               \
+     (!findings_bit_set(f, FINDING_TRIP) || (f)->trip != REASON_NONE) &&                           \
+     ((f)->present[0] & ~(f)->active[0]) == 0U && ((f)->present[1] & ~(f)->active[1]) == 0U)
+/* Of the first 32 rows those that modes sets. */
+#define ROWS_OF_MODES                                                                              \
+    (findings_bit(FINDING_STATE_DAMAGED) | findings_bit(FINDING_CONFIGURATION) |                   \
+     findings_bit(FINDING_SELFTEST) | findings_bit(FINDING_OFFSETS_WRONG))
+#define battery_is_lost(f)                                                                         \
+    (findings_bit_set(f, FINDING_BUS_JUMPED) || findings_bit_set(f, FINDING_BATTERY_LEFT) ||       \
+     findings_bit_set(f, FINDING_BATTERY_UNKNOWN))
+
+#define measure_holds(m, c)                                                                        \
+    (temperatures_hold(&(m)->temperatures) &&                                                      \
+     is_within((m)->angle.agreed_steps, 0, (c)->monitor.rotor_warning_time_ms))
+
 /* Of copies: the checker takes long to follow pointers to members of a large object. */
 #define controller_slow_holds(s, c)                                                                \
     ({                                                                                             \
         const torque_state_t torque_copy = (s)->torque;                                            \
-        const monitor_slow_state_t monitor_copy = (s)->monitor;                                    \
-        const temperatures_t temperatures_copy = (s)->temperatures;                                \
+        const monitor_state_t monitor_copy = (s)->monitor;                                         \
+        const measure_t measure_copy = (s)->measure;                                               \
+        const findings_t findings_copy = (s)->findings;                                            \
         torque_state_holds(&torque_copy, c) && monitor_state_holds(&monitor_copy, c) &&            \
-            temperatures_hold(&temperatures_copy) && (unsigned)(s)->modes.mode <= MODE_FAULT &&    \
+            measure_holds(&measure_copy, c) && findings_hold(&findings_copy) &&                    \
+            (unsigned)(s)->modes.mode <= MODE_FAULT &&                                             \
             ((s)->modes.mode != MODE_FAULT || (s)->modes.fault != REASON_NONE) &&                  \
-            is_within((s)->rotor.agreed_steps, 0, (c)->monitor.rotor_warning_time_ms) &&           \
-            is_within((s)->expected_current.reference_pu.d, -32768, 32767) &&                      \
-            is_within((s)->expected_current.reference_pu.q, -32768, 32767);                        \
+            is_within((s)->last.torque_command_mNm, -400000000, 400000000) &&                      \
+            (s)->last.hydraulic_added_mNm >= 0 && vector_holds((s)->last.reference_pu);            \
     })
 
 #endif

@@ -4,8 +4,8 @@
  * so that the comparison is the one written, in whole numbers.
  */
 #include "feasible_ellipse.h"
-#include "proof.h"
 #include "motor/motor_model.h"
+#include "proof.h"
 
 /* The contracts of motor_model_u_d_b() and motor_model_u_q_b(): any voltage of a point. */
 static int32_t u_d_b, u_q_b;

@@ -72,9 +72,13 @@ loop_output_t loop_step(loop_t *loop, const loop_input_t *in, bool run)
         fast_report_t report;
         foc_report_copy(&loop->foc, &report);
         foc_report_complete(&report);
-        (void)operating_point_of(&loop->operating_point, &loop->config, &report,
-                                 operating_point_speed(&loop->config, report.speed_q32),
-                                 loop->winding_temperature_cC);
+        const rotor_speed_t speed = {
+            .turn_q32 = report.speed_q32,
+            .wheel_mrad_s = bases_speed_mrad_s(&loop->config, report.speed_q32),
+        };
+        measured_t now = {.report = &report};
+        operating_point_of(&loop->operating_point, &loop->config, speed,
+                           loop->winding_temperature_cC, &now);
         const dq_t reference_pu = loop->setpoint.i_reference_pu;
         operating_point_setpoint(&loop->operating_point, &loop->config, 0, 0, &loop->setpoint);
         loop->setpoint.i_reference_pu = reference_pu;
@@ -101,7 +105,7 @@ loop_output_t loop_step(loop_t *loop, const loop_input_t *in, bool run)
         .speed_q32 = period->rotor.speed_q32,
         .theta_turn = period->rotor.theta_turn,
         .limited = unsaturated.d != u.d || unsaturated.q != u.q,
-        .rotor_valid = period->rotor.valid,
+        .sensor_valid = period->rotor.valid,
     };
     return out;
 }

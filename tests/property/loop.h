@@ -40,7 +40,7 @@ typedef struct {
     int32_t speed_q32;
     uint16_t theta_turn;
     bool limited;
-    bool rotor_valid;
+    bool sensor_valid;
 } loop_output_t;
 
 loop_t *loop_new(const config_t *config);

@@ -30,8 +30,8 @@ function(board_test name board labels program)
     FIXTURES_REQUIRED "${board}_image;vesc4_configuration")
 endfunction()
 
-# The paper's vehicle with pulses that the shunts of a VESC 4 need (hal/stm32f405/README.md, The
-# window it costs).
+# The paper's vehicle with pulses that the shunts of a VESC 4 need (hal/stm32f405/DERIVATIONS.md,
+# Sampling window).
 set(boards_folder "${CMAKE_CURRENT_BINARY_DIR}/vesc4")
 set(boards_long_pulses "${boards_folder}/vesc4.bin")
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS

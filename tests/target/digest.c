@@ -73,7 +73,7 @@ static void add_report(digest_t *digest, const fast_report_t *report)
     }
     add_flag(digest, report->offsets_done);
     add(digest, report->speed_q32);
-    add_flag(digest, report->rotor_valid);
+    add_flag(digest, report->sensor_valid);
     add(digest, report->observer.speed_q32);
     add(digest, report->observer.theta_turn);
     add_dq(digest, dq_of(report->observer.flux_q14));

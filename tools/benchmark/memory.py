@@ -15,8 +15,8 @@ from rich.console import Console
 
 from benchmark import build, stack_report
 
-FLASH_AT_MOST = 112 * 1024
-"""Of the flashable image."""
+FLASH_AT_MOST = 192 * 1024
+"""Of the image for the STM32F405, whose flash has 1 MiB."""
 RAM_AT_MOST = 24 * 1024
 """Without the black box, whose size a port chooses."""
 STACK_AT_MOST = 2560

@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Write the diagrams beside this script, or check with ``--check`` that they are current.
 
-The block diagram and the timing diagram of the firmware, and the plots of its modules.
+The block diagram, the slow step and the timing diagram of the firmware, and the plots of its
+modules.
 """
 
 import argparse
 import sys
 from pathlib import Path
 
+from diagrams.blending import blending
 from diagrams.pedals import pedal_interpretations
+from diagrams.slow_step import slow_step
 from diagrams.svg import GREY, Box, Sheet
 
 FOLDER = Path(__file__).resolve().parent
@@ -46,20 +49,20 @@ def _slow_loop(sheet: Sheet) -> None:
     sheet.text((600, 82), "hydraulic torque command", "start", GREY)
     sheet.text((805, 235), "i_d, i_q", "start", GREY)
 
-    down = sheet.box(Box(710, 275, 170, 46, "operating_point\nfast_setpoint_t"))
-    up = sheet.box(Box(140, 275, 170, 46, "operating_point\nfast_report_t"))
+    down = sheet.box(Box(710, 275, 170, 46, "measure_setpoint\nfast_setpoint_t"))
+    up = sheet.box(Box(140, 275, 170, 46, "measure\nmeasured_t"))
     enable = sheet.box(Box(510, 275, 160, 46, "modes\ntorque enable"), WATCH)
-    monitor = sheet.box(Box(350, 275, 120, 46, "monitor\nfault, warning"), WATCH)
+    monitor = sheet.box(Box(350, 275, 120, 46, "monitor\nfindings"), WATCH)
     sheet.arrow(setpoint.bottom, down.top)
     sheet.arrow((225, 275), (225, 190), (390, 190), limits.bottom)
-    sheet.text((235, 184), "measured means", "start", GREY)
+    sheet.text((235, 184), "measured_t", "start", GREY)
     sheet.arrow(up.right, monitor.left)
     sheet.arrow(monitor.right, enable.left)
     sheet.arrow(enable.right, down.left)
     sheet.arrow((590, 275), (590, 220), (430, 220), (430, 155), colour=RED)
     sheet.text((600, 235), "torque enable", "start", RED)
     sheet.arrow((190, 425), (190, 321))
-    sheet.text((200, 365), "i_d, i_q, v_dc, angle", "start", GREY)
+    sheet.text((200, 365), "fast_report_t", "start", GREY)
 
 
 def _fast_loop(sheet: Sheet) -> None:
@@ -162,9 +165,12 @@ def timing() -> Sheet:
     return sheet
 
 
-DIAGRAMS = {"signal_flow.svg": signal_flow, "timing.svg": timing}
+DIAGRAMS = {"signal_flow.svg": signal_flow, "slow_step.svg": slow_step, "timing.svg": timing}
 # By the module whose README shows it.
-PLOTS = {"pedal_interpretations.svg": ("torque", pedal_interpretations)}
+PLOTS = {
+    "blending.svg": ("torque", blending),
+    "pedal_interpretations.svg": ("pedals", pedal_interpretations),
+}
 
 
 def main() -> int:

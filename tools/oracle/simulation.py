@@ -93,7 +93,8 @@ def drive_named(name: str, changes: Mapping[tuple[str, str], object]) -> Drive:
     """Return a drive of tools/motors, changed."""
     drive = configuration.load(DRIVES / f"{name}.toml").drive
     assert drive is not None
-    return overrides.changed(drive, dict(changes), name)
+    changed: Drive = overrides.changed(drive, dict(changes), name)
+    return changed
 
 
 # ---- scenarios ----

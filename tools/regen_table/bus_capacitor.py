@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How large a bus capacitor has to be: the bus after the battery has left (README, Bus capacitor).
+"""The least bus capacitor: the bus after the battery has left (DERIVATIONS, Bus capacitor).
 
 When a contactor opens, the bridge opens soon after it, and what the windings' currents hold and the
 EMF adds while they decay goes into the capacitor. Peak phase quantities, motor signs, SI units, no

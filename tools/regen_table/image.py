@@ -30,6 +30,45 @@ STRATEGIES = {"parallel_ratio": 0, "parallel_free_travel": 1, "series_optimal": 
 GRAVITY_M_PER_S2 = 9.80665
 _WHEELS = ("front_left", "front_right", "rear_left", "rear_right")
 RPM_TO_MRAD_S = 1000.0 * 3.141592653589793 / 30.0
+# Sections of the drive whose keys are passed on to fields of the same name (passed_on()).
+_SOURCES = {
+    "motor": ("motor",),
+    "drive": ("inverter",),
+    "battery": ("battery",),
+    "brake": ("brake", "control"),
+    "vehicle": ("vehicle",),
+    "driver": ("driver",),
+    "pedals": ("pedals",),
+    "modes": ("control",),
+    "monitor": ("monitor",),
+    "thermal": ("thermal",),
+}
+# Unit of a field: that of the key, and how many of the field's are one of the key's.
+_UNITS = {
+    "Hz": ("hz", 1.0),
+    "cC": ("c", 1e2),
+    "g": ("kg", 1e3),
+    "mA": ("a", 1e3),
+    "mJ_K": ("j_per_k", 1e3),
+    "mK_W": ("k_per_w", 1e3),
+    "mNm": ("nm", 1e3),
+    "mNm_s": ("nm_per_s", 1e3),
+    "mV": ("v", 1e3),
+    "mW": ("w", 1e3),
+    "mm_s2": ("m_per_s2", 1e3),
+    "mrad_s": ("rpm", RPM_TO_MRAD_S),
+    "ms": ("s", 1e3),
+    "nF": ("f", 1e9),
+    "nH": ("h", 1e9),
+    "nWb": ("wb", 1e9),
+    "ns": ("s", 1e9),
+    "permille": ("", 1e3),
+    "ppm_K": ("per_k", 1e6),
+    "q15": ("", 32768.0),
+    "uNm_s": ("nm_s", 1e6),
+    "uOhm": ("ohm", 1e6),
+    "um": ("m", 1e6),
+}
 
 
 def build(drive: Drive) -> bytes:
@@ -93,8 +132,38 @@ def checked_fields(drive: Drive) -> Values:
     }
 
 
+def passed_on(section: str, drive: Drive) -> dict[str, Any]:
+    """Return the fields of a section that are keys of the drive, in the unit of the field.
+
+    ``rated_torque_mNm`` is the key ``rated_torque_nm``. A field that is computed from other keys,
+    or from an absent one, stands in the function of its section, which counts.
+    """
+    sources = _SOURCES.get(section, ())
+    keys = {key: value for name in sources for key, value in getattr(drive, name)}
+    out: dict[str, Any] = {}
+    for name in layout.load().sections[section]:
+        for unit, (key_unit, factor) in _UNITS.items():
+            if not name.endswith(f"_{unit}"):
+                continue
+            value = keys.get("_".join(filter(None, (name.removesuffix(f"_{unit}"), key_unit))))
+            if isinstance(value, float):
+                out[name] = loops.fixed(value, 15) if unit == "q15" else nearest(value * factor)
+        if isinstance(keys.get(name), int):
+            out[name] = int(keys[name])
+    return out
+
+
 def fields(drive: Drive) -> Values:
     """Compute every field of config_t, in the units its name ends in."""
+    computed = _computed(drive)
+    return {
+        section: passed_on(section, drive) | computed.get(section, {})
+        for section in layout.load().sections
+    }
+
+
+def _computed(drive: Drive) -> Values:
+    """Return what is more than a key in another unit."""
     margins.refuse_thin_margins(drive, margins.current_loop(drive))
     envelope.refuse_overflow(envelope.proofs(drive))
     currents = current_audit.choose(drive)
@@ -106,17 +175,10 @@ def fields(drive: Drive) -> Values:
         "rotor": loops.rotor(drive),
         "battery": _battery(drive),
         "brake": _brake(drive),
-        "vehicle": _vehicle(drive),
+        "vehicle": {"wheel_position": _WHEELS.index(drive.vehicle.wheel_position)},
         "driver": _driver(drive),
         "pedals": _pedals(drive),
-        "modes": {
-            "limp_drive_share_q15": loops.fixed(drive.control.limp_drive_share, 15),
-            "selftest_timeout_ms": nearest(drive.control.selftest_timeout_s * 1e3),
-            "coast_delay_ms": nearest(drive.control.coast_delay_s * 1e3),
-            "offset_wait_ms": nearest(drive.control.offset_wait_s * 1e3),
-        },
         "monitor": _monitor(drive),
-        "thermal": _thermal(drive),
         "regen_map": {
             "speed_points": table.torque_mNm.shape[1],
             "speed_step_log2": table.speed_step_log2,
@@ -147,28 +209,13 @@ def _motor(drive: Drive) -> dict[str, Any]:
     a0, a1 = motor.iron_loss_resistance_ohm or (0.0, 0.0)
     return {
         "type": {"spmsm": 0, "ipmsm": 1}[motor.type],
-        "pole_pairs": motor.pole_pairs,
-        "phase_resistance_uOhm": nearest(motor.phase_resistance_ohm * 1e6),
-        "reference_temperature_cC": nearest(motor.reference_temperature_c * 1e2),
         "resistance_coefficient_ppm_K": nearest(
             motor.resistance_temperature_coefficient_per_k * 1e6
         ),
-        "d_inductance_nH": nearest(motor.d_inductance_h * 1e9),
-        "q_inductance_nH": nearest(motor.q_inductance_h * 1e9),
-        "flux_linkage_nWb": nearest(motor.flux_linkage_wb * 1e9),
         "flux_coefficient_ppm_K": nearest((motor.flux_temperature_coefficient_per_k or 0.0) * 1e6),
         "iron_loss_resistance_mOhm": nearest(a0 * 1e3),
         "iron_loss_resistance_slope_nOhm_s": nearest(a1 * 1e9),
-        "friction_torque_mNm": nearest(motor.friction_torque_nm * 1e3),
-        "viscous_friction_uNm_s": nearest(motor.viscous_friction_nm_s * 1e6),
-        "rated_torque_mNm": nearest(motor.rated_torque_nm * 1e3),
-        "max_torque_mNm": nearest(motor.max_torque_nm * 1e3),
-        "max_power_mW": nearest(motor.max_power_w * 1e3),
-        "max_phase_current_mA": nearest(motor.max_phase_current_a * 1e3),
-        "max_speed_mrad_s": nearest(motor.max_speed_rpm * RPM_TO_MRAD_S),
-        "speed_fade_share_q15": loops.fixed(motor.speed_fade_share, 15),
         "derate_winding_temperature_cC": nearest(derived.derate_winding_temperature_c(drive) * 1e2),
-        "max_winding_temperature_cC": nearest(motor.max_winding_temperature_c * 1e2),
     }
 
 
@@ -177,10 +224,6 @@ def _drive(drive: Drive) -> dict[str, Any]:
     start = derived.derate_switch_temperature_c(drive)
     hottest = inverter.max_switch_temperature_c
     return {
-        "current_full_scale_mA": nearest(inverter.current_full_scale_a * 1e3),
-        "voltage_full_scale_mV": nearest(inverter.voltage_full_scale_v * 1e3),
-        "pwm_frequency_Hz": nearest(inverter.pwm_frequency_hz),
-        "dead_time_ns": nearest(inverter.dead_time_s * 1e9),
         "diode_drop_mV": nearest(inverter.diode_forward_voltage_v * 1e3),
         "min_pulse_ns": math.ceil(loops.min_pulse_s(drive) * 1e9 - 1e-3),
         "derate_switch_temperature_cC": (
@@ -190,7 +233,6 @@ def _drive(drive: Drive) -> dict[str, Any]:
             SWITCH_TEMPERATURE_OFF_CC if hottest is None else nearest(hottest * 1e2)
         ),
         "device_voltage_mV": nearest(derived.device_voltage_v(drive) * 1e3),
-        "bus_capacitance_nF": nearest(inverter.bus_capacitance_f * 1e9),
         "loss_per_ampere_uW_A": nearest(bridge.linear_w_per_a * 1e6),
         "loss_resistance_uOhm": nearest(bridge.square_w_per_a2 / 1.5 * 1e6),
         **{
@@ -223,8 +265,6 @@ def _battery(drive: Drive) -> dict[str, Any]:
         "max_charge_current_mA": nearest(battery.max_charge_current_a / motors * 1e3),
         "max_discharge_current_mA": nearest(battery.max_discharge_current_a / motors * 1e3),
         "foldback_voltage_mV": nearest(foldback * 1e3),
-        "max_voltage_mV": nearest(battery.max_voltage_v * 1e3),
-        "min_voltage_mV": nearest(battery.min_voltage_v * 1e3),
         "discharge_foldback_voltage_mV": nearest(derived.discharge_foldback_voltage_v(drive) * 1e3),
         "resistance_uOhm": nearest(battery.series_resistance_ohm * motors * 1e6),
         "overvoltage_trip_mV": nearest(trip * 1e3),
@@ -240,30 +280,14 @@ def _brake(drive: Drive) -> dict[str, Any]:
         band = 0.05 * drive.motor.max_torque_nm
     return {
         "strategy": STRATEGIES[brake.strategy],
-        "parallel_electric_share_q15": loops.fixed(brake.parallel_electric_share, 15),
-        "electric_rated_torque_mNm": nearest(brake.electric_rated_torque_nm * 1e3),
-        "max_hydraulic_torque_mNm": nearest(brake.max_hydraulic_torque_nm * 1e3),
-        "hydraulic_dead_time_ms": nearest(brake.hydraulic_dead_time_s * 1e3),
-        "hydraulic_time_constant_ms": nearest(brake.hydraulic_time_constant_s * 1e3),
-        "hydraulic_rate_mNm_s": nearest(brake.hydraulic_rate_nm_per_s * 1e3),
-        "hydraulic_timeout_ms": nearest(brake.hydraulic_timeout_s * 1e3),
-        "hydraulic_report_delay_ms": nearest(brake.hydraulic_report_delay_s * 1e3),
-        "hydraulic_gain_band_q15": loops.fixed(brake.hydraulic_gain_band, 15),
         "hydraulic_tolerance_mNm": max(1, nearest(derived.hydraulic_tolerance_nm(drive) * 1e3)),
         **_hydraulic_watch(drive),
         "bridging_time_ms": nearest(derived.bridging_time_s(drive) * 1e3),
-        "loss_braking": int(brake.loss_braking),
         "blend_out_start_mrad_s": nearest(control.handover_start_rpm * RPM_TO_MRAD_S),
         "blend_out_end_mrad_s": nearest(control.handover_end_rpm * RPM_TO_MRAD_S),
-        "torque_rate_mNm_s": nearest(control.torque_rate_nm_per_s * 1e3),
         "shortfall_band_mNm": max(1, nearest(band * 1e3)),
-        "demand_timeout_ms": nearest(control.demand_timeout_s * 1e3),
-        "motor_arrival_ms": nearest(brake.motor_arrival_s * 1e3),
-        "abs_hold_ms": nearest(brake.abs_hold_s * 1e3),
         "torque_growth_end_q15": loops.fixed(growth_end, 15),
         "torque_growth_slope_q9": loops.fixed(1.0 / (growth_end - growth_start), 9),
-        "stop_lamp_on_mm_s2": nearest(brake.stop_lamp_on_m_per_s2 * 1e3),
-        "stop_lamp_off_mm_s2": nearest(brake.stop_lamp_off_m_per_s2 * 1e3),
         "stop_lamp_filter_log2": nearest(math.log2(brake.stop_lamp_filter_s * 1e3)),
     }
 
@@ -280,20 +304,10 @@ def _hydraulic_watch(drive: Drive) -> dict[str, Any]:
         "hydraulic_watch_floor_mrad_s2": nearest(
             brake.hydraulic_watch_floor_m_per_s2 / radius_m * 1e3
         ),
-        "hydraulic_watch_share_q15": loops.fixed(brake.hydraulic_watch_share, 15),
         "hydraulic_watch_road_mrad_s2": nearest(
             GRAVITY_M_PER_S2 * brake.hydraulic_watch_slope_per_m * 1e3
         ),
         "hydraulic_watch_drag_uNm_s2": min(nearest(derived.air_drag_nm_s2(drive) * 1e6), 1_000_000),
-    }
-
-
-def _vehicle(drive: Drive) -> dict[str, Any]:
-    vehicle = drive.vehicle
-    return {
-        "wheel_radius_um": nearest(vehicle.wheel_radius_m * 1e6),
-        "mass_g": nearest(vehicle.mass_kg * 1e3),
-        "wheel_position": _WHEELS.index(vehicle.wheel_position),
     }
 
 
@@ -307,14 +321,10 @@ def _driver(drive: Drive) -> dict[str, Any]:
     turning = driver.direction_change_speed_m_per_s / drive.vehicle.wheel_radius_m
     return {
         "lost_hold_ms": nearest(driver.lost_demand_hold_s * 1e3),
-        "no_other_brake": int(driver.no_other_brake),
         "direction_change_mrad_s": nearest(turning * 1e3),
         "hold_torque_mNm": nearest((driver.hold_torque_nm or 0.0) * 1e3),
-        "hold_release_ms": nearest(driver.hold_release_s * 1e3),
         "largest_drive_mNm": _within(derived.largest_drive_torque_nm(drive)),
         "largest_brake_mNm": _within(derived.largest_brake_torque_nm(drive)),
-        "demand_rise_ms": nearest(driver.demand_rise_s * 1e3),
-        "demand_lost_frames": driver.demand_lost_frames,
     }
 
 
@@ -325,19 +335,10 @@ def _pedals(drive: Drive) -> dict[str, Any]:
         return [nearest(value * 32768.0) for value in values]
 
     return {
-        "accelerator_channels": pedals.accelerator_channels,
-        "brake_channels": pedals.brake_channels,
         "interpretation": ("proportional", "free_travel").index(pedals.interpretation),
         "drive_torque_mNm": nearest(derived.pedal_drive_torque_nm(drive) * 1e3),
-        "lift_off_torque_mNm": nearest(pedals.lift_off_torque_nm * 1e3),
-        "lift_off_travel_q15": nearest(pedals.lift_off_travel * 32768.0),
         "brake_torque_mNm": nearest(derived.pedal_brake_torque_nm(drive) * 1e3),
-        "free_travel_q15": nearest(pedals.free_travel * 32768.0),
         "free_travel_torque_mNm": nearest(derived.free_travel_torque_nm(drive) * 1e3),
-        "dead_band_q15": nearest(pedals.dead_band * 32768.0),
-        "difference_q15": nearest(pedals.difference * 32768.0),
-        "fault_time_ms": nearest(pedals.fault_time_s * 1e3),
-        "override_q15": nearest(pedals.override * 32768.0),
         "other_wheels": sum(1 << _WHEELS.index(wheel) for wheel in set(pedals.other_wheels)),
         "lowest_q15": shares(pedals.lowest),
         "highest_q15": shares(pedals.highest),
@@ -357,41 +358,11 @@ def _monitor(drive: Drive) -> dict[str, Any]:
     if torque is None:
         torque = max(0.1 * drive.motor.max_torque_nm, 0.5)
     return {
-        "current_dead_periods": monitor.current_dead_periods,
         "current_missing_pu_q15": loops.fixed(loops.current_missing_ms(drive), 15),
         "overcurrent_pu_q15": loops.fixed(loops.overcurrent_pu(drive), 15),
-        "overcurrent_periods": monitor.overcurrent_periods,
         "current_sum_pu_q15": loops.fixed(summed, 15),
-        "offset_tolerance_codes": monitor.offset_tolerance_codes,
         "torque_tolerance_mNm": nearest(torque * 1e3),
-        "torque_fault_time_ms": nearest(monitor.torque_fault_time_s * 1e3),
-        "sensor_fault_time_ms": nearest(monitor.sensor_fault_time_s * 1e3),
-        "voltage_fault_time_ms": nearest(monitor.voltage_fault_time_s * 1e3),
-        "rotor_fault_time_ms": nearest(monitor.rotor_fault_time_s * 1e3),
-        "angle_fault_time_ms": nearest(monitor.angle_fault_time_s * 1e3),
-        "rotor_warning_time_ms": nearest(monitor.rotor_warning_time_s * 1e3),
-        "battery_message_time_ms": nearest(monitor.battery_message_time_s * 1e3),
-        "diode_fault_time_ms": nearest(monitor.diode_fault_time_s * 1e3),
         "overtemperature_margin_cC": nearest(monitor.overtemperature_margin_k * 1e2),
-        "lowest_temperature_cC": nearest(monitor.lowest_temperature_c * 1e2),
-        "highest_temperature_cC": nearest(monitor.highest_temperature_c * 1e2),
-        "tyre_grip_mm_s2": nearest(monitor.tyre_grip_m_per_s2 * 1e3),
-        "coasting_mm_s2": nearest(monitor.coasting_m_per_s2 * 1e3),
-        "standstill_mrad_s": nearest(monitor.standstill_rpm * RPM_TO_MRAD_S),
         "short_release_permille": nearest(monitor.short_release_share * 1e3),
-        "warmest_ambient_cC": nearest(monitor.warmest_ambient_c * 1e2),
-        "flux_tolerance_permille": nearest(monitor.flux_tolerance * 1e3),
         "stuck_rise_cC": nearest(monitor.stuck_rise_k * 1e2),
     }
-
-
-def _thermal(drive: Drive) -> dict[str, Any]:
-    thermal = drive.thermal
-    bodies = ("winding", "housing", "switch", "heatsink")
-    out = {}
-    for body in bodies:
-        capacity = getattr(thermal, f"{body}_heat_capacity_j_per_k")
-        resistance = getattr(thermal, f"{body}_thermal_resistance_k_per_w")
-        out[f"{body}_heat_capacity_mJ_K"] = nearest(capacity * 1e3)
-        out[f"{body}_thermal_resistance_mK_W"] = nearest(resistance * 1e3)
-    return out

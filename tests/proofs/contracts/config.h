@@ -8,3 +8,6 @@
 
 /* config/demand_age.h */
 POST(demand_is_lost, age_ms > 1000 ? result : (age_ms > 4 || !result))
+
+/* config/finding_times.h */
+POST(finding_times, finding_times_hold(times))

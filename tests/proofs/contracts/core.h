@@ -25,6 +25,15 @@ POST(fade_q15, result >= 0 && result <= Q15_ONE)
 POST(fade_q15, (full <= none ? x > full : x < full) || result == Q15_ONE)
 POST(fade_q15, x == full || (full <= none ? x < none : x > none) || result == 0)
 
+/* core/findings.h */
+POST(findings_fault, result == FINDING_COUNT || (is_within((int)result, 0, FINDING_BUS_JUMPED - 1)
+     && findings_bit_set(findings, result)))
+POST(findings_fault, result != FINDING_COUNT || every(i, (int)FINDING_BUS_JUMPED,
+     !findings_bit_set(findings, i)))
+
+POST(findings_warning, result == FINDING_COUNT || (is_within((int)result, FINDING_BUS_JUMPED,
+     FINDING_COUNT - 1) && findings_bit_set(findings, result)))
+
 /* core/grid.h */
 POST(grid_interpolate, !is_within(fraction_q20, 0, GRID_WHOLE_Q20) || !grid_values_hold(a, b) ||
      is_within(result, q_min(a, b), q_max(a, b)))

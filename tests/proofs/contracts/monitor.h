@@ -20,35 +20,37 @@ POST(monitor_fast_intact, !result || state->inverted_trip == ~(uint32_t)state->t
 POST(monitor_fast_intact, !result || (state->trip_periods == config->monitor.overcurrent_periods &&
      state->overcurrent_square <= (uint32_t)((Q15_ONE - 1) * (Q15_ONE - 1))))
 
-POST(monitor_slow_init, !state->started && !state->release_trip && state->steps == 0 &&
+POST(monitor_init, !state->started && !state->release_trip && state->steps == 0 &&
      state->return_steps == 0)
-POST(monitor_slow_init, state->flow_level == 0 && state->bus_steps == 0 && state->rotor_steps == 0)
-POST(monitor_slow_init, state->emf.level == 0 && state->emf.flux_level == 0 &&
-     state->emf.missing_q20 == 0 && state->current.missing_pu == 0 && state->swing.swing_mV == 0)
-POST(monitor_slow_init, monitor_window_holds(&state->bus) && monitor_window_holds(&state->gain) &&
-     monitor_stuck_holds(&state->stuck) && monitor_open_holds(&state->open))
-POST(monitor_slow_init, state->speed.windows == 0 && state->speed.diode_steps == 0 &&
+POST(monitor_init, state->flow_level == 0 && state->bus.count == 0 && state->temperature.count == 0)
+POST(monitor_init, state->emf.level == 0 && state->emf.flux_level == 0 && state->emf.missing_q20 ==
+     0 && state->current.missing_pu == 0 && state->swing.swing_mV == 0)
+POST(monitor_init, monitor_window_holds(&state->contradiction) && monitor_window_holds(&state->gain)
+     && monitor_stuck_holds(&state->stuck) && monitor_open_holds(&state->open))
+POST(monitor_init, state->speed.windows == 0 && state->speed.diode_steps == 0 &&
      state->speed.bound_urad_s == 0 && state->speed.rest_urad_s == 0)
 
-PRE(monitor_slow_step, monitor_state_holds(state, config) && vectors_hold(in->latest_pu,
-     in->reference_pu))
-POST(monitor_slow_step, monitor_state_holds(state, config) && state->steps ==
+PRE(monitor_step, monitor_state_holds(state, config) && findings_hold(findings))
+PRE(monitor_step, vector_holds(dq_of(now->report->i_pu)) && vector_holds(last->reference_pu))
+PRE(monitor_step, is_within(now->report->i_d_weakening_pu, -32768, 0))
+POST(monitor_step, monitor_state_holds(state, config) && state->steps ==
      (uint16_t)(old(state->steps) + 1))
-POST(monitor_slow_step, result.safe_bridge != BRIDGE_PWM && state->safe_bridge ==
-     result.safe_bridge)
-POST(monitor_slow_step, in->fast_trip == REASON_NONE || in->fast_trip == REASON_BUS_OVERVOLTAGE ||
-     in->fast_trip == REASON_BUS_SENSOR || in->fast_trip == REASON_OVERCURRENT || result.fault ==
-     in->fast_trip)
-POST(monitor_slow_step, in->fast_trip != REASON_OVERCURRENT || result.fault == REASON_OVERCURRENT ||
-     result.fault == REASON_PHASE_OPEN || result.battery_lost)
-POST(monitor_slow_step, !in->battery_open || result.battery_lost)
-POST(monitor_slow_step, !result.at_rest || result.standstill)
-POST(monitor_slow_step, result.standstill == (result.speed_bound_mrad_s <
-     config->monitor.standstill_mrad_s) && result.speed_bound_mrad_s >= 0)
-POST(monitor_slow_step, result.safe_bridge == BRIDGE_OFF || (result.emf_conducts &&
-     result.charging_mA == 0))
-POST(monitor_slow_step, is_within(result.flux_missing_q15, 0, 16384) && (result.flux_missing_q15 ==
-     0 || result.flux_warning == REASON_FLUX_WEAK))
+POST(monitor_step, findings_hold(findings))
+POST(monitor_step, result.safe.bridge != BRIDGE_PWM)
+POST(monitor_step, now->trip == REASON_NONE || now->trip == REASON_BUS_OVERVOLTAGE || now->trip ==
+     REASON_BUS_SENSOR || now->trip == REASON_OVERCURRENT || (findings_bit_set(findings,
+     FINDING_TRIP) && findings->trip == now->trip))
+POST(monitor_step, now->trip != REASON_OVERCURRENT || (findings_bit_set(findings, FINDING_TRIP) &&
+     findings->trip == REASON_OVERCURRENT) || findings_bit_set(findings, FINDING_TRIP_PHASE_OPEN) ||
+     battery_is_lost(findings))
+POST(monitor_step, now->battery->contactor != CONTACTOR_OPEN || battery_is_lost(findings))
+POST(monitor_step, !result.at_rest || result.standstill)
+POST(monitor_step, result.standstill == (result.bound_mrad_s < config->monitor.standstill_mrad_s) &&
+     result.bound_mrad_s >= 0)
+POST(monitor_step, result.safe.bridge == BRIDGE_OFF || (result.emf_conducts &&
+     safe_state_charging_mA(&result.safe) == 0))
+POST(monitor_step, is_within(result.flux_missing_q15, 0, 16384) && (result.flux_missing_q15 == 0 ||
+     findings_bit_set(findings, FINDING_FLUX_LOW)))
 
 POST(monitor_forced_torque_mNm, result == 0 || result == config->motor.max_torque_mNm)
 
@@ -75,8 +77,9 @@ POST(monitor_bus_swings, old(state->watching) || state->swing_mV == 0)
 /* monitor/monitor_current.h */
 PRE(monitor_current_step, is_within(state->missing_pu, 0, config->monitor.current_missing_pu_q15))
 POST(monitor_current_step, is_within(state->missing_pu, 0, config->monitor.current_missing_pu_q15))
-POST(monitor_current_step, in->switching || (!result && state->missing_pu == 0))
-POST(monitor_current_step, !in->voltage_limited || state->missing_pu <= old(state->missing_pu))
+POST(monitor_current_step, measured_switching(now) || (!result && state->missing_pu == 0))
+POST(monitor_current_step, !now->report->voltage_limited || state->missing_pu <=
+     old(state->missing_pu))
 POST(monitor_current_step, result == (state->missing_pu == config->monitor.current_missing_pu_q15))
 
 /* monitor/monitor_emf.h */
@@ -84,10 +87,10 @@ PRE(monitor_emf_step, monitor_emf_holds(state, config))
 POST(monitor_emf_step, monitor_emf_holds(state, config))
 POST(monitor_emf_step, result == (state->level == MONITOR_EMF_SEEN *
      config->monitor.angle_fault_time_ms))
-POST(monitor_emf_step, (in->switching && in->rotor_valid) || (state->level == 0 && state->flux ==
-     old(state->flux)))
-POST(monitor_emf_step, state->level <= old(state->level) || (!in->voltage_limited && state->level <=
-     old(state->level) + MONITOR_EMF_SEEN))
+POST(monitor_emf_step, (measured_switching(now) && now->angle_valid) || (state->level == 0 &&
+     state->flux == old(state->flux)))
+POST(monitor_emf_step, state->level <= old(state->level) || (!now->report->voltage_limited &&
+     state->level <= old(state->level) + MONITOR_EMF_SEEN))
 POST(monitor_emf_step, state->flux == old(state->flux) || state->flux_level == (state->flux ==
      MONITOR_EMF_FLUX_WEAK ? -MONITOR_EMF_FLUX_STEPS : state->flux == MONITOR_EMF_FLUX_STRONG ?
      MONITOR_EMF_FLUX_STEPS : 0))
@@ -151,31 +154,34 @@ PRE(monitor_gain_step, window_bounds_hold(window))
 PRE(monitor_gain_step, window_counts_hold(window))
 POST(monitor_gain_step, window_bounds_hold(window))
 POST(monitor_gain_step, window_counts_hold(window))
-POST(monitor_gain_step, !result || (in->switching && config->battery.driven_wheels == 1 &&
-     in->battery_current_mA != MONITOR_GAIN_NOT_GIVEN))
+POST(monitor_gain_step, !result || (measured_switching(now) && config->battery.driven_wheels == 1 &&
+     now->battery->current_given && !measured_battery_open(now)))
 POST(monitor_gain_step, !result || window->wrong)
 POST(monitor_gain_step, !result || old(window->wrong) || window->level ==
      MONITOR_WINDOW_QUALIFY_STEPS)
 POST(monitor_gain_step, window->level <= old(window->level) + 1)
 
 /* monitor/monitor_open.h */
-PRE(monitor_open_step, monitor_open_holds(state) && vectors_hold(in->sampled_pu, in->reference_pu))
+PRE(monitor_open_step, monitor_open_holds(state) && vectors_hold(dq_of(now->report->i_pu),
+     reference_pu))
 POST(monitor_open_step, monitor_open_holds(state))
-POST(monitor_open_step, in->switching || !result)
-POST(monitor_open_step, !result || some(i, 3, state->missing[i][0] == MONITOR_OPEN_STEPS ||
-     state->missing[i][1] == MONITOR_OPEN_STEPS || state->zeros[i] == MONITOR_OPEN_STEPS))
-POST(monitor_open_step, state->steps_known <= 2 && state->theta_turn == in->theta_turn &&
-     is_within(state->step_turn, -32768, 32767))
+POST(monitor_open_step, measured_switching(now) || result == REASON_NONE)
+POST(monitor_open_step, result == REASON_NONE || some(i, 3, state->missing[i][0] ==
+     MONITOR_OPEN_STEPS || state->missing[i][1] == MONITOR_OPEN_STEPS || state->zeros[i] ==
+     MONITOR_OPEN_STEPS))
+POST(monitor_open_step, state->steps_known <= 2 && state->theta_turn ==
+     now->report->sample.theta_turn && is_within(state->step_turn, -32768, 32767))
 
-POST(monitor_open_reason, result == REASON_PHASE_OPEN || result == REASON_CURRENT_SUM)
-POST(monitor_open_reason, current_sum_pu != 0 || result == REASON_PHASE_OPEN)
+POST(monitor_open_step, result == REASON_NONE || result == REASON_PHASE_OPEN || result ==
+     REASON_CURRENT_SUM)
+POST(monitor_open_step, now->report->current_sum_pu != 0 || result != REASON_CURRENT_SUM)
 
 /* monitor/monitor_speed.h */
 PRE(monitor_speed_step, monitor_speed_holds(state, config))
 POST(monitor_speed_step, monitor_speed_holds(state, config))
 POST(monitor_speed_step, result >= 0 && (int64_t)result * 1000 <= state->bound_urad_s)
-POST(monitor_speed_step, !bridge_is_short(in->bridge) || state->windows == 2 || state->bound_urad_s
-     >= old(state->bound_urad_s))
+POST(monitor_speed_step, !bridge_is_short(now->report->bridge) || state->windows == 2 ||
+     state->bound_urad_s >= old(state->bound_urad_s))
 
 /* monitor/monitor_stuck.h */
 PRE(monitor_stuck_step, state->side == BRIDGE_OFF || bridge_is_short(state->side))
@@ -192,13 +198,12 @@ POST(monitor_stuck_step, is_within(state->release_steps, 0, MONITOR_STUCK_RELEAS
      result.side == state->side && state->windows >= 0)
 POST(monitor_stuck_step, is_within(state->same_steps, 0, MONITOR_STUCK_LONGEST_STEPS) &&
      is_within(state->turned_mrad, -6283, 6283))
-POST(monitor_stuck_step, in->tripped || in->turning || result.side == BRIDGE_OFF)
-POST(monitor_stuck_step, in->tripped || !result.release_break)
-POST(monitor_stuck_step, result.fault == (result.side == BRIDGE_OFF ? REASON_NONE :
-     REASON_HARDWARE_BREAK))
-POST(monitor_stuck_step, result.side == BRIDGE_OFF || old(state->side) != BRIDGE_OFF || (in->bridge
-     != BRIDGE_PWM && in->currents_known && in->rotor_valid))
-POST(monitor_stuck_step, !(in->tripped || in->turning) || old(state->side) == BRIDGE_OFF ||
+POST(monitor_stuck_step, now->trip != REASON_NONE || turning || result.side == BRIDGE_OFF)
+POST(monitor_stuck_step, now->trip != REASON_NONE || !result.release_break)
+POST(monitor_stuck_step, result.side == BRIDGE_OFF || old(state->side) != BRIDGE_OFF ||
+     (!measured_switching(now) && now->report->offsets_done && now->trip != REASON_CURRENT_SENSOR &&
+     now->angle_valid))
+POST(monitor_stuck_step, !(now->trip != REASON_NONE || turning) || old(state->side) == BRIDGE_OFF ||
      result.side == old(state->side))
 
 /* monitor/monitor_temperature.h */
@@ -260,19 +265,19 @@ POST(monitor_window_judge, !result || old(window->wrong) || window->level ==
 POST(monitor_window_judge, window->level <= old(window->level) + 1)
 
 /* monitor/safe_state.h */
-POST(safe_state_short, result.charging_mA == 0 && result.bus_mV == in->bus_voltage_mV)
+POST(safe_state_short, result.charging_mA == 0 && result.bus_mV == now->bus_voltage_mV)
 
 POST(safe_state_step, result.bridge == BRIDGE_OFF || result.bridge == BRIDGE_SHORT)
-POST(safe_state_step, !in->battery_open || (result.freewheel.current_mA == 0 &&
+POST(safe_state_step, !battery_gone || (result.freewheel.current_mA == 0 &&
      result.freewheel.charging_mA == 0 && result.freewheel.torque_mNm == 0))
 POST(safe_state_step, result.bridge != BRIDGE_OFF || result.freewheel.current_mA == 0 ||
-     result.freewheel.bus_mV == in->bus_voltage_mV)
+     result.freewheel.bus_mV == now->bus_voltage_mV)
 
 POST(safe_state_short_surges, !result || (freewheel->current_mA <=
      config->motor.max_phase_current_mA && freewheel->bus_mV < config->drive.device_voltage_mV))
 
 POST(safe_state_shorted, result.bridge == side && result.freewheel.current_mA == 0 &&
-     result.freewheel.charging_mA == 0 && result.freewheel.bus_mV == in->bus_voltage_mV)
+     result.freewheel.charging_mA == 0 && result.freewheel.bus_mV == now->bus_voltage_mV)
 
 /* monitor/short_exit.h */
 POST(short_exit_fits, in->i_d_mA != 0 || in->i_q_mA != 0 || in->turning_mrad_s != 0 || in->bus_mV !=

@@ -14,7 +14,7 @@ POST(available_ahead_init, every(i, TORQUE_LINE_COUNT, state->driving_lines[i].t
 POST(available_ahead_init, every(i, AVAILABLE_SLOPED_LINES, !state->driving[i].known &&
      !state->braking[i].known))
 POST(available_ahead_init, state->step == 0 && !state->speed.known && !state->voltage.known)
-POST(available_ahead_init, state->expected.brake_demand_mNm == 0)
+POST(available_ahead_init, state->expected.brake_torque_mNm == 0)
 
 PRE(available_ahead_step, motor_constants_hold(motor) && derating_relations_hold(config))
 PRE(available_ahead_step, lines_hold(limits->driving) && lines_hold(limits->braking) &&
@@ -30,58 +30,63 @@ POST(available_ahead_step, old(state->step) / 2 >= 7 || (state->now.driving.torq
 /* torque/brake_blending.h */
 POST(brake_blending_init, state->hydraulic.next == 0 && state->hydraulic.torque_q6_mNm == 0 &&
      !state->feedback.seen && state->feedback.gain_q15 == 32768)
-POST(brake_blending_init, state->watch.reason == REASON_NONE && state->added_mNm == 0 &&
-     state->taken_mNm == 0 && state->bridged_q6_mNm == 0 && state->bridging_ms == 0)
+POST(brake_blending_init, state->watch.reason == REASON_NONE && state->covered_mNm == 0 &&
+     state->bridged_q6_mNm == 0 && state->bridging_ms == 0)
 POST(brake_blending_init, state->feedback.between_ms == 1)
 
-POST(brake_blending_finding, result == state->watch.reason || state->watch.reason == REASON_NONE)
-
-PRE(brake_blending_sent, hydraulic_mNm >= 0)
-POST(brake_blending_sent, state->added_mNm >= 0 && state->hydraulic.next ==
-     old(state->hydraulic.next) && state->feedback.between_ms == old(state->feedback.between_ms))
-POST(brake_blending_sent, split->hydraulic_mNm < 0 || state->added_mNm == q_max(hydraulic_mNm -
-     split->hydraulic_mNm, 0))
+PRE(brake_blending_report, findings_hold(findings))
+POST(brake_blending_report, findings_hold(findings))
+POST(brake_blending_report, state->watch.reason != REASON_HYDRAULIC_WEAK ||
+     findings_bit_set(findings, FINDING_BRAKE_WEAK))
 
 PRE(brake_blending_step, is_within(state->hydraulic.next, 0, HYDRAULIC_MODEL_COMMANDS - 1) &&
      is_within(state->feedback.between_ms, 1, HYDRAULIC_FEEDBACK_PAST_ms))
-PRE(brake_blending_step, table_holds(limits))
+PRE(brake_blending_step, table_holds(limits) && last->hydraulic_added_mNm >= 0)
 POST(brake_blending_step, is_within(state->hydraulic.next, 0, HYDRAULIC_MODEL_COMMANDS - 1) &&
      is_within(state->feedback.between_ms, 1, HYDRAULIC_FEEDBACK_PAST_ms))
-POST(brake_blending_step, is_within(result.electric_mNm, 0, q_max(in->demand_mNm, 0)))
+POST(brake_blending_step, is_within(result.electric_mNm, 0, q_max(demand->brake_torque_mNm, 0)))
 POST(brake_blending_step, is_within(result.hydraulic_mNm, INT32_MIN,
      config->brake.max_hydraulic_torque_mNm))
-POST(brake_blending_step, result.beside_mNm >= 0 && result.arrived_mNm >= 0 && result.road_mNm >= 0)
+POST(brake_blending_step, result.uncovered_mNm >= 0 && result.rise_mNm >= 0 && result.road_mNm >= 0)
 POST(brake_blending_step, result.electric_mNm <= limits->braking[TORQUE_LINE_ENABLE].torque_mNm &&
      result.electric_mNm <= limits->braking[TORQUE_LINE_ABS].torque_mNm && result.electric_mNm <=
      limits->braking[TORQUE_LINE_VOLTAGE].torque_mNm && result.electric_mNm <=
      limits->braking[TORQUE_LINE_PHASE_CURRENT].torque_mNm)
 
+/* torque/closing_voltage.h */
+PRE(closing_voltage_mV, charging_mA >= 0)
+POST(closing_voltage_mV, phase_mV < 0 || is_within(result, 0, phase_mV))
+
 /* torque/demand.h */
 POST(demand_init, state->lost_ms == INT32_MAX && state->engaged == DRIVE_DIRECTION_NEUTRAL)
-POST(demand_init, state->lift_off_mNm == 0 && state->brake_mNm == 0 && state->asked_mNm == 0)
+POST(demand_init, state->lift_off_mNm == 0 && state->brake_torque_mNm == 0 &&
+     state->received_brake_torque_mNm == 0)
 
-PRE(demand_step, is_within(state->lift_off_mNm, 0, 100000000) && is_within(state->brake_mNm, 0,
-     100000000))
-PRE(demand_step, is_within(state->asked_mNm, 0, 100000000) && state->lost_ms >= 0)
-POST(demand_step, is_within(state->asked_mNm, 0, 100000000))
-POST(demand_step, is_within(state->lift_off_mNm, 0, 100000000) && is_within(state->brake_mNm, 0,
-     100000000))
+PRE(demand_step, is_within(state->lift_off_mNm, 0, 100000000) && is_within(state->brake_torque_mNm,
+     0, 100000000))
+PRE(demand_step, is_within(state->received_brake_torque_mNm, 0, 100000000) && state->lost_ms >= 0)
+POST(demand_step, is_within(state->received_brake_torque_mNm, 0, 100000000))
+POST(demand_step, is_within(state->lift_off_mNm, 0, 100000000) && is_within(state->brake_torque_mNm,
+     0, 100000000))
 POST(demand_step, state->lost_ms >= 0 && result.engaged == state->engaged)
-POST(demand_step, result.lift_off_mNm >= 0 && result.brake_mNm >= 0 && result.lift_off_mNm <=
+POST(demand_step, result.lift_off_mNm >= 0 && result.brake_torque_mNm >= 0 && result.lift_off_mNm <=
      state->lift_off_mNm)
-POST(demand_step, !demand_is_lost(config, in->age_ms) || result.brake_mNm <= old(state->brake_mNm))
-POST(demand_step, !demand_is_lost(config, in->age_ms) || result.drive_withdrawn)
-POST(demand_step, result.drive_mNm == 0 || (!result.drive_withdrawn && result.brake_mNm == 0))
-POST(demand_step, result.drive_mNm == 0 || result.engaged == (result.drive_mNm > 0 ?
+POST(demand_step, !demand_is_lost(config, in->demand_age_ms) || result.brake_torque_mNm <=
+     old(state->brake_torque_mNm))
+POST(demand_step, !demand_is_lost(config, in->demand_age_ms) || result.drive_withdrawn)
+POST(demand_step, result.drive_torque_mNm == 0 || (!result.drive_withdrawn &&
+     result.brake_torque_mNm == 0))
+POST(demand_step, result.drive_torque_mNm == 0 || result.engaged == (result.drive_torque_mNm > 0 ?
      DRIVE_DIRECTION_FORWARD : DRIVE_DIRECTION_REVERSE))
-POST(demand_step, result.drive_mNm >= 0 ? result.drive_mNm <= q_max(in->drive_mNm, 0) :
-     result.drive_mNm >= in->drive_mNm)
-POST(demand_step, result.hydraulic_valid || (demand_is_lost(config, in->age_ms) && (in->standstill
-     || config->driver.no_other_brake == 0)))
-POST(demand_step, !in->abs_active || result.lift_off_mNm == 0)
-POST(demand_step, result.brake_mNm == state->brake_mNm)
-POST(demand_step, in->brake_mNm <= 0 || (result.drive_withdrawn && result.drive_mNm == 0))
-POST(demand_step, is_within(result.drive_mNm, -100000000, 100000000))
+POST(demand_step, result.drive_torque_mNm >= 0 ? result.drive_torque_mNm <=
+     q_max(in->demand.drive_torque_mNm, 0) : result.drive_torque_mNm >= in->demand.drive_torque_mNm)
+POST(demand_step, result.hydraulic_valid || (demand_is_lost(config, in->demand_age_ms) &&
+     (standstill || config->driver.no_other_brake == 0)))
+POST(demand_step, !in->demand.abs_active || result.lift_off_mNm == 0)
+POST(demand_step, result.brake_torque_mNm == state->brake_torque_mNm)
+POST(demand_step, in->demand.brake_torque_mNm <= 0 || (result.drive_withdrawn &&
+     result.drive_torque_mNm == 0))
+POST(demand_step, is_within(result.drive_torque_mNm, -100000000, 100000000))
 
 POST(demand_rate_mNm_per_step, result >= 1 && (result == 1 || result <=
      config->brake.torque_rate_mNm_s / 1000))
@@ -107,16 +112,18 @@ POST(hill_hold_init, state->release_ms == 0)
 PRE(hill_hold_step, is_within(state->torque_mNm, 0, config->driver.hold_torque_mNm))
 PRE(hill_hold_step, is_within(state->release_ms, 0, config->driver.hold_release_ms) &&
      state->begun_mrad_s >= 0)
-PRE(hill_hold_step, in->demand_mNm >= 0)
+PRE(hill_hold_step, is_within(demand->brake_torque_mNm, 0, 100000000) &&
+     is_within(demand->lift_off_mNm, 0, 100000000))
 POST(hill_hold_step, is_within(state->torque_mNm, 0, config->driver.hold_torque_mNm))
 POST(hill_hold_step, is_within(state->release_ms, 0, config->driver.hold_release_ms) &&
      state->begun_mrad_s >= 0)
 POST(hill_hold_step, result == state->torque_mNm)
-POST(hill_hold_step, in->engaged != DRIVE_DIRECTION_NEUTRAL || (!state->holds && result <=
+POST(hill_hold_step, demand->engaged != DRIVE_DIRECTION_NEUTRAL || (!state->holds && result <=
      old(state->torque_mNm)))
-POST(hill_hold_step, old(state->holds) || in->demand_mNm > 0 || result <= old(state->torque_mNm))
-POST(hill_hold_step, !old(state->holds) || in->engaged == DRIVE_DIRECTION_NEUTRAL || in->drive_mNm
-     != 0 || result == config->driver.hold_torque_mNm)
+POST(hill_hold_step, old(state->holds) || demand->brake_torque_mNm + demand->lift_off_mNm > 0 ||
+     result <= old(state->torque_mNm))
+POST(hill_hold_step, !old(state->holds) || demand->engaged == DRIVE_DIRECTION_NEUTRAL ||
+     demand->drive_torque_mNm != 0 || result == config->driver.hold_torque_mNm)
 
 /* torque/hydraulic_feedback.h */
 POST(hydraulic_feedback_init, state->gain_q15 == 32768 && is_within(state->least_q15, 16384, 32768)
@@ -214,28 +221,29 @@ POST(stop_lamp_step, brake_demand_mNm <= 0 || result)
 
 /* torque/torque.h */
 POST(torque_init, torque_state_holds(state, config))
-POST(torque_init, state->command.command_mNm == 0 && state->demand.engaged ==
-     DRIVE_DIRECTION_NEUTRAL)
+POST(torque_init, state->demand.engaged == DRIVE_DIRECTION_NEUTRAL)
 
-PRE(torque_step, battery_relations_hold(config) && torque_state_holds(state, config))
-POST(torque_step, torque_state_holds(state, config))
-POST(torque_step, result.command_mNm == state->command.command_mNm)
-POST(torque_step, torque_enable_any(in->torque_enable) || result.command_mNm == 0)
-POST(torque_step, in->brake_torque_mNm <= 0 || in->speed_mrad_s == 0 || (in->speed_mrad_s > 0 ?
-     result.command_mNm <= 0 : result.command_mNm >= 0))
-POST(torque_step, !demand_is_lost(config, in->demand_age_ms) || in->speed_mrad_s == 0 ||
-     (in->speed_mrad_s > 0 ? result.command_mNm <= 0 : result.command_mNm >= 0))
-POST(torque_step, !in->bridge_open || q_abs(result.command_mNm) <=
+PRE(torque_step, battery_relations_hold(config) && derating_relations_hold(config) &&
+     torque_state_holds(state, config) && findings_hold(findings))
+PRE(torque_step, is_within(last->torque_command_mNm, -400000000, 400000000) &&
+     last->hydraulic_added_mNm >= 0)
+POST(torque_step, torque_state_holds(state, config) && findings_hold(findings))
+POST(torque_step, is_within(result.command_mNm, -400000000, 400000000) && result.hydraulic_added_mNm
+     >= 0)
+POST(torque_step, torque_enable_any(*enable) || result.command_mNm == 0)
+POST(torque_step, in->demand.brake_torque_mNm <= 0 || now->speed_mrad_s == 0 || (now->speed_mrad_s >
+     0 ? result.command_mNm <= 0 : result.command_mNm >= 0))
+POST(torque_step, !demand_is_lost(config, in->demand_age_ms) || now->speed_mrad_s == 0 ||
+     (now->speed_mrad_s > 0 ? result.command_mNm <= 0 : result.command_mNm >= 0))
+POST(torque_step, measured_switching(now) || q_abs(result.command_mNm) <=
      q_max(config->brake.torque_rate_mNm_s / 1000, 1))
 POST(torque_step, result.hydraulic_mNm <= config->brake.max_hydraulic_torque_mNm)
+POST(torque_step, state->ahead.step == (old(state->ahead.step) + 1U) % AVAILABLE_AHEAD_ROUND_steps)
+POST(torque_step, result.available_now.driving.torque_mNm >= 0 &&
+     result.available_ahead.driving.torque_mNm >= 0 && result.available_ahead.braking.torque_mNm >=
+     0)
 
-PRE(torque_look_ahead, derating_relations_hold(config) && torque_state_holds(state, config))
-POST(torque_look_ahead, torque_state_holds(state, config))
-POST(torque_look_ahead, state->command.command_mNm == old(state->command.command_mNm) &&
-     state->demand.brake_mNm == old(state->demand.brake_mNm) && state->demand.engaged ==
-     old(state->demand.engaged))
-POST(torque_look_ahead, state->ahead.step == (old(state->ahead.step) + 1U) %
-     AVAILABLE_AHEAD_ROUND_steps)
+POST(torque_limits_of, result == &state->table)
 
 /* torque/torque_command.h */
 POST(torque_command_is_against, result == ((speed_mrad_s > 0 && torque_mNm < 0) || (speed_mrad_s < 0
@@ -247,27 +255,26 @@ POST(torque_command_growth_mNm, voltage_use_q15 < config->brake.torque_growth_en
 POST(torque_command_growth_mNm, voltage_use_q15 > config->brake.torque_growth_end_q15 || result >=
      0)
 
-POST(torque_command_init, state->command_mNm == 0 && !state->braked)
+POST(torque_command_init, !state->braked)
 
 PRE(torque_command_step, table_holds(limits))
-PRE(torque_command_step, is_within(in->drive_mNm, -100000000, 100000000) &&
-     is_within(in->electric_mNm, 0, 200000000))
-PRE(torque_command_step, is_within(state->command_mNm, -400000000, 400000000))
-PRE(torque_command_step, in->beside_mNm >= 0 && in->arrived_mNm >= 0)
-POST(torque_command_step, is_within(state->command_mNm, -400000000, 400000000) && result.command_mNm
-     == state->command_mNm)
-POST(torque_command_step, torque_enable_any(in->torque_enable) || (result.command_mNm == 0 &&
-     !state->braked))
-POST(torque_command_step, in->drive_mNm != 0 || q_abs(result.command_mNm) <=
-     q_max(q_abs(old(state->command_mNm)), in->electric_mNm))
-POST(torque_command_step, in->drive_mNm != 0 || !in->drive_withdrawn || in->speed_mrad_s == 0 ||
-     (in->speed_mrad_s > 0 ? result.command_mNm <= 0 : result.command_mNm >= 0))
-POST(torque_command_step, !torque_enable_any(in->torque_enable) || !in->bridge_open ||
-     q_abs(result.command_mNm) <= q_max(config->brake.torque_rate_mNm_s / 1000, 1))
-POST(torque_command_step, result.reason != REASON_NONE || !torque_enable_any(in->torque_enable) ||
-     some(i, TORQUE_LINE_COUNT, limits->driving[i].reason == REASON_NONE ||
-     limits->braking[i].reason == REASON_NONE) || result.command_mNm == in->drive_mNm +
-     (in->speed_mrad_s >= 0 ? -in->electric_mNm : in->electric_mNm))
+PRE(torque_command_step, is_within(demand->drive_torque_mNm, -100000000, 100000000) &&
+     is_within(braking->electric_mNm, 0, 200000000))
+PRE(torque_command_step, is_within(last_command_mNm, -400000000, 400000000))
+PRE(torque_command_step, braking->uncovered_mNm >= 0 && braking->rise_mNm >= 0)
+POST(torque_command_step, is_within(result.command_mNm, -400000000, 400000000))
+POST(torque_command_step, torque_enable_any(*enable) || (result.command_mNm == 0 && !state->braked))
+POST(torque_command_step, demand->drive_torque_mNm != 0 || q_abs(result.command_mNm) <=
+     q_max(q_abs(last_command_mNm), braking->electric_mNm))
+POST(torque_command_step, demand->drive_torque_mNm != 0 || !demand->drive_withdrawn ||
+     now->speed_mrad_s == 0 || (now->speed_mrad_s > 0 ? result.command_mNm <= 0 : result.command_mNm
+     >= 0))
+POST(torque_command_step, !torque_enable_any(*enable) || !bridge_open || q_abs(result.command_mNm)
+     <= q_max(config->brake.torque_rate_mNm_s / 1000, 1))
+POST(torque_command_step, result.reason != REASON_NONE || !torque_enable_any(*enable) || some(i,
+     TORQUE_LINE_COUNT, limits->driving[i].reason == REASON_NONE || limits->braking[i].reason ==
+     REASON_NONE) || result.command_mNm == demand->drive_torque_mNm + (now->speed_mrad_s >= 0 ?
+     -braking->electric_mNm : braking->electric_mNm))
 
 /* torque/torque_limits.h */
 POST(torque_limits_init, every(i, TORQUE_LINE_COUNT, table->driving[i].torque_mNm ==
@@ -295,19 +302,19 @@ POST(torque_limits_step, table_holds(table))
 POST(torque_limits_step, table->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm ==
      set->model->config->motor.max_torque_mNm && table->braking[TORQUE_LINE_MAX_TORQUE].torque_mNm
      == set->model->config->motor.max_torque_mNm)
-POST(torque_limits_step, in->rotor_valid || (table->driving[TORQUE_LINE_ROTOR].torque_mNm == 0 &&
+POST(torque_limits_step, now->angle_valid || (table->driving[TORQUE_LINE_ROTOR].torque_mNm == 0 &&
      table->braking[TORQUE_LINE_ROTOR].torque_mNm == 0))
-POST(torque_limits_step, in->torque_enable.drive_q15 > 0 ||
-     table->driving[TORQUE_LINE_ENABLE].torque_mNm == 0)
-POST(torque_limits_step, in->torque_enable.brake_q15 > 0 ||
-     table->braking[TORQUE_LINE_ENABLE].torque_mNm == 0)
-POST(torque_limits_step, !in->abs_active || table->braking[TORQUE_LINE_ABS].torque_mNm <=
-     q_max(in->brake_demand_mNm, 0))
+POST(torque_limits_step, enable->drive_q15 > 0 || table->driving[TORQUE_LINE_ENABLE].torque_mNm ==
+     0)
+POST(torque_limits_step, enable->brake_q15 > 0 || table->braking[TORQUE_LINE_ENABLE].torque_mNm ==
+     0)
+POST(torque_limits_step, !wheel->abs_active || table->braking[TORQUE_LINE_ABS].torque_mNm <=
+     q_max(in->brake_torque_mNm, 0))
 POST(torque_limits_step, q_abs(set->model->speed_mrad_s) >
      set->model->config->brake.blend_out_end_mrad_s ||
      table->braking[TORQUE_LINE_BLEND_OUT].torque_mNm == 0)
 
-PRE(torque_limits_strategy, demand_mNm >= 0 && lines_hold(line))
+PRE(torque_limits_strategy, brake_torque_mNm >= 0 && lines_hold(line))
 POST(torque_limits_strategy, lines_hold(line))
 POST(torque_limits_strategy, line[TORQUE_LINE_ABS].torque_mNm ==
      old(line[TORQUE_LINE_ABS].torque_mNm) && line[TORQUE_LINE_ENABLE].torque_mNm ==
@@ -319,7 +326,7 @@ POST(torque_limits_strategy, config->brake.strategy == CONFIG_STRATEGY_SERIES_OP
      line[TORQUE_LINE_LOSS_OPTIMUM].torque_mNm == q_max(optimum_mNm, 0) :
      line[TORQUE_LINE_LOSS_OPTIMUM].torque_mNm == FEASIBLE_UNBOUNDED)
 POST(torque_limits_strategy, config->brake.strategy == CONFIG_STRATEGY_PARALLEL_RATIO ?
-     line[TORQUE_LINE_ELECTRIC_SHARE].torque_mNm <= demand_mNm :
+     line[TORQUE_LINE_ELECTRIC_SHARE].torque_mNm <= brake_torque_mNm :
      line[TORQUE_LINE_ELECTRIC_SHARE].torque_mNm == FEASIBLE_UNBOUNDED)
 POST(torque_limits_strategy, q_abs(speed_mrad_s) > config->brake.blend_out_end_mrad_s ||
      line[TORQUE_LINE_BLEND_OUT].torque_mNm == 0)
@@ -360,12 +367,11 @@ POST(torque_limits_anti_lock, anti_lock_holds(state))
 POST(torque_limits_anti_lock, state->charge.allowed_q24 == old(state->charge.allowed_q24) &&
      state->discharge.allowed_q24 == old(state->discharge.allowed_q24))
 POST(torque_limits_anti_lock, result.torque_mNm >= 0 && result.reason == REASON_ABS)
-POST(torque_limits_anti_lock, !in->abs_active || result.torque_mNm <= q_max(in->brake_demand_mNm,
-     0))
-POST(torque_limits_anti_lock, in->abs_active || state->abs_hold_steps > 0 || result.torque_mNm ==
+POST(torque_limits_anti_lock, !wheel->abs_active || result.torque_mNm <= q_max(brake_torque_mNm, 0))
+POST(torque_limits_anti_lock, wheel->abs_active || state->abs_hold_steps > 0 || result.torque_mNm ==
      FEASIBLE_UNBOUNDED)
-POST(torque_limits_anti_lock, in->abs_active ? state->abs_hold_steps == config->brake.abs_hold_ms :
-     state->abs_hold_steps <= old(state->abs_hold_steps))
+POST(torque_limits_anti_lock, wheel->abs_active ? state->abs_hold_steps == config->brake.abs_hold_ms
+     : state->abs_hold_steps <= old(state->abs_hold_steps))
 
 PRE(torque_limits_tightest, begin == 0 && (end == TORQUE_LINE_LOSS_OPTIMUM || end ==
      TORQUE_LINE_COUNT))

@@ -21,8 +21,8 @@ static const double FAST_BRAKE_NM = 30.0;
 static const double SETTLE_S = 0.3, MEASURED_S = 0.2;
 enum { SAMPLING_ns = 15 * 1000 / 21 };
 
-/* Half of the shortest pulse, and what the board's shunts need of it: hal/stm32f405/README.md, The
- * window it costs. */
+/* Half of the shortest pulse, and what the board's shunts need of it: hal/stm32f405/DERIVATIONS.md,
+ * Sampling window. */
 static bool refuses(void)
 {
     char text[RIG_WHY_BYTES];

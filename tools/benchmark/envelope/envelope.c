@@ -161,7 +161,7 @@ static void draw_electrical(fast_report_t *report, const config_t *config, dq_t 
     report->current_sum_pu = (int32_t)between(-100.0, 100.0);
     report->i_d_weakening_pu =
         chance(0.5) ? 0 : (int32_t)(-share() * config->current_loop.field_weakening_current_pu_q15);
-    report->rotor_valid = !chance(0.02);
+    report->sensor_valid = !chance(0.02);
     report->rotor_faults = (uint16_t)(report->rotor_faults + (chance(0.002) ? 1 : 0));
 }
 
@@ -210,7 +210,7 @@ static operating_mode_t start_with(start_t *start, int32_t sensor)
     start->to_fast = controller_initial_setpoint(config, BASES_MODEL_TIMER_Hz);
     controller_fast_report(&whole.fast, &start->to_slow);
     start->to_slow.offsets_done = true;
-    start->to_slow.rotor_valid = true;
+    start->to_slow.sensor_valid = true;
     start->v_dc_pu =
         (int32_t)(16384.0 * (config->battery.min_voltage_mV + config->battery.max_voltage_mV) /
                   config->drive.voltage_full_scale_mV);
@@ -263,7 +263,7 @@ static void show(const slow_output_t *out)
     print_number("switch_temperature_cC", in->temperature.switch_cC);
     print_number("enable", in->demand.enable);
     print_number("abs_active", in->demand.abs_active);
-    print_number("rotor_valid", report->rotor_valid);
+    print_number("sensor_valid", report->sensor_valid);
     print_number("i_d_mA", out->i_d_mA);
     print_number("i_q_mA", out->i_q_mA);
     print_number("i_d_weakening_pu", report->i_d_weakening_pu);

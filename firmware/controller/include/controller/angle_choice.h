@@ -27,7 +27,7 @@
  * Without rotor.observer_takeover the sensor alone decides.
  *
  * A bridge that begins to switch without a sensor uses the observer's angle from the first period
- * on, at zero torque until it is confirmed. README, Choice of angle.
+ * on, at zero torque until it is confirmed. README and DERIVATIONS.md, Choice of angle.
  */
 #ifndef CONTROLLER_ANGLE_CHOICE_H
 #define CONTROLLER_ANGLE_CHOICE_H
@@ -37,6 +37,7 @@
 
 #include "config/config.h"
 #include "core/frames.h"
+#include "core/measured.h"
 #include "core/reason.h"
 
 typedef struct {
@@ -59,31 +60,33 @@ typedef struct {
     reason_t name; /* REASON_NONE until it is known */
 } angle_choice_state_t;
 
-/* Sensor and observer at the same time. */
+/* Sensor and observer at the same time, in the terms of the slow loop (operating_point.h). */
 typedef struct {
     int32_t observer_mrad_s; /* mechanical, signed */
     int32_t sensor_mrad_s;   /* likewise */
     int16_t difference_turn; /* rotor angle of the sensor less that of the observer */
-    int16_t flux_q14;        /* of the observer along its angle */
-    int16_t across_q14;      /* and across it */
-    int16_t expected_q14;    /* of the magnets at its speed, not negative */
+    int32_t flux_q14;        /* of the observer along its angle */
+    int32_t across_q14;      /* and across it */
+    int32_t expected_q14;    /* of the magnets at its speed */
     dq_t i_pu;               /* latest sample, in the frame of the angle in use */
-    bool gain_suspected;     /* the battery's current contradicts the loop's: monitor_gain.h */
     bool acquired;           /* the observer's start is over */
     bool sensor_valid;       /* by the sensor's own plausibility */
     bool switching;
-    bool cleared; /* acknowledged, at rest: the sensor is right again */
-} angle_choice_input_t;
+} rotor_view_t;
 
 typedef struct {
-    bool valid;         /* the angle in use may make torque */
-    bool observer_used; /* instead of the sensor */
-    bool sensor_wrong;  /* contradicted by the observer */
-    reason_t reason;    /* of a wrong sensor */
-} angle_choice_output_t;
+    bool valid;        /* the angle in use may make torque */
+    angle_by_t by;     /* whose it is */
+    bool sensor_wrong; /* contradicted by the observer */
+    reason_t name;     /* of a wrong sensor; REASON_NONE until it is known */
+} angle_choice_t;
 
-/* 1 kHz. Any speed, angle and flux; magnitudes of the speed fit 32 bits. */
-angle_choice_output_t angle_choice_step(angle_choice_state_t *state, const config_t *config,
-                                        const angle_choice_input_t *in);
+void angle_choice_init(angle_choice_state_t *state);
+
+/* 1 kHz. Any speed, angle and flux; magnitudes of the speed fit 32 bits. gain_suspected: the
+ * battery's current contradicts the loop's. cleared: acknowledged at rest; with an open bridge the
+ * sensor counts as right again. */
+angle_choice_t angle_choice_step(angle_choice_state_t *state, const config_t *config,
+                                 const rotor_view_t *in, bool gain_suspected, bool cleared);
 
 #endif

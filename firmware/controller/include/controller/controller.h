@@ -32,12 +32,13 @@
 #include <stdint.h>
 
 #include "config/config.h"
-#include "controller/angle_choice.h"
 #include "controller/bridge_choice.h"
 #include "controller/current_expectation.h"
-#include "controller/operating_point.h"
-#include "controller/temperatures.h"
+#include "controller/measure.h"
 #include "core/fast_messages.h"
+#include "core/findings.h"
+#include "core/last.h"
+#include "core/measured.h"
 #include "core/slow_messages.h"
 #include "core/torque_enable.h"
 #include "foc/foc.h"
@@ -64,16 +65,13 @@ typedef struct {
 } controller_fast_t;
 
 typedef struct {
-    operating_point_state_t operating_point;
-    torque_state_t torque;
-    monitor_slow_state_t monitor;
-    angle_choice_state_t rotor;
+    measure_t measure;
+    monitor_state_t monitor;
     modes_state_t modes;
-    bridge_choice_state_t bridge_choice;
-    temperatures_t temperatures;
-    int32_t last_command_mNm;
-    int32_t last_estimate_mNm;
-    current_expectation_t expected_current;
+    torque_state_t torque;
+    bridge_choice_state_t bridge;
+    last_t last;
+    findings_t findings;
     uint16_t step_count;
 } controller_slow_t;
 
@@ -89,7 +87,8 @@ void controller_init(controller_t *controller, const config_t *config, int32_t t
 /* For use before the first slow step: no torque, bridge off. */
 fast_setpoint_t controller_initial_setpoint(const config_t *config, int32_t timer_Hz);
 
-/* Once per PWM period. Returns the output; the next step overwrites it. */
+/* Once per PWM period; any samples. Returns the output; the next step overwrites it. The bridge is
+ * PWM only where the setpoint enables torque and no trip is latched. */
 const fast_output_t *controller_fast_step(controller_fast_t *fast, const config_t *config,
                                           const fast_setpoint_t *setpoint, const fast_input_t *in);
 
@@ -107,7 +106,12 @@ void controller_fast_report_complete(fast_report_t *report);
  * of controller_slow_step(). */
 const torque_limits_t *controller_limits(const controller_slow_t *slow);
 
-/* Once per millisecond. */
+/* The temperatures in use in the latest slow step; before the first the reference temperature. */
+wheel_temperatures_t controller_temperatures(const controller_slow_t *slow);
+
+/* Once per millisecond. report: of controller_fast_report(), at most 40 000 periods after the one
+ * before. in: temperatures -1000 .. 1000 degC, all else of any value. Writes the setpoint that the
+ * fast loop uses from its next period on. */
 slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *config,
                                    const fast_report_t *report, const slow_input_t *in,
                                    fast_setpoint_t *setpoint);

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * current_expectation.h: the current that must flow at a setpoint, for the monitor. 1 kHz.
+ * current_expectation.h: the current that must flow at a setpoint, for the fast monitor. 1 kHz.
  *
- * The fast monitor gets a quarter of it: a sampled current vector that falls from above that to
- * zero, from one period to the next, is a sensor's and not the motor's (monitor README, All current
- * sensors). The slow one gets the reference of the averaging window.
+ * It gets a quarter of it: a sampled current vector that falls from above that to zero, from one
+ * period to the next, is a sensor's and not the motor's (monitor/DERIVATIONS.md, The fast trip).
  */
 #ifndef CONTROLLER_CURRENT_EXPECTATION_H
 #define CONTROLLER_CURRENT_EXPECTATION_H
@@ -15,17 +14,11 @@
 #include "config/config.h"
 #include "core/frames.h"
 
-typedef struct {
-    dq_t reference_pu;    /* of the latest setpoint, without field weakening, Q15 */
-    uint32_t most_square; /* of a quarter of the largest reference, Q30 */
-} current_expectation_t;
-
-void current_expectation_init(current_expectation_t *state, const config_t *config);
-
-/* Square of a quarter of the shorter of this setpoint's reference and the one before, Q30; 0 where
- * they point in different directions, where that is no more than twice what a dead sensor may show,
- * and where the bridge did not switch with the one before.
- * reference_pu: 16 bits. */
-uint32_t current_expectation_step(current_expectation_t *state, dq_t reference_pu, bool switching);
+/* Square of a quarter of the shorter of this setpoint's reference and the one before, Q30, at most
+ * that of the largest reference; 0 where they point in different directions, where that is no more
+ * than twice what a dead sensor may show, and where the bridge did not switch with the one before.
+ * References: 16 bits. */
+uint32_t current_expectation(const config_t *config, dq_t reference_pu, dq_t before_pu,
+                             bool switching);
 
 #endif

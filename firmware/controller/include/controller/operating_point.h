@@ -4,11 +4,11 @@
  * means in SI units, the fast loop with samples per unit; only this module knows both. Each
  * quantity crosses once each way:
  *
- *     fast_report_t  --> operating_point_of()        --> speed, mean currents, voltages
+ *     fast_report_t  --> operating_point_of()        --> measured_t: speed, currents, voltages
  *
  *     fast_setpoint_t <-- operating_point_setpoint() <-- mean currents to control
  *
- * Equations: README.
+ * DERIVATIONS.md, Sampling correction and Tuning.
  */
 #ifndef CONTROLLER_OPERATING_POINT_H
 #define CONTROLLER_OPERATING_POINT_H
@@ -17,8 +17,10 @@
 #include <stdint.h>
 
 #include "config/config.h"
+#include "controller/angle_choice.h"
 #include "core/fast_messages.h"
 #include "core/frames.h"
+#include "core/measured.h"
 
 /* sampling_correction.h: at one speed and winding temperature */
 typedef struct {
@@ -63,36 +65,14 @@ typedef struct {
     sampling_correction_t sampling;
 } operating_point_state_t;
 
-/* Currents and phase voltages are peak values in the rotor frame. */
-typedef struct {
-    int32_t speed_mrad_s; /* mechanical, signed */
-    /* Means over the averaging window, the periods since the previous report. */
-    int32_t i_d_mA, i_q_mA;
-    dq_t sampled_pu; /* of the samples, without correction, Q15 */
-    int32_t bus_voltage_mV;
-    int32_t bus_current_mA; /* out of the battery positive; from phase voltage and current */
-    /* Of the latest period. */
-    int32_t i_d_weakening_mA; /* mean current that field weakening adds to i_d, <= 0 */
-    int32_t phase_voltage_mV; /* mean that may be commanded, a reserve below field weakening */
-    int32_t latest_i_d_mA, latest_i_q_mA; /* sampled */
-    int32_t latest_u_d_mV, latest_u_q_mV; /* applied */
-} operating_point_t;
-
 /* Until the first report the bus voltage is the middle of the battery's range, the currents are
  * zero. timer_Hz: as for foc_init(). Divides. */
 void operating_point_init(operating_point_state_t *state, const config_t *config, int32_t timer_Hz);
 
-/* What the EMF observer shows, in the terms of the slow loop; its lead at its present speed is kept
- * for the next setpoint. Before operating_point_of(). Divides. */
-typedef struct {
-    int32_t speed_mrad_s;    /* mechanical, signed */
-    int16_t difference_turn; /* rotor angle of the sensor less that of the observer */
-    dq_t flux_q14;           /* along its angle and across */
-    int32_t expected_q14;    /* of the magnets, along */
-} observer_view_t;
-
-observer_view_t operating_point_observer(operating_point_state_t *state, const config_t *config,
-                                         const observer_report_t *observer);
+/* Rotor sensor and EMF observer, in the terms of the slow loop; the observer's lead at its present
+ * speed is kept for the next setpoint. Before operating_point_of(). Divides. */
+rotor_view_t operating_point_rotor(operating_point_state_t *state, const config_t *config,
+                                   const fast_report_t *report);
 
 /* Speed of the rotor angle in use, in the terms of both loops. */
 typedef struct {
@@ -100,15 +80,11 @@ typedef struct {
     int32_t wheel_mrad_s; /* mechanical */
 } rotor_speed_t;
 
-/* Speed of the rotor angle in use. */
-rotor_speed_t operating_point_speed(const config_t *config, int32_t turn_q32);
-
-/* report: at most 40 000 periods after the
- * previous one; the same one again leaves the means unchanged. winding_temperature_cC: any.
+/* Writes speed, mean and latest values of out, which has its report: at most 40 000 periods after
+ * the previous one; the same one again leaves the means unchanged. winding_temperature_cC: any.
  * Divides. */
-operating_point_t operating_point_of(operating_point_state_t *state, const config_t *config,
-                                     const fast_report_t *report, rotor_speed_t speed,
-                                     int32_t winding_temperature_cC);
+void operating_point_of(operating_point_state_t *state, const config_t *config, rotor_speed_t speed,
+                        int32_t winding_temperature_cC, measured_t *out);
 
 /* Writes reference, sampling correction, tuning and dead-time slope for the operating point of the
  * latest operating_point_of(). i_d_mA, i_q_mA: mean currents without the field-weakening current,

@@ -10,7 +10,7 @@
 #include <stdint.h>
 
 #include "config/config.h"
-#include "controller/operating_point.h"
+#include "core/measured.h"
 #include "core/slow_messages.h"
 #include "monitor/monitor_temperature.h"
 #include "motor/thermal_model.h"
@@ -18,15 +18,15 @@
 typedef struct {
     thermal_model_state_t model;
     monitor_temperature_state_t winding_sensor, switch_sensor;
-    wheel_temperatures_t used; /* of the latest step; before the first the reference temperature */
-    bool winding_broken, switch_broken;
 } temperatures_t;
 
 /* Divides; once at start. */
 void temperatures_init(temperatures_t *state, const config_t *config);
 
-/* Sets state->used and what is broken. at: of this millisecond, for the losses. */
+/* Writes the temperatures of now and whether a sensor is broken; it has this millisecond's currents
+ * and speed already. shown: by the sensors, -1000 .. 1000 degC; the estimate is used where one is
+ * broken, the hotter of both where it is stuck. motor/DERIVATIONS.md, Thermal model. */
 void temperatures_step(temperatures_t *state, const config_t *config,
-                       const wheel_temperatures_t *measured, const operating_point_t *at);
+                       const wheel_temperatures_t *shown, measured_t *now);
 
 #endif

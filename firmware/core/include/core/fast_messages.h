@@ -118,7 +118,7 @@ typedef struct {
     int32_t offset_q4[SENSE_PHASES]; /* zero-current codes * 16 */
     bool offsets_done;
     int32_t speed_q32; /* of the rotor sensor, electrical turns per period, forward positive */
-    bool rotor_valid;  /* the sensor's angle may be used for torque */
+    bool sensor_valid; /* the sensor's angle may be used for torque */
     observer_report_t observer;
     uint16_t rotor_faults; /* wrapping count of readings that a healthy sensor cannot give */
     uint16_t quadrant_transitions; /* of the current vector while not switching, wrapping; forward

@@ -45,99 +45,64 @@
     X(23, HILL_HOLD, "held at standstill until it drives off")                                     \
     X(30, ACCELERATOR_LOCKED, "accelerator must be released before it drives")
 
-/* What is detected, qualified and answered.
- * X(number, identifier, text, qualify time, heal time, reaction, clearing, driver)
- * A time is a configuration field, a sum of two, or words. */
+/* What is detected and answered; findings.h has the checks, their times and what happens.
+ * X(number, identifier, text, clearing, driver) */
 #define FAULT_LIST(X)                                                                              \
-    X(19, ROTOR_UNCERTAIN, "rotor angle not known well enough",                                    \
-      "at once", "monitor.rotor_warning_time_ms", LIMIT, HEALS, REDUCED)                           \
-    X(26, HYDRAULIC_FEEDBACK, "measured hydraulic torque missing or implausible",                  \
-      "brake.hydraulic_timeout_ms", "1000 ms", NONE, HEALS, SERVICE)                               \
-    X(27, OVERSPEED, "too fast for the bus voltage: no torque can be controlled",                  \
-      "2 ms", "1000 ms", LEAST, HEALS, REDUCED)                                                    \
-    X(28, BATTERY_DISCONNECTED, "no battery on the bus",                                           \
-      "at once", "100 ms", SAFE_STATE, HEALS, NO_MOTOR)                                            \
-    X(29, OFFSETS_STORED, "current sensors: stored offsets, none measured yet",                    \
-      "modes.offset_wait_ms", "at calibration", LIMIT, HEALS, REDUCED)                             \
-    X(64, CONFIG_INVALID, "configuration refused",                                                 \
-      "at once", "never", SAFE_STATE, RESTART, SERVICE)                                            \
-    X(65, SELFTEST_FAILED, "self-test failed",                                                     \
-      "modes.selftest_timeout_ms", "never", SAFE_STATE, RESTART, SERVICE)                          \
-    X(66, OFFSET_IMPLAUSIBLE, "current sensor offset out of range",                                \
-      "at calibration", "never", SAFE_STATE, ACKNOWLEDGED, SERVICE)                                \
-    X(67, OVERCURRENT, "phase over-current",                                                       \
-      "monitor.overcurrent_periods", "never", TRIP, ACKNOWLEDGED, NO_MOTOR)                        \
-    X(68, BUS_OVERVOLTAGE, "bus over-voltage",                                                     \
-      "monitor.battery_message_time_ms", "never", TRIP, ACKNOWLEDGED, NO_MOTOR)                    \
-    X(69, BUS_UNDERVOLTAGE, "bus under-voltage",                                                   \
-      "monitor.battery_message_time_ms + monitor.voltage_fault_time_ms", "never",                  \
-      SAFE_STATE, ACKNOWLEDGED, NO_MOTOR)                                                          \
-    X(70, WINDING_OVERTEMPERATURE, "winding over-temperature",                                     \
-      "monitor.sensor_fault_time_ms", "never", SAFE_STATE, ACKNOWLEDGED, NO_MOTOR)                 \
-    X(71, SWITCH_OVERTEMPERATURE, "inverter over-temperature",                                     \
-      "monitor.sensor_fault_time_ms", "never", SAFE_STATE, ACKNOWLEDGED, NO_MOTOR)                 \
-    X(72, CURRENT_SUM, "phase currents do not add up to zero",                                     \
-      "monitor.sensor_fault_time_ms", "never", SAFE_STATE, ACKNOWLEDGED, SERVICE)                  \
-    X(73, ROTOR_LOST, "rotor position lost",                                                       \
-      "monitor.rotor_fault_time_ms", "never", RAMP, ACKNOWLEDGED, SERVICE)                         \
-    X(74, TORQUE_IMPLAUSIBLE, "torque differs from what is permitted",                             \
-      "monitor.torque_fault_time_ms", "never", SAFE_STATE, ACKNOWLEDGED, NO_MOTOR)                 \
-    X(75, PROGRAM_FLOW, "control steps missed or out of order",                                    \
-      "9 ms", "never", SAFE_STATE, ACKNOWLEDGED, SERVICE)                                          \
-    X(76, DEMAND_TIMEOUT, "torque demand timed out",                                               \
-      "brake.demand_timeout_ms", "at once", HAND_OVER, SHOWN, NO_MOTOR)                            \
-    X(77, HARDWARE_BREAK, "power stage reported a fault",                                          \
-      "1 PWM period", "never", TRIP, ACKNOWLEDGED, SERVICE)                                        \
-    X(78, CURRENT_SENSOR, "current sensor saturated or stuck",                                     \
-      "monitor.sensor_fault_time_ms", "never", SAFE_STATE, ACKNOWLEDGED, SERVICE)                  \
-    X(79, ROTOR_IMPLAUSIBLE, "rotor angle contradicts the back-EMF",                               \
-      "monitor.angle_fault_time_ms", "never", SAFE_STATE, ACKNOWLEDGED, SERVICE)                   \
+    X(19, ROTOR_UNCERTAIN, "rotor angle not known well enough", HEALS, REDUCED)                    \
+    X(26, HYDRAULIC_FEEDBACK, "measured hydraulic torque missing or implausible", HEALS, SERVICE)  \
+    X(27, OVERSPEED, "too fast for the bus voltage: no torque can be controlled", HEALS, REDUCED)  \
+    X(28, BATTERY_DISCONNECTED, "no battery on the bus", HEALS, NO_MOTOR)                          \
+    X(29, OFFSETS_STORED, "current sensors: stored offsets, none measured yet", HEALS, REDUCED)    \
+    X(64, CONFIG_INVALID, "configuration refused", RESTART, SERVICE)                               \
+    X(65, SELFTEST_FAILED, "self-test failed", RESTART, SERVICE)                                   \
+    X(66, OFFSET_IMPLAUSIBLE, "current sensor offset out of range", ACKNOWLEDGED, SERVICE)         \
+    X(67, OVERCURRENT, "phase over-current", ACKNOWLEDGED, NO_MOTOR)                               \
+    X(68, BUS_OVERVOLTAGE, "bus over-voltage", ACKNOWLEDGED, NO_MOTOR)                             \
+    X(69, BUS_UNDERVOLTAGE, "bus under-voltage", ACKNOWLEDGED, NO_MOTOR)                           \
+    X(70, WINDING_OVERTEMPERATURE, "winding over-temperature", ACKNOWLEDGED, NO_MOTOR)             \
+    X(71, SWITCH_OVERTEMPERATURE, "inverter over-temperature", ACKNOWLEDGED, NO_MOTOR)             \
+    X(72, CURRENT_SUM, "phase currents do not add up to zero", ACKNOWLEDGED, SERVICE)              \
+    X(73, ROTOR_LOST, "rotor position lost", ACKNOWLEDGED, SERVICE)                                \
+    X(74, TORQUE_IMPLAUSIBLE, "torque differs from what is permitted", ACKNOWLEDGED, NO_MOTOR)     \
+    X(75, PROGRAM_FLOW, "control steps missed or out of order", ACKNOWLEDGED, SERVICE)             \
+    X(76, DEMAND_TIMEOUT, "torque demand timed out", SHOWN, NO_MOTOR)                              \
+    X(77, HARDWARE_BREAK, "power stage reported a fault", ACKNOWLEDGED, SERVICE)                   \
+    X(78, CURRENT_SENSOR, "current sensor saturated or stuck", ACKNOWLEDGED, SERVICE)              \
+    X(79, ROTOR_IMPLAUSIBLE, "rotor angle contradicts the back-EMF", ACKNOWLEDGED, SERVICE)        \
     X(80, WINDING_SENSOR, "winding temperature sensor broken or stuck, estimated",                 \
-      "monitor.sensor_fault_time_ms", "1000 ms", LIMIT, HEALS, SERVICE)                            \
+      HEALS, SERVICE)                                                                              \
     X(81, SWITCH_SENSOR, "inverter temperature sensor broken or stuck, estimated",                 \
-      "monitor.sensor_fault_time_ms", "1000 ms", LIMIT, HEALS, SERVICE)                            \
-    X(82, ACCELERATOR_SENSOR, "accelerator channels implausible or out of range",                  \
-      "pedals.fault_time_ms", "pedals.fault_time_ms", LIMIT, SHOWN, SERVICE)                       \
-    X(83, BRAKE_PEDAL_SENSOR, "brake pedal channels implausible or out of range",                  \
-      "pedals.fault_time_ms", "pedals.fault_time_ms", LIMIT, SHOWN, SERVICE)                       \
+      HEALS, SERVICE)                                                                              \
+    X(82, ACCELERATOR_SENSOR, "accelerator channels implausible or out of range", SHOWN, SERVICE)  \
+    X(83, BRAKE_PEDAL_SENSOR, "brake pedal channels implausible or out of range", SHOWN, SERVICE)  \
     X(84, MEMORY, "memory damaged: mode or fault differ from their inverted copy",                 \
-      "at once", "never", SAFE_STATE, RESTART, SERVICE)                                            \
-    X(85, CURRENT_SENSOR_A, "current sensor a wrong, reconstructed from b and c",                  \
-      "2 PWM periods", "at restart", LIMIT, HEALS, SERVICE)                                        \
-    X(86, CURRENT_SENSOR_B, "current sensor b wrong, reconstructed from c and a",                  \
-      "2 PWM periods", "at restart", LIMIT, HEALS, SERVICE)                                        \
-    X(87, CURRENT_SENSOR_C, "current sensor c wrong, reconstructed from a and b",                  \
-      "2 PWM periods", "at restart", LIMIT, HEALS, SERVICE)                                        \
+      RESTART, SERVICE)                                                                            \
+    X(85, CURRENT_SENSOR_A, "current sensor a wrong, reconstructed from b and c", HEALS, SERVICE)  \
+    X(86, CURRENT_SENSOR_B, "current sensor b wrong, reconstructed from c and a", HEALS, SERVICE)  \
+    X(87, CURRENT_SENSOR_C, "current sensor c wrong, reconstructed from a and b", HEALS, SERVICE)  \
     X(90, DEMAND_IMPLAUSIBLE, "torque demand refused: beyond the configured torque or its rise",   \
-      "at once", "1000 ms", NONE, SHOWN, SERVICE)                                                  \
-    X(91, ROTOR_SLIPPED, "rotor sensor displaced against the back-EMF",                            \
-      "12 ms", "monitor.rotor_warning_time_ms", LIMIT, HEALS, SERVICE)                             \
-    X(92, ROTOR_FROZEN, "rotor sensor stands still while the back-EMF turns",                      \
-      "2 ms", "monitor.rotor_warning_time_ms", LIMIT, HEALS, SERVICE)                              \
-    X(93, ROTOR_REVERSED, "rotor sensor turns against the back-EMF",                               \
-      "2 ms", "monitor.rotor_warning_time_ms", LIMIT, HEALS, SERVICE)                              \
+      SHOWN, SERVICE)                                                                              \
+    X(91, ROTOR_SLIPPED, "rotor sensor displaced against the back-EMF", HEALS, SERVICE)            \
+    X(92, ROTOR_FROZEN, "rotor sensor stands still while the back-EMF turns", HEALS, SERVICE)      \
+    X(93, ROTOR_REVERSED, "rotor sensor turns against the back-EMF", HEALS, SERVICE)               \
     X(96, FLUX_WEAK, "back-EMF below the magnets': magnets weak, or the bus voltage reads low",    \
-      "200 ms", "200 ms", NONE, HEALS, SERVICE)                                                    \
+      HEALS, SERVICE)                                                                              \
     X(97, BUS_SENSOR, "bus voltage reads wrong, against the battery's, the EMF or its range",      \
-      "200 ms", "200 ms", LIMIT_OR_OFF, HEALS, SERVICE)                                            \
-    X(98, HYDRAULIC_WEAK, "hydraulic brake makes less torque than commanded",                      \
-      "a speed error", "at once", NONE, HEALS, REDUCED)                                            \
+      HEALS, SERVICE)                                                                              \
+    X(98, HYDRAULIC_WEAK, "hydraulic brake makes less torque than commanded", HEALS, REDUCED)      \
     X(99, HYDRAULIC_DEAD, "hydraulic brake makes less than a quarter of its command",              \
-      "1000 ms", "at once", NONE, HEALS, REDUCED)                                                  \
-    X(100, HYDRAULIC_STRONG, "hydraulic brake makes more torque than commanded",                   \
-      "a speed error", "at once", NONE, HEALS, SERVICE)                                            \
-    X(101, HYDRAULIC_STUCK, "hydraulic brake does not release",                                    \
-      "a speed error", "at once", NONE, HEALS, SERVICE)                                            \
-    X(102, HYDRAULIC_LATE, "hydraulic brake comes later than configured",                          \
-      "a speed error", "at once", NONE, HEALS, SERVICE)                                            \
+      HEALS, REDUCED)                                                                              \
+    X(100, HYDRAULIC_STRONG, "hydraulic brake makes more torque than commanded", HEALS, SERVICE)   \
+    X(101, HYDRAULIC_STUCK, "hydraulic brake does not release", HEALS, SERVICE)                    \
+    X(102, HYDRAULIC_LATE, "hydraulic brake comes later than configured", HEALS, SERVICE)          \
     X(103, PHASE_OPEN, "phase wire or switch open: no current where one is wanted",                \
-      "3 ms", "never", SAFE_STATE, ACKNOWLEDGED, SERVICE)                                          \
+      ACKNOWLEDGED, SERVICE)                                                                       \
     X(104, CURRENT_GAIN, "gain of all current sensors wrong, by the battery current",              \
-      "200 ms", "never", SAFE_STATE, ACKNOWLEDGED, SERVICE)
+      ACKNOWLEDGED, SERVICE)
 /* clang-format on */
 
 #define REASON_LIMIT_ENUM(number, identifier, text) REASON_##identifier = (number),
-#define REASON_FAULT_ENUM(number, identifier, text, qualify, heal, reaction, clearing, driver)     \
+#define REASON_FAULT_ENUM(number, identifier, text, clearing, driver)                              \
     REASON_##identifier = (number),
 typedef enum { LIMIT_LIST(REASON_LIMIT_ENUM) FAULT_LIST(REASON_FAULT_ENUM) } reason_t;
 #undef REASON_LIMIT_ENUM

@@ -4,7 +4,8 @@
  * quotient takes one 32-bit one, the root two.
  *
  * A binary scale is a unit divided by a power of two, chosen at start so that a quantity uses 23
- * bits (firmware/torque/README.md, Binary scales). Ratios of two such units carry 24 fraction bits.
+ * bits (firmware/motor/DERIVATIONS.md, Binary scales). Ratios of two such units carry 24 fraction
+ * bits.
  */
 #ifndef CORE_SCALED_H
 #define CORE_SCALED_H

@@ -20,9 +20,13 @@
 #include <stdint.h>
 
 #include "config/config.h"
-#include "core/bridge.h"
+#include "core/findings.h"
+#include "core/last.h"
+#include "core/measured.h"
+#include "core/monitored.h"
 #include "core/operating_mode.h"
 #include "core/reason.h"
+#include "core/slow_messages.h"
 #include "core/torque_enable.h"
 #include "core/waits_for.h"
 
@@ -33,29 +37,6 @@ enum {
     /* Slow steps within which the monitor must report no fault after an acknowledgement. */
     MODES_ACKNOWLEDGE_STEPS = 50
 };
-
-typedef struct {
-    bool config_accepted;
-    bool selftest_passed;
-    bool offsets_done;      /* the fast loop has finished averaging */
-    bool offsets_plausible; /* the monitor's check of the offsets */
-    bool rotor_valid;       /* the rotor's angle may be used for torque */
-    bool rolling;           /* the monitor's speed upper bound is above the hand-over speed */
-    bool at_rest; /* the monitor knows that the wheel stands, whatever the rotor sensor says */
-    bool enable;
-    bool demand_lost;     /* older than its timeout */
-    reason_t lost_reason; /* REASON_DEMAND_TIMEOUT, or the sensor that made it be lost */
-    bool neutral;         /* no drive direction is engaged */
-    bool torque_demanded; /* driving or braking */
-    bool drive_demanded;  /* driving alone, no lift-off braking: must end once before RUN */
-    bool fault_reset;
-    bool warning; /* monitor: an error that does not forbid braking */
-    reason_t warning_reason;
-    reason_t fault;       /* monitor: REASON_NONE or a fault code */
-    bool battery_lost;    /* no torque until the battery is back on the bus */
-    bool emf_conducts;    /* no zero current to be seen with the bridge in its safe state */
-    bridge_mode_t bridge; /* actual mode */
-} modes_input_t;
 
 typedef struct {
     operating_mode_t mode;
@@ -86,6 +67,8 @@ typedef struct {
 void modes_init(modes_state_t *state);
 
 /* 1 kHz. Any input is permitted. */
-modes_output_t modes_step(modes_state_t *state, const config_t *config, const modes_input_t *in);
+modes_output_t modes_step(modes_state_t *state, const config_t *config, const measured_t *now,
+                          const monitored_t *watch, const last_t *last, const slow_input_t *in,
+                          findings_t *findings);
 
 #endif

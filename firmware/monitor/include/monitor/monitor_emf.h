@@ -11,7 +11,8 @@
  * than its sensor says. It is checked only where w psi >= 4 U, U the uncertainty of e, or where
  * e_q <= -U_q and w psi >= U_q, U_q the uncertainty of e_q, in a salient motor; and while the
  * voltage is not limited. The error is qualified by monitor.angle_fault_time more implausible than
- * plausible steps; a smaller e counts 1/32. README, Angle check.
+ * plausible steps; a smaller e counts 1/32. DERIVATIONS.md, Angle check. The same e_q against the
+ * magnets' flux: DERIVATIONS.md, Flux and bus voltage.
  */
 #ifndef MONITOR_MONITOR_EMF_H
 #define MONITOR_MONITOR_EMF_H
@@ -20,6 +21,7 @@
 #include <stdint.h>
 
 #include "config/config.h"
+#include "core/measured.h"
 
 enum {
     MONITOR_EMF_FLUX_STEPS = 200, /* ms, qualify and heal time */
@@ -40,21 +42,9 @@ typedef struct {
     int32_t missing_q20; /* share of the flux, 64 ms mean, 1 048 576 = 1.0; 0 unless FLUX_WEAK */
 } monitor_emf_state_t;
 
-/* Of the same PWM period, in the estimated frame: peak phase quantities, applied
- * terminal voltage. */
-typedef struct {
-    int32_t u_d_mV, u_q_mV;
-    int32_t i_d_mA, i_q_mA;
-    int32_t bus_voltage_mV;
-    int32_t winding_temperature_cC;
-    int32_t speed_mrad_s; /* mechanical, signed, as estimated */
-    bool switching;       /* the voltage was applied */
-    bool voltage_limited; /* the motor may be disconnected: not checked */
-    bool rotor_valid;     /* an invalid angle is not checked */
-} monitor_emf_input_t;
-
-/* True while the angle is implausible (qualified). */
-bool monitor_emf_step(monitor_emf_state_t *state, const config_t *config,
-                      const monitor_emf_input_t *in);
+/* True while the angle is implausible (qualified); never without PWM or with an invalid angle,
+ * where the flux stays as it was judged last. Uses latest_... of `now`, of one period and in the
+ * frame of the angle in use; currents beyond 10 kA count as that. */
+bool monitor_emf_step(monitor_emf_state_t *state, const config_t *config, const measured_t *now);
 
 #endif

@@ -7,8 +7,10 @@
 
 #include "monitor/monitor.h"
 
-/* A current vector that is too long, or that has vanished from one sample to the next. The count is
- * of periods above the trip, or negative, of periods at zero. */
+/* A current vector that is too long, or that has vanished from one sample to the next: OVERCURRENT,
+ * CURRENT_SENSOR or REASON_NONE. square: of its length, Q30, not between in->least_square and the
+ * trip. The count is of periods above the trip, or negative, of periods at zero. DERIVATIONS.md,
+ * The fast trip. */
 static inline reason_t monitor_fast_current(monitor_fast_state_t *state,
                                             const monitor_fast_input_t *in, uint32_t square)
 {
@@ -22,7 +24,8 @@ static inline reason_t monitor_fast_current(monitor_fast_state_t *state,
     return state->current_periods == -state->dead_periods ? REASON_CURRENT_SENSOR : REASON_NONE;
 }
 
-/* Reason of the first trip condition that is true in this period, or REASON_NONE. */
+/* Reason of the first trip condition that is true in this period, or REASON_NONE. Only while no
+ * trip is latched. */
 static inline reason_t monitor_fast_look(monitor_fast_state_t *state,
                                          const monitor_fast_input_t *in)
 {
@@ -58,13 +61,15 @@ static inline reason_t monitor_fast_look(monitor_fast_state_t *state,
     return REASON_NONE;
 }
 
+/* Latches a trip and its inverted copy. reason: not REASON_NONE. */
 static inline void monitor_fast_trip(monitor_fast_state_t *state, reason_t reason)
 {
     state->trip = reason;
     state->inverted_trip = ~(uint32_t)reason;
 }
 
-/* The trip, latched; REASON_NONE when healthy. */
+/* PWM period, last in the fast step, on what it has sampled. Returns the trip, latched until
+ * in->clear_trip and judged again in that period; REASON_NONE when healthy. */
 static inline reason_t monitor_fast_step(monitor_fast_state_t *state,
                                          const monitor_fast_input_t *in)
 {

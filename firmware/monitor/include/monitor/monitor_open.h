@@ -9,8 +9,8 @@
  * phase stays at zero beside the others' current in MONITOR_OPEN_STEPS samples, while the rotor
  * turns through MONITOR_OPEN_TURN and the reference wants a quarter of that current in it. Samples
  * after a jump of the angle, ahead of the currents, do not count. A dead current sensor looks like
- * that only below the tolerance of the sum; above it its sample is replaced. monitor_open_reason()
- * tells the two. README, Open phase.
+ * that only below the tolerance of the sum; above it its sample is replaced. DERIVATIONS.md, Open
+ * phase.
  */
 #ifndef MONITOR_MONITOR_OPEN_H
 #define MONITOR_MONITOR_OPEN_H
@@ -19,6 +19,7 @@
 #include <stdint.h>
 
 #include "core/frames.h"
+#include "core/measured.h"
 #include "core/reason.h"
 
 enum {
@@ -43,21 +44,11 @@ typedef struct {
     bool suspected;        /* in the latest step with PWM */
 } monitor_open_state_t;
 
-/* Rotor frame, Q15 of the current base, components within 17 bits. */
-typedef struct {
-    dq_t sampled_pu; /* of the latest period */
-    dq_t reference_pu;
-    uint16_t theta_turn; /* electrical angle of that frame in that period */
-    bool switching;
-} monitor_open_input_t;
-
-/* True while a phase is open (qualified); never while the bridge does not switch. */
-bool monitor_open_step(monitor_open_state_t *state, const monitor_open_input_t *in);
-
-/* Name of what monitor_open_step() has found, from the current and the sum of the three readings in
- * the same period, Q15 of the current base. An open phase leaves the other two opposite currents,
- * which add up to zero; a sensor that shows none leaves a sum of what its phase carries, up to the
- * tolerance of that check. */
-reason_t monitor_open_reason(dq_t sampled_pu, int32_t current_sum_pu);
+/* PHASE_OPEN while a phase is open, CURRENT_SUM while a sensor shows no current of its phase
+ * (qualified); else REASON_NONE, and while the bridge does not switch. The two differ in the sum of
+ * the three readings. Of `now` it uses current, sum and angle of the latest period. reference_pu:
+ * of the averaging window, field weakening included, in the rotor frame, Q15 of the current base,
+ * components within two full scales (65 536). */
+reason_t monitor_open_step(monitor_open_state_t *state, const measured_t *now, dq_t reference_pu);
 
 #endif

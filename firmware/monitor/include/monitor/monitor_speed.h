@@ -9,7 +9,7 @@
  *   - in active short circuit, the speed from the quadrant transitions of the current vector;
  *   - in freewheel, while the sensor is invalid or below the blend-out: the speed at which the
  *     EMF reaches the bus voltage, once a diode current or an overvoltage has been qualified.
- * No current during a short circuit: standstill. Derivation and conditions: README, Speed bound.
+ * No current during a short circuit: standstill. DERIVATIONS.md, Speed bound.
  */
 #ifndef MONITOR_MONITOR_SPEED_H
 #define MONITOR_MONITOR_SPEED_H
@@ -19,6 +19,7 @@
 
 #include "config/config.h"
 #include "core/bridge.h"
+#include "core/measured.h"
 
 /* Length of a measuring window: quadrant transitions or milliseconds, whichever is reached first.
  * It sets the resolution of the measured speed. */
@@ -51,22 +52,12 @@ enum {
     MONITOR_SPEED_SUDDEN = 4
 };
 
-typedef struct {
-    int32_t speed_mrad_s; /* the rotor sensor's, mechanical, signed */
-    bool rotor_valid;
-    bridge_mode_t bridge;      /* actual mode since the last step */
-    int32_t i_d_mA, i_q_mA;    /* of the latest period, peak phase; in any frame */
-    bool offsets_known;        /* of the current sensors */
-    uint16_t current_quarters; /* quadrant transitions of the current vector, wrapping */
-    uint16_t quarter_step;     /* periods at the latest of them, wrapping */
-    uint16_t fast_step_count;  /* periods, wrapping */
-    int32_t bus_voltage_mV;
-} monitor_speed_input_t;
-
 /* Returns the bound: mechanical, magnitude, mrad/s. state->rest_urad_s is never below it: it
  * follows a valid sensor only while that falls no faster than monitor.tyre_grip, so that a frozen
- * one does not show standstill; otherwise it falls by monitor.coasting. README, Standstill. */
+ * one does not show standstill; otherwise it falls by monitor.coasting. In a short circuit neither
+ * falls before two windows have measured a speed. The result saturates; currents beyond 10 kA count
+ * as that. DERIVATIONS.md, Standstill. */
 int32_t monitor_speed_step(monitor_speed_state_t *state, const config_t *config,
-                           const monitor_speed_input_t *in);
+                           const measured_t *now);
 
 #endif

@@ -5,9 +5,9 @@
  *
  * In freewheel a stuck switch and the diodes of its own side carry half waves: the mean of one
  * phase current over an electrical turn is far from zero, negative with a stuck low side, positive
- * with a stuck high side. README, A switch that is stuck closed. The answer is the active short
- * circuit on that side, from then on until the trip is acknowledged, or, without a trip (found
- * while coasting with the bridge off), until the wheel is at rest.
+ * with a stuck high side. DERIVATIONS.md, A switch that is stuck closed. The answer is the active
+ * short circuit on that side, from then on until the trip is acknowledged, or, without a trip
+ * (found while coasting with the bridge off), until the wheel is at rest.
  *
  * Windows of at least one electrical turn by the valid rotor sensor in one mode of the bridge, and
  * at most MONITOR_STUCK_STEPS; no side is determined without a valid rotor sensor, with a named
@@ -22,6 +22,7 @@
 
 #include "config/config.h"
 #include "core/bridge.h"
+#include "core/measured.h"
 #include "core/reason.h"
 
 enum {
@@ -53,24 +54,14 @@ typedef struct {
 } monitor_stuck_state_t;
 
 typedef struct {
-    bool tripped;         /* the fast monitor's trip is latched */
-    bool turning;         /* by the bound of the speed, above standstill */
-    bridge_mode_t bridge; /* commanded since the last step */
-    bool currents_known;  /* offsets measured, no sensor named */
-    bool sum_good;        /* the latest currents add up to zero */
-    bool rotor_valid;
-    int32_t speed_mrad_s;       /* the rotor sensor's, mechanical, signed */
-    uint32_t alpha_pu, beta_pu; /* running sums of the current while not switching, wrapping */
-    uint16_t fast_step_count;   /* periods, wrapping */
-} monitor_stuck_input_t;
-
-typedef struct {
     bridge_mode_t side; /* as in the state */
-    reason_t fault;     /* HARDWARE_BREAK while there is a side; a trip has its own name */
     bool release_break; /* the bridge is to leave the hardware's latch, for the short circuit */
 } monitor_stuck_output_t;
 
+/* The side, once known, stays while there is a trip or the wheel turns. turning: the speed upper
+ * bound is above standstill. release_break: for MONITOR_STUCK_RELEASE_STEPS after the side has been
+ * found, with a trip only. */
 monitor_stuck_output_t monitor_stuck_step(monitor_stuck_state_t *state, const config_t *config,
-                                          const monitor_stuck_input_t *in);
+                                          const measured_t *now, bool turning);
 
 #endif

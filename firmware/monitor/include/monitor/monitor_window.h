@@ -4,7 +4,7 @@
  * whether the message contradicts it. Slow loop, 1 kHz.
  *
  * A message is as old as its cycle, so it is compared with the lowest and the highest value of the
- * last MONITOR_WINDOW_STEPS to twice as many milliseconds. README, Flux and bus voltage.
+ * last MONITOR_WINDOW_STEPS to twice as many milliseconds. DERIVATIONS.md, Flux and bus voltage.
  */
 #ifndef MONITOR_MONITOR_WINDOW_H
 #define MONITOR_MONITOR_WINDOW_H
@@ -29,7 +29,8 @@ typedef struct {
 /* Forgets everything. */
 void monitor_window_restart(monitor_window_t *window);
 
-/* Adds the value of this millisecond. True once a whole window lies before it. */
+/* Adds the value of this millisecond, of a magnitude up to MONITOR_WINDOW_MOST. True once a whole
+ * window lies before it. */
 bool monitor_window_add(monitor_window_t *window, int32_t value);
 
 /* Of both windows; not before monitor_window_add(). */

@@ -5,8 +5,8 @@
  *
  * The current of a short circuit that has just begun circles around the settled one once an
  * electrical turn, and the bridge opens up to 500 us after the sample (age of the report, slow
- * step, and period in which it acts): the largest energy in that time counts (README, The safe
- * state). Nothing wraps for any input.
+ * step, and period in which it acts): the largest energy in that time counts (DERIVATIONS.md, The
+ * safe state). Nothing wraps for any input.
  */
 #ifndef MONITOR_SHORT_EXIT_H
 #define MONITOR_SHORT_EXIT_H

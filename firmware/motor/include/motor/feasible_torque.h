@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * feasible_torque.h: the torques that voltage, phase current and a battery's power allow at one
- * speed, temperature and bus voltage, and the currents that make them. Derivations: README,
+ * speed, temperature and bus voltage, and the currents that make them. DERIVATIONS.md,
  * Feasible torque.
  *
  * At every torque i_d is that of the minimum-loss map or, where that exceeds the voltage limit,
@@ -34,7 +34,7 @@ typedef struct {
     feasible_power_t power;
     loss_maps_row_t row;
     int64_t voltage_squared; /* of the largest |u|, binary scale */
-    int32_t weakest_d_b;     /* lowest i_d, <= 0: README, Feasible torque */
+    int32_t weakest_d_b;     /* lowest i_d, <= 0: DERIVATIONS.md, Feasible torque */
 } feasible_set_t;
 
 /* One direction of torque up to its cap, the point of the largest torque that the other limits
@@ -109,7 +109,7 @@ bool feasible_holds(const feasible_set_t *set, motor_point_t at);
 
 /* Where the voltage, reserve included, suffices neither for the point nor for zero torque at the
  * lowest i_d: replaces it by the one of least braking torque on the current circle for which it
- * suffices, or by the one of least voltage, and returns true. README, Forced torque. */
+ * suffices, or by the one of least voltage, and returns true. DERIVATIONS.md, Forced torque. */
 bool feasible_forced(const feasible_set_t *set, motor_point_t *at);
 
 /* The point of an airgap torque within the bounds, along the rotation: the map's i_d; on the

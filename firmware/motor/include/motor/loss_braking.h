@@ -6,7 +6,7 @@
  * At a given torque a lower i_d raises the copper loss and returns less power. It is largest on the
  * current circle, and the torque that returns nothing there is
  *
- *     T = (3/2 R I^2 + P_bridge + P_fe) / w        README, Loss braking
+ *     T = (3/2 R I^2 + P_bridge + P_fe) / w        DERIVATIONS.md, Loss braking
  *
  * The current is motor.max_phase_current, less with the derating of winding and switches.
  * brake.loss_braking switches it off. All quantities in the binary scales of the motor model.

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * motor_model.h: torque, current, voltage and power of a PMSM with an iron-loss resistance across
- * its EMF, in the steady state. Equations, sources and binary scales: README, Motor model.
+ * its EMF, in the steady state. Equations, sources and binary scales: DERIVATIONS.md, Motor model.
  *
  * Peak phase (amplitude-invariant) quantities, means over the PWM period. The terminal current i
  * splits into the torque current i_t and the iron current v / R_i.

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * thermal_model.h: temperatures of winding and switches estimated from their losses, for a sensor
- * that is broken or stuck. Two lumps of heat capacity in a row each; README, Thermal model.
+ * that is broken or stuck. Two lumps of heat capacity in a row each; DERIVATIONS.md, Thermal model.
  *
  *     C1 dT1/dt = P1 - (T1 - T2)/R1                      winding, switches
  *     C2 dT2/dt = P2 + (T1 - T2)/R1 - (T2 - T_a)/R2      housing, heat sink

@@ -15,7 +15,7 @@
  * The accelerator drives only after it has been released once since the start, a fault, or a
  * travel beyond pedals.override with the brake pedal pressed. Direction and switches come by CAN; a
  * controller that has never received a demand takes the vehicle for one without CAN, switched on
- * and forward, and one whose messages have ended is neutral. README, Pedals.
+ * and forward, and one whose messages have ended is neutral. README.
  */
 #ifndef PEDALS_PEDALS_H
 #define PEDALS_PEDALS_H

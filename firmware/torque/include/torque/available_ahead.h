@@ -11,8 +11,8 @@
  *
  * The work is spread over a round of AVAILABLE_AHEAD_ROUND_steps; results are two rounds old at
  * most, of the side without a demand TORQUE_LIMITS_TURN_steps more. What changes by a step (torque
- * enable, anti-lock, a new limit of the battery) is taken as it is now. Error: README, Available
- * torque.
+ * enable, anti-lock, a new limit of the battery) is taken as it is now. Error: DERIVATIONS.md,
+ * Available torque.
  */
 #ifndef TORQUE_AVAILABLE_AHEAD_H
 #define TORQUE_AVAILABLE_AHEAD_H
@@ -21,8 +21,9 @@
 #include <stdint.h>
 
 #include "config/config.h"
-#include "torque/limit.h"
+#include "core/measured.h"
 #include "motor/motor_model.h"
+#include "torque/limit.h"
 #include "torque/torque_limits.h"
 
 /* 300 ms: the dead time and two lags of a slow hydraulic brake, so that it can be there in time. */
@@ -45,8 +46,8 @@ typedef struct {
     int32_t phase_voltage_mV;
     int32_t winding_temperature_cC;
     int32_t switch_temperature_cC;
-    int32_t brake_demand_mNm; /* magnitude; a parallel brake takes a share of it */
-} available_ahead_input_t;
+    int32_t brake_torque_mNm; /* demanded, magnitude; a parallel brake takes a share of it */
+} available_inputs_t;
 
 enum { AVAILABLE_SLOPED_LINES = 5 };
 
@@ -56,18 +57,22 @@ typedef struct {
     available_slope_t returned, drawn; /* power that the battery permits */
     available_slope_t driving[AVAILABLE_SLOPED_LINES], braking[AVAILABLE_SLOPED_LINES];
     /* Expected, of this round. */
-    available_ahead_input_t expected;
+    available_inputs_t expected;
     int32_t returned_b, drawn_b;
     limit_t driving_lines[TORQUE_LINE_COUNT], braking_lines[TORQUE_LINE_COUNT];
     /* Results of the last round. */
     available_t now, ahead;
 } available_ahead_state_t;
 
+/* Until the first round has ended both results are zero, with REASON_TORQUE_ENABLE. */
 void available_ahead_init(available_ahead_state_t *state);
 
-/* limits: the table of this step. A round computes its results in its last phase only. */
+/* Writes now and ahead of the state in the last phase of a round. limits: the table of this step.
+ * phase_voltage_mV: peak, that its bounds were solved with. brake_torque_mNm: demanded, below zero
+ * counts as zero. */
 void available_ahead_step(available_ahead_state_t *state, const motor_constants_t *motor,
                           const config_t *config, const torque_limits_t *limits,
-                          const available_ahead_input_t *in);
+                          const measured_t *now, int32_t phase_voltage_mV,
+                          int32_t brake_torque_mNm);
 
 #endif

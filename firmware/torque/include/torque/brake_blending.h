@@ -27,9 +27,10 @@
  *     brakes beyond the lines of the strategy by what the hydraulic brake may miss, and the command
  *     is larger by what the motor can take back, smaller by what it can make up for only.
  *
- * Figures: README, Brake blending. Source: Lu et al. 2013 section 3.2. Unlike there, in region I of
- * its Fig. 5 the motor brakes with T_opt instead of the friction brake alone, which never returns
- * less energy.
+ * Equations: README, Brake blending; DERIVATIONS.md, Bridging to Hydraulic feedback.
+ *
+ * Source: Lu et al. 2013 section 3.2. Unlike there, in region I of its Fig. 5 the motor brakes with
+ * T_opt instead of the friction brake alone, which never returns less energy.
  */
 #ifndef TORQUE_BRAKE_BLENDING_H
 #define TORQUE_BRAKE_BLENDING_H
@@ -39,7 +40,11 @@
 
 #include "config/config.h"
 #include "core/filter.h"
+#include "core/findings.h"
+#include "core/last.h"
+#include "core/measured.h"
 #include "core/torque_enable.h"
+#include "torque/demand.h"
 #include "torque/hydraulic_feedback.h"
 #include "torque/hydraulic_model.h"
 #include "torque/hydraulic_watch.h"
@@ -58,26 +63,19 @@ typedef struct {
     int32_t bridged_q6_mNm;   /* what is left of a deferrable limit that has fallen */
     int32_t within_q6_mNm;    /* the deferrable limit of the last step */
     int32_t bridging_ms;      /* since it began to fall */
-    int32_t added_mNm;        /* to the hydraulic command of the last step */
-    int32_t taken_mNm;        /* of the demand, by the hydraulic brake in the last step */
+    int32_t covered_mNm;      /* of the demand, by the hydraulic brake in the last step */
     int32_t slower_mrad_s;    /* speed expected when the hydraulic brake has followed, magnitude */
     uint8_t open_steps;       /* of the bridge with a demand, less the closed ones */
 } brake_blending_state_t;
 
+/* What the motor makes now. */
 typedef struct {
-    int32_t demand_mNm;         /* magnitude >= 0 */
-    int32_t speed_mrad_s;       /* mechanical, signed */
-    int32_t motor_command_mNm;  /* of the last step, signed */
-    int32_t motor_growth_mNm;   /* permitted change of its magnitude; negative: it must fall */
-    int32_t motor_achieved_mNm; /* estimated from measured currents, signed */
-    int32_t short_mNm;          /* braking torque of the shorted motor by its model, magnitude */
-    torque_enable_t torque_enable;
-    hydraulic_feedback_t hydraulic;
-    bool watched;      /* speed and motor torque show what the hydraulic brake makes */
-    bool acknowledged; /* its finding is, by the driver at rest without a demand */
-    bool bridge_open;  /* since the last step: freewheel or active short circuit */
-    bool handed_over;  /* the brake system makes the demand by itself, with its own lag */
-} brake_blending_input_t;
+    int32_t achieved_mNm; /* estimated from measured currents, signed */
+    int32_t short_mNm;    /* braking torque of an active short circuit by its model, magnitude; 0:
+                             the bridge is not shorted */
+    int32_t growth_mNm;   /* permitted change of the command's magnitude; negative: it must fall */
+    bool bridge_open;     /* since the last step: freewheel or active short circuit */
+} motor_now_t;
 
 typedef struct {
     int32_t electric_mNm;  /* torque demanded of the motor, magnitude >= 0, before the torque rate
@@ -87,29 +85,30 @@ typedef struct {
     reason_t reason;       /* of an electric torque below the demand; else REASON_NONE */
     reason_t hydraulic_reason; /* REASON_HYDRAULIC_LIMIT if both brakes cannot meet the demand,
                                   REASON_HYDRAULIC_FEEDBACK if feedback is lost */
-    int32_t beside_mNm;        /* of the demand beside the hydraulic torque, >= 0 */
-    int32_t arrived_mNm;   /* hydraulic torque that came in this step, >= 0: the motor torque beyond
-                              beside_mNm falls by it at once */
+    int32_t uncovered_mNm;     /* of the demand, beyond the hydraulic torque, >= 0 */
+    int32_t rise_mNm;      /* of the hydraulic torque in this step, >= 0: the motor torque beyond
+                              uncovered_mNm falls by it at once */
     int32_t slower_mrad_s; /* speed expected when it has followed a command, magnitude */
     int32_t road_mNm;      /* with which the road brakes, magnitude; 0: not known */
 } brake_blending_out_t;
 
 void brake_blending_init(brake_blending_state_t *state, const config_t *config);
 
-/* What is found of the hydraulic brake or of its reports. */
-static inline reason_t brake_blending_finding(const brake_blending_state_t *state)
-{
-    const bool lost = state->feedback.seen && state->feedback.heal_ms > 0;
-    return state->watch.reason == REASON_NONE && lost ? REASON_HYDRAULIC_FEEDBACK
-                                                      : state->watch.reason;
-}
+/* Sets the findings BRAKE_*: of the hydraulic brake, and of its reports where it has none. Once a
+ * step, after brake_blending_step(). */
+void brake_blending_report(const brake_blending_state_t *state, findings_t *findings);
 
-/* The hydraulic command that is sent in place of the split's, larger by hill hold and lift-off. */
-void brake_blending_sent(brake_blending_state_t *state, const brake_blending_out_t *split,
-                         int32_t hydraulic_mNm);
-
+/* 1 kHz. limits: of this step. last: torque command, and what was added to the hydraulic command.
+ * report: of this wheel's brake; an age beyond brake.hydraulic_timeout_ms is a missing one. seen:
+ * speed and motor torque show what the hydraulic brake makes. acknowledged: its finding is, by the
+ * driver at rest without a demand.
+ *
+ * The electric torque is at most the demand and every hard line; a demand below zero counts as
+ * zero. The hydraulic command is at most brake.max_hydraulic_torque. */
 brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const config_t *config,
-                                         const torque_limits_t *limits,
-                                         const brake_blending_input_t *in);
+                                         const torque_limits_t *limits, const measured_t *now,
+                                         const last_t *last, const hydraulic_feedback_t *report,
+                                         const torque_enable_t *enable, const demand_t *demand,
+                                         const motor_now_t *motor, bool seen, bool acknowledged);
 
 #endif

@@ -9,7 +9,7 @@
  * instead.
  *
  * Braking has priority over driving. Driving torque acts only in the engaged direction; a driving
- * demand against it is lift-off braking, a magnitude. README, Demand.
+ * demand against it is lift-off braking, a magnitude. README, Demand; DERIVATIONS.md, Lost demand.
  */
 #ifndef TORQUE_DEMAND_H
 #define TORQUE_DEMAND_H
@@ -21,30 +21,21 @@
 #include "config/demand_age.h"
 #include "core/drive_direction.h"
 #include "core/reason.h"
-
-typedef struct {
-    int32_t drive_mNm; /* signed, positive forward */
-    int32_t brake_mNm; /* magnitude; below 0 counts as 0 */
-    uint32_t age_ms;
-    drive_direction_t direction;
-    bool abs_active;      /* lift-off braking ends */
-    bool standstill;      /* by the monitor's speed upper bound */
-    int32_t speed_mrad_s; /* mechanical, signed */
-    reason_t reason;      /* why the pedals give another torque than they are pressed for */
-} demand_input_t;
+#include "core/slow_messages.h"
 
 typedef struct {
     int32_t lift_off_mNm; /* of the last valid demand, falling after its loss */
-    int32_t brake_mNm;
-    int32_t asked_mNm; /* brake_mNm of the last valid demand: what the own path makes */
-    int32_t lost_ms;   /* slow steps since the loss, saturating */
+    int32_t brake_torque_mNm;
+    int32_t received_brake_torque_mNm; /* of the last valid demand: what the own path makes */
+    int32_t lost_ms;                   /* slow steps since the loss, saturating */
     drive_direction_t engaged;
 } demand_state_t;
 
 typedef struct {
-    int32_t drive_mNm;    /* signed, in the engaged direction; 0 while a brake pedal is pressed */
+    int32_t
+        drive_torque_mNm; /* signed, in the engaged direction; 0 while a brake pedal is pressed */
     int32_t lift_off_mNm; /* magnitude >= 0 */
-    int32_t brake_mNm;    /* magnitude >= 0, without lift_off_mNm */
+    int32_t brake_torque_mNm; /* magnitude >= 0, without lift_off_mNm */
     drive_direction_t engaged;
     reason_t reason; /* why driving torque is not as demanded, or why the demand is an old one */
     bool drive_withdrawn; /* no driving torque is allowed: it must go at once, not at its rate */
@@ -52,9 +43,14 @@ typedef struct {
     bool handed_over;     /* it arrives there, and the braking torque falls */
 } demand_t;
 
+/* No demand has come yet, which is a lost one of zero; the direction is neutral. */
 void demand_init(demand_state_t *state);
 
-demand_t demand_step(demand_state_t *state, const config_t *config, const demand_input_t *in);
+/* 1 kHz. in: demand and its age; torques beyond +-100 kN m are clamped. speed_mrad_s: mechanical,
+ * signed. standstill: by the monitor's speed upper bound. A lost demand never drives, and its
+ * braking torque never rises. */
+demand_t demand_step(demand_state_t *state, const config_t *config, const slow_input_t *in,
+                     int32_t speed_mrad_s, bool standstill);
 
 /* Largest change of a torque in one slow step, mNm, at least 1. */
 int32_t demand_rate_mNm_per_step(const config_t *config);

@@ -6,7 +6,7 @@
  * The limit is an integrator of the voltage error, independent of commands and other limits: the
  * voltage counts as if the whole limit flowed. In the steady state the limit is a straight line
  * over that voltage: the full current one width inside the end, zero at the end. Gain and
- * stability: README, Fold-back.
+ * stability: DERIVATIONS.md, Fold-back.
  */
 #ifndef TORQUE_FOLDBACK_H
 #define TORQUE_FOLDBACK_H

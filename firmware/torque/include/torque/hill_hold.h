@@ -8,7 +8,7 @@
  * and at the latest within driver.hold_release. A wheel that rolls back meanwhile is caught: full
  * torque again, which only T takes away. Where the road brakes with about as much as is demanded or
  * more, so that the demand may not hold the slope, it begins when the wheel is expected to stand as
- * soon as the hydraulic brake has followed. Derivation: README, Standstill.
+ * soon as the hydraulic brake has followed. DERIVATIONS.md, Hill hold.
  */
 #ifndef TORQUE_HILL_HOLD_H
 #define TORQUE_HILL_HOLD_H
@@ -18,17 +18,8 @@
 
 #include "config/config.h"
 #include "core/drive_direction.h"
-
-typedef struct {
-    int32_t demand_mNm;  /* braking by pedal and lift-off, magnitude */
-    int32_t command_mNm; /* motor torque, signed */
-    int32_t drive_mNm;   /* driving demand, signed */
-    int32_t road_mNm;    /* with which the road brakes, magnitude; 0: not known */
-    int32_t speed_mrad_s;
-    int32_t slower_mrad_s; /* expected when the hydraulic brake has followed, magnitude */
-    drive_direction_t engaged;
-    bool standstill; /* by the monitor's speed upper bound */
-} hill_hold_input_t;
+#include "torque/brake_blending.h"
+#include "torque/demand.h"
 
 typedef struct {
     int32_t torque_mNm; /* present hold torque, magnitude; 0: none */
@@ -40,8 +31,11 @@ typedef struct {
 
 void hill_hold_init(hill_hold_state_t *state);
 
-/* Least torque of the hydraulic brake, magnitude, up to driver.hold_torque_mNm. */
-int32_t hill_hold_step(hill_hold_state_t *state, const config_t *config,
-                       const hill_hold_input_t *in);
+/* Least torque of the hydraulic brake, magnitude, up to driver.hold_torque_mNm. split: of this
+ * step, for what the road brakes with and the speed to come. command_mNm: motor torque, signed.
+ * standstill: by the monitor's speed upper bound. */
+int32_t hill_hold_step(hill_hold_state_t *state, const config_t *config, const demand_t *demand,
+                       const brake_blending_out_t *split, int32_t command_mNm, int32_t speed_mrad_s,
+                       bool standstill);
 
 #endif

@@ -16,8 +16,8 @@
  * gain is forgotten (implausible) or kept (missing), and the model stands in; feedback returns
  * after HYDRAULIC_FEEDBACK_HEAL_ms of plausible reports. A report short of the learned gain by a
  * quarter of the tolerance counts as the model less that quarter until the deceleration confirms
- * it, so that a wrong sensor does not raise the motor torque. Equations: README, Hydraulic
- * feedback.
+ * it, so that a wrong sensor does not raise the motor torque. DERIVATIONS.md, Hydraulic
+ * feedback and Wrong reports.
  */
 #ifndef TORQUE_HYDRAULIC_FEEDBACK_H
 #define TORQUE_HYDRAULIC_FEEDBACK_H
@@ -62,7 +62,8 @@ static inline bool hydraulic_feedback_used(const hydraulic_feedback_state_t *sta
     return state->seen && state->heal_ms == 0;
 }
 
-/* After hydraulic_model_step() of the same millisecond. */
+/* After hydraulic_model_step() of the same millisecond. report: its torque is clamped to 0 .. 2^25
+ * mN m; with brake.hydraulic_timeout zero none is used. */
 hydraulic_feedback_out_t hydraulic_feedback_step(hydraulic_feedback_state_t *state,
                                                  const config_t *config,
                                                  const hydraulic_model_t *model,

@@ -32,7 +32,7 @@ typedef struct {
 
 void hydraulic_model_init(hydraulic_model_t *model);
 
-/* One millisecond with a command, 0 .. brake.max_hydraulic_torque_mNm. */
+/* One millisecond with a command; it is clamped to 0 .. brake.max_hydraulic_torque_mNm. */
 void hydraulic_model_step(hydraulic_model_t *model, const config_t *config, int32_t command_mNm);
 
 /* Present torque, magnitude. */

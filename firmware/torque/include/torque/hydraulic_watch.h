@@ -30,7 +30,8 @@
  * nothing to find. A finding corrects the torque that is expected from then on, so that its
  * opposite ends it; an acknowledgement at rest ends it as well. A brake that its reports show to be
  * short is so until they agree, for brake.hydraulic_timeout, with a command large enough to tell,
- * or are missing. Derivation and bound of false alarms: README, Watch of the hydraulic brake.
+ * or are missing. Derivation and false alarms: DERIVATIONS.md, Watch of the hydraulic
+ * brake.
  */
 #ifndef TORQUE_HYDRAULIC_WATCH_H
 #define TORQUE_HYDRAULIC_WATCH_H
@@ -78,7 +79,7 @@ typedef struct {
     int32_t inertial_mNm;        /* along the rotation, with the configured inertia */
     int32_t quarter_q8_mNm; /* of the inertial torque in which it was followed; as configured */
     int32_t hydraulic_q4_mNm, known_q4_mNm; /* of which the road has followed an error */
-    int32_t beside_mNm; /* of this step, or when the wheel last rolled: road and what is missing */
+    int32_t road_mNm; /* of this step, or when the wheel last rolled: road and what is missing */
     int32_t speed_lp_q8_mrad_s;
     filter_t known_lp_mNm, motor_lp_mNm;
     filter_t known_slow_mNm, inertial_slow_mNm; /* what has lasted for a quarter of a second */
@@ -101,7 +102,7 @@ typedef struct {
 void hydraulic_watch_init(hydraulic_watch_t *watch);
 
 /* After hydraulic_model_step() of the same millisecond. Without brake.hydraulic_watch_inertia there
- * is no finding. */
+ * is no finding; an untrusted input keeps the one there is, and pauses the watch. */
 void hydraulic_watch_step(hydraulic_watch_t *watch, const config_t *config,
                           const hydraulic_watch_input_t *in);
 

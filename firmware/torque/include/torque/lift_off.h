@@ -20,7 +20,7 @@ typedef struct {
 } lift_off_t;
 
 /* demand_mNm: lift-off braking; electric_mNm: what brake blending demands of the motor; both
- * magnitudes >= 0. */
+ * magnitudes >= 0. The motor's part is what these limits leave beside electric_mNm. */
 lift_off_t lift_off_split(const torque_limits_t *limits, int32_t demand_mNm, int32_t electric_mNm);
 
 #endif

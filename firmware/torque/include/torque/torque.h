@@ -13,10 +13,14 @@
 #include <stdint.h>
 
 #include "config/config.h"
+#include "core/findings.h"
+#include "core/last.h"
+#include "core/measured.h"
+#include "core/monitored.h"
 #include "core/torque_enable.h"
+#include "motor/current_setpoint.h"
 #include "torque/available_ahead.h"
 #include "torque/brake_blending.h"
-#include "motor/current_setpoint.h"
 #include "torque/demand.h"
 #include "torque/hill_hold.h"
 #include "torque/lift_off.h"
@@ -25,52 +29,17 @@
 #include "torque/torque_limits.h"
 
 typedef struct {
-    /* Demand */
-    int32_t drive_torque_mNm; /* signed, positive forward */
-    int32_t brake_torque_mNm; /* magnitude >= 0 */
-    uint32_t demand_age_ms;
-    reason_t demand_reason; /* why a demand is not what the pedal says; REASON_NONE: it is */
-    drive_direction_t direction;
-    bool abs_active;
-    uint8_t abs_share_percent; /* of the demand, for the motor meanwhile */
-    bool acknowledged;         /* warnings are, at rest and without a demand */
-    bool standstill;           /* by the monitor's speed upper bound */
-    /* Measured by the fast loop */
-    int32_t speed_mrad_s; /* mechanical, signed */
-    motor_current_t current;
-    int32_t i_d_weakening_mA; /* present field-weakening part of i_d, <= 0 */
-    bool voltage_limited;
-    int32_t voltage_use_q15; /* square of the modulation index (unsaturated voltage), 0 .. 65 536 */
-    bool rotor_valid;
-    bool bridge_open;  /* freewheel or active short circuit since the last step */
-    int32_t short_mNm; /* braking torque of an active short circuit by its model, magnitude; 0: the
-                          bridge is not shorted */
-    int32_t flux_missing_q15; /* share of the magnets' flux that is known to be lost, 0 .. 16 384 */
-    int32_t bus_voltage_mV;
-    int32_t battery_voltage_mV; /* its own, where that contradicts the sensor of the bus: each limit
-                                   takes the more dangerous of both; 0: none */
-    int32_t
-        phase_voltage_mV; /* peak phase: largest voltage that leaves the current loop its reserve,
-                             >= 0 */
-    /* Limits and temperatures */
-    int32_t bms_charge_current_mA;    /* whole pack, magnitude; negative counts as 0 */
-    int32_t bms_discharge_current_mA; /* whole pack, magnitude */
-    int32_t bms_charge_peak_mA;       /* whole pack, for a short time; 0: not given */
-    hydraulic_feedback_t hydraulic;   /* measured torque of the hydraulic brake */
-    int32_t winding_temperature_cC;
-    int32_t switch_temperature_cC;
-    torque_enable_t torque_enable;
-} torque_input_t;
-
-typedef struct {
     current_setpoint_t current;
-    int32_t command_mNm;       /* signed */
-    int32_t estimate_mNm;      /* signed, from measured currents, at the shaft */
-    int32_t hydraulic_mNm;     /* magnitude >= 0 */
-    reason_t hydraulic_reason; /* REASON_HYDRAULIC_LIMIT when the demand cannot be met,
-                                  REASON_HILL_HOLD when more than it is commanded */
-    bool hydraulic_valid;      /* false: the demand is lost, the brake system takes its own path */
-    limit_t available;         /* present limit of electric braking torque */
+    int32_t command_mNm;         /* signed */
+    int32_t estimate_mNm;        /* signed, from measured currents, at the shaft */
+    int32_t hydraulic_mNm;       /* magnitude >= 0 */
+    int32_t hydraulic_added_mNm; /* of it, beyond what brake blending commands */
+    int32_t phase_voltage_mV;    /* peak phase: that PWM has or would have, less a reserve */
+    reason_t hydraulic_reason;   /* REASON_HYDRAULIC_LIMIT when the demand cannot be met,
+                                    REASON_HILL_HOLD when more than it is commanded */
+    bool hydraulic_valid; /* false: the demand is lost, the brake system takes its own path */
+    limit_t available;    /* present limit of electric braking torque */
+    available_t available_now, available_ahead;
     reason_t reason;           /* of the limit of the motor torque in the demanded direction */
     drive_direction_t engaged; /* in which driving torque is made */
     bool stop_lamp;
@@ -91,12 +60,18 @@ typedef struct {
 /* config: must stay valid as long as the state is used. */
 void torque_init(torque_state_t *state, const config_t *config);
 
-/* The invariant torque_state_holds() is in tests/proofs/invariants.h. */
-torque_output_t torque_step(torque_state_t *state, const config_t *config,
-                            const torque_input_t *in);
+/* 1 kHz, after modes_step(); findings that are set here act in the next step.
+ *
+ * Any measured values, demands and limits. Without any torque enable the command is zero; while
+ * braking is demanded, or after the demand is lost, it never acts along the rotation; while the
+ * bridge is open it is at most one step of the torque rate. The hydraulic command is at most
+ * brake.max_hydraulic_torque. The invariant of the state: torque_state_holds(),
+ * tests/proofs/invariants.h. */
+torque_output_t torque_step(torque_state_t *state, const config_t *config, const measured_t *now,
+                            const last_t *last, const slow_input_t *in, const monitored_t *watch,
+                            const torque_enable_t *enable, findings_t *findings);
 
-/* After torque_step(), with the same input: state->ahead. Apart from it for the sake of the stack.
- */
-void torque_look_ahead(torque_state_t *state, const config_t *config, const torque_input_t *in);
+/* The table of all torque limits of the latest step, for shell, log and report. */
+const torque_limits_t *torque_limits_of(const torque_state_t *state);
 
 #endif

@@ -13,6 +13,7 @@
  * brake.torque_growth_slope. Default values: full rate up to 0.94 (the setpoint of field
  * weakening), zero at 0.96, negative above (the torque falls). The voltage is the measured one, so
  * errors of the motor parameters have no effect. Falling torque is not limited by it.
+ * DERIVATIONS.md, Torque growth.
  */
 #ifndef TORQUE_TORQUE_COMMAND_H
 #define TORQUE_TORQUE_COMMAND_H
@@ -22,24 +23,19 @@
 
 #include "config/config.h"
 #include "core/torque_enable.h"
+#include "torque/demand.h"
 #include "torque/torque_limits.h"
 
 typedef struct {
-    int32_t command_mNm; /* of the last step, signed */
-    bool braked;         /* it acted against the rotation */
+    bool braked; /* the command of the last step acted against the rotation */
 } torque_command_state_t;
 
+/* Braking torques of the motor, magnitudes >= 0, against the rotation. */
 typedef struct {
-    torque_enable_t torque_enable;
-    int32_t speed_mrad_s;
-    int32_t voltage_use_q15; /* u^2 / U^2 of the unsaturated voltage, >= 0 */
-    int32_t drive_mNm;       /* demand, signed */
-    int32_t electric_mNm;    /* braking magnitude, against the rotation */
-    int32_t beside_mNm;      /* of the braking demand beside the hydraulic brake's torque, >= 0 */
-    int32_t arrived_mNm;     /* of the hydraulic brake's torque in this step, >= 0 */
-    bool drive_withdrawn;    /* a torque that drives goes at once */
-    bool bridge_open;        /* since the last step: there is no torque, whatever was commanded */
-} torque_command_input_t;
+    int32_t electric_mNm;  /* demanded of it */
+    int32_t uncovered_mNm; /* of the demand, beyond the hydraulic brake's torque */
+    int32_t rise_mNm;      /* of the hydraulic brake's torque in this step */
+} motor_braking_t;
 
 typedef struct {
     int32_t command_mNm; /* signed, positive forward */
@@ -50,14 +46,21 @@ typedef struct {
 /* Whether a torque acts against the rotation; none does at standstill. */
 bool torque_command_is_against(int32_t torque_mNm, int32_t speed_mrad_s);
 
-/* Permitted change of the torque's magnitude in one slow step; negative: it must fall. */
+/* Permitted change of the torque's magnitude in one slow step, mN m, within the torque rate;
+ * negative: it must fall. voltage_use_q15: u^2/U^2, clamped to 0 .. twice brake.torque_growth_end.
+ */
 int32_t torque_command_growth_mNm(const config_t *config, int32_t voltage_use_q15);
 
 void torque_command_init(torque_command_state_t *state);
 
-/* While the bridge does not switch, the command is zero at once, without a ramp. */
+/* 1 kHz. limits, braking: of this step. last_command_mNm: of the step before, signed. bridge_open:
+ * it has not switched since, so that there was no torque, whatever was commanded; the command is
+ * zero at once then, without a ramp. Without a driving demand its magnitude is at most the last
+ * one or what is demanded of the motor. */
 torque_command_out_t torque_command_step(torque_command_state_t *state, const config_t *config,
-                                         const torque_limits_t *limits,
-                                         const torque_command_input_t *in);
+                                         const torque_limits_t *limits, const measured_t *now,
+                                         int32_t last_command_mNm, const torque_enable_t *enable,
+                                         const demand_t *demand, const motor_braking_t *braking,
+                                         bool bridge_open);
 
 #endif

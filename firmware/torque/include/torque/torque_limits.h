@@ -14,11 +14,12 @@
 #include <stdint.h>
 
 #include "config/config.h"
+#include "core/measured.h"
 #include "core/torque_enable.h"
 #include "motor/feasible_torque.h"
+#include "motor/loss_braking.h"
 #include "torque/foldback.h"
 #include "torque/limit.h"
-#include "motor/loss_braking.h"
 
 /* X(identifier, deferrable: transferred to the hydraulic brake as fast as its torque rises) */
 #define TORQUE_LINES(X)                                                                            \
@@ -46,18 +47,10 @@ typedef enum { TORQUE_LINES(TORQUE_LINE_ENUM) TORQUE_LINE_COUNT } torque_line_t;
 
 typedef struct {
     side_t demanded;          /* the other side is solved in turns; SIDE_BOTH: both in every step */
-    int32_t brake_demand_mNm; /* magnitude; a parallel brake takes a share of it */
-    int32_t bus_voltage_mV;
-    int32_t battery_voltage_mV;       /* where it contradicts the bus voltage; 0: it does not */
-    int32_t bus_current_mA;           /* of this motor, positive out of the battery */
-    int32_t bms_charge_current_mA;    /* whole pack, magnitude; negative counts as 0 */
-    int32_t bms_discharge_current_mA; /* whole pack, magnitude */
-    int32_t bms_charge_peak_mA;       /* whole pack, for a short time; 0: not given */
-    int32_t switch_temperature_cC;
-    bool rotor_valid;
-    bool abs_active;
-    uint8_t abs_share_percent; /* of the demand, for the motor meanwhile */
-    torque_enable_t torque_enable;
+    int32_t brake_torque_mNm; /* demanded, magnitude; a parallel brake takes a share of it */
+    int32_t battery_voltage_mV; /* where it contradicts the bus voltage: each limit takes the more
+                                   dangerous of both; 0: it does not */
+    int32_t bus_current_mA;     /* of this motor by its model, positive out of the battery */
 } torque_limits_input_t;
 
 enum { TORQUE_LIMITS_TURN_steps = 8 };
@@ -85,26 +78,33 @@ typedef struct {
     int32_t drawn_b;       /* feasible_power_b() of the discharge current */
 } torque_limits_t;
 
+/* No bounds, whole battery currents. */
 void torque_limits_init(torque_limits_state_t *state, torque_limits_t *table);
 
-/* table: from torque_limits_init(); lines that the strategy or the direction does not use stay
- * unbounded. Slow loop, once per step.
+/* Slow loop, once per step. now: bus voltage (clamped to 0 .. twice the over-voltage trip),
+ * temperatures and the battery's limits, of any value. table: from torque_limits_init(); all bounds
+ * are >= 0, lines that the strategy or the direction does not use stay FEASIBLE_UNBOUNDED.
  *
  * All lines of the demanded side are of this step. Of the other one, which bounds no torque, the
  * solved ones (PHASE_CURRENT, VOLTAGE, DRAWN, RETURNED) come once in a turn, so that they are up to
  * TORQUE_LIMITS_TURN_steps old; the cap that the latter two begin with, two steps more. */
 void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
-                        const torque_limits_input_t *in, torque_limits_t *table);
+                        const measured_t *now, const wheel_demand_t *wheel,
+                        const torque_enable_t *enable, const torque_limits_input_t *in,
+                        torque_limits_t *table);
 
 /* The lines of the braking strategy, LOSS_OPTIMUM to ELECTRIC_SHARE. optimum_mNm: shaft torque that
- * returns the most energy now, below 0 counts as 0; demand_mNm: of both brakes together, >= 0. */
+ * returns the most energy now, below 0 counts as 0; brake_torque_mNm: of both brakes together, >=
+ * 0. */
 void torque_limits_strategy(limit_t line[TORQUE_LINE_COUNT], const config_t *config,
-                            int32_t speed_mrad_s, int32_t optimum_mNm, int32_t demand_mNm);
+                            int32_t speed_mrad_s, int32_t optimum_mNm, int32_t brake_torque_mNm);
 
-/* The line BLEND_OUT at a speed; without a bound above the blend-out speeds. */
+/* The line BLEND_OUT at a mechanical speed, signed; zero up to brake.blend_out_end, without a bound
+ * from brake.blend_out_start on. */
 limit_t torque_limits_blend_out(const config_t *config, int32_t speed_mrad_s);
 
-/* The lines of temperatures and, driving, of the highest speed. */
+/* The lines of temperatures and, driving, of the highest speed: without a bound up to the begin of
+ * the derating, zero from its end on. */
 limit_t torque_limits_winding(const config_t *config, int32_t temperature_cC);
 
 limit_t torque_limits_switch(const config_t *config, int32_t temperature_cC);
@@ -112,10 +112,10 @@ limit_t torque_limits_switch(const config_t *config, int32_t temperature_cC);
 limit_t torque_limits_max_speed(const config_t *config, int32_t speed_mrad_s);
 
 /* The line ABS: while the anti-lock system intervenes and for brake.abs_hold_ms afterwards, the
- * share of in->brake_demand_mNm that it leaves to the motor, in the end its last one. Slow loop,
- * once per step. */
+ * share of the demanded brake torque that it leaves to the motor, in the end its last one. Slow
+ * loop, once per step. */
 limit_t torque_limits_anti_lock(torque_limits_state_t *state, const config_t *config,
-                                const torque_limits_input_t *in);
+                                const wheel_demand_t *wheel, int32_t brake_torque_mNm);
 
 /* The tightest of the lines from `begin` to the one before `end`; on a tie the first. */
 limit_t torque_limits_tightest(const limit_t *lines, torque_line_t begin, torque_line_t end);

@@ -202,10 +202,9 @@ void test_codes_from_the_first_fault_on_are_counted_and_five_below(void)
 
 void test_every_fault_has_a_counter_of_its_own(void)
 {
-    const fault_t *row = fault_row(0);
-    for (unsigned i = 0; row != NULL; row = fault_row(++i)) {
-        TEST_ASSERT_NOT_EQUAL_INT_MESSAGE(-1, counter_of((int)row->reason),
-                                          reason_name(row->reason));
+    reason_t reason = REASON_NONE;
+    for (uint32_t place = 0; fault_listed(place, &reason); place++) {
+        TEST_ASSERT_NOT_EQUAL_INT_MESSAGE(-1, counter_of((int)reason), reason_name(reason));
     }
     for (uint32_t k = 0; k < RECORDER_FIRST_START; k++) {
         TEST_ASSERT_EQUAL_INT(k, counter_of((int)recorder_counted(k)));
@@ -223,19 +222,19 @@ static void warn(int code, int milliseconds)
 
 void test_a_warning_is_counted_once_at_its_beginning_and_starts_no_record(void)
 {
-    const fault_t *row = fault_row(0);
-    for (unsigned i = 0; row != NULL; row = fault_row(++i)) {
+    reason_t reason = REASON_NONE;
+    for (uint32_t place = 0; fault_listed(place, &reason); place++) {
         setUp();
-        warn((int)row->reason, 1);
-        assert_counted((int)row->reason, 1);
-        warn((int)row->reason, 100000);
-        assert_counted((int)row->reason, 1);
+        warn((int)reason, 1);
+        assert_counted((int)reason, 1);
+        warn((int)reason, 100000);
+        assert_counted((int)reason, 1);
         TEST_ASSERT_EQUAL_UINT8(RECORDER_RECORDING, memory.phase);
         slow_steps(1000);
-        warn((int)row->reason, 1);
-        assert_counted((int)row->reason, 2);
+        warn((int)reason, 1);
+        assert_counted((int)reason, 2);
         restart(false);
-        assert_counted((int)row->reason, 2);
+        assert_counted((int)reason, 2);
     }
 }
 
@@ -263,15 +262,17 @@ void test_a_warning_counts_again_after_a_second_without_any_and_not_before(void)
 /* Two that hide each other by turns; every pair of bits. */
 void test_warnings_by_turns_count_once_each(void)
 {
-    for (unsigned i = 0; fault_row(i) != NULL; i++) {
-        for (unsigned k = 0; k < i; k++) {
+    reason_t first = REASON_NONE;
+    reason_t second = REASON_NONE;
+    for (uint32_t i = 0; fault_listed(i, &first); i++) {
+        for (uint32_t k = 0; k < i && fault_listed(k, &second); k++) {
             setUp();
             for (int n = 0; n < 3; n++) {
-                warn((int)fault_row(i)->reason, 1);
-                warn((int)fault_row(k)->reason, 1);
+                warn((int)first, 1);
+                warn((int)second, 1);
             }
-            TEST_ASSERT_EQUAL_UINT16(1, memory.counts[counter_of((int)fault_row(i)->reason)]);
-            TEST_ASSERT_EQUAL_UINT16(1, memory.counts[counter_of((int)fault_row(k)->reason)]);
+            TEST_ASSERT_EQUAL_UINT16(1, memory.counts[counter_of((int)first)]);
+            TEST_ASSERT_EQUAL_UINT16(1, memory.counts[counter_of((int)second)]);
         }
     }
 }

@@ -138,8 +138,7 @@ void test_reasons_lists_each_reason_once_with_number_name_and_text(void)
 {
     static const char *const LINES[] = {
 #define LINE_OF(number, identifier, text) "\n" #number " ", " " #identifier " ", " " text "\r\n",
-#define FAULT_LINE_OF(number, identifier, text, qualify, heal, reaction, clearing, driver)         \
-    LINE_OF(number, identifier, text)
+#define FAULT_LINE_OF(number, identifier, text, clearing, driver) LINE_OF(number, identifier, text)
         LIMIT_LIST(LINE_OF) FAULT_LIST(FAULT_LINE_OF)
 #undef LINE_OF
 #undef FAULT_LINE_OF

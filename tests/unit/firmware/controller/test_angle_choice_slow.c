@@ -1,13 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Sensor against observer below the observer's speed. */
-#include "controller/angle_choice.h"
-#include "paper_vehicle.h"
-#include "unity.h"
-
-static angle_choice_state_t rotor;
-static angle_choice_input_t at;
-static angle_choice_output_t seen;
-static config_t config;
+#include "angle_choice_rig.h"
 
 /* 60 and 30 degrees of 65 536, rounded up; times of the header. */
 enum {
@@ -22,40 +15,12 @@ enum {
 
 void setUp(void)
 {
-    const angle_choice_state_t fresh = {.confirmed = false};
-    const angle_choice_input_t rolling = {
-        .observer_mrad_s = 20000,
-        .sensor_mrad_s = 20000,
-        .flux_q14 = 4000,
-        .across_q14 = 100,
-        .expected_q14 = 4000,
-        .acquired = true,
-        .sensor_valid = true,
-        .switching = true,
-    };
-    rotor = fresh;
-    config = CONFIG_LU2013;
-    config.rotor.observer_takeover = 1;
+    rig_up(&ROLLING);
     config.rotor.observer_speed_mrad_s = FROM_mrad_s;
     config.monitor.rotor_warning_time_ms = HEAL_ms;
-    at = rolling;
 }
 
 void tearDown(void) {}
-
-static void run(int steps)
-{
-    for (int n = 0; n < steps; n++) {
-        seen = angle_choice_step(&rotor, &config, &at);
-        TEST_ASSERT_TRUE(rotor.agreed_steps >= 0 && rotor.agreed_steps <= HEAL_ms);
-    }
-}
-
-static void run_at(int steps, int16_t difference_turn)
-{
-    at.difference_turn = difference_turn;
-    run(steps);
-}
 
 /* Below half of its speed, or where its flux is not plausible. */
 void test_an_observer_without_a_plausible_angle_contradicts_no_sensor(void)
@@ -97,7 +62,7 @@ void test_below_the_observer_s_speed_30_degrees_are_a_slip_or_60_of_halls(void)
             TEST_ASSERT_FALSE(is_a_slow_slip(SENSORS[k], sign, (int16_t)(least - 1), 100));
             TEST_ASSERT_FALSE(is_a_slow_slip(SENSORS[k], sign, least, SLOW_SLIP_ms - 1));
             TEST_ASSERT_TRUE(is_a_slow_slip(SENSORS[k], sign, least, SLOW_SLIP_ms));
-            TEST_ASSERT_TRUE(seen.observer_used && !seen.valid);
+            TEST_ASSERT_TRUE(observed() && !seen.valid);
         }
     }
 }

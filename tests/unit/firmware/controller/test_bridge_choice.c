@@ -1,25 +1,49 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* PWM or safe state while torque is enabled. */
+#include "config/finding_times.h"
 #include "controller/bridge_choice.h"
+#include "core/q15.h"
 #include "paper_vehicle.h"
 #include "unity.h"
 
+enum { WARNING_ms = 1000 /* until it heals */ };
+
+/* What bridge_choice_step() reads of its records, and how it is called. */
+typedef struct {
+    bool torque_enabled;
+    bool demanded;
+    int32_t command_mNm;
+    bool torque_feasible;
+    int32_t forced_mNm; /* braking torque that PWM makes whatever is commanded, magnitude */
+    bool angle_valid, observer_used;
+    bridge_mode_t bridge; /* actual mode */
+    bridge_mode_t safe_bridge;
+    int32_t safe_torque_mNm;
+    int32_t emf_mV;
+    int32_t phase_voltage_mV;
+    int32_t i_d_mA, i_q_mA; /* of the latest period */
+} bridge_case_t;
+
 static config_t config;
 static bridge_choice_state_t state;
-static bridge_choice_input_t in;
+static findings_t findings;
+static bridge_case_t in;
 
 void setUp(void)
 {
     config = paper_vehicle();
     bridge_choice_init(&state);
-    const bridge_choice_input_t driving = {.torque_enabled = true,
-                                           .torque_wanted = true,
-                                           .torque_feasible = true,
-                                           .rotor_valid = true,
-                                           .bridge = BRIDGE_PWM,
-                                           .safe_bridge = BRIDGE_OFF,
-                                           .emf_mV = 10000,
-                                           .phase_voltage_mV = 27000};
+    finding_times_t times[FINDING_COUNT];
+    finding_times(&config, times);
+    findings_init(&findings, times);
+    const bridge_case_t driving = {.torque_enabled = true,
+                                   .demanded = true,
+                                   .torque_feasible = true,
+                                   .angle_valid = true,
+                                   .bridge = BRIDGE_PWM,
+                                   .safe_bridge = BRIDGE_OFF,
+                                   .emf_mV = 10000,
+                                   .phase_voltage_mV = 27000};
     in = driving;
 }
 
@@ -27,8 +51,28 @@ void tearDown(void) {}
 
 static bridge_mode_t step(void)
 {
-    in.bridge = bridge_choice_step(&state, &config, &in);
+    const fast_report_t report = {.bridge = in.bridge};
+    const measured_t now = {.report = &report,
+                            .angle_valid = in.angle_valid,
+                            .angle_by = in.observer_used ? ANGLE_BY_OBSERVER : ANGLE_BY_SENSOR,
+                            .latest_i_d_mA = in.i_d_mA,
+                            .latest_i_q_mA = in.i_q_mA};
+    const monitored_t watch = {
+        .safe = {.bridge = in.safe_bridge, .emf_mV = in.emf_mV, .torque_mNm = in.safe_torque_mNm}};
+    const torque_output_t torque = {
+        .current = {.feasible = in.torque_feasible, .forced_mNm = in.forced_mNm},
+        .command_mNm = in.command_mNm,
+        .phase_voltage_mV = in.phase_voltage_mV};
+    const torque_enable_t enable = {.brake_q15 = (int16_t)(in.torque_enabled ? Q15_ONE : 0)};
+    in.bridge =
+        bridge_choice_step(&state, &config, &now, &watch, &torque, &enable, in.demanded, &findings);
     return in.bridge;
+}
+
+/* The warning: no current makes the commanded torque. */
+static bool warns(void)
+{
+    return findings_present(&findings, FINDING_FORCED_TORQUE);
 }
 
 static bridge_mode_t run(int steps)
@@ -56,21 +100,33 @@ void test_without_enable_the_bridge_is_in_its_safe_state(void)
 void test_the_bridge_opens_after_the_configured_time_without_demand(void)
 {
     config.modes.coast_delay_ms = 70;
-    in.torque_wanted = false;
+    in.demanded = false;
     TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, run(69));
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, step());
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(1000));
-    in.torque_wanted = true;
+    in.demanded = true;
     TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, step());
-    in.torque_wanted = false;
+    in.demanded = false;
     TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, run(69));
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, step());
+}
+
+/* What was demanded leaves in a ramp. */
+void test_a_torque_command_without_a_demand_keeps_the_bridge_switching(void)
+{
+    in.demanded = false;
+    for (int sign = -1; sign <= 1; sign += 2) {
+        in.command_mNm = sign;
+        TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, run(1000));
+    }
+    in.command_mNm = 0;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(config.modes.coast_delay_ms));
 }
 
 void test_a_delay_of_zero_keeps_the_bridge_switching(void)
 {
     config.modes.coast_delay_ms = 0;
-    in.torque_wanted = false;
+    in.demanded = false;
     TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, run(100000));
 }
 
@@ -78,7 +134,7 @@ void test_a_delay_of_zero_keeps_the_bridge_switching(void)
  * before a demagnetising current is needed. */
 void test_the_open_bridge_closes_before_the_emf_needs_field_weakening(void)
 {
-    in.torque_wanted = false;
+    in.demanded = false;
     in.emf_mV = 25400; /* 0.941 */
     TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, run(1000));
     in.emf_mV = 25200; /* 0.933 */
@@ -91,7 +147,7 @@ void test_the_open_bridge_closes_before_the_emf_needs_field_weakening(void)
 
 void test_a_safe_state_that_brakes_is_no_coasting(void)
 {
-    in.torque_wanted = false;
+    in.demanded = false;
     in.safe_torque_mNm = 1;
     TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, run(1000));
     in.safe_torque_mNm = 0;
@@ -101,9 +157,9 @@ void test_a_safe_state_that_brakes_is_no_coasting(void)
 
 void test_with_an_invalid_rotor_angle_the_bridge_keeps_switching(void)
 {
-    in.torque_wanted = false;
+    in.demanded = false;
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(1000));
-    in.rotor_valid = false;
+    in.angle_valid = false;
     TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, run(1000));
 }
 
@@ -111,16 +167,16 @@ void test_an_infeasible_torque_takes_the_safe_state_and_warns_and_comes_back(voi
 {
     in.torque_feasible = false;
     TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, step()); /* one may be a disturbed mean */
-    TEST_ASSERT_FALSE(state.overspeed);
+    TEST_ASSERT_FALSE(warns());
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, step());
-    TEST_ASSERT_TRUE(state.overspeed);
+    TEST_ASSERT_TRUE(warns());
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(1000));
     in.torque_feasible = true;
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(BRIDGE_CHOICE_RETURN_STEPS - 1));
     TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, step());
-    TEST_ASSERT_TRUE(state.overspeed);
-    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, run(BRIDGE_CHOICE_OVERSPEED_STEPS));
-    TEST_ASSERT_FALSE(state.overspeed);
+    TEST_ASSERT_TRUE(warns());
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, run(WARNING_ms));
+    TEST_ASSERT_FALSE(warns());
 }
 
 /* A feasible step among infeasible ones is a disturbed mean as well. */
@@ -143,7 +199,7 @@ void test_of_pwm_and_the_safe_state_the_one_that_brakes_less_is_taken(void)
     in.forced_mNm = 13000;
     in.safe_torque_mNm = 40000;
     TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, run(1000));
-    TEST_ASSERT_TRUE(state.overspeed);
+    TEST_ASSERT_TRUE(warns());
     in.safe_torque_mNm = 6500; /* half as much: hysteresis */
     TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, run(1000));
     in.safe_torque_mNm = 6499;
@@ -152,26 +208,10 @@ void test_of_pwm_and_the_safe_state_the_one_that_brakes_less_is_taken(void)
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(1000));
     in.safe_torque_mNm = 13000;
     TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, run(BRIDGE_CHOICE_RETURN_STEPS));
-    TEST_ASSERT_TRUE(state.overspeed);
+    TEST_ASSERT_TRUE(warns());
     in.forced_mNm = 0;
-    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, run(BRIDGE_CHOICE_OVERSPEED_STEPS));
-    TEST_ASSERT_FALSE(state.overspeed);
-}
-
-/* 48 mOhm of pack for a motor: 50 A of charging lift 46 V by 2.4 V, so PWM has 43.6/46 of the
- * voltage, and a 128th less for the hysteresis. */
-void test_voltage_of_pwm_is_that_without_the_charging_current_of_the_diodes(void)
-{
-    config.battery.resistance_uOhm = 48000;
-    TEST_ASSERT_INT32_WITHIN(2, 20000 * 127 / 128,
-                             bridge_choice_phase_mV(&config, 20000, 46000, 0));
-    TEST_ASSERT_INT32_WITHIN(3, (int32_t)(20000 * 43.6 / 46.0 * 127.0 / 128.0),
-                             bridge_choice_phase_mV(&config, 20000, 46000, 50000));
-    const int32_t bus_mV[] = {-1000, 0, 1, 46000, INT32_MAX};
-    for (int k = 0; k < 5; k++) { /* no input is trusted */
-        const int32_t found = bridge_choice_phase_mV(&config, 20000, bus_mV[k], INT32_MAX);
-        TEST_ASSERT_TRUE(found >= 0 && found <= 20000);
-    }
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, run(WARNING_ms));
+    TEST_ASSERT_FALSE(warns());
 }
 
 /* Its current does not decay: with less than the limit switching would never begin. */
@@ -202,9 +242,9 @@ void test_switching_does_not_begin_on_a_current_near_the_limit(void)
 void test_a_coasting_bridge_stays_open_without_its_sensor_while_the_observer_is_used(void)
 {
     config.modes.coast_delay_ms = 1;
-    in.torque_wanted = false;
+    in.demanded = false;
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(2));
-    in.rotor_valid = false;
+    in.angle_valid = false;
     in.observer_used = true;
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(100));
     in.observer_used = false;
@@ -214,9 +254,9 @@ void test_a_coasting_bridge_stays_open_without_its_sensor_while_the_observer_is_
     TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, step());
     TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, run(100));
     /* An open bridge with a demand closes. */
-    in.rotor_valid = true;
+    in.angle_valid = true;
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(2));
-    in.rotor_valid = false;
-    in.torque_wanted = true;
+    in.angle_valid = false;
+    in.demanded = true;
     TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, step());
 }

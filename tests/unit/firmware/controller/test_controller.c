@@ -215,7 +215,7 @@ static int32_t voltage_bound_mNm(int32_t target_q15, int32_t reserve_q15)
     rig.fast_in.bus_voltage_code = rig_bus_code(&rig, 42.0);
     rig_set_speed_rpm(&rig, 588.0);
     rig_run(&rig, 100);
-    const limit_t *lines = rig.controller.slow.torque.table.driving;
+    const limit_t *lines = controller_limits(&rig.controller.slow)->driving;
     return torque_limits_tightest(lines, TORQUE_LINE_PHASE_CURRENT, TORQUE_LINE_DRAWN).torque_mNm;
 }
 

@@ -8,9 +8,9 @@
 
 #include "config/bases.h"
 #include "controller/controller.h"
+#include "motor/current_setpoint.h"
 #include "random_values.h"
 #include "reference_motor.h"
-#include "motor/current_setpoint.h"
 #include "unity.h"
 
 extern const config_t CONFIG_LU2013, CONFIG_EBIKE36V, CONFIG_SCOOTER48V, CONFIG_IPM400V;

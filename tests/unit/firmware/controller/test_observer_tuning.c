@@ -90,15 +90,16 @@ void test_the_leak_follows_the_speed_of_a_salient_motor_once_it_is_acquired(void
 void test_the_speed_of_the_lead_is_smoothed_for_a_salient_motor_once_it_is_acquired(void)
 {
     enum { SPEED_Q32 = 1 << 20 };
-    const observer_report_t still = {.acquired = true};
+    const fast_report_t still = {.observer = {.acquired = true}};
     for (int salient = 0; salient < 2; salient++) {
         for (int acquired = 0; acquired < 2; acquired++) {
             static operating_point_state_t state;
             config = salient != 0 ? CONFIG_IPM400V : CONFIG_LU2013;
             operating_point_init(&state, &config, BASES_MODEL_TIMER_Hz);
-            (void)operating_point_observer(&state, &config, &still);
-            const observer_report_t turns = {.speed_q32 = SPEED_Q32, .acquired = acquired != 0};
-            (void)operating_point_observer(&state, &config, &turns);
+            (void)operating_point_rotor(&state, &config, &still);
+            const fast_report_t turns = {
+                .observer = {.speed_q32 = SPEED_Q32, .acquired = acquired != 0}};
+            (void)operating_point_rotor(&state, &config, &turns);
             TEST_ASSERT_EQUAL_INT32(salient && acquired ? SPEED_Q32 / 4 : SPEED_Q32,
                                     state.observer_speed_q32);
         }

@@ -30,10 +30,13 @@ void setUp(void)
 
 void tearDown(void) {}
 
-static operating_point_t step(void)
+static measured_t step(void)
 {
-    return operating_point_of(&state, &config, &report,
-                              operating_point_speed(&config, report.speed_q32), TEMPERATURE_cC);
+    measured_t out = {.report = &report};
+    const rotor_view_t rotor = operating_point_rotor(&state, &config, &report);
+    const rotor_speed_t speed = {.turn_q32 = report.speed_q32, .wheel_mrad_s = rotor.sensor_mrad_s};
+    operating_point_of(&state, &config, speed, TEMPERATURE_cC, &out);
+    return out;
 }
 
 /* One PWM period with these values. */
@@ -50,7 +53,7 @@ static void add(int32_t d, int32_t q, int32_t power, int32_t v_dc)
 
 void test_initial_bus_voltage_is_the_batterys_middle_and_initial_current_zero(void)
 {
-    const operating_point_t at = step();
+    const measured_t at = step();
     TEST_ASSERT_EQUAL_INT32(15000, at.bus_voltage_mV);
     TEST_ASSERT_EQUAL_INT32(0, at.i_q_mA);
     TEST_ASSERT_EQUAL_INT32(0, at.bus_current_mA);
@@ -64,7 +67,7 @@ void test_each_step_averages_the_periods_since_the_step_before(void)
             add(-100 * window, 7 * n - 50 * window, 3000 * window, 28000 + n);
             sum += 7 * n - 50 * window;
         }
-        const operating_point_t at = step();
+        const measured_t at = step();
         TEST_ASSERT_EQUAL_INT32(-100 * window, at.i_d_mA);
         TEST_ASSERT_EQUAL_INT32(sum / 20, at.i_q_mA);
         TEST_ASSERT_EQUAL_INT32(28009, at.bus_voltage_mV); /* 28000 + 9.5, towards zero */
@@ -75,7 +78,7 @@ void test_without_a_new_period_the_means_stay(void)
 {
     add(-300, 400, 500, 28000);
     (void)step();
-    const operating_point_t at = step();
+    const measured_t at = step();
     TEST_ASSERT_EQUAL_INT32(-300, at.i_d_mA);
     TEST_ASSERT_EQUAL_INT32(28000, at.bus_voltage_mV);
 }
@@ -89,7 +92,7 @@ void test_sums_and_sequence_may_wrap_in_either_direction(void)
             for (int n = 0; n < 20; n++) {
                 add(sign * 50000, -sign * 50000, sign * 40000, 32760);
             }
-            const operating_point_t at = step();
+            const measured_t at = step();
             TEST_ASSERT_EQUAL_INT32(sign * 50000, at.i_d_mA);
             TEST_ASSERT_EQUAL_INT32(-sign * 50000, at.i_q_mA);
             TEST_ASSERT_EQUAL_INT32(32760, at.bus_voltage_mV);
@@ -102,7 +105,7 @@ void test_the_largest_values_over_the_most_periods_do_not_overflow(void)
     for (int32_t n = 0; n < 40000; n++) {
         add(-50200, 50200, -50200, 32760);
     }
-    const operating_point_t at = step();
+    const measured_t at = step();
     TEST_ASSERT_EQUAL_INT32(-50200, at.i_d_mA);
     TEST_ASSERT_EQUAL_INT32(50200, at.i_q_mA);
 }
@@ -126,7 +129,7 @@ void test_latest_voltage_and_current_are_those_of_the_latest_period(void)
     add(9000, 9000, 0, 25000);
     report.i_pu = dq16_of(i);
     report.u_pu = dq16_of(u);
-    const operating_point_t at = step();
+    const measured_t at = step();
     const double circle_mV = state.modulation_limit_q15 / 32768.0 * 25000.0 / sqrt(3.0);
     TEST_ASSERT_EQUAL_INT32(-1234, at.latest_i_d_mA);
     TEST_ASSERT_EQUAL_INT32(5678, at.latest_i_q_mA);
@@ -163,7 +166,7 @@ void test_a_setpoint_is_reported_as_mean_current_with_the_weakening_share_once(v
             for (int k = 0; k < 20; k++) {
                 add(setpoint.i_reference_pu.d + weakening, setpoint.i_reference_pu.q, 0, 25000);
             }
-            const operating_point_t at = step();
+            const measured_t at = step();
             TEST_ASSERT_INT32_WITHIN(2, -2000 + at.i_d_weakening_mA, at.i_d_mA);
             TEST_ASSERT_INT32_WITHIN(2, 9000, at.i_q_mA);
         }

@@ -159,7 +159,7 @@ static void draw_limits(void)
     rig.in.temperature.switch_cC =
         between(-2000, rig.config.drive.max_switch_temperature_cC - (chance(0.5) ? 2000 : 0));
     rig.bus_v = 1e-3 * between(battery->min_voltage_mV, battery->max_voltage_mV);
-    rig.report.rotor_valid = chance(0.98);
+    rig.report.sensor_valid = chance(0.98);
     rig.weakening_a =
         chance(0.8) ? 0.0 : random_real(&source, -0.05, 0.0) * motor->max_phase_current_mA * 1e-3;
 }
@@ -204,7 +204,7 @@ static void draw_anything(void)
     in->temperature.winding_cC = chance(0.1) ? random_wild(&source) : between(-3000, 16000);
     in->temperature.switch_cC = chance(0.1) ? random_wild(&source) : between(-3000, 12000);
     rig.speed_rad_s += random_real(&source, -0.02, 0.02) * rig.config.motor.max_speed_mrad_s * 1e-3;
-    rig.report.rotor_valid = chance(0.9);
+    rig.report.sensor_valid = chance(0.9);
     rig.bus_v = random_real(&source, 0.0, 1.2) * rig.config.battery.max_voltage_mV * 1e-3;
     reference.quiet_ms = 0;
 }

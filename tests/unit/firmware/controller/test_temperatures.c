@@ -7,6 +7,7 @@
 static config_t config;
 static temperatures_t state;
 static wheel_temperatures_t measured;
+static measured_t now;
 
 void setUp(void)
 {
@@ -20,9 +21,10 @@ void tearDown(void) {}
 
 static void run(int milliseconds, int32_t i_q_mA)
 {
-    const operating_point_t at = {.i_q_mA = i_q_mA, .speed_mrad_s = 20000};
+    now.i_q_mA = i_q_mA;
+    now.speed_mrad_s = 20000;
     for (int n = 0; n < milliseconds; n++) {
-        temperatures_step(&state, &config, &measured, &at);
+        temperatures_step(&state, &config, &measured, &now);
     }
 }
 
@@ -31,9 +33,9 @@ void test_good_sensors_are_used(void)
     measured.winding_cC = 4321;
     measured.switch_cC = 3210;
     run(100, 40000);
-    TEST_ASSERT_EQUAL_INT(4321, state.used.winding_cC);
-    TEST_ASSERT_EQUAL_INT(3210, state.used.switch_cC);
-    TEST_ASSERT_FALSE(state.winding_broken || state.switch_broken);
+    TEST_ASSERT_EQUAL_INT(4321, now.winding_temperature_cC);
+    TEST_ASSERT_EQUAL_INT(3210, now.switch_temperature_cC);
+    TEST_ASSERT_FALSE(now.winding_sensor_broken || now.switch_sensor_broken);
 }
 
 /* 3/2 0.031 ohm (60 A)^2 = 167 W into 580 J/K for 10 s: 2.9 K, less what flows into the housing. */
@@ -41,25 +43,25 @@ void test_each_broken_sensor_is_replaced_by_its_own_estimate(void)
 {
     measured.winding_cC = 29999;
     run(10000, 60000);
-    TEST_ASSERT_TRUE(state.winding_broken);
-    TEST_ASSERT_FALSE(state.switch_broken);
-    TEST_ASSERT_INT_WITHIN(20, 2500 + 285, state.used.winding_cC);
-    TEST_ASSERT_EQUAL_INT(2500, state.used.switch_cC);
+    TEST_ASSERT_TRUE(now.winding_sensor_broken);
+    TEST_ASSERT_FALSE(now.switch_sensor_broken);
+    TEST_ASSERT_INT_WITHIN(20, 2500 + 285, now.winding_temperature_cC);
+    TEST_ASSERT_EQUAL_INT(2500, now.switch_temperature_cC);
     setUp();
     measured.switch_cC = -20000;
     run(10000, 60000);
-    TEST_ASSERT_TRUE(state.switch_broken);
-    TEST_ASSERT_FALSE(state.winding_broken);
-    TEST_ASSERT_TRUE(state.used.switch_cC > 2700 && state.used.switch_cC < 5000);
-    TEST_ASSERT_EQUAL_INT(2500, state.used.winding_cC);
+    TEST_ASSERT_TRUE(now.switch_sensor_broken);
+    TEST_ASSERT_FALSE(now.winding_sensor_broken);
+    TEST_ASSERT_TRUE(now.switch_temperature_cC > 2700 && now.switch_temperature_cC < 5000);
+    TEST_ASSERT_EQUAL_INT(2500, now.winding_temperature_cC);
 }
 
 /* 15 K at 260 W and 580 J/K take half a minute. */
 void test_a_winding_sensor_that_never_moves_is_found_while_the_motor_works_hard(void)
 {
     run(20000, 75000);
-    TEST_ASSERT_FALSE(state.winding_broken);
+    TEST_ASSERT_FALSE(now.winding_sensor_broken);
     run(30000, 75000);
-    TEST_ASSERT_TRUE(state.winding_broken);
-    TEST_ASSERT_TRUE(state.used.winding_cC > 4000);
+    TEST_ASSERT_TRUE(now.winding_sensor_broken);
+    TEST_ASSERT_TRUE(now.winding_temperature_cC > 4000);
 }

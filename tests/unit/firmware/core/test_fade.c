@@ -25,10 +25,8 @@ void test_fade_is_one_on_one_side_zero_on_the_other_and_linear_between(void)
 void test_fade_is_monotonic(void)
 {
     for (int32_t x = 90; x < 210; x++) {
-        TEST_ASSERT_GREATER_OR_EQUAL_INT32(fade_q15(x + 1, 100, 200),
-                                           fade_q15(x, 100, 200));
-        TEST_ASSERT_GREATER_OR_EQUAL_INT32(fade_q15(x, 200, 100),
-                                           fade_q15(x + 1, 200, 100));
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(fade_q15(x + 1, 100, 200), fade_q15(x, 100, 200));
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(fade_q15(x, 200, 100), fade_q15(x + 1, 200, 100));
     }
 }
 

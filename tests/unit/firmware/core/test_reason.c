@@ -118,8 +118,7 @@ void test_numbers_distinguish_limits_and_faults(void)
 
 /* The lists again, as the enumeration is made of them. */
 #define LIMIT_ROW(number, identifier, text) {number, #identifier, text},
-#define FAULT_ROW(number, identifier, text, qualify, heal, reaction, clearing, driver)             \
-    LIMIT_ROW(number, identifier, text)
+#define FAULT_ROW(number, identifier, text, clearing, driver) LIMIT_ROW(number, identifier, text)
 static const struct {
     int number;
     const char *name;

@@ -91,7 +91,7 @@ void test_every_copied_field_is_that_of_the_state(void)
     }
     TEST_ASSERT_TRUE(report.offsets_done);
     TEST_ASSERT_EQUAL_INT32(117, report.speed_q32);
-    TEST_ASSERT_TRUE(report.rotor_valid);
+    TEST_ASSERT_TRUE(report.sensor_valid);
     TEST_ASSERT_EQUAL_UINT16(118, report.rotor_faults);
     TEST_ASSERT_EQUAL_UINT16(119, report.observer.sensor_turn);
     TEST_ASSERT_EQUAL_UINT16(123, report.quadrant_transitions);

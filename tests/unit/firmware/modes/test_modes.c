@@ -24,12 +24,12 @@ void test_ready_waits_for_a_valid_rotor_angle_with_reason_rotor_uncertain(void)
 {
     start_in(MODE_READY);
     in.enable = true;
-    in.rotor_valid = false;
+    in.angle_valid = false;
     assert_mode(MODE_READY, run(100000));
     TEST_ASSERT_EQUAL_INT(REASON_ROTOR_UNCERTAIN, step().torque_enable.reason);
-    in.rotor_valid = true;
+    in.angle_valid = true;
     assert_mode(MODE_RUN, step());
-    in.rotor_valid =
+    in.angle_valid =
         false; /* what follows now is the monitor's business: the torque must leave in a ramp */
     assert_mode(MODE_RUN, run(10));
 }
@@ -100,7 +100,7 @@ void test_run_waits_for_a_zero_drive_demand_but_not_for_a_zero_brake_demand(void
 {
     start_in(MODE_READY);
     in.enable = true;
-    in.torque_demanded = true;
+    in.brake_demanded = true;
     in.drive_demanded = true;
     assert_mode(MODE_READY, run(1000));
     in.drive_demanded = false; /* the brake pedal is still pressed */
@@ -124,14 +124,14 @@ void test_disable_while_rolling_sets_the_drive_enable_to_zero_and_keeps_the_brak
     const operating_mode_t running[] = {MODE_RUN, MODE_LIMP};
     for (int k = 0; k < 2; k++) {
         start_in(running[k]);
-        in.rolling = true;
+        in.bound_mrad_s = ROLLING_mrad_s;
         in.enable = false;
         const modes_output_t out = run(10000);
         assert_mode(running[k], out);
         TEST_ASSERT_EQUAL_INT16(0, out.torque_enable.drive_q15);
         TEST_ASSERT_EQUAL_INT16(Q15_ONE, out.torque_enable.brake_q15);
         TEST_ASSERT_NOT_EQUAL_INT(REASON_NONE, out.torque_enable.reason);
-        in.rolling = false;
+        in.bound_mrad_s = 0;
         assert_mode(MODE_READY, step());
     }
 }
@@ -139,18 +139,17 @@ void test_disable_while_rolling_sets_the_drive_enable_to_zero_and_keeps_the_brak
 void test_a_warning_leads_to_limp_and_its_end_back_to_run(void)
 {
     start_in(MODE_RUN);
-    in.warning = true;
-    in.warning_reason = REASON_ROTOR_UNCERTAIN;
+    in.warning = FINDING_ROTOR_READING;
     assert_mode(MODE_LIMP, step());
     assert_mode(MODE_LIMP, run(100));
-    in.warning = false;
+    in.warning = FINDING_COUNT;
     assert_mode(MODE_RUN, step());
 }
 
 void test_warning_in_ready_has_no_effect(void)
 {
     start_in(MODE_READY);
-    in.warning = true;
+    in.warning = FINDING_ROTOR_READING;
     assert_mode(MODE_READY, run(100));
 }
 
@@ -278,16 +277,12 @@ void test_without_a_battery_no_torque_is_enabled_and_the_mode_returns_by_itself(
 {
     start_in(MODE_RUN);
     in.enable = true;
-    in.warning = true;
-    in.warning_reason = REASON_BATTERY_DISCONNECTED;
-    in.battery_lost = true;
+    in.warning = FINDING_BATTERY_LEFT;
     const modes_output_t out = step();
     assert_mode(MODE_LIMP, out);
     TEST_ASSERT_FALSE(torque_enable_any(out.torque_enable));
     TEST_ASSERT_EQUAL_INT(REASON_BATTERY_DISCONNECTED, out.torque_enable.reason);
-    in.warning = false;
-    in.warning_reason = REASON_NONE;
-    in.battery_lost = false;
+    in.warning = FINDING_COUNT;
     assert_mode(MODE_RUN, step());
     TEST_ASSERT_TRUE(torque_enable_any(step().torque_enable));
 }
@@ -297,7 +292,7 @@ void test_lost_battery_without_a_name_is_shown_as_torque_enable(void)
 {
     start_in(MODE_RUN);
     in.enable = true;
-    in.battery_lost = true;
+    in.warning = FINDING_BATTERY_UNKNOWN;
     const modes_output_t out = step();
     assert_mode(MODE_RUN, out);
     TEST_ASSERT_FALSE(torque_enable_any(out.torque_enable));
@@ -336,12 +331,12 @@ void test_warning_is_acknowledged_at_rest_without_demand_once_the_demand_is_back
     TEST_ASSERT_EQUAL_INT(REASON_DEMAND_TIMEOUT, step().warning);
     in.fault_reset = false;
     in.at_rest = true;
-    in.torque_demanded = true;
+    in.brake_demanded = true;
     step();
     in.fault_reset = true;
     TEST_ASSERT_EQUAL_INT(REASON_DEMAND_TIMEOUT, step().warning);
     in.fault_reset = false;
-    in.torque_demanded = false;
+    in.brake_demanded = false;
     step();
     in.fault_reset = true;
     TEST_ASSERT_EQUAL_INT(REASON_NONE, step().warning);
@@ -358,7 +353,7 @@ void test_demand_that_is_not_there_before_run_is_no_warning_but_run_waits_for_it
     in.demand_lost = false;
     assert_mode(MODE_RUN, step());
     in.enable = false; /* switched off: the vehicle may stop sending */
-    in.rolling = true;
+    in.bound_mrad_s = ROLLING_mrad_s;
     in.demand_lost = true;
     TEST_ASSERT_EQUAL_INT(REASON_NONE, step().warning);
 }
@@ -366,13 +361,11 @@ void test_demand_that_is_not_there_before_run_is_no_warning_but_run_waits_for_it
 void test_monitor_s_warning_is_shown_beneath_the_latched_one(void)
 {
     start_in(MODE_RUN);
-    in.warning = true;
-    in.warning_reason = REASON_ROTOR_UNCERTAIN;
+    in.warning = FINDING_ROTOR_READING;
     TEST_ASSERT_EQUAL_INT(REASON_ROTOR_UNCERTAIN, step().warning);
     in.demand_lost = true;
     TEST_ASSERT_EQUAL_INT(REASON_DEMAND_TIMEOUT, step().warning);
-    in.warning = false;
-    in.warning_reason = REASON_NONE;
+    in.warning = FINDING_COUNT;
     TEST_ASSERT_EQUAL_INT(REASON_DEMAND_TIMEOUT, step().warning);
 }
 
@@ -392,7 +385,7 @@ void test_on_the_way_to_driving_every_mode_names_what_it_waits_for(void)
     in.emf_conducts = true;
     assert_waits_for(WAITS_FOR_LOWER_SPEED);
     start_in(MODE_READY);
-    in.rotor_valid = false;
+    in.angle_valid = false;
     in.drive_demanded = true;
     in.demand_lost = true;
     in.neutral = true;
@@ -403,12 +396,12 @@ void test_on_the_way_to_driving_every_mode_names_what_it_waits_for(void)
     assert_waits_for(WAITS_FOR_PEDAL_RELEASE);
     in.drive_demanded = false;
     assert_waits_for(WAITS_FOR_ROTOR_ANGLE);
-    in.rotor_valid = true;
+    in.angle_valid = true;
     assert_waits_for(WAITS_FOR_DIRECTION);
     TEST_ASSERT_EQUAL_INT(MODE_RUN, state.mode);
     in.neutral = false;
     assert_waits_for(WAITS_FOR_NONE);
-    in.battery_lost = true;
+    in.warning = FINDING_BATTERY_UNKNOWN;
     assert_waits_for(WAITS_FOR_BATTERY);
 }
 
@@ -420,8 +413,8 @@ void test_ready_waits_for_something_exactly_as_long_as_it_stays(void)
         in.enable = (flags & 1U) != 0;
         in.demand_lost = (flags & 2U) != 0;
         in.drive_demanded = (flags & 4U) != 0;
-        in.rotor_valid = (flags & 8U) != 0;
-        in.rolling = (flags & 16U) != 0;
+        in.angle_valid = (flags & 8U) != 0;
+        in.bound_mrad_s = (flags & 16U) != 0 ? ROLLING_mrad_s : 0;
         const modes_output_t out = step();
         TEST_ASSERT_EQUAL(out.mode == MODE_READY, out.waits_for != WAITS_FOR_NONE);
     }

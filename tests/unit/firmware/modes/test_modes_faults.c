@@ -101,7 +101,7 @@ void test_an_acknowledgement_with_a_withdrawn_configuration_waits_for_it(void)
 void test_acknowledgement_is_ignored_while_the_monitor_does_not_know_rest(void)
 {
     start_in(MODE_FAULT);
-    in.rolling = false;
+    in.bound_mrad_s = 0;
     in.at_rest = false;
     in.fault_reset = true;
     const modes_output_t out = run(10);
@@ -128,11 +128,11 @@ void test_fault_reset_needs_a_rising_edge(void)
 void test_acknowledgement_while_rolling_is_ignored(void)
 {
     start_in(MODE_FAULT);
-    in.rolling = true;
+    in.bound_mrad_s = ROLLING_mrad_s;
     in.at_rest = false;
     in.fault_reset = true;
     assert_mode(MODE_FAULT, run(10));
-    in.rolling = false;
+    in.bound_mrad_s = 0;
     in.at_rest = true;
     assert_mode(MODE_FAULT, run(1000));
 }
@@ -140,11 +140,26 @@ void test_acknowledgement_while_rolling_is_ignored(void)
 void test_acknowledgement_with_a_torque_demand_is_ignored(void)
 {
     start_in(MODE_FAULT);
-    in.torque_demanded = true;
+    in.brake_demanded = true;
     in.fault_reset = true;
     assert_mode(MODE_FAULT, run(10));
-    in.torque_demanded = false;
+    in.brake_demanded = false;
     assert_mode(MODE_FAULT, run(1000));
+}
+
+void test_offsets_that_were_implausible_are_measured_again_after_an_acknowledgement(void)
+{
+    start_in(MODE_OFFSET_CAL);
+    in.offsets_plausible = false;
+    in.offsets_done = true;
+    const modes_output_t out = run(MODES_CALIBRATION_SETTLE_STEPS);
+    assert_mode(MODE_FAULT, out);
+    TEST_ASSERT_EQUAL_INT(REASON_OFFSET_IMPLAUSIBLE, out.fault);
+    in.offsets_plausible = true;
+    in.fault_reset = true;
+    assert_mode(MODE_SELFTEST, step());
+    assert_mode(MODE_OFFSET_CAL, step());
+    assert_mode(MODE_READY, run(MODES_CALIBRATION_SETTLE_STEPS));
 }
 
 void test_acknowledgement_waits_for_the_fault_to_clear(void)
@@ -179,9 +194,9 @@ void test_torque_demand_cancels_a_waiting_acknowledgement(void)
     in.fault = REASON_OVERCURRENT;
     in.fault_reset = true;
     run(10);
-    in.torque_demanded = true;
+    in.brake_demanded = true;
     TEST_ASSERT_FALSE(step().clear_trip);
-    in.torque_demanded = false;
+    in.brake_demanded = false;
     in.fault = REASON_NONE;
     assert_mode(MODE_FAULT, run(1000));
 }
@@ -203,20 +218,16 @@ static void random_input(random_t *random)
     in.selftest_passed = random_chance(random, 0.999);
     in.offsets_done = random_chance(random, 0.9);
     in.offsets_plausible = random_chance(random, 0.99);
-    in.rolling = random_chance(random, 0.3);
-    in.at_rest = !in.rolling && random_chance(random, 0.9);
+    const bool rolling = random_chance(random, 0.3);
+    in.bound_mrad_s = rolling ? ROLLING_mrad_s : 0;
+    in.at_rest = !rolling && random_chance(random, 0.9);
     in.enable = random_chance(random, 0.8);
-    in.torque_demanded = random_chance(random, 0.3);
+    in.brake_demanded = random_chance(random, 0.3);
     in.fault_reset = random_chance(random, 0.3);
-    in.warning = random_chance(random, 0.1);
-    in.warning_reason = in.warning ? REASON_ROTOR_UNCERTAIN : REASON_NONE;
+    in.warning = random_chance(random, 0.1) ? FINDING_ROTOR_READING : FINDING_COUNT;
     in.fault = random_chance(random, 0.02) ? REASON_CURRENT_SUM : REASON_NONE;
     in.emf_conducts = random_chance(random, 0.1);
-    in.battery_lost = random_chance(random, 0.1);
-    if (in.battery_lost) {
-        in.warning = true;
-        in.warning_reason = REASON_BATTERY_DISCONNECTED;
-    }
+    in.warning = random_chance(random, 0.1) ? FINDING_BATTERY_LEFT : in.warning;
     in.bridge = random_chance(random, 0.5) ? BRIDGE_OFF : BRIDGE_PWM;
 }
 
@@ -228,7 +239,8 @@ void test_bridge_switches_only_in_run_and_limp_under_random_inputs(void)
         random_input(&random);
         const modes_output_t out = step();
         const bool may_switch = out.mode == MODE_RUN || out.mode == MODE_LIMP;
-        TEST_ASSERT_EQUAL(may_switch && !in.battery_lost, torque_enable_any(out.torque_enable));
+        TEST_ASSERT_EQUAL(may_switch && in.warning != FINDING_BATTERY_LEFT,
+                          torque_enable_any(out.torque_enable));
         running += may_switch ? 1 : 0;
         if (!may_switch) {
             TEST_ASSERT_EQUAL_INT16(0, out.torque_enable.drive_q15);
@@ -249,9 +261,9 @@ void test_bridge_switches_only_in_run_and_limp_under_random_inputs(void)
 static reason_t random_latched(random_t *random)
 {
     for (;;) {
-        const fault_t *row = fault_row((unsigned)random_between(random, 0, 63));
-        if (row != NULL && is_latched(row)) {
-            return row->reason;
+        reason_t reason = REASON_NONE;
+        if (fault_listed((uint32_t)random_between(random, 0, 63), &reason) && is_latched(reason)) {
+            return reason;
         }
     }
 }
@@ -273,7 +285,7 @@ void test_fault_ends_only_at_rest_without_demand_after_a_rising_edge_and_never_o
         if (before == MODE_FAULT && out.mode != MODE_FAULT) {
             left++;
             TEST_ASSERT_TRUE(in.at_rest);
-            TEST_ASSERT_FALSE(in.torque_demanded);
+            TEST_ASSERT_FALSE(in.brake_demanded);
             TEST_ASSERT_EQUAL_INT(REASON_NONE, in.fault);
             TEST_ASSERT_LESS_THAN_INT(MODES_ACKNOWLEDGE_STEPS, since_edge);
             TEST_ASSERT_EQUAL_INT(FAULT_CLEARING_ACKNOWLEDGED, fault_clearing(fault_before));

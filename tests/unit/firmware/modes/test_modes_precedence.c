@@ -102,8 +102,7 @@ void test_a_warning_of_the_monitor_is_shown_before_that_of_the_stored_offsets(vo
 {
     start_with_stored_offsets();
     TEST_ASSERT_EQUAL_INT(REASON_OFFSETS_STORED, step().warning);
-    in.warning = true;
-    in.warning_reason = REASON_ROTOR_UNCERTAIN;
+    in.warning = FINDING_ROTOR_READING;
     const modes_output_t out = step();
     TEST_ASSERT_EQUAL_INT(REASON_ROTOR_UNCERTAIN, out.warning);
     TEST_ASSERT_EQUAL_INT(REASON_ROTOR_UNCERTAIN, out.torque_enable.reason);
@@ -115,8 +114,7 @@ void test_a_warning_of_the_monitor_is_shown_before_that_of_the_stored_offsets(vo
 void test_a_warning_without_a_reaction_leaves_run_as_it_is(void)
 {
     start_in(MODE_RUN);
-    in.warning = true;
-    in.warning_reason = REASON_HYDRAULIC_FEEDBACK;
+    in.warning = FINDING_BRAKE_REPORT;
     const modes_output_t out = run(10);
     assert_mode(MODE_RUN, out);
     TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_FEEDBACK, out.warning);
@@ -128,7 +126,7 @@ void test_a_warning_without_a_reaction_leaves_run_as_it_is(void)
 void test_switched_off_while_rolling_the_reason_is_the_enable(void)
 {
     start_in(MODE_RUN);
-    in.rolling = true;
+    in.bound_mrad_s = ROLLING_mrad_s;
     in.enable = false;
     TEST_ASSERT_EQUAL_INT(REASON_TORQUE_ENABLE, step().torque_enable.reason);
 }
@@ -138,7 +136,7 @@ void test_on_the_way_up_the_reason_is_the_mode_and_not_the_rotor(void)
     const operating_mode_t modes[] = {MODE_SELFTEST, MODE_OFFSET_CAL};
     for (int k = 0; k < 2; k++) {
         start_in(modes[k]);
-        in.rotor_valid = false;
+        in.angle_valid = false;
         TEST_ASSERT_EQUAL_INT(REASON_TORQUE_ENABLE, step().torque_enable.reason);
     }
 }
@@ -146,9 +144,7 @@ void test_on_the_way_up_the_reason_is_the_mode_and_not_the_rotor(void)
 void test_without_a_battery_both_shares_are_exactly_zero(void)
 {
     start_in(MODE_RUN);
-    in.warning = true;
-    in.warning_reason = REASON_BATTERY_DISCONNECTED;
-    in.battery_lost = true;
+    in.warning = FINDING_BATTERY_LEFT;
     const torque_enable_t out = step().torque_enable;
     TEST_ASSERT_EQUAL_INT16(0, out.drive_q15);
     TEST_ASSERT_EQUAL_INT16(0, out.brake_q15);
@@ -157,9 +153,7 @@ void test_without_a_battery_both_shares_are_exactly_zero(void)
 void test_without_a_battery_a_mode_without_torque_keeps_its_own_reason(void)
 {
     start_in(MODE_FAULT);
-    in.warning = true;
-    in.warning_reason = REASON_BATTERY_DISCONNECTED;
-    in.battery_lost = true;
+    in.warning = FINDING_BATTERY_LEFT;
     TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, step().torque_enable.reason);
 }
 
@@ -194,14 +188,14 @@ void test_a_lost_battery_is_waited_for_before_a_direction(void)
 {
     start_in(MODE_RUN);
     in.neutral = true;
-    in.battery_lost = true;
+    in.warning = FINDING_BATTERY_UNKNOWN;
     TEST_ASSERT_EQUAL_INT(WAITS_FOR_BATTERY, step().waits_for);
 }
 
 void test_a_fault_at_standstill_waits_for_the_released_pedal(void)
 {
     start_in(MODE_FAULT);
-    in.torque_demanded = true;
+    in.brake_demanded = true;
     TEST_ASSERT_EQUAL_INT(WAITS_FOR_REST, step().waits_for);
 }
 

@@ -7,6 +7,7 @@
 #include <math.h>
 
 #include "monitor/monitor_emf.h"
+#include "monitor_case.h"
 #include "paper_vehicle.h"
 
 static const double PI = 3.14159265358979323846;
@@ -21,9 +22,8 @@ static const plant_t AS_CONFIGURED = {1.0, 1.0, 1.0, 0.0};
 
 /* Steady state at a mechanical speed; currents in the rotor's dq frame. The estimated frame leads
  * it by offset_deg. */
-static inline monitor_emf_input_t emf_measured(const config_t *config, double rpm, double i_d_a,
-                                               double i_q_a, double offset_deg,
-                                               const plant_t *plant)
+static inline monitor_case_t emf_measured(const config_t *config, double rpm, double i_d_a,
+                                          double i_q_a, double offset_deg, const plant_t *plant)
 {
     const config_motor_t *m = &config->motor;
     const double w = rpm * 2.0 * PI / 60.0 * m->pole_pairs;
@@ -37,15 +37,15 @@ static inline monitor_emf_input_t emf_measured(const config_t *config, double rp
     const double u_q = r * i_q_a + w * (l_d * i_d_a + psi);
     const double c = cos(offset_deg * PI / 180.0);
     const double s = sin(offset_deg * PI / 180.0);
-    const monitor_emf_input_t out = {
-        .u_d_mV = (int32_t)lround(1e3 * (c * u_d + s * u_q)),
-        .u_q_mV = (int32_t)lround(1e3 * (c * u_q - s * u_d)),
-        .i_d_mA = (int32_t)lround(1e3 * (c * i_d_a + s * i_q_a)),
-        .i_q_mA = (int32_t)lround(1e3 * (c * i_q_a - s * i_d_a)),
-        .bus_voltage_mV = 53000,
-        .speed_mrad_s = mrad_s_of_rpm(rpm),
-        .switching = true,
-        .rotor_valid = true,
+    const monitor_case_t out = {
+        .report = {.bridge = BRIDGE_PWM},
+        .now = {.latest_u_d_mV = (int32_t)lround(1e3 * (c * u_d + s * u_q)),
+                .latest_u_q_mV = (int32_t)lround(1e3 * (c * u_q - s * u_d)),
+                .latest_i_d_mA = (int32_t)lround(1e3 * (c * i_d_a + s * i_q_a)),
+                .latest_i_q_mA = (int32_t)lround(1e3 * (c * i_q_a - s * i_d_a)),
+                .bus_voltage_mV = 53000,
+                .speed_mrad_s = mrad_s_of_rpm(rpm),
+                .angle_valid = true},
     };
     return out;
 }

@@ -5,21 +5,10 @@
 
 enum { OVER_mV = 60564, UNDER_mV = 36000, BACK_mV = 53000, NOT_BACK_mV = 60000 };
 
-static const monitor_slow_input_t HEALTHY = {
-    .offsets_known = true,
-    .rotor_valid = true,
-    .bus_voltage_mV = BACK_mV,
-    .speed_mrad_s = 30000,
-    .winding_temperature_cC = 2500,
-    .switch_temperature_cC = 2500,
-    .u_q_mV = 14076, /* 30 rad/s * 23 * 20.4 mWb */
-    .charge_current_mA = 1000000,
-    .bridge = BRIDGE_PWM,
-};
-
 void setUp(void)
 {
-    rig_up(&HEALTHY);
+    rig_up(&TURNING);
+    in.battery.charge_current_mA = 1000000;
     config.battery.overvoltage_trip_mV = OVER_mV;
     config.battery.undervoltage_trip_mV = UNDER_mV;
     config.battery.max_voltage_mV = 58400; /* back below 59.482 V */
@@ -31,24 +20,24 @@ void setUp(void)
 void tearDown(void) {}
 
 /* Empties the bus below its trip for one step of PWM, and opens the bridge. */
-static monitor_output_t empty_the_bus(int32_t bus_mV)
+static shown_t empty_the_bus(int32_t bus_mV)
 {
-    in.bridge = BRIDGE_PWM;
-    in.bus_voltage_mV = bus_mV;
-    const monitor_output_t out = step();
-    in.bridge = BRIDGE_OFF;
+    in.report.bridge = BRIDGE_PWM;
+    in.now.bus_voltage_mV = bus_mV;
+    const shown_t out = step();
+    in.report.bridge = BRIDGE_OFF;
     return out;
 }
 
-static monitor_output_t bus_is(int32_t bus_mV, int milliseconds)
+static shown_t bus_is(int32_t bus_mV, int milliseconds)
 {
-    in.bus_voltage_mV = bus_mV;
+    in.now.bus_voltage_mV = bus_mV;
     return run(milliseconds);
 }
 
 void test_a_bus_at_its_lower_trip_is_neither_low_nor_away(void)
 {
-    in.bus_voltage_mV = UNDER_mV;
+    in.now.bus_voltage_mV = UNDER_mV;
     TEST_ASSERT_FALSE(step().battery_lost);
     (void)empty_the_bus(UNDER_mV - 1);
     TEST_ASSERT_TRUE(bus_is(UNDER_mV, MONITOR_BUS_RETURN_STEPS - 1).battery_lost);
@@ -59,7 +48,7 @@ void test_a_bus_at_its_lower_trip_is_neither_low_nor_away(void)
 
 static reason_t fault_with_trip(reason_t trip)
 {
-    in.fast_trip = trip;
+    in.now.trip = trip;
     return step().fault;
 }
 
@@ -77,7 +66,7 @@ void test_overcurrent_is_the_bus_s_until_it_has_been_back_for_a_tenth_of_a_secon
 void test_overcurrent_after_a_bus_that_was_high_is_none_of_the_bus(void)
 {
     (void)bus_is(OVER_mV + 1, 1);
-    in.bus_voltage_mV = BACK_mV;
+    in.now.bus_voltage_mV = BACK_mV;
     TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, fault_with_trip(REASON_OVERCURRENT));
 }
 
@@ -93,20 +82,20 @@ void test_other_trips_are_a_fault_at_once_on_a_low_bus_as_well(void)
 
 void test_a_trip_by_a_reading_that_jumped_is_released_when_the_bus_is_back(void)
 {
-    in.fast_trip = REASON_BUS_SENSOR;
-    const monitor_output_t out = step();
+    in.now.trip = REASON_BUS_SENSOR;
+    const shown_t out = step();
     TEST_ASSERT_EQUAL_INT(REASON_NONE, out.fault);
     TEST_ASSERT_TRUE(out.battery_lost);
-    TEST_ASSERT_TRUE(out.release_trip);
-    TEST_ASSERT_FALSE(bus_is(NOT_BACK_mV, 1).release_trip);
+    TEST_ASSERT_TRUE(out.monitored.release_trip);
+    TEST_ASSERT_FALSE(bus_is(NOT_BACK_mV, 1).monitored.release_trip);
 }
 
 void test_an_open_contactor_releases_no_trip_of_a_bus_that_is_still_high(void)
 {
-    in.fast_trip = REASON_BUS_OVERVOLTAGE;
-    in.battery_open = true;
-    TEST_ASSERT_FALSE(bus_is(OVER_mV + 1, 1).release_trip);
-    TEST_ASSERT_TRUE(bus_is(BACK_mV, 1).release_trip);
+    in.now.trip = REASON_BUS_OVERVOLTAGE;
+    in.battery.contactor = CONTACTOR_OPEN;
+    TEST_ASSERT_FALSE(bus_is(OVER_mV + 1, 1).monitored.release_trip);
+    TEST_ASSERT_TRUE(bus_is(BACK_mV, 1).monitored.release_trip);
 }
 
 /* ---- the sensor's fault or the battery's ---- */
@@ -119,7 +108,7 @@ void test_a_bus_below_a_64th_of_the_range_is_the_sensor_s(void)
     TEST_ASSERT_EQUAL_INT(REASON_BUS_SENSOR, empty_the_bus(999).warning);
     /* For as long as the bus counts as lost. */
     TEST_ASSERT_EQUAL_INT(REASON_BUS_SENSOR, bus_is(BACK_mV, 1).warning);
-    const monitor_output_t last = run(MONITOR_BUS_RETURN_STEPS - 2);
+    const shown_t last = run(MONITOR_BUS_RETURN_STEPS - 2);
     TEST_ASSERT_EQUAL_INT(REASON_BUS_SENSOR, last.warning);
     TEST_ASSERT_EQUAL_INT(REASON_NONE, step().warning);
 }
@@ -127,23 +116,23 @@ void test_a_bus_below_a_64th_of_the_range_is_the_sensor_s(void)
 void test_a_bus_that_an_open_contactor_leaves_empty_is_the_battery_s(void)
 {
     (void)empty_the_bus(UNDER_mV - 1);
-    in.battery_open = true;
+    in.battery.contactor = CONTACTOR_OPEN;
     (void)bus_is(0, 10);
-    in.battery_open = false;
+    in.battery.contactor = CONTACTOR_CLOSED;
     TEST_ASSERT_EQUAL_INT(REASON_BATTERY_DISCONNECTED, bus_is(BACK_mV, 1).warning);
 }
 
 void test_a_bus_that_empties_without_a_motor_is_the_battery_s(void)
 {
     (void)bus_is(OVER_mV + 1, 1);
-    in.bridge = BRIDGE_OFF;
+    in.report.bridge = BRIDGE_OFF;
     TEST_ASSERT_EQUAL_INT(REASON_BATTERY_DISCONNECTED, bus_is(0, 10).warning);
 }
 
 void test_a_low_bus_that_is_back_at_once_is_the_battery_s(void)
 {
     TEST_ASSERT_EQUAL_INT(REASON_NONE, empty_the_bus(UNDER_mV - 1).warning);
-    in.bus_voltage_mV = BACK_mV;
+    in.now.bus_voltage_mV = BACK_mV;
     for (int n = 1; n < MONITOR_BUS_RETURN_STEPS; n++) {
         TEST_ASSERT_EQUAL_INT(REASON_BATTERY_DISCONNECTED, step().warning);
     }
@@ -152,7 +141,7 @@ void test_a_low_bus_that_is_back_at_once_is_the_battery_s(void)
 
 void test_a_low_bus_with_a_trip_of_the_bus_is_named_in_its_first_step(void)
 {
-    in.fast_trip = REASON_BUS_OVERVOLTAGE;
+    in.now.trip = REASON_BUS_OVERVOLTAGE;
     TEST_ASSERT_EQUAL_INT(REASON_BATTERY_DISCONNECTED, empty_the_bus(UNDER_mV - 1).warning);
 }
 
@@ -160,21 +149,21 @@ void test_a_low_bus_with_a_trip_of_the_bus_is_named_in_its_first_step(void)
 
 void test_a_bus_that_falls_with_an_open_contactor_is_not_low(void)
 {
-    in.battery_open = true;
+    in.battery.contactor = CONTACTOR_OPEN;
     (void)bus_is(20000, 10);
-    in.battery_open = false;
-    in.bridge = BRIDGE_OFF;
+    in.battery.contactor = CONTACTOR_CLOSED;
+    in.report.bridge = BRIDGE_OFF;
     assert_never_a_fault();
 }
 
 void test_a_bus_that_moves_with_an_open_contactor_has_lost_no_battery(void)
 {
-    in.battery_open = true;
+    in.battery.contactor = CONTACTOR_OPEN;
     for (int n = 0; n < 20; n++) {
         (void)bus_is(n % 2 == 0 ? 50000 : 57000, 1);
     }
-    in.battery_open = false;
-    in.bridge = BRIDGE_OFF;
+    in.battery.contactor = CONTACTOR_CLOSED;
+    in.report.bridge = BRIDGE_OFF;
     TEST_ASSERT_EQUAL_INT(REASON_NONE, bus_is(NOT_BACK_mV, 1000).fault);
     TEST_ASSERT_FALSE(step().battery_lost);
 }
@@ -185,7 +174,7 @@ static void assert_fault_of_a_high_bus_after(int back_steps, int milliseconds, r
 {
     (void)empty_the_bus(UNDER_mV - 1);
     (void)bus_is(BACK_mV, back_steps);
-    in.bus_voltage_mV = OVER_mV + 1;
+    in.now.bus_voltage_mV = OVER_mV + 1;
     for (int n = 1; n < milliseconds; n++) {
         TEST_ASSERT_EQUAL_INT(REASON_NONE, step().fault);
     }
@@ -212,13 +201,13 @@ void test_a_bus_that_is_not_back_in_its_last_step_needs_an_explanation(void)
 void test_the_emf_charges_no_battery_while_the_bus_counts_as_lost(void)
 {
     config.motor.max_phase_current_mA = 400000;
-    in.speed_mrad_s = 80000;
-    in.bridge = BRIDGE_OFF;
+    in.now.speed_mrad_s = 80000;
+    in.report.bridge = BRIDGE_OFF;
     TEST_ASSERT_TRUE(bus_is(BACK_mV, 1).charging_mA > 0);
     (void)empty_the_bus(UNDER_mV - 1);
-    const monitor_output_t lost = bus_is(BACK_mV, MONITOR_BUS_RETURN_STEPS - 1);
+    const shown_t lost = bus_is(BACK_mV, MONITOR_BUS_RETURN_STEPS - 1);
     TEST_ASSERT_TRUE(lost.battery_lost);
     TEST_ASSERT_EQUAL_INT32(0, lost.charging_mA);
-    TEST_ASSERT_FALSE(lost.emf_conducts);
+    TEST_ASSERT_FALSE(lost.monitored.emf_conducts);
     TEST_ASSERT_TRUE(step().charging_mA > 0);
 }

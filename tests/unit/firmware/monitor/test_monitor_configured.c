@@ -4,14 +4,14 @@
 #include "monitor/monitor_temperature.h"
 #include "monitor_rig.h"
 
-static const monitor_slow_input_t HEALTHY = {
-    .offsets_known = true,
-    .rotor_valid = true,
-    .bus_voltage_mV = 53000,
-    .winding_temperature_cC = 2500,
-    .switch_temperature_cC = 2500,
-    .offset_q4 = {2048 * 16, 2048 * 16, 2048 * 16},
-    .bridge = BRIDGE_PWM,
+static const monitor_case_t HEALTHY = {
+    .report = {.offsets_done = true,
+               .offset_q4 = {MID_OFFSET_Q4, MID_OFFSET_Q4, MID_OFFSET_Q4},
+               .bridge = BRIDGE_PWM},
+    .now = {.angle_valid = true,
+            .bus_voltage_mV = 53000,
+            .winding_temperature_cC = 2500,
+            .switch_temperature_cC = 2500},
 };
 
 void setUp(void)
@@ -24,11 +24,11 @@ void tearDown(void) {}
 void test_sensor_fault_time_qualifies_currents_and_temperatures(void)
 {
     config.monitor.sensor_fault_time_ms = 7;
-    in.current_sum_pu = 32767;
+    in.report.current_sum_pu = 32767;
     assert_fault_after(7, REASON_CURRENT_SUM);
-    in.current_saturated = true;
+    in.report.adc_saturated = true;
     assert_fault_after(7, REASON_CURRENT_SENSOR);
-    in.winding_temperature_cC = 25000;
+    in.now.winding_temperature_cC = 25000;
     assert_fault_after(7, REASON_WINDING_OVERTEMPERATURE);
 }
 
@@ -36,9 +36,9 @@ void test_voltage_fault_time_qualifies_the_bus_voltage(void)
 {
     config.monitor.voltage_fault_time_ms = 40;
     config.monitor.battery_message_time_ms = 60;
-    in.bus_voltage_mV = config.battery.overvoltage_trip_mV + 1;
+    in.now.bus_voltage_mV = config.battery.overvoltage_trip_mV + 1;
     assert_fault_after(60, REASON_BUS_OVERVOLTAGE);
-    in.bus_voltage_mV = config.battery.undervoltage_trip_mV - 1;
+    in.now.bus_voltage_mV = config.battery.undervoltage_trip_mV - 1;
     assert_fault_after(60 + 40, REASON_BUS_UNDERVOLTAGE);
 }
 
@@ -47,31 +47,27 @@ void test_rotor_fault_time_begins_after_the_torque_ramp(void)
     config.motor.max_torque_mNm = 40000;
     config.brake.torque_rate_mNm_s = 400000; /* 100 ms to zero */
     config.monitor.rotor_fault_time_ms = 30;
-    in.rotor_valid = false;
+    in.now.angle_valid = false;
     assert_fault_after(100 + 30, REASON_ROTOR_LOST);
 }
 
 void test_angle_fault_time_qualifies_an_angle_against_the_back_emf(void)
 {
-    const monitor_emf_input_t turned = {
-        .u_d_mV = 14076, /* the EMF of 30 rad/s, 30 * 23 * 20.4 mV, on the wrong axis */
-        .bus_voltage_mV = 53000,
-        .speed_mrad_s = 30000,
-        .switching = true,
-        .rotor_valid = true,
-    };
+    monitor_case_t turned = TURNING;
+    turned.now.latest_u_d_mV = turned.now.latest_u_q_mV; /* the EMF on the wrong axis */
+    turned.now.latest_u_q_mV = 0;
     monitor_emf_state_t level = {.level = 0};
     config.monitor.angle_fault_time_ms = 9;
     for (int n = 1; n < 9; n++) {
-        TEST_ASSERT_FALSE(monitor_emf_step(&level, &config, &turned));
+        TEST_ASSERT_FALSE(monitor_emf_step(&level, &config, measured_of(&turned)));
     }
-    TEST_ASSERT_TRUE(monitor_emf_step(&level, &config, &turned));
+    TEST_ASSERT_TRUE(monitor_emf_step(&level, &config, measured_of(&turned)));
 }
 
 void test_rotor_warning_time_heals_the_warning(void)
 {
     config.monitor.rotor_warning_time_ms = 25;
-    in.rotor_faults = 1;
+    in.report.rotor_faults = 1;
     for (int n = 0; n < 25; n++) {
         TEST_ASSERT_EQUAL_INT(REASON_ROTOR_UNCERTAIN, step().warning);
     }
@@ -82,9 +78,9 @@ void test_overtemperature_margin_lies_above_the_end_of_the_derating(void)
 {
     config.motor.max_winding_temperature_cC = 15000;
     config.monitor.overtemperature_margin_cC = 250;
-    in.winding_temperature_cC = 15251;
+    in.now.winding_temperature_cC = 15251;
     assert_fault_after(20, REASON_WINDING_OVERTEMPERATURE);
-    in.winding_temperature_cC = 15250;
+    in.now.winding_temperature_cC = 15250;
     assert_never_a_fault();
 }
 
@@ -99,20 +95,17 @@ void test_temperatures_beyond_the_configured_ends_are_of_a_broken_sensor(void)
 }
 
 /* What the bound falls by in a second, rad/s, from 60 rad/s at a wheel of 0.25 m. */
-static int32_t fall_in_a_second_mrad_s(bool rotor_valid)
+static int32_t fall_in_a_second_mrad_s(bool angle_valid)
 {
     monitor_speed_state_t bound = {.windows = 0};
-    monitor_speed_input_t seen = {.speed_mrad_s = 60000,
-                                  .rotor_valid = true,
-                                  .offsets_known = true,
-                                  .bridge = BRIDGE_PWM,
-                                  .bus_voltage_mV = 53000};
-    const int32_t before_mrad_s = monitor_speed_step(&bound, &config, &seen);
-    seen.speed_mrad_s = 0;
-    seen.rotor_valid = rotor_valid;
+    monitor_case_t seen = TURNING;
+    seen.now.speed_mrad_s = 60000;
+    const int32_t before_mrad_s = monitor_speed_step(&bound, &config, measured_of(&seen));
+    seen.now.speed_mrad_s = 0;
+    seen.now.angle_valid = angle_valid;
     int32_t now_mrad_s = before_mrad_s;
     for (int n = 0; n < 1000; n++) {
-        now_mrad_s = monitor_speed_step(&bound, &config, &seen);
+        now_mrad_s = monitor_speed_step(&bound, &config, measured_of(&seen));
     }
     return before_mrad_s - now_mrad_s;
 }
@@ -128,25 +121,25 @@ void test_the_speed_bound_falls_with_tyre_grip_or_coasting(void)
 void test_standstill_is_below_the_configured_speed(void)
 {
     config.monitor.standstill_mrad_s = 1000;
-    in.speed_mrad_s = 1000;
-    TEST_ASSERT_FALSE(step().standstill);
-    in.speed_mrad_s = 999;
-    TEST_ASSERT_TRUE(run(1000).standstill);
+    in.now.speed_mrad_s = 1000;
+    TEST_ASSERT_FALSE(step().monitored.standstill);
+    in.now.speed_mrad_s = 999;
+    TEST_ASSERT_TRUE(run(1000).monitored.standstill);
 }
 
 void test_diode_fault_time_qualifies_a_current_in_freewheel(void)
 {
     monitor_speed_state_t bound = {.windows = 0};
-    const monitor_speed_input_t conducting = {.rotor_valid = false,
-                                              .offsets_known = true,
-                                              .bridge = BRIDGE_OFF,
-                                              .i_q_mA = 30000,
-                                              .bus_voltage_mV = 53000};
+    const monitor_case_t conducting = {
+        .report = {.offsets_done = true, .bridge = BRIDGE_OFF},
+        .now = {.latest_i_q_mA = 30000, .bus_voltage_mV = 53000},
+    };
     config.monitor.diode_fault_time_ms = 3;
-    TEST_ASSERT_EQUAL_INT32(0, monitor_speed_step(&bound, &config, &conducting));
-    TEST_ASSERT_EQUAL_INT32(0, monitor_speed_step(&bound, &config, &conducting));
+    TEST_ASSERT_EQUAL_INT32(0, monitor_speed_step(&bound, &config, measured_of(&conducting)));
+    TEST_ASSERT_EQUAL_INT32(0, monitor_speed_step(&bound, &config, measured_of(&conducting)));
     /* 53 V / (sqrt(3) 20.4 mWb 23) = 65.2 rad/s, and 2 % more */
-    TEST_ASSERT_INT32_WITHIN(200, 66520, monitor_speed_step(&bound, &config, &conducting));
+    TEST_ASSERT_INT32_WITHIN(200, 66520,
+                             monitor_speed_step(&bound, &config, measured_of(&conducting)));
 }
 
 void test_an_over_current_trips_after_the_configured_periods_in_a_row(void)

@@ -4,6 +4,7 @@
 
 #include <math.h>
 
+#include "monitor_case.h"
 #include "paper_vehicle.h"
 #include "unity.h"
 
@@ -20,22 +21,27 @@ void setUp(void)
 
 void tearDown(void) {}
 
-static const monitor_current_input_t demanded = {
-    .reference_pu = {.d = 0, .q = 10000},
-    .switching = true,
+static const monitor_case_t DEMANDED = {
+    .report = {.bridge = BRIDGE_PWM},
+    .last = {.reference_pu = {.d = 0, .q = 10000}},
 };
+
+static bool step(const monitor_case_t *in)
+{
+    return monitor_current_step(&state, &config, measured_of(in), in->last.reference_pu);
+}
 
 static int time_to_missing(int32_t d_pu, int32_t q_pu, int32_t shown_pu)
 {
     const monitor_current_state_t fresh = {.missing_pu = 0};
-    monitor_current_input_t in = demanded;
+    monitor_case_t in = DEMANDED;
     state = fresh;
-    in.reference_pu.d = d_pu;
-    in.reference_pu.q = q_pu;
-    in.sampled_pu.d = 0;
-    in.sampled_pu.q = shown_pu;
+    in.last.reference_pu.d = d_pu;
+    in.last.reference_pu.q = q_pu;
+    in.now.sampled_pu.d = 0;
+    in.now.sampled_pu.q = shown_pu;
     for (int n = 1; n <= 1000; n++) {
-        if (monitor_current_step(&state, &config, &in)) {
+        if (step(&in)) {
             return n;
         }
     }
@@ -62,39 +68,39 @@ void test_no_current_is_missing_where_some_flows_or_none_is_demanded(void)
 /* A current that passes zero once in a while is none that is missing. */
 void test_missing_time_begins_again_with_every_current(void)
 {
-    monitor_current_input_t in = demanded;
-    in.reference_pu.q = 480;
+    monitor_case_t in = DEMANDED;
+    in.last.reference_pu.q = 480;
     for (int n = 0; n < 1000; n++) {
-        in.sampled_pu.q = n % 3 == 2 ? 300 : 0;
-        TEST_ASSERT_FALSE(monitor_current_step(&state, &config, &in));
+        in.now.sampled_pu.q = n % 3 == 2 ? 300 : 0;
+        TEST_ASSERT_FALSE(step(&in));
     }
 }
 
 void test_no_current_is_missing_without_pwm_and_at_the_voltage_limit_none_is_counted(void)
 {
-    monitor_current_input_t in = demanded;
-    in.voltage_limited = true;
+    monitor_case_t in = DEMANDED;
+    in.report.voltage_limited = true;
     for (int n = 0; n < 1000; n++) {
-        TEST_ASSERT_FALSE(monitor_current_step(&state, &config, &in));
+        TEST_ASSERT_FALSE(step(&in));
     }
-    in.voltage_limited = false;
-    in.switching = false;
+    in.report.voltage_limited = false;
+    in.report.bridge = BRIDGE_OFF;
     for (int n = 0; n < 1000; n++) {
-        TEST_ASSERT_FALSE(monitor_current_step(&state, &config, &in));
+        TEST_ASSERT_FALSE(step(&in));
     }
 }
 
-/* README, All current sensors: a length from 3 % less to 7 % more than it is. */
+/* A length from 3 % less to 7 % more than it is. */
 void test_length_is_within_its_bounds_in_every_direction(void)
 {
     config.monitor.current_missing_pu_q15 = 90000; /* a third is more than any reference */
     for (int degrees = 0; degrees < 360; degrees++) {
         const double angle = degrees * acos(-1.0) / 180.0;
-        monitor_current_input_t in = demanded;
-        in.reference_pu.d = (int32_t)lround(20000.0 * cos(angle));
-        in.reference_pu.q = (int32_t)lround(20000.0 * sin(angle));
+        monitor_case_t in = DEMANDED;
+        in.last.reference_pu.d = (int32_t)lround(20000.0 * cos(angle));
+        in.last.reference_pu.q = (int32_t)lround(20000.0 * sin(angle));
         state.missing_pu = 0;
-        (void)monitor_current_step(&state, &config, &in);
+        (void)step(&in);
         TEST_ASSERT_TRUE(state.missing_pu >= 19400 && state.missing_pu <= 21400);
     }
 }
@@ -116,8 +122,8 @@ void test_three_steps_at_least_are_needed_and_the_sum_is_limited(void)
     for (int k = 0; k < 5; k++) {
         config.monitor.current_missing_pu_q15 = MOST[k];
         TEST_ASSERT_EQUAL_INT(MOST[k] == 3 ? 2 : 3, time_to_missing(0, 10000, 0));
-        monitor_current_input_t in = demanded;
-        TEST_ASSERT_TRUE(monitor_current_step(&state, &config, &in));
+        monitor_case_t in = DEMANDED;
+        TEST_ASSERT_TRUE(step(&in));
         TEST_ASSERT_EQUAL_INT32(MOST[k], state.missing_pu);
     }
 }

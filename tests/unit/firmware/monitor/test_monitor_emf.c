@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The plausibility of the rotor angle by the back-EMF: a motor in double precision, in a dq frame
  * with an angle error. */
+#include "config/finding_times.h"
 #include "monitor/monitor.h"
 
 #include <math.h>
@@ -20,18 +21,18 @@ void setUp(void)
 
 void tearDown(void) {}
 
-static monitor_emf_input_t measured(double rpm, double i_d_a, double i_q_a, double offset_deg,
-                                    const plant_t *plant)
+static monitor_case_t measured(double rpm, double i_d_a, double i_q_a, double offset_deg,
+                               const plant_t *plant)
 {
     return emf_measured(&config, rpm, i_d_a, i_q_a, offset_deg, plant);
 }
 
 /* Milliseconds until the fault, or -1 within a second. */
-static int time_to_fault(const monitor_emf_input_t *in)
+static int time_to_fault(const monitor_case_t *in)
 {
     state.level = 0;
     for (int n = 1; n <= 1000; n++) {
-        if (monitor_emf_step(&state, &config, in)) {
+        if (monitor_emf_step(&state, &config, measured_of(in))) {
             return n;
         }
     }
@@ -45,7 +46,7 @@ void test_angle_error_of_60_degrees_is_a_fault_within_20_ms_at_every_checked_spe
         for (double rpm = 200.0; rpm <= 640.0; rpm += 20.0) {
             for (double i_q = -60.0; i_q <= 60.0; i_q += 20.0) {
                 for (int back = -1; back <= 1; back += 2) {
-                    const monitor_emf_input_t in =
+                    const monitor_case_t in =
                         measured(back * rpm, -20.0, i_q, OFFSETS_DEG[o], &AS_CONFIGURED);
                     const int expected = fabs(i_q) < 50.0 || rpm > 300.0 ? 20 : 0;
                     TEST_ASSERT_TRUE(expected == 0 || time_to_fault(&in) == 20);
@@ -59,14 +60,14 @@ void test_angle_error_of_60_degrees_is_a_fault_within_20_ms_at_every_checked_spe
 void test_check_starts_at_the_derived_speed(void)
 {
     /* U = 2/3 * 1 us * 20 kHz * 53 V = 0.707 V; 4 U / psi / 23 = 57.5 r/min. */
-    const monitor_emf_input_t slow = measured(56.0, 0.0, 0.0, 90.0, &AS_CONFIGURED);
-    const monitor_emf_input_t fast = measured(59.0, 0.0, 0.0, 90.0, &AS_CONFIGURED);
+    const monitor_case_t slow = measured(56.0, 0.0, 0.0, 90.0, &AS_CONFIGURED);
+    const monitor_case_t fast = measured(59.0, 0.0, 0.0, 90.0, &AS_CONFIGURED);
     TEST_ASSERT_EQUAL_INT(-1, time_to_fault(&slow));
     TEST_ASSERT_EQUAL_INT(20, time_to_fault(&fast));
     /* 4 (0.707 + 0.0155 * 60 + w * 19 uH * 60) = w * 20.4 mWb: w = 6.548 / 0.01584 = 413 rad/s =
      * 171.6 r/min. */
-    const monitor_emf_input_t slower = measured(169.0, 0.0, 60.0, 90.0, &AS_CONFIGURED);
-    const monitor_emf_input_t faster = measured(174.0, 0.0, 60.0, 90.0, &AS_CONFIGURED);
+    const monitor_case_t slower = measured(169.0, 0.0, 60.0, 90.0, &AS_CONFIGURED);
+    const monitor_case_t faster = measured(174.0, 0.0, 60.0, 90.0, &AS_CONFIGURED);
     TEST_ASSERT_EQUAL_INT(-1, time_to_fault(&slower));
     TEST_ASSERT_EQUAL_INT(20, time_to_fault(&faster));
 }
@@ -87,10 +88,10 @@ void test_parameter_errors_are_no_fault(void)
         const double rpm = random_real(&random, -640.0, 640.0);
         const double i_d = random_real(&random, -40.0, 10.0);
         const double i_q = random_real(&random, -75.0, 75.0);
-        const monitor_emf_input_t in =
+        const monitor_case_t in =
             measured(rpm, i_d, i_q, random_real(&random, -15.0, 15.0), &plant);
         state.level = (uint16_t)(MONITOR_EMF_SEEN * config.monitor.angle_fault_time_ms - 1);
-        TEST_ASSERT_FALSE(monitor_emf_step(&state, &config, &in));
+        TEST_ASSERT_FALSE(monitor_emf_step(&state, &config, measured_of(&in)));
     }
 }
 
@@ -105,10 +106,10 @@ void test_reversed_direction_of_rotation_is_a_fault_within_40_ms(void)
         bool fault = false;
         while (!fault && n < 1000) {
             n++;
-            monitor_emf_input_t in =
+            monitor_case_t in =
                 measured(rpm, 0.0, 0.0, 2.0 * w * 1e-3 * n * 180.0 / PI, &AS_CONFIGURED);
-            in.speed_mrad_s = -in.speed_mrad_s;
-            fault = monitor_emf_step(&state, &config, &in);
+            in.now.speed_mrad_s = -in.now.speed_mrad_s;
+            fault = monitor_emf_step(&state, &config, measured_of(&in));
         }
         /* On average three of four evaluations count against the angle. The phase changes slowly
          * where two turns per evaluation are close to a multiple of a quarter turn. */
@@ -121,14 +122,14 @@ void test_reversed_direction_of_rotation_is_a_fault_within_40_ms(void)
 
 void test_check_is_off_without_pwm_at_the_voltage_limit_and_with_an_invalid_angle(void)
 {
-    monitor_emf_input_t in = measured(400.0, 0.0, 0.0, 90.0, &AS_CONFIGURED);
-    in.switching = false;
+    monitor_case_t in = measured(400.0, 0.0, 0.0, 90.0, &AS_CONFIGURED);
+    in.report.bridge = BRIDGE_OFF;
     TEST_ASSERT_EQUAL_INT(-1, time_to_fault(&in));
-    in.switching = true;
-    in.voltage_limited = true;
+    in.report.bridge = BRIDGE_PWM;
+    in.report.voltage_limited = true;
     TEST_ASSERT_EQUAL_INT(-1, time_to_fault(&in));
-    in.voltage_limited = false;
-    in.rotor_valid = false;
+    in.report.voltage_limited = false;
+    in.now.angle_valid = false;
     TEST_ASSERT_EQUAL_INT(-1, time_to_fault(&in));
 }
 
@@ -141,9 +142,9 @@ void test_demagnetising_current_of_60_percent_of_the_flux_is_no_fault(void)
     const double i_d = -0.6 * config.motor.flux_linkage_nWb / config.motor.d_inductance_nH;
     const double rpm = 2000.0 * 60.0 / (2.0 * PI) / config.motor.pole_pairs;
     for (int back = -1; back <= 1; back += 2) {
-        const monitor_emf_input_t right = measured(back * rpm, i_d, 0.0, 0.0, &AS_CONFIGURED);
+        const monitor_case_t right = measured(back * rpm, i_d, 0.0, 0.0, &AS_CONFIGURED);
         TEST_ASSERT_EQUAL_INT(-1, time_to_fault(&right));
-        const monitor_emf_input_t wrong = measured(back * rpm, i_d, 0.0, 180.0, &AS_CONFIGURED);
+        const monitor_case_t wrong = measured(back * rpm, i_d, 0.0, 180.0, &AS_CONFIGURED);
         TEST_ASSERT_EQUAL_INT(20, time_to_fault(&wrong)); /* the check is active at this point */
     }
 }
@@ -151,14 +152,14 @@ void test_demagnetising_current_of_60_percent_of_the_flux_is_no_fault(void)
 void test_check_is_off_at_standstill_also_without_dead_time(void)
 {
     config.drive.dead_time_ns = 0;
-    const monitor_emf_input_t in = measured(0.0, 0.0, 0.0, 0.0, &AS_CONFIGURED);
+    const monitor_case_t in = measured(0.0, 0.0, 0.0, 0.0, &AS_CONFIGURED);
     TEST_ASSERT_EQUAL_INT(-1, time_to_fault(&in));
 }
 
-static int steps_to_fault(const monitor_emf_input_t *wrong)
+static int steps_to_fault(const monitor_case_t *wrong)
 {
     int n = 1;
-    while (!monitor_emf_step(&state, &config, wrong)) {
+    while (!monitor_emf_step(&state, &config, measured_of(wrong))) {
         n++;
     }
     return n;
@@ -166,33 +167,33 @@ static int steps_to_fault(const monitor_emf_input_t *wrong)
 
 void test_qualify_counter_restarts_after_a_healthy_interval(void)
 {
-    const monitor_emf_input_t wrong = measured(400.0, 0.0, 10.0, 90.0, &AS_CONFIGURED);
-    monitor_emf_input_t right = measured(400.0, 0.0, 10.0, 0.0, &AS_CONFIGURED);
+    const monitor_case_t wrong = measured(400.0, 0.0, 10.0, 90.0, &AS_CONFIGURED);
+    monitor_case_t right = measured(400.0, 0.0, 10.0, 0.0, &AS_CONFIGURED);
     for (int n = 0; n < 10; n++) {
-        (void)monitor_emf_step(&state, &config, &wrong);
+        (void)monitor_emf_step(&state, &config, measured_of(&wrong));
     }
     for (int n = 0; n < 10; n++) {
-        (void)monitor_emf_step(&state, &config, &right);
+        (void)monitor_emf_step(&state, &config, measured_of(&right));
     }
     TEST_ASSERT_EQUAL_INT(20, steps_to_fault(&wrong));
     /* The counter also starts again when the bridge stops switching or the angle is invalid. */
     for (int k = 0; k < 2; k++) {
-        right.switching = k != 0;
-        right.rotor_valid = k != 1;
-        (void)monitor_emf_step(&state, &config, &right);
+        right.report.bridge = pwm_if(k != 0);
+        right.now.angle_valid = k != 1;
+        (void)monitor_emf_step(&state, &config, measured_of(&right));
         TEST_ASSERT_EQUAL_INT(20, steps_to_fault(&wrong));
     }
 }
 
 void test_fault_heals_in_the_first_step_with_a_plausible_angle(void)
 {
-    const monitor_emf_input_t wrong = measured(400.0, 0.0, 10.0, 90.0, &AS_CONFIGURED);
-    const monitor_emf_input_t right = measured(400.0, 0.0, 10.0, 0.0, &AS_CONFIGURED);
+    const monitor_case_t wrong = measured(400.0, 0.0, 10.0, 90.0, &AS_CONFIGURED);
+    const monitor_case_t right = measured(400.0, 0.0, 10.0, 0.0, &AS_CONFIGURED);
     for (int n = 0; n < 100000; n++) {
-        (void)monitor_emf_step(&state, &config, &wrong);
+        (void)monitor_emf_step(&state, &config, measured_of(&wrong));
     }
     int n = 0;
-    while (monitor_emf_step(&state, &config, &right)) {
+    while (monitor_emf_step(&state, &config, measured_of(&right))) {
         n++;
     }
     TEST_ASSERT_EQUAL_INT(0, n);
@@ -200,22 +201,17 @@ void test_fault_heals_in_the_first_step_with_a_plausible_angle(void)
 
 void test_slow_monitor_reports_the_fault(void)
 {
-    monitor_slow_state_t slow;
-    monitor_slow_init(&slow);
-    const monitor_emf_input_t wrong = measured(400.0, 0.0, 10.0, 90.0, &AS_CONFIGURED);
-    monitor_slow_input_t in = {
-        .rotor_valid = true,
-        .bridge = BRIDGE_PWM,
-        .bus_voltage_mV = wrong.bus_voltage_mV,
-        .speed_mrad_s = wrong.speed_mrad_s,
-        .i_d_mA = wrong.i_d_mA,
-        .i_q_mA = wrong.i_q_mA,
-        .u_d_mV = wrong.u_d_mV,
-        .u_q_mV = wrong.u_q_mV,
-    };
+    monitor_state_t slow;
+    monitor_init(&slow);
+    finding_times_t times[FINDING_COUNT];
+    finding_times(&config, times);
+    findings_t findings;
+    findings_init(&findings, times);
+    monitor_case_t wrong = measured(400.0, 0.0, 10.0, 90.0, &AS_CONFIGURED);
     for (int n = 1; n <= 30; n++) {
-        in.fast_step_count = (uint16_t)(in.fast_step_count + 20U);
-        const reason_t fault = monitor_slow_step(&slow, &config, &in).fault;
+        wrong.report.sequence = (uint16_t)(wrong.report.sequence + 20U);
+        (void)monitor_step(&slow, &config, measured_of(&wrong), &wrong.last, &findings);
+        const reason_t fault = findings_reason(&findings, findings_fault(&findings));
         TEST_ASSERT_EQUAL_INT(n < 20 ? REASON_NONE : REASON_ROTOR_IMPLAUSIBLE, fault);
     }
 }
@@ -225,17 +221,14 @@ void test_any_input_is_accepted(void)
     /* The sanitizer build detects undefined behaviour. */
     random_t random = random_seeded(5);
     for (int n = 0; n < 100000; n++) {
-        const monitor_emf_input_t in = {
-            .u_d_mV = random_wild(&random),
-            .u_q_mV = random_wild(&random),
-            .i_d_mA = random_wild(&random),
-            .i_q_mA = random_wild(&random),
-            .bus_voltage_mV = random_wild(&random),
-            .speed_mrad_s = random_wild(&random),
-            .switching = true,
-            .rotor_valid = true,
-        };
-        (void)monitor_emf_step(&state, &config, &in);
+        monitor_case_t in = {.report = {.bridge = BRIDGE_PWM}, .now = {.angle_valid = true}};
+        in.now.latest_u_d_mV = random_wild(&random);
+        in.now.latest_u_q_mV = random_wild(&random);
+        in.now.latest_i_d_mA = random_wild(&random);
+        in.now.latest_i_q_mA = random_wild(&random);
+        in.now.bus_voltage_mV = random_wild(&random);
+        in.now.speed_mrad_s = random_wild(&random);
+        (void)monitor_emf_step(&state, &config, measured_of(&in));
         TEST_ASSERT_TRUE(state.level <= MONITOR_EMF_SEEN * config.monitor.angle_fault_time_ms);
     }
 }
@@ -246,14 +239,14 @@ static monitor_emf_flux_t named(double rpm, double i_q_a, double flux, double re
 {
     plant_t plant = AS_CONFIGURED;
     plant.flux = flux;
-    monitor_emf_input_t in = measured(rpm, 0.0, i_q_a, 0.0, &plant);
-    in.u_d_mV = (int32_t)lround(reading * in.u_d_mV);
-    in.u_q_mV = (int32_t)lround(reading * in.u_q_mV);
-    in.winding_temperature_cC = config.motor.reference_temperature_cC;
+    monitor_case_t in = measured(rpm, 0.0, i_q_a, 0.0, &plant);
+    in.now.latest_u_d_mV = (int32_t)lround(reading * in.now.latest_u_d_mV);
+    in.now.latest_u_q_mV = (int32_t)lround(reading * in.now.latest_u_q_mV);
+    in.now.winding_temperature_cC = config.motor.reference_temperature_cC;
     const monitor_emf_state_t fresh = {.level = 0};
     state = fresh;
     for (int n = 0; n < 1000; n++) {
-        monitor_emf_step(&state, &config, &in);
+        monitor_emf_step(&state, &config, measured_of(&in));
     }
     return state.flux;
 }
@@ -280,34 +273,34 @@ void test_flux_is_named_after_200_ms_and_heals_after_200_ms(void)
 {
     config.monitor.flux_tolerance_permille = 150;
     TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_WEAK, named(500.0, 0.0, 0.7, 1.0));
-    monitor_emf_input_t in = measured(500.0, 0.0, 0.0, 0.0, &AS_CONFIGURED);
-    in.winding_temperature_cC = config.motor.reference_temperature_cC;
+    monitor_case_t in = measured(500.0, 0.0, 0.0, 0.0, &AS_CONFIGURED);
+    in.now.winding_temperature_cC = config.motor.reference_temperature_cC;
     for (int n = 1; n < MONITOR_EMF_FLUX_STEPS; n++) {
-        monitor_emf_step(&state, &config, &in);
+        monitor_emf_step(&state, &config, measured_of(&in));
     }
     TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_WEAK, state.flux);
-    monitor_emf_step(&state, &config, &in);
+    monitor_emf_step(&state, &config, measured_of(&in));
     TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_PLAUSIBLE, state.flux);
     plant_t weak = AS_CONFIGURED;
     weak.flux = 0.7;
     in = measured(500.0, 0.0, 0.0, 0.0, &weak);
-    in.winding_temperature_cC = config.motor.reference_temperature_cC;
+    in.now.winding_temperature_cC = config.motor.reference_temperature_cC;
     for (int n = 1; n < MONITOR_EMF_FLUX_STEPS; n++) {
-        monitor_emf_step(&state, &config, &in);
+        monitor_emf_step(&state, &config, measured_of(&in));
     }
     TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_PLAUSIBLE, state.flux);
-    monitor_emf_step(&state, &config, &in);
+    monitor_emf_step(&state, &config, measured_of(&in));
     TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_WEAK, state.flux);
     weak.flux = 0.82; /* with 40 A within the tolerance and U_q, but not within the tolerance */
     in = measured(500.0, 0.0, -40.0, 0.0, &weak);
-    in.winding_temperature_cC = config.motor.reference_temperature_cC;
+    in.now.winding_temperature_cC = config.motor.reference_temperature_cC;
     for (int n = 0; n < 1000; n++) {
-        monitor_emf_step(&state, &config, &in);
+        monitor_emf_step(&state, &config, measured_of(&in));
     }
     TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_WEAK, state.flux);
-    in.switching = false; /* not judged: it stays */
+    in.report.bridge = BRIDGE_OFF; /* not judged: it stays */
     for (int n = 0; n < 1000; n++) {
-        monitor_emf_step(&state, &config, &in);
+        monitor_emf_step(&state, &config, measured_of(&in));
     }
     TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_WEAK, state.flux);
 }
@@ -325,15 +318,15 @@ void test_a_motor_within_its_tolerances_is_never_named(void)
                                .flux = n % 2 == 0 ? random_real(&random, 0.86, 1.14)
                                                   : random_real(&random, 0.88, 1.12),
                                .dead_time_share = random_real(&random, -0.5, 0.5)};
-        monitor_emf_input_t in =
+        monitor_case_t in =
             measured(random_real(&random, -640.0, 640.0), random_real(&random, -40.0, 0.0),
                      random_real(&random, -60.0, 60.0),
                      n % 2 == 0 ? 0.0 : random_real(&random, -10.0, 10.0), &plant);
-        in.winding_temperature_cC = config.motor.reference_temperature_cC;
+        in.now.winding_temperature_cC = config.motor.reference_temperature_cC;
         const monitor_emf_state_t fresh = {.level = 0};
         state = fresh;
         for (int step = 0; step < 300; step++) {
-            monitor_emf_step(&state, &config, &in);
+            monitor_emf_step(&state, &config, measured_of(&in));
         }
         TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_PLAUSIBLE, state.flux);
     }
@@ -346,18 +339,18 @@ void test_the_flux_is_expected_at_the_winding_temperature(void)
     config.motor.flux_coefficient_ppm_K = -1100;
     plant_t plant = AS_CONFIGURED;
     plant.flux = 0.89;
-    monitor_emf_input_t in = measured(500.0, 0.0, 0.0, 0.0, &plant);
-    in.winding_temperature_cC = config.motor.reference_temperature_cC + 10000;
+    monitor_case_t in = measured(500.0, 0.0, 0.0, 0.0, &plant);
+    in.now.winding_temperature_cC = config.motor.reference_temperature_cC + 10000;
     const monitor_emf_state_t fresh = {.level = 0};
     state = fresh;
     for (int n = 0; n < 300; n++) {
-        monitor_emf_step(&state, &config, &in);
+        monitor_emf_step(&state, &config, measured_of(&in));
     }
     TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_PLAUSIBLE, state.flux);
     in = measured(500.0, 0.0, 0.0, 0.0, &AS_CONFIGURED);
-    in.winding_temperature_cC = config.motor.reference_temperature_cC + 10000;
+    in.now.winding_temperature_cC = config.motor.reference_temperature_cC + 10000;
     for (int n = 0; n < 300; n++) {
-        monitor_emf_step(&state, &config, &in);
+        monitor_emf_step(&state, &config, measured_of(&in));
     }
     TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_STRONG, state.flux);
 }
@@ -366,24 +359,24 @@ void test_the_flux_is_expected_at_the_winding_temperature(void)
 void test_strong_flux_has_the_same_times(void)
 {
     config.monitor.flux_tolerance_permille = 150;
-    monitor_emf_input_t strong = measured(500.0, 0.0, 0.0, 0.0, &AS_CONFIGURED);
-    strong.winding_temperature_cC = config.motor.reference_temperature_cC;
-    const monitor_emf_input_t right = strong;
-    strong.u_q_mV += strong.u_q_mV / 4;
+    monitor_case_t strong = measured(500.0, 0.0, 0.0, 0.0, &AS_CONFIGURED);
+    strong.now.winding_temperature_cC = config.motor.reference_temperature_cC;
+    const monitor_case_t right = strong;
+    strong.now.latest_u_q_mV += strong.now.latest_u_q_mV / 4;
     const monitor_emf_state_t fresh = {.level = 0};
     state = fresh;
     for (int n = 1; n <= MONITOR_EMF_FLUX_STEPS; n++) {
         TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_PLAUSIBLE, state.flux);
-        monitor_emf_step(&state, &config, &strong);
+        monitor_emf_step(&state, &config, measured_of(&strong));
     }
     TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_STRONG, state.flux);
-    monitor_emf_step(&state, &config, &strong); /* no more than that */
+    monitor_emf_step(&state, &config, measured_of(&strong)); /* no more than that */
     for (int n = 1; n <= MONITOR_EMF_FLUX_STEPS; n++) {
         TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_STRONG, state.flux);
-        monitor_emf_step(&state, &config, &right);
+        monitor_emf_step(&state, &config, measured_of(&right));
     }
     TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_PLAUSIBLE, state.flux);
-    monitor_emf_step(&state, &config, &right);
+    monitor_emf_step(&state, &config, measured_of(&right));
     TEST_ASSERT_EQUAL_INT16(0, state.flux_level);
 }
 
@@ -397,13 +390,12 @@ void test_flux_is_not_judged_where_the_angle_is_not(void)
     for (int k = 0; k < 5; k++) {
         const monitor_emf_state_t fresh = {.level = 0};
         state = fresh;
-        monitor_emf_input_t in =
-            measured(k == 3 ? 50.0 : 500.0, 0.0, 0.0, k == 4 ? 90.0 : 0.0, &weak);
-        in.winding_temperature_cC = config.motor.reference_temperature_cC;
-        in.switching = k != 1;
-        in.rotor_valid = k != 2;
+        monitor_case_t in = measured(k == 3 ? 50.0 : 500.0, 0.0, 0.0, k == 4 ? 90.0 : 0.0, &weak);
+        in.now.winding_temperature_cC = config.motor.reference_temperature_cC;
+        in.report.bridge = pwm_if(k != 1);
+        in.now.angle_valid = k != 2;
         for (int n = 0; n < 10; n++) {
-            monitor_emf_step(&state, &config, &in);
+            monitor_emf_step(&state, &config, measured_of(&in));
         }
         TEST_ASSERT_EQUAL_INT16(k == 0 ? -10 : 0, state.flux_level);
     }
@@ -420,24 +412,24 @@ void test_thresholds_of_emf_and_flux_are_exact(void)
     config.motor.flux_coefficient_ppm_K = 0;
     config.monitor.flux_tolerance_permille = 150;
     const monitor_emf_state_t fresh = {.level = 0};
-    monitor_emf_input_t in = {.u_d_mV = 4000,
-                              .bus_voltage_mV = 50000,
-                              .speed_mrad_s = 1000000,
-                              .switching = true,
-                              .rotor_valid = true};
+    monitor_case_t in = {.report = {.bridge = BRIDGE_PWM},
+                         .now = {.latest_u_d_mV = 4000,
+                                 .bus_voltage_mV = 50000,
+                                 .speed_mrad_s = 1000000,
+                                 .angle_valid = true}};
     for (int32_t less = 0; less < 2; less++) {
         state = fresh;
-        in.speed_mrad_s = 1000000 - less;
-        monitor_emf_step(&state, &config, &in);
+        in.now.speed_mrad_s = 1000000 - less;
+        monitor_emf_step(&state, &config, measured_of(&in));
         TEST_ASSERT_EQUAL_UINT16(MONITOR_EMF_SEEN * (1 - less), state.level);
     }
-    in.speed_mrad_s = 1000000;
-    in.u_d_mV = 0;
+    in.now.speed_mrad_s = 1000000;
+    in.now.latest_u_d_mV = 0;
     for (int32_t apart_mV = 1599; apart_mV <= 1601; apart_mV++) {
         for (int sign = -1; sign <= 1; sign += 2) {
             state = fresh;
-            in.u_q_mV = 4000 + sign * apart_mV;
-            monitor_emf_step(&state, &config, &in);
+            in.now.latest_u_q_mV = 4000 + sign * apart_mV;
+            monitor_emf_step(&state, &config, measured_of(&in));
             TEST_ASSERT_EQUAL_INT16(apart_mV > 1600 ? sign : 0, state.flux_level);
         }
     }

@@ -5,6 +5,7 @@
  * tolerance of the flux is 10 V. Then e_d = u_d and e_q = u_q.
  */
 #include "monitor/monitor_emf.h"
+#include "monitor_case.h"
 #include "paper_vehicle.h"
 #include "unity.h"
 
@@ -12,16 +13,16 @@ enum { EMF_mV = 100000, TOLERANCE_mV = 10000, UNCERTAIN_mV = 1, HALF_Q20 = 1 << 
 
 static config_t config;
 static monitor_emf_state_t state;
-static monitor_emf_input_t in;
+static monitor_case_t in;
 
 void setUp(void)
 {
     const monitor_emf_state_t fresh = {.level = 0};
-    const monitor_emf_input_t turning = {.speed_mrad_s = 1000000,
-                                         .u_q_mV = EMF_mV,
-                                         .winding_temperature_cC = 2500,
-                                         .switching = true,
-                                         .rotor_valid = true};
+    const monitor_case_t turning = {.report = {.bridge = BRIDGE_PWM},
+                                    .now = {.angle_valid = true,
+                                            .speed_mrad_s = 1000000,
+                                            .winding_temperature_cC = 2500,
+                                            .latest_u_q_mV = EMF_mV}};
     config = paper_vehicle();
     config.motor.pole_pairs = 1;
     config.motor.phase_resistance_uOhm = 10;
@@ -39,9 +40,9 @@ void tearDown(void) {}
 
 static void step_with(int32_t e_d_mV, int32_t e_q_mV)
 {
-    in.u_d_mV = e_d_mV;
-    in.u_q_mV = e_q_mV;
-    (void)monitor_emf_step(&state, &config, &in);
+    in.now.latest_u_d_mV = e_d_mV;
+    in.now.latest_u_q_mV = e_q_mV;
+    (void)monitor_emf_step(&state, &config, measured_of(&in));
 }
 
 /* One step counts against the angle. */
@@ -58,7 +59,7 @@ static bool is_wrong(int32_t e_d_mV, int32_t e_q_mV)
  * not negative. */
 void test_the_current_counts_by_its_magnitude(void)
 {
-    int32_t *const currents_mA[] = {&in.i_d_mA, &in.i_q_mA};
+    int32_t *const currents_mA[] = {&in.now.latest_i_d_mA, &in.now.latest_i_q_mA};
     config.motor.flux_linkage_nWb = 100000;
     config.motor.phase_resistance_uOhm = 100000000;
     TEST_ASSERT_TRUE(is_wrong(1000, 100));
@@ -74,11 +75,11 @@ void test_the_current_counts_by_its_magnitude(void)
 /* 1 H at 4000 rad/s; 2^31 uOhm at 1 mA are 2.147 V. */
 void test_a_reactance_saturates(void)
 {
-    in.speed_mrad_s = 4000000;
+    in.now.speed_mrad_s = 4000000;
     config.motor.flux_linkage_nWb = 25000000;
     config.motor.d_inductance_nH = 1000000000;
     config.motor.q_inductance_nH = 1000000000;
-    in.i_q_mA = 1;
+    in.now.latest_i_q_mA = 1;
     TEST_ASSERT_TRUE(is_wrong(0, 2147));
     TEST_ASSERT_FALSE(is_wrong(0, 2148));
 }
@@ -88,11 +89,11 @@ void test_each_axis_has_its_own_reactance(void)
 {
     config.motor.d_inductance_nH = 1000;
     config.motor.q_inductance_nH = 3000;
-    in.i_q_mA = 1000000;
+    in.now.latest_i_q_mA = 1000000;
     TEST_ASSERT_TRUE(is_wrong(0, 3010)); /* 10 mV at the resistance */
     TEST_ASSERT_FALSE(is_wrong(0, 3011));
-    in.i_q_mA = 0;
-    in.i_d_mA = 1000000;
+    in.now.latest_i_q_mA = 0;
+    in.now.latest_i_d_mA = 1000000;
     TEST_ASSERT_TRUE(is_wrong(3010, 4000));
     TEST_ASSERT_FALSE(is_wrong(3009, 4000));
 }
@@ -104,20 +105,20 @@ void test_a_current_counts_up_to_10_kA(void)
     config.motor.d_inductance_nH = 0;
     config.motor.q_inductance_nH = 0;
     for (int k = 0; k < 2; k++) {
-        in.i_d_mA = CURRENTS_mA[k];
+        in.now.latest_i_d_mA = CURRENTS_mA[k];
         TEST_ASSERT_TRUE(is_wrong(10100, 10000));
         TEST_ASSERT_FALSE(is_wrong(10099, 10000));
-        in.i_d_mA = -CURRENTS_mA[k];
+        in.now.latest_i_d_mA = -CURRENTS_mA[k];
         TEST_ASSERT_TRUE(is_wrong(-10100, 10000));
         TEST_ASSERT_FALSE(is_wrong(-10099, 10000));
-        in.i_d_mA = 0;
-        in.i_q_mA = CURRENTS_mA[k];
+        in.now.latest_i_d_mA = 0;
+        in.now.latest_i_q_mA = CURRENTS_mA[k];
         TEST_ASSERT_TRUE(is_wrong(10000, 10100));
         TEST_ASSERT_FALSE(is_wrong(10000, 10101));
-        in.i_q_mA = -CURRENTS_mA[k];
+        in.now.latest_i_q_mA = -CURRENTS_mA[k];
         TEST_ASSERT_TRUE(is_wrong(10000, 9900));
         TEST_ASSERT_FALSE(is_wrong(10000, 9901));
-        in.i_q_mA = 0;
+        in.now.latest_i_q_mA = 0;
     }
 }
 
@@ -129,7 +130,7 @@ void test_a_nanovolt_across_the_axis_is_no_less_than_one_along_it(void)
     config.motor.phase_resistance_uOhm = 1;
     config.motor.d_inductance_nH = 999999;
     config.motor.q_inductance_nH = 999999;
-    in.i_d_mA = 1;
+    in.now.latest_i_d_mA = 1;
     TEST_ASSERT_TRUE(is_wrong(0, 1));
 }
 
@@ -140,8 +141,8 @@ void test_the_angle_is_judged_beyond_four_times_the_larger_reactance(void)
         config.motor.phase_resistance_uOhm = 0;
         config.motor.d_inductance_nH = 4000000;
         config.motor.q_inductance_nH = 100;
-        in.speed_mrad_s = side * 1000000;
-        in.i_q_mA = 100;
+        in.now.speed_mrad_s = side * 1000000;
+        in.now.latest_i_q_mA = 100;
         config.motor.flux_linkage_nWb = 400000;
         TEST_ASSERT_TRUE(is_wrong(-400, 0));
         config.motor.flux_linkage_nWb = 400000 - 1;
@@ -169,7 +170,7 @@ void test_an_opposite_e_q_is_judged_beyond_dead_time_and_a_millivolt(void)
     assert_opposite_from(1, -1);
     config.drive.dead_time_ns = 750;
     config.drive.pwm_frequency_Hz = 20000;
-    in.bus_voltage_mV = 10000;
+    in.now.bus_voltage_mV = 10000;
     assert_opposite_from(100, -100);
 }
 
@@ -177,9 +178,9 @@ void test_an_opposite_e_q_is_judged_beyond_dead_time_and_a_millivolt(void)
 void test_an_opposite_e_q_is_judged_beyond_half_of_the_resistance(void)
 {
     config.motor.phase_resistance_uOhm = 100000000;
-    in.i_q_mA = 2;
+    in.now.latest_i_q_mA = 2;
     assert_opposite_from(100, -100 + 200);
-    in.i_q_mA = -2;
+    in.now.latest_i_q_mA = -2;
     assert_opposite_from(100, -100 - 200);
 }
 
@@ -189,9 +190,9 @@ void test_an_opposite_e_q_is_judged_beyond_a_quarter_of_the_reactance(void)
 {
     config.motor.d_inductance_nH = 4000000;
     config.motor.q_inductance_nH = 4000000;
-    in.i_d_mA = 100;
+    in.now.latest_i_d_mA = 100;
     assert_opposite_from(100, -100 + 400);
-    in.i_d_mA = -100;
+    in.now.latest_i_d_mA = -100;
     assert_opposite_from(100, -100 - 400);
 }
 
@@ -202,9 +203,9 @@ void test_an_opposite_e_q_is_judged_beyond_a_quarter_of_the_saliency(void)
     config.motor.phase_resistance_uOhm = 1;
     config.motor.d_inductance_nH = 1;
     config.motor.q_inductance_nH = 4000001;
-    in.i_q_mA = 100;
+    in.now.latest_i_q_mA = 100;
     assert_opposite_from(100, -100);
-    in.i_d_mA = -60;
+    in.now.latest_i_d_mA = -60;
     assert_opposite_from(130, -130);
 }
 
@@ -215,7 +216,7 @@ void test_an_opposite_e_q_alone_is_not_judged_without_saliency(void)
     config.motor.flux_linkage_nWb = 100000;
     config.drive.dead_time_ns = 750;
     config.drive.pwm_frequency_Hz = 20000;
-    in.bus_voltage_mV = 10000;
+    in.now.bus_voltage_mV = 10000;
     for (int32_t q_nH = 999; q_nH <= 1001; q_nH++) {
         config.motor.d_inductance_nH = 1000;
         config.motor.q_inductance_nH = q_nH;
@@ -241,7 +242,7 @@ void test_a_step_without_a_contradiction_takes_its_full_weight_away(void)
     state.level = 3 * MONITOR_EMF_SEEN;
     step_with(0, EMF_mV);
     TEST_ASSERT_EQUAL_INT(2 * MONITOR_EMF_SEEN, state.level);
-    in.switching = false;
+    in.report.bridge = BRIDGE_OFF;
     step_with(0, EMF_mV);
     TEST_ASSERT_EQUAL_INT(0, state.level);
 }
@@ -267,8 +268,8 @@ void test_a_flux_between_tolerance_and_uncertainty_heals_only_what_is_not_qualif
 static int32_t uncertain_mV(int32_t i_d_mA, int32_t i_q_mA)
 {
     const config_motor_t *motor = &config.motor;
-    in.i_d_mA = i_d_mA;
-    in.i_q_mA = i_q_mA;
+    in.now.latest_i_d_mA = i_d_mA;
+    in.now.latest_i_q_mA = i_q_mA;
     const int32_t r_uOhm = motor->phase_resistance_uOhm;
     int32_t lost_mV = 0;
     do {
@@ -342,6 +343,6 @@ void test_an_expected_emf_below_a_millivolt_has_no_missing_share(void)
 {
     config.motor.flux_linkage_nWb = 5000;
     config.motor.flux_coefficient_ppm_K = -2000;
-    in.winding_temperature_cC = 200000;
+    in.now.winding_temperature_cC = 200000;
     TEST_ASSERT_EQUAL_INT32(6400 - 100, missing_after(6400, 1000));
 }

@@ -27,12 +27,11 @@ void tearDown(void) {}
 /* Milliseconds until the fault, or -1 within 50. */
 static int time_to_fault(double rpm, double i_d_a, double i_q_a, double offset_deg)
 {
-    const monitor_emf_input_t in =
-        emf_measured(&config, rpm, i_d_a, i_q_a, offset_deg, &AS_CONFIGURED);
+    const monitor_case_t in = emf_measured(&config, rpm, i_d_a, i_q_a, offset_deg, &AS_CONFIGURED);
     const monitor_emf_state_t fresh = {.level = 0};
     state = fresh;
     for (int n = 1; n <= 50; n++) {
-        if (monitor_emf_step(&state, &config, &in)) {
+        if (monitor_emf_step(&state, &config, measured_of(&in))) {
             return n;
         }
     }
@@ -68,10 +67,10 @@ void test_parameter_errors_are_no_fault(void)
             .flux = random_real(&random, 0.7, 1.3),
             .dead_time_share = random_real(&random, -0.5, 0.5),
         };
-        const monitor_emf_input_t in = emf_measured(
+        const monitor_case_t in = emf_measured(
             &config, random_real(&random, -11000.0, 11000.0), random_real(&random, -200.0, 20.0),
             random_real(&random, -200.0, 200.0), random_real(&random, -10.0, 10.0), &plant);
         state.level = (uint16_t)(MONITOR_EMF_SEEN * config.monitor.angle_fault_time_ms - 1);
-        TEST_ASSERT_FALSE(monitor_emf_step(&state, &config, &in));
+        TEST_ASSERT_FALSE(monitor_emf_step(&state, &config, measured_of(&in)));
     }
 }

@@ -19,18 +19,18 @@ void setUp(void)
 
 void tearDown(void) {}
 
-static monitor_emf_input_t measured(double rpm, double i_d_a, double i_q_a, double offset_deg,
-                                    const plant_t *plant)
+static monitor_case_t measured(double rpm, double i_d_a, double i_q_a, double offset_deg,
+                               const plant_t *plant)
 {
     return emf_measured(&config, rpm, i_d_a, i_q_a, offset_deg, plant);
 }
 
 /* Milliseconds until the fault, or -1 within a second. */
-static int time_to_fault(const monitor_emf_input_t *in)
+static int time_to_fault(const monitor_case_t *in)
 {
     state.level = 0;
     for (int n = 1; n <= 1000; n++) {
-        if (monitor_emf_step(&state, &config, in)) {
+        if (monitor_emf_step(&state, &config, measured_of(in))) {
             return n;
         }
     }
@@ -55,11 +55,11 @@ void test_rotor_slower_than_its_sensor_shows_is_no_fault(void)
         const bool stands = n % 2 == 0;
         const double rpm = stands ? 0.0 : random_real(&random, 0.0, sensor_rpm);
         const double offset_deg = stands ? random_real(&random, -180.0, 180.0) : 0.0;
-        monitor_emf_input_t in = measured(rpm, random_real(&random, -3.0, 3.0),
-                                          random_real(&random, -7.0, 7.0), offset_deg, &plant);
-        in.speed_mrad_s = mrad_s_of_rpm(sensor_rpm);
+        monitor_case_t in = measured(rpm, random_real(&random, -3.0, 3.0),
+                                     random_real(&random, -7.0, 7.0), offset_deg, &plant);
+        in.now.speed_mrad_s = mrad_s_of_rpm(sensor_rpm);
         state.level = (uint16_t)(MONITOR_EMF_SEEN * (config.monitor.angle_fault_time_ms - 1));
-        TEST_ASSERT_FALSE(monitor_emf_step(&state, &config, &in));
+        TEST_ASSERT_FALSE(monitor_emf_step(&state, &config, measured_of(&in)));
     }
 }
 
@@ -67,7 +67,7 @@ void test_rotor_slower_than_its_sensor_shows_is_no_fault(void)
 void test_angle_error_of_60_degrees_is_found_from_the_first_checked_speed_on(void)
 {
     for (int sixth = 1; sixth <= 5; sixth++) {
-        const monitor_emf_input_t in = measured(60.0, 0.0, 0.0, 60.0 * sixth, &AS_CONFIGURED);
+        const monitor_case_t in = measured(60.0, 0.0, 0.0, 60.0 * sixth, &AS_CONFIGURED);
         TEST_ASSERT_EQUAL_INT(20, time_to_fault(&in));
     }
 }
@@ -76,9 +76,9 @@ void test_angle_error_of_60_degrees_is_found_from_the_first_checked_speed_on(voi
  * second (hall.c). */
 void test_zero_voltage_at_speed_is_a_fault_after_640_ms(void)
 {
-    monitor_emf_input_t in = measured(400.0, 0.0, 0.0, 0.0, &AS_CONFIGURED);
-    in.u_d_mV = 0;
-    in.u_q_mV = 0;
+    monitor_case_t in = measured(400.0, 0.0, 0.0, 0.0, &AS_CONFIGURED);
+    in.now.latest_u_d_mV = 0;
+    in.now.latest_u_q_mV = 0;
     TEST_ASSERT_EQUAL_INT(32 * 20, time_to_fault(&in));
 }
 
@@ -93,8 +93,8 @@ void test_shortest_qualify_time_outlasts_halls_that_still_show_a_speed(void)
     enum { HALLS_STANDSTILL_ms = 250 };
     config.monitor.angle_fault_time_ms = 0;
     CONFIG_MONITOR_FIELDS(LOWEST_OF_ANGLE_FAULT_TIME)
-    monitor_emf_input_t in = measured(400.0, 0.0, 0.0, 0.0, &AS_CONFIGURED);
-    in.u_d_mV = 0;
-    in.u_q_mV = 0;
+    monitor_case_t in = measured(400.0, 0.0, 0.0, 0.0, &AS_CONFIGURED);
+    in.now.latest_u_d_mV = 0;
+    in.now.latest_u_q_mV = 0;
     TEST_ASSERT_GREATER_THAN_INT(HALLS_STANDSTILL_ms, time_to_fault(&in));
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Natural torque: where even the largest demagnetising current may leave more voltage than the bus
- * has. Numbers of a motor that divide well, README, Natural torque:
+/* Forced torque: where even the largest demagnetising current may leave more voltage than the bus
+ * has. Numbers of a motor that divide well, DERIVATIONS.md, Forced torque:
  *
  *     sqrt(3) (w (psi - I L_d) + 3/2 I R) > 7/8 m v_dc, sqrt(3) as 1.732
  */

@@ -2,6 +2,7 @@
 /* The bus current of the loop beside that of a battery whose message comes every 100 ms. */
 #include "monitor/monitor_gain.h"
 
+#include "monitor_case.h"
 #include "unity.h"
 
 /* 30 N m at 70 rad/s: 2100 W. 40 A make that at 52.5 V. */
@@ -44,20 +45,27 @@ static int32_t pulses(int ms)
     return ms / 150 % 2 == 0 ? sign * level_mA : -sign * level_mA;
 }
 
+/* The loop's current and that of the battery's message, with PWM. */
+static monitor_case_t case_of(int32_t loop_mA, int32_t battery_mA)
+{
+    const monitor_case_t out = {
+        .report = {.bridge = BRIDGE_PWM},
+        .battery = {.current_mA = battery_mA, .current_given = true},
+        .now = {.bus_current_mA = loop_mA, .bus_voltage_mV = BUS_mV},
+    };
+    return out;
+}
+
 /* The first millisecond in which the gain is named; -1: none in 6 s. */
 static int named_at(current_t truth, int begin_ms, int32_t gain_permille)
 {
     monitor_window_restart(&state);
     for (int ms = 0; ms < 6000; ms++) {
         const int32_t gain = ms < begin_ms ? 1000 : gain_permille;
-        const monitor_gain_input_t in = {
-            .bus_current_mA = truth(ms) * gain / 1000,
-            .battery_current_mA =
-                (truth(ms / CYCLE_ms * CYCLE_ms) + losses_mA) * battery_permille / 1000,
-            .bus_voltage_mV = BUS_mV,
-            .switching = true,
-        };
-        if (monitor_gain_step(&state, &config, &in)) {
+        const int32_t battery_mA =
+            (truth(ms / CYCLE_ms * CYCLE_ms) + losses_mA) * battery_permille / 1000;
+        const monitor_case_t in = case_of(truth(ms) * gain / 1000, battery_mA);
+        if (monitor_gain_step(&state, &config, measured_of(&in))) {
             return ms;
         }
     }
@@ -146,18 +154,16 @@ void test_another_load_of_a_64th_of_the_power_is_tolerated(void)
 
 void test_what_is_compared_needs_one_wheel_a_message_and_a_bridge_that_switches(void)
 {
-    monitor_gain_input_t in = {.bus_current_mA = 40000,
-                               .battery_current_mA = 0,
-                               .bus_voltage_mV = BUS_mV,
-                               .switching = true};
-    for (int part = 0; part < 4; part++) {
+    monitor_case_t in = case_of(40000, 0);
+    for (int part = 0; part < 5; part++) {
         setUp();
         config.battery.driven_wheels = part == 1 ? 4 : 1;
-        in.battery_current_mA = part == 2 ? MONITOR_GAIN_NOT_GIVEN : 0;
-        in.switching = part != 3;
+        in.battery.current_given = part != 2;
+        in.report.bridge = pwm_if(part != 3);
+        in.battery.contactor = open_if(part == 4);
         bool named = false;
         for (int ms = 0; ms < 1000; ms++) {
-            named = monitor_gain_step(&state, &config, &in);
+            named = monitor_gain_step(&state, &config, measured_of(&in));
         }
         TEST_ASSERT_EQUAL_INT(part == 0, named);
     }
@@ -165,17 +171,14 @@ void test_what_is_compared_needs_one_wheel_a_message_and_a_bridge_that_switches(
 
 void test_name_goes_after_the_qualify_time_without_a_contradiction(void)
 {
-    monitor_gain_input_t in = {.bus_current_mA = 40000,
-                               .battery_current_mA = 0,
-                               .bus_voltage_mV = BUS_mV,
-                               .switching = true};
+    monitor_case_t in = case_of(40000, 0);
     for (int ms = 0; ms < 1000; ms++) {
-        (void)monitor_gain_step(&state, &config, &in);
+        (void)monitor_gain_step(&state, &config, measured_of(&in));
     }
     TEST_ASSERT_TRUE(state.wrong);
-    in.battery_current_mA = 40000;
+    in.battery.current_mA = 40000;
     int heals_ms = 0;
-    while (monitor_gain_step(&state, &config, &in)) {
+    while (monitor_gain_step(&state, &config, measured_of(&in))) {
         heals_ms++;
     }
     TEST_ASSERT_INT_WITHIN(2, MONITOR_WINDOW_QUALIFY_STEPS, heals_ms);
@@ -184,27 +187,21 @@ void test_name_goes_after_the_qualify_time_without_a_contradiction(void)
 void test_any_reading_is_no_overflow(void)
 {
     for (int ms = 0; ms < 3000; ms++) {
-        const monitor_gain_input_t in = {
-            .bus_current_mA = ms % 2 == 0 ? INT32_MAX : INT32_MIN,
-            .battery_current_mA = ms % 3 == 0 ? INT32_MAX : INT32_MIN + 1,
-            .bus_voltage_mV = ms % 5 == 0 ? INT32_MIN : INT32_MAX,
-            .switching = true,
-        };
-        TEST_ASSERT_FALSE(monitor_gain_step(&state, &config, &in));
+        monitor_case_t in =
+            case_of(ms % 2 == 0 ? INT32_MAX : INT32_MIN, ms % 3 == 0 ? INT32_MAX : INT32_MIN + 1);
+        in.now.bus_voltage_mV = ms % 5 == 0 ? INT32_MIN : INT32_MAX;
+        TEST_ASSERT_FALSE(monitor_gain_step(&state, &config, measured_of(&in)));
     }
 }
 
 /* Named, with a current of the loop and one of the battery that last for ever. */
 static bool named(int32_t loop_mA, int32_t battery_mA)
 {
-    const monitor_gain_input_t in = {.bus_current_mA = loop_mA,
-                                     .battery_current_mA = battery_mA,
-                                     .bus_voltage_mV = BUS_mV,
-                                     .switching = true};
+    const monitor_case_t in = case_of(loop_mA, battery_mA);
     monitor_window_restart(&state);
     bool wrong = false;
     for (int ms = 0; ms < MONITOR_WINDOW_STEPS + MONITOR_WINDOW_QUALIFY_STEPS; ms++) {
-        wrong = monitor_gain_step(&state, &config, &in);
+        wrong = monitor_gain_step(&state, &config, measured_of(&in));
     }
     return wrong;
 }
@@ -249,12 +246,13 @@ void test_smallest_current_drives(void)
 
 void test_one_step_without_pwm_forgets_what_was_seen(void)
 {
-    monitor_gain_input_t in = {.bus_current_mA = RATED_mA, .bus_voltage_mV = BUS_mV};
+    monitor_case_t in = case_of(RATED_mA, 0);
+    in.report.bridge = BRIDGE_OFF;
     TEST_ASSERT_TRUE(named(RATED_mA, 0));
-    TEST_ASSERT_FALSE(monitor_gain_step(&state, &config, &in));
-    in.switching = true;
+    TEST_ASSERT_FALSE(monitor_gain_step(&state, &config, measured_of(&in)));
+    in.report.bridge = BRIDGE_PWM;
     for (int ms = 1; ms < MONITOR_WINDOW_STEPS + MONITOR_WINDOW_QUALIFY_STEPS; ms++) {
-        TEST_ASSERT_FALSE(monitor_gain_step(&state, &config, &in));
+        TEST_ASSERT_FALSE(monitor_gain_step(&state, &config, measured_of(&in)));
     }
-    TEST_ASSERT_TRUE(monitor_gain_step(&state, &config, &in));
+    TEST_ASSERT_TRUE(monitor_gain_step(&state, &config, measured_of(&in)));
 }

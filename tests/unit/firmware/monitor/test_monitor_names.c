@@ -2,30 +2,9 @@
 /* The names of what is wrong: program flow, bus sensor, open phase. */
 #include "monitor_rig.h"
 
-enum { MID_OFFSET_Q4 = 2048 * 16 };
-
-static const monitor_slow_input_t HEALTHY = {
-    .fast_trip = REASON_NONE,
-    .current_sum_pu = 0,
-    .offsets_known = true,
-    .current_saturated = false,
-    .rotor_valid = true,
-    .rotor_faults = 0,
-    .fast_step_count = 0,
-    .bus_voltage_mV = 53000,
-    .speed_mrad_s = 30000,
-    .winding_temperature_cC = 2500,
-    .switch_temperature_cC = 2500,
-    .u_q_mV = 14076, /* 30 rad/s * 23 * 20.4 mWb */
-    .torque_command_mNm = 10000,
-    .torque_estimate_mNm = 10000,
-    .offset_q4 = {MID_OFFSET_Q4, MID_OFFSET_Q4, MID_OFFSET_Q4},
-    .bridge = BRIDGE_PWM,
-};
-
 void setUp(void)
 {
-    rig_up(&HEALTHY);
+    rig_up(&TURNING);
     config.battery.overvoltage_trip_mV = 60564;
     config.battery.undervoltage_trip_mV = 36000;
 }
@@ -35,8 +14,8 @@ void tearDown(void) {}
 /* One sensor at its rail beside two without a current: the sum is there as well. */
 void test_sensor_at_its_rail_is_named_without_pwm(void)
 {
-    in.bridge = BRIDGE_OFF;
-    in.current_sum_pu = -32000;
+    in.report.bridge = BRIDGE_OFF;
+    in.report.current_sum_pu = -32000;
     assert_fault_after(20, REASON_CURRENT_SENSOR);
 }
 
@@ -88,7 +67,7 @@ void test_fast_loop_rate_within_25_percent_is_no_fault(void)
 void test_a_single_late_slow_step_is_no_fault(void)
 {
     run(10);
-    in.fast_step_count = (uint16_t)(in.fast_step_count + 40);
+    in.report.sequence = (uint16_t)(in.report.sequence + 40);
     TEST_ASSERT_EQUAL_INT(REASON_NONE, run(100).fault);
 }
 
@@ -96,18 +75,18 @@ void test_a_single_late_slow_step_is_no_fault(void)
  * back names it. 4 ms are 80 fast steps. */
 void test_a_slow_step_missing_for_more_than_4_ms_is_a_fault(void)
 {
-    in.bridge = BRIDGE_OFF;
+    in.report.bridge = BRIDGE_OFF;
     (void)run(10);
-    in.fast_step_count = (uint16_t)(in.fast_step_count + 60);
+    in.report.sequence = (uint16_t)(in.report.sequence + 60);
     TEST_ASSERT_EQUAL_INT(REASON_NONE, run(100).fault);
-    in.fast_step_count = (uint16_t)(in.fast_step_count + 61);
+    in.report.sequence = (uint16_t)(in.report.sequence + 61);
     TEST_ASSERT_EQUAL_INT(REASON_PROGRAM_FLOW, step().fault);
     TEST_ASSERT_EQUAL_INT(REASON_NONE, step().fault);
 }
 
 void test_first_step_does_not_check_the_fast_loop_s_count(void)
 {
-    in.fast_step_count = 12345; /* the first step has no count to compare with */
+    in.report.sequence = 12345; /* the first step has no count to compare with */
     TEST_ASSERT_EQUAL_INT(REASON_NONE, run(10).fault);
     setUp();
     fast_steps_per_slow = 0;
@@ -122,15 +101,15 @@ void test_a_sensor_that_stops_faster_than_a_tyre_is_uncertain_for_its_warning_ti
     const int32_t time_ms = config.monitor.rotor_warning_time_ms;
     config.rotor.sensor = CONFIG_ROTOR_ENCODER;
     const int32_t slow_mrad_s = 4 * config.brake.blend_out_end_mrad_s;
-    in.speed_mrad_s = slow_mrad_s;
+    in.now.speed_mrad_s = slow_mrad_s;
     (void)run(100);
-    in.speed_mrad_s = 0;
+    in.now.speed_mrad_s = 0;
     TEST_ASSERT_EQUAL_INT(REASON_NONE, run(time_ms).warning);
     setUp();
     config.rotor.sensor = CONFIG_ROTOR_ENCODER;
-    in.speed_mrad_s = slow_mrad_s + 100;
+    in.now.speed_mrad_s = slow_mrad_s + 100;
     (void)run(100);
-    in.speed_mrad_s = 0;
+    in.now.speed_mrad_s = 0;
     TEST_ASSERT_EQUAL_INT(REASON_ROTOR_UNCERTAIN, step().warning);
     TEST_ASSERT_EQUAL_INT(REASON_ROTOR_UNCERTAIN, run(time_ms - 1).warning);
     TEST_ASSERT_EQUAL_INT(REASON_NONE, step().warning);
@@ -140,43 +119,43 @@ void test_a_sensor_that_stops_faster_than_a_tyre_is_uncertain_for_its_warning_ti
  * a motor can leave of a bus. */
 void test_bus_reading_that_no_bus_has_is_its_sensor_s(void)
 {
-    in.fast_trip = REASON_BUS_SENSOR;
-    in.bus_voltage_mV = 61800;
-    in.bridge = BRIDGE_OFF;
-    monitor_output_t out = step();
+    in.now.trip = REASON_BUS_SENSOR;
+    in.now.bus_voltage_mV = 61800;
+    in.report.bridge = BRIDGE_OFF;
+    shown_t out = step();
     TEST_ASSERT_EQUAL_INT(REASON_BUS_SENSOR, out.warning);
     TEST_ASSERT_TRUE(out.battery_lost);
-    in.fast_trip = REASON_NONE;
-    in.bus_voltage_mV = 53000;
+    in.now.trip = REASON_NONE;
+    in.now.bus_voltage_mV = 53000;
     (void)run(MONITOR_BUS_RETURN_STEPS);
     TEST_ASSERT_EQUAL_INT(REASON_NONE, step().warning);
 
-    in.bridge = BRIDGE_PWM;
-    in.bus_voltage_mV = 30000; /* half of its millisecond */
+    in.report.bridge = BRIDGE_PWM;
+    in.now.bus_voltage_mV = 30000; /* half of its millisecond */
     out = step();
     TEST_ASSERT_EQUAL_INT(REASON_NONE, out.warning);
     TEST_ASSERT_TRUE(out.battery_lost);
-    in.bridge = BRIDGE_OFF;
-    in.bus_voltage_mV = 965; /* 1/64 of the range is 0.966 V */
+    in.report.bridge = BRIDGE_OFF;
+    in.now.bus_voltage_mV = 965; /* 1/64 of the range is 0.966 V */
     TEST_ASSERT_EQUAL_INT(REASON_BUS_SENSOR, step().warning);
-    in.battery_open = true; /* said by the battery */
+    in.battery.contactor = CONTACTOR_OPEN; /* said by the battery */
     TEST_ASSERT_EQUAL_INT(REASON_BATTERY_DISCONNECTED, step().warning);
 }
 
 /* A trip by the bus in the step in which it has fallen is evidence enough. */
 void test_a_low_bus_is_named_at_once_if_the_fast_loop_has_seen_it_high(void)
 {
-    in.bus_voltage_mV = 30000;
-    in.fast_trip = REASON_BUS_OVERVOLTAGE;
+    in.now.bus_voltage_mV = 30000;
+    in.now.trip = REASON_BUS_OVERVOLTAGE;
     TEST_ASSERT_EQUAL_INT(REASON_BATTERY_DISCONNECTED, step().warning);
 }
 
 void test_bus_that_a_motor_has_emptied_is_the_battery_s(void)
 {
-    in.bus_voltage_mV = 20000;
+    in.now.bus_voltage_mV = 20000;
     TEST_ASSERT_EQUAL_INT(REASON_NONE, step().warning);
-    in.bridge = BRIDGE_OFF;
-    in.bus_voltage_mV = 966;
+    in.report.bridge = BRIDGE_OFF;
+    in.now.bus_voltage_mV = 966;
     TEST_ASSERT_EQUAL_INT(REASON_BATTERY_DISCONNECTED, step().warning);
 }
 
@@ -184,10 +163,9 @@ void test_bus_that_a_motor_has_emptied_is_the_battery_s(void)
 
 static void no_current_in_phase_a(void)
 {
-    in.reference_pu.q = 12000; /* at 90 degrees phase a is -q */
-    in.latest_pu.q = 0;
-    in.latest_pu.d = 6000; /* along beta: the other two phases */
-    in.theta_turn = 16384;
+    in.last.reference_pu.q = 12000;     /* at 90 degrees phase a is -q */
+    in.report.i_pu.v = q_pair(6000, 0); /* along beta: the other two phases */
+    in.report.sample.theta_turn = 16384;
 }
 
 void test_open_phase_is_a_fault_in_the_third_step(void)
@@ -201,14 +179,14 @@ void test_overcurrent_after_a_suspected_open_phase_is_named_by_it(void)
 {
     no_current_in_phase_a();
     TEST_ASSERT_EQUAL_INT(REASON_NONE, run(2).fault);
-    in.fast_trip = REASON_OVERCURRENT;
-    in.bridge = BRIDGE_OFF;
+    in.now.trip = REASON_OVERCURRENT;
+    in.report.bridge = BRIDGE_OFF;
     TEST_ASSERT_EQUAL_INT(REASON_PHASE_OPEN, step().fault);
     setUp();
     no_current_in_phase_a();
     (void)step();
-    in.fast_trip = REASON_OVERCURRENT;
-    in.bridge = BRIDGE_OFF;
+    in.now.trip = REASON_OVERCURRENT;
+    in.report.bridge = BRIDGE_OFF;
     TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, step().fault);
 }
 
@@ -216,7 +194,7 @@ void test_another_trip_keeps_its_name_beside_a_suspected_open_phase(void)
 {
     no_current_in_phase_a();
     (void)run(2);
-    in.fast_trip = REASON_PROGRAM_FLOW;
-    in.bridge = BRIDGE_OFF;
+    in.now.trip = REASON_PROGRAM_FLOW;
+    in.report.bridge = BRIDGE_OFF;
     TEST_ASSERT_EQUAL_INT(REASON_PROGRAM_FLOW, step().fault);
 }

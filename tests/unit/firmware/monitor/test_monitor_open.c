@@ -5,6 +5,7 @@
 
 #include <math.h>
 
+#include "monitor_case.h"
 #include "unity.h"
 
 #define TURN_RAD 6.283185307179586
@@ -26,6 +27,22 @@ void setUp(void)
 }
 
 void tearDown(void) {}
+
+static reason_t step(dq_t sampled_pu, dq_t reference_pu, uint16_t theta_turn, int32_t sum_pu)
+{
+    const monitor_case_t in = {.report = {.sample = {.theta_turn = theta_turn},
+                                          .i_pu = dq16_of(sampled_pu),
+                                          .current_sum_pu = sum_pu,
+                                          .bridge = BRIDGE_PWM}};
+    return monitor_open_step(&state, measured_of(&in), reference_pu);
+}
+
+static reason_t step_off(void)
+{
+    const monitor_case_t in = {.report = {.bridge = BRIDGE_OFF}};
+    const dq_t none = {0, 0};
+    return monitor_open_step(&state, measured_of(&in), none);
+}
 
 static star_t healthy(star_t i)
 {
@@ -81,6 +98,13 @@ static dq_t park(star_t i, double angle_rad)
     return out;
 }
 
+static const dq_t REFERENCE = {.d = 0, .q = LENGTH_PU};
+
+static uint16_t theta_of(double turn)
+{
+    return (uint16_t)lround(65535.0 * (turn - floor(turn)));
+}
+
 static bool step_at(path_t path, double turn, double share)
 {
     const double angle_rad = TURN_RAD * (turn - floor(turn));
@@ -88,13 +112,7 @@ static bool step_at(path_t path, double turn, double share)
     i.a *= share;
     i.b *= share;
     i.c *= share;
-    const monitor_open_input_t in = {
-        .sampled_pu = park(i, angle_rad),
-        .reference_pu = {.d = 0, .q = LENGTH_PU},
-        .theta_turn = (uint16_t)lround(65535.0 * (turn - floor(turn))),
-        .switching = true,
-    };
-    return monitor_open_step(&state, &in);
+    return step(park(i, angle_rad), REFERENCE, theta_of(turn), 0) != REASON_NONE;
 }
 
 /* Milliseconds until the phase is named; -1: not within `most`. */
@@ -165,13 +183,7 @@ static bool step_beside(double lag_turn, double turn, double share)
     const double angle_rad = TURN_RAD * (turn - floor(turn));
     const star_t whole = wanted_at(angle_rad - TURN_RAD * lag_turn);
     const star_t i = {share * whole.a, share * whole.b, share * whole.c};
-    const monitor_open_input_t in = {
-        .sampled_pu = park(i, angle_rad),
-        .reference_pu = {.d = 0, .q = LENGTH_PU},
-        .theta_turn = (uint16_t)lround(65535.0 * (turn - floor(turn))),
-        .switching = true,
-    };
-    return monitor_open_step(&state, &in);
+    return step(park(i, angle_rad), REFERENCE, theta_of(turn), 0) != REASON_NONE;
 }
 
 /* A phase that is judged is wanted 30 degrees from its zero or further. A healthy vector has less
@@ -203,17 +215,12 @@ void test_phase_that_carries_a_fifth_of_a_stuck_leg_is_not_named(void)
         for (int sign = -1; sign <= 1; sign += 2) {
             setUp();
             const star_t i = {sign * STUCK[k].a, sign * STUCK[k].b, sign * STUCK[k].c};
-            const monitor_open_input_t in = {
-                .sampled_pu = park(i, angle_rad),
-                .reference_pu = {.d = 0, .q = sign * LENGTH_PU},
-                .theta_turn = 65536 / 12,
-                .switching = true,
-            };
-            bool named = false;
+            const dq_t reference_pu = {.d = 0, .q = sign * LENGTH_PU};
+            reason_t named = REASON_NONE;
             for (int ms = 0; ms < 10; ms++) {
-                named = monitor_open_step(&state, &in);
+                named = step(park(i, angle_rad), reference_pu, 65536 / 12, 0);
             }
-            TEST_ASSERT_EQUAL_INT(k == 1, named);
+            TEST_ASSERT_EQUAL_INT(k == 1 ? REASON_PHASE_OPEN : REASON_NONE, named);
         }
     }
 }
@@ -230,8 +237,7 @@ void test_bridge_that_does_not_switch_has_no_open_phase_and_forgets(void)
 {
     (void)step_at(wire_b_open, 0.1, 1.0);
     (void)step_at(wire_b_open, 0.2, 1.0);
-    const monitor_open_input_t off = {.switching = false};
-    TEST_ASSERT_FALSE(monitor_open_step(&state, &off));
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, step_off());
     for (int x = 0; x < 3; x++) {
         TEST_ASSERT_EQUAL_UINT8(0, state.missing[x][0] + state.missing[x][1]);
         TEST_ASSERT_EQUAL_UINT16(0, state.turned[x]);
@@ -241,13 +247,8 @@ void test_bridge_that_does_not_switch_has_no_open_phase_and_forgets(void)
 static bool step_with(double current_turn, double turn)
 {
     const double angle_rad = TURN_RAD * (turn - floor(turn));
-    const monitor_open_input_t in = {
-        .sampled_pu = park(wanted_at(TURN_RAD * current_turn), angle_rad),
-        .reference_pu = {.d = 0, .q = LENGTH_PU},
-        .theta_turn = (uint16_t)lround(65535.0 * (turn - floor(turn))),
-        .switching = true,
-    };
-    return monitor_open_step(&state, &in);
+    const dq_t sampled_pu = park(wanted_at(TURN_RAD * current_turn), angle_rad);
+    return step(sampled_pu, REFERENCE, theta_of(turn), 0) != REASON_NONE;
 }
 
 /* A wheel that hangs on a slope where a phase passes its zero, after it has crept through 12
@@ -294,14 +295,22 @@ void test_reference_that_turns_against_the_rotor_leaves_a_healthy_phase_at_zero(
     };
     for (unsigned n = 0; n < sizeof SEEN / sizeof SEEN[0]; n++) {
         const double turn = SEEN[n].theta_deg / 360.0;
-        const monitor_open_input_t in = {
-            .sampled_pu = park(SEEN[n].i, TURN_RAD * turn),
-            .reference_pu = {.d = SEEN[n].d_pu, .q = SEEN[n].q_pu},
-            .theta_turn = (uint16_t)lround(65535.0 * turn),
-            .switching = true,
-        };
-        TEST_ASSERT_FALSE(monitor_open_step(&state, &in));
+        const dq_t reference_pu = {.d = SEEN[n].d_pu, .q = SEEN[n].q_pu};
+        TEST_ASSERT_EQUAL_INT(
+            REASON_NONE, step(park(SEEN[n].i, TURN_RAD * turn), reference_pu, theta_of(turn), 0));
     }
+}
+
+/* The name that a current and the sum of the three readings give a phase that has been found open.
+ * Without a reference none is judged anew. */
+static reason_t name_of(dq_t sampled_pu, int32_t sum_pu)
+{
+    const dq_t none = {0, 0};
+    setUp();
+    for (int n = 0; n < MONITOR_OPEN_STEPS; n++) {
+        (void)step_at(wire_b_open, 0.0, 1.0);
+    }
+    return step(sampled_pu, none, theta_of(0.0), sum_pu);
 }
 
 static int32_t sum_of(star_t i)
@@ -317,8 +326,7 @@ void test_open_wire_beside_gains_that_differ_by_a_tenth_keeps_its_name(void)
         const double angle_rad = TURN_RAD * k / 240.0;
         const double through = wire_b_open(wanted_at(angle_rad)).a;
         const star_t i = {1.05 * through, 0.0, -0.95 * through};
-        TEST_ASSERT_EQUAL_INT(REASON_PHASE_OPEN,
-                              monitor_open_reason(park(i, angle_rad), sum_of(i)));
+        TEST_ASSERT_EQUAL_INT(REASON_PHASE_OPEN, name_of(park(i, angle_rad), sum_of(i)));
     }
 }
 
@@ -333,8 +341,7 @@ void test_sensor_that_shows_no_current_is_named_by_the_sum_of_the_readings(void)
         const star_t read = {wanted.a, 0.0, wanted.c};
         const star_t used = {wanted.a, 0.0, -wanted.a};
         if (fabs(wanted.b) > 0.3 * LENGTH_PU) {
-            TEST_ASSERT_EQUAL_INT(REASON_CURRENT_SUM,
-                                  monitor_open_reason(park(used, angle_rad), sum_of(read)));
+            TEST_ASSERT_EQUAL_INT(REASON_CURRENT_SUM, name_of(park(used, angle_rad), sum_of(read)));
             named++;
         }
     }
@@ -347,15 +354,15 @@ void test_sum_of_a_sensor_s_reading_is_more_than_a_quarter_of_the_current(void)
     for (int sign = -1; sign <= 1; sign += 2) {
         const dq_t along = {sign * 8000, 100};
         const dq_t across = {-100, sign * 8000};
-        TEST_ASSERT_EQUAL_INT(REASON_PHASE_OPEN, monitor_open_reason(along, sign * 2000));
-        TEST_ASSERT_EQUAL_INT(REASON_CURRENT_SUM, monitor_open_reason(along, sign * 2001));
-        TEST_ASSERT_EQUAL_INT(REASON_PHASE_OPEN, monitor_open_reason(across, sign * -2000));
-        TEST_ASSERT_EQUAL_INT(REASON_CURRENT_SUM, monitor_open_reason(across, sign * -2001));
+        TEST_ASSERT_EQUAL_INT(REASON_PHASE_OPEN, name_of(along, sign * 2000));
+        TEST_ASSERT_EQUAL_INT(REASON_CURRENT_SUM, name_of(along, sign * 2001));
+        TEST_ASSERT_EQUAL_INT(REASON_PHASE_OPEN, name_of(across, sign * -2000));
+        TEST_ASSERT_EQUAL_INT(REASON_CURRENT_SUM, name_of(across, sign * -2001));
     }
 }
 
 void test_phases_without_a_current_and_without_a_sum_are_no_sensor(void)
 {
     const dq_t none = {0, 0};
-    TEST_ASSERT_EQUAL_INT(REASON_PHASE_OPEN, monitor_open_reason(none, 0));
+    TEST_ASSERT_EQUAL_INT(REASON_PHASE_OPEN, name_of(none, 0));
 }

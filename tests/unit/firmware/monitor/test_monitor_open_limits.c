@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "monitor_case.h"
 #include "unity.h"
 
 #define TURN_RAD 6.283185307179586
@@ -24,6 +25,22 @@ void setUp(void)
 
 void tearDown(void) {}
 
+static bool step(dq_t sampled_pu, dq_t reference_pu, uint16_t theta_turn)
+{
+    const monitor_case_t in = {.report = {.sample = {.theta_turn = theta_turn},
+                                          .i_pu = dq16_of(sampled_pu),
+                                          .bridge = BRIDGE_PWM}};
+    return monitor_open_step(&state, measured_of(&in), reference_pu) != REASON_NONE;
+}
+
+static bool step_off(uint16_t theta_turn)
+{
+    const monitor_case_t in = {
+        .report = {.sample = {.theta_turn = theta_turn}, .bridge = BRIDGE_OFF}};
+    const dq_t none = {0, 0};
+    return monitor_open_step(&state, measured_of(&in), none) != REASON_NONE;
+}
+
 /* ---- a reference without a current ----
  *
  * At the angle zero d is phase a, and phases b and c are -d/2 +- 0.866 q. The reference wants -r in
@@ -36,13 +53,9 @@ typedef struct {
 
 static bool step_with(const currents_t *i, int32_t sign, uint16_t theta_turn)
 {
-    const monitor_open_input_t in = {
-        .sampled_pu = {.d = sign * -i->x, .q = sign * -i->q},
-        .reference_pu = {.d = sign * -i->r, .q = 0},
-        .theta_turn = theta_turn,
-        .switching = true,
-    };
-    return monitor_open_step(&state, &in);
+    const dq_t sampled_pu = {.d = sign * -i->x, .q = sign * -i->q};
+    const dq_t reference_pu = {.d = sign * -i->r, .q = 0};
+    return step(sampled_pu, reference_pu, theta_turn);
 }
 
 /* The step in which it is named, 0: not in ten. */
@@ -136,13 +149,8 @@ static double wanted_alpha_pu = 2050.0;
 /* alpha and beta of the stator in the frame of the rotor. */
 static bool step_stator(double alpha_pu, double beta_pu, uint16_t theta_turn)
 {
-    const monitor_open_input_t in = {
-        .sampled_pu = rotor_frame(alpha_pu, beta_pu, theta_turn),
-        .reference_pu = rotor_frame(wanted_alpha_pu, 8000.0, theta_turn),
-        .theta_turn = theta_turn,
-        .switching = true,
-    };
-    return monitor_open_step(&state, &in);
+    return step(rotor_frame(alpha_pu, beta_pu, theta_turn),
+                rotor_frame(wanted_alpha_pu, 8000.0, theta_turn), theta_turn);
 }
 
 /* The step in which a phase at zero is named while the rotor turns by `step_turn` a millisecond,
@@ -256,10 +264,9 @@ void test_samples_after_a_jump_of_the_angle_do_not_count(void)
 /* A rotor that stands: phase a carries -x, phase c 0.866 q + x/2, and -r is wanted in phase a. */
 static void stand(int32_t x, int32_t q, int32_t r)
 {
-    const monitor_open_input_t in = {.sampled_pu = {.d = -x, .q = -q},
-                                     .reference_pu = {.d = -r, .q = -16384},
-                                     .switching = true};
-    (void)monitor_open_step(&state, &in);
+    const dq_t sampled_pu = {.d = -x, .q = -q};
+    const dq_t reference_pu = {.d = -r, .q = -16384};
+    (void)step(sampled_pu, reference_pu, 0);
 }
 
 void test_the_least_current_of_the_others_is_exact(void)
@@ -335,10 +342,9 @@ void test_a_phase_stays_named_for_as_long_as_it_is_at_zero(void)
 
 static void miss(int32_t r, int32_t reference_q)
 {
-    const monitor_open_input_t in = {.sampled_pu = {.d = 0, .q = -16384},
-                                     .reference_pu = {.d = -r, .q = -reference_q},
-                                     .switching = true};
-    (void)monitor_open_step(&state, &in);
+    const dq_t sampled_pu = {.d = 0, .q = -16384};
+    const dq_t reference_pu = {.d = -r, .q = -reference_q};
+    (void)step(sampled_pu, reference_pu, 0);
 }
 
 /* 0.866 * 4158 + 1200 is 4800 or 4801, half of which in whole numbers is 2400; of 4160, 2401. */
@@ -381,8 +387,7 @@ void test_a_missing_current_does_not_count_after_a_jump_of_the_angle(void)
 void test_a_step_without_pwm_writes_to_its_state_only(void)
 {
     memset(memory.before, 0x5A, sizeof memory.before);
-    const monitor_open_input_t off = {.switching = false};
-    (void)monitor_open_step(&state, &off);
+    (void)step_off(0);
     TEST_ASSERT_EACH_EQUAL_UINT8(0x5A, memory.before, sizeof memory.before);
 }
 
@@ -396,8 +401,7 @@ void test_a_step_without_pwm_forgets_everything(void)
             setUp();
             (void)step_with(&MISSING, sign, PHASE[x]);
             (void)step_with(&MISSING, sign, PHASE[x]);
-            const monitor_open_input_t off = {.theta_turn = PHASE[x], .switching = false};
-            TEST_ASSERT_FALSE(monitor_open_step(&state, &off));
+            TEST_ASSERT_FALSE(step_off(PHASE[x]));
             for (int y = 0; y < 3; y++) {
                 TEST_ASSERT_EQUAL_UINT8(0, state.missing[y][0]);
                 TEST_ASSERT_EQUAL_UINT8(0, state.missing[y][1]);

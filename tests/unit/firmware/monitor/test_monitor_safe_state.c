@@ -2,8 +2,10 @@
 /* The slow monitor's safe state, freewheel or active short circuit, and its standstill flag. */
 #include "monitor_rig.h"
 
-static const monitor_slow_input_t HEALTHY = {
-    .offsets_known = true, .rotor_valid = true, .bus_voltage_mV = 53000, .bridge = BRIDGE_PWM};
+static const monitor_case_t HEALTHY = {
+    .report = {.offsets_done = true, .bridge = BRIDGE_PWM},
+    .now = {.angle_valid = true, .bus_voltage_mV = 53000},
+};
 
 void setUp(void)
 {
@@ -20,38 +22,39 @@ static void with_admissible_short(void)
     config.motor.q_inductance_nH = 250000;
     config.motor.max_phase_current_mA = 85000;
     config.drive.diode_drop_mV = 0;
-    in.charge_current_mA = 0; /* nothing may be charged: the short circuit from the limit on */
+    in.battery.charge_current_mA =
+        0; /* nothing may be charged: the short circuit from the limit on */
 }
 
 void test_safe_state_has_hysteresis_from_step_to_step(void)
 {
     with_admissible_short();
-    in.speed_mrad_s = mrad_s_of_rpm(640.0);
-    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().safe_bridge);
-    in.speed_mrad_s = mrad_s_of_rpm(600.0); /* 0.963 of the limit */
-    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().safe_bridge);
-    in.speed_mrad_s = mrad_s_of_rpm(550.0); /* 0.883; 1.2 g take 0.2 s from 640 r/min */
-    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(200).safe_bridge);
-    in.speed_mrad_s = mrad_s_of_rpm(600.0);
-    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, step().safe_bridge);
+    in.now.speed_mrad_s = mrad_s_of_rpm(640.0);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().monitored.safe.bridge);
+    in.now.speed_mrad_s = mrad_s_of_rpm(600.0); /* 0.963 of the limit */
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().monitored.safe.bridge);
+    in.now.speed_mrad_s = mrad_s_of_rpm(550.0); /* 0.883; 1.2 g take 0.2 s from 640 r/min */
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(200).monitored.safe.bridge);
+    in.now.speed_mrad_s = mrad_s_of_rpm(600.0);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, step().monitored.safe.bridge);
 }
 
 /* At 70 rad/s the paper's motor makes 56.9 V between its terminals. */
 void test_safe_state_stays_active_short_circuit_after_rotor_loss_above_the_limit(void)
 {
     with_admissible_short();
-    in.speed_mrad_s = 70000;
-    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, run(10).safe_bridge);
-    in.speed_mrad_s = 0;
-    in.rotor_valid = false;
-    in.bridge = BRIDGE_OFF;
-    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, run(1000).safe_bridge);
-    TEST_ASSERT_FALSE(step().standstill);
+    in.now.speed_mrad_s = 70000;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, run(10).monitored.safe.bridge);
+    in.now.speed_mrad_s = 0;
+    in.now.angle_valid = false;
+    in.report.bridge = BRIDGE_OFF;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, run(1000).monitored.safe.bridge);
+    TEST_ASSERT_FALSE(step().monitored.standstill);
     /* Zero current in the active short circuit means standstill, or no motor. Two windows of 100
      * ms, and one step before the first. */
-    in.bridge = BRIDGE_SHORT;
-    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(201).safe_bridge);
-    TEST_ASSERT_TRUE(step().standstill);
+    in.report.bridge = BRIDGE_SHORT;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(201).monitored.safe.bridge);
+    TEST_ASSERT_TRUE(step().monitored.standstill);
 }
 
 /* 82 A settled, from zero current up to 163 A on the way: beyond the trip of 110 A. From a current
@@ -60,43 +63,43 @@ void test_short_circuit_that_surges_waits_while_the_bridge_is_open(void)
 {
     with_admissible_short();
     config.monitor.overcurrent_pu_q15 = 32768 * 110 / (config.drive.current_full_scale_mA / 1000);
-    in.speed_mrad_s = 70000;
-    in.bridge = BRIDGE_OFF;
-    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(MONITOR_SHORT_WAIT_STEPS).safe_bridge);
-    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().safe_bridge);
-    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, run(10).safe_bridge);
+    in.now.speed_mrad_s = 70000;
+    in.report.bridge = BRIDGE_OFF;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(MONITOR_SHORT_WAIT_STEPS).monitored.safe.bridge);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().monitored.safe.bridge);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, run(10).monitored.safe.bridge);
 
     setUp();
     with_admissible_short();
     config.monitor.overcurrent_pu_q15 = 32768 * 110 / (config.drive.current_full_scale_mA / 1000);
-    in.speed_mrad_s = 70000;
-    in.bridge = BRIDGE_OFF;
-    in.i_d_mA = -71000;
-    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().safe_bridge);
+    in.now.speed_mrad_s = 70000;
+    in.report.bridge = BRIDGE_OFF;
+    in.now.latest_i_d_mA = -71000;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().monitored.safe.bridge);
 }
 
 void test_short_circuit_of_a_switching_bridge_does_not_wait(void)
 {
     with_admissible_short();
-    in.speed_mrad_s = 70000;
-    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().safe_bridge);
+    in.now.speed_mrad_s = 70000;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().monitored.safe.bridge);
 }
 
 void test_current_or_overvoltage_in_freewheel_shows_a_turning_wheel(void)
 {
     with_admissible_short();
-    in.speed_mrad_s = 0;
-    in.rotor_valid = false;
-    in.bridge = BRIDGE_OFF;
-    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(100).safe_bridge);
-    in.i_q_mA = 20000;
-    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, run(MONITOR_SHORT_WAIT_STEPS + 20).safe_bridge);
+    in.now.speed_mrad_s = 0;
+    in.now.angle_valid = false;
+    in.report.bridge = BRIDGE_OFF;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(100).monitored.safe.bridge);
+    in.now.latest_i_q_mA = 20000;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, run(MONITOR_SHORT_WAIT_STEPS + 20).monitored.safe.bridge);
     setUp();
-    in.speed_mrad_s = 0;
-    in.rotor_valid = false;
-    in.bridge = BRIDGE_OFF;
-    in.bus_voltage_mV = 60565;
-    TEST_ASSERT_FALSE(step().standstill);
+    in.now.speed_mrad_s = 0;
+    in.now.angle_valid = false;
+    in.report.bridge = BRIDGE_OFF;
+    in.now.bus_voltage_mV = 60565;
+    TEST_ASSERT_FALSE(step().monitored.standstill);
 }
 
 /* The paper's motor: 268 A of short-circuit current are more than its 75 A, so freewheel, as long
@@ -104,15 +107,15 @@ void test_current_or_overvoltage_in_freewheel_shows_a_turning_wheel(void)
 void test_safe_state_of_the_paper_s_motor_is_freewheel_up_to_110_percent_of_its_speed(void)
 {
     for (int rpm = 0; rpm <= 704; rpm += 16) {
-        in.speed_mrad_s = mrad_s_of_rpm(rpm);
-        TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, step().safe_bridge);
+        in.now.speed_mrad_s = mrad_s_of_rpm(rpm);
+        TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, step().monitored.safe.bridge);
     }
 }
 
 void test_standstill_is_a_speed_below_0_3_rad_s(void)
 {
-    in.speed_mrad_s = 299;
-    TEST_ASSERT_TRUE(step().standstill);
-    in.speed_mrad_s = -300;
-    TEST_ASSERT_FALSE(step().standstill);
+    in.now.speed_mrad_s = 299;
+    TEST_ASSERT_TRUE(step().monitored.standstill);
+    in.now.speed_mrad_s = -300;
+    TEST_ASSERT_FALSE(step().monitored.standstill);
 }

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "monitor/monitor_speed.h"
+#include "monitor_case.h"
 #include "paper_vehicle.h"
 #include "random_values.h"
 #include "unity.h"
@@ -15,7 +16,7 @@ enum { PERIODS_PER_MS = 20 };
 static const double PI = 3.14159265358979323846;
 static config_t config;
 static monitor_speed_state_t state;
-static monitor_speed_input_t in;
+static monitor_case_t in;
 static double theta; /* of the short's current, radians */
 static int32_t quadrant;
 static int32_t bound_mrad_s;
@@ -23,8 +24,8 @@ static int32_t bound_mrad_s;
 void setUp(void)
 {
     const monitor_speed_state_t initial = {.windows = 0};
-    const monitor_speed_input_t rest = {
-        .rotor_valid = true, .offsets_known = true, .bridge = BRIDGE_PWM, .bus_voltage_mV = 53000};
+    const monitor_case_t rest = {.report = {.offsets_done = true, .bridge = BRIDGE_PWM},
+                                 .now = {.angle_valid = true, .bus_voltage_mV = 53000}};
     config = paper_vehicle();
     state = initial;
     in = rest;
@@ -51,13 +52,14 @@ static void turn(double rad_s, double turning_a, double direct_a, bool line_only
         const int32_t now = (int32_t)floor((atan2(beta, alpha) + 2.0 * PI) / (PI / 2.0)) & 3;
         const int32_t change = (now - quadrant) & 3;
         quadrant = now;
-        in.fast_step_count++;
+        in.report.sequence++;
         if (change == 1 || change == 3) {
-            in.current_quarters = (uint16_t)(in.current_quarters + (change == 1 ? 1 : UINT16_MAX));
-            in.quarter_step = in.fast_step_count;
+            in.report.quadrant_transitions =
+                (uint16_t)(in.report.quadrant_transitions + (change == 1 ? 1 : UINT16_MAX));
+            in.report.quadrant_step = in.report.sequence;
         }
-        in.i_d_mA = (int32_t)lround(1e3 * alpha);
-        in.i_q_mA = (int32_t)lround(1e3 * beta);
+        in.now.latest_i_d_mA = (int32_t)lround(1e3 * alpha);
+        in.now.latest_i_q_mA = (int32_t)lround(1e3 * beta);
     }
 }
 
@@ -66,7 +68,7 @@ static int32_t run(int milliseconds)
 {
     for (int n = 0; n < milliseconds; n++) {
         turn(0.0, 0.0, 0.0, false);
-        bound_mrad_s = monitor_speed_step(&state, &config, &in);
+        bound_mrad_s = monitor_speed_step(&state, &config, measured_of(&in));
     }
     return bound_mrad_s;
 }
@@ -86,10 +88,10 @@ static double short_a(double rad_s)
 
 static int32_t run_short(int milliseconds, double rad_s)
 {
-    in.bridge = BRIDGE_SHORT;
+    in.report.bridge = BRIDGE_SHORT;
     for (int n = 0; n < milliseconds; n++) {
         turn(rad_s, short_a(rad_s), 0.0, false);
-        bound_mrad_s = monitor_speed_step(&state, &config, &in);
+        bound_mrad_s = monitor_speed_step(&state, &config, measured_of(&in));
     }
     return bound_mrad_s;
 }
@@ -106,8 +108,8 @@ void test_valid_sensor_speed_applies_in_the_same_step(void)
         rad_s = fmin(rad_s + random_real(&random, -fall, random_chance(&random, 0.5) ? fall : 0.0),
                      80.0);
         rad_s = fmax(rad_s, -80.0);
-        in.speed_mrad_s = (int32_t)lround(rad_s * 1e3);
-        const int32_t before = abs(in.speed_mrad_s);
+        in.now.speed_mrad_s = (int32_t)lround(rad_s * 1e3);
+        const int32_t before = abs(in.now.speed_mrad_s);
         /* Tolerance for the rounding near zero speed. */
         TEST_ASSERT_INT32_WITHIN(1, before, run(1));
     }
@@ -118,10 +120,10 @@ void test_bound_falls_at_1_2_g_with_a_valid_sensor_and_at_0_01_g_without(void)
     const double rates_m_s2[] = {1.2 * 9.80665, 0.01 * 9.80665};
     for (int valid = 0; valid < 2; valid++) {
         setUp();
-        in.speed_mrad_s = 70000;
+        in.now.speed_mrad_s = 70000;
         run(1);
-        in.speed_mrad_s = 0;
-        in.rotor_valid = valid != 0;
+        in.now.speed_mrad_s = 0;
+        in.now.angle_valid = valid != 0;
         const double expected = 70.0 - rates_m_s2[1 - valid] / radius_m() * 0.5;
         TEST_ASSERT_DOUBLE_WITHIN(0.02, expected, run(500) * 1e-3);
     }
@@ -132,10 +134,10 @@ void test_bound_falls_at_1_2_g_with_a_valid_sensor_and_at_0_01_g_without(void)
 void test_a_sensor_that_stops_faster_than_a_tyre_does_not_show_rest(void)
 {
     const double seconds = 44.0 * radius_m() / (config.monitor.coasting_mm_s2 * 1e-3);
-    in.speed_mrad_s = 44000;
+    in.now.speed_mrad_s = 44000;
     (void)run(10);
     TEST_ASSERT_EQUAL_INT64(44000000, state.rest_urad_s);
-    in.speed_mrad_s = 0;
+    in.now.speed_mrad_s = 0;
     TEST_ASSERT_EQUAL_INT32(0, run(1000));
     TEST_ASSERT_GREATER_THAN_INT64(43000000, state.rest_urad_s);
     (void)run((int)(seconds * 990.0) - 1000);
@@ -147,11 +149,11 @@ void test_a_sensor_that_stops_faster_than_a_tyre_does_not_show_rest(void)
 void test_a_sensor_that_slows_down_as_a_tyre_can_shows_rest_with_its_speed(void)
 {
     for (int32_t mrad_s = 44000; mrad_s > 0; mrad_s -= 45) {
-        in.speed_mrad_s = mrad_s;
+        in.now.speed_mrad_s = mrad_s;
         (void)run(1);
         TEST_ASSERT_EQUAL_INT64(INT64_C(1000) * bound_mrad_s, state.rest_urad_s);
     }
-    in.speed_mrad_s = 0;
+    in.now.speed_mrad_s = 0;
     (void)run(200);
     TEST_ASSERT_EQUAL_INT64(0, state.rest_urad_s);
 }
@@ -159,30 +161,31 @@ void test_a_sensor_that_slows_down_as_a_tyre_can_shows_rest_with_its_speed(void)
 /* A hall sensor's speed ends at once when its next edge is overdue. */
 void test_a_sensor_may_fall_to_zero_from_the_hand_over_speed(void)
 {
-    in.speed_mrad_s = config.brake.blend_out_end_mrad_s;
+    in.now.speed_mrad_s = config.brake.blend_out_end_mrad_s;
     (void)run(10);
-    in.speed_mrad_s = 0;
+    in.now.speed_mrad_s = 0;
     (void)run(1000);
     TEST_ASSERT_EQUAL_INT64(0, state.rest_urad_s);
 }
 
 void test_a_sensor_that_moves_again_counts_again_after_100_ms(void)
 {
-    in.speed_mrad_s = 44000;
+    in.now.speed_mrad_s = 44000;
     (void)run(10);
-    in.speed_mrad_s = 0;
+    in.now.speed_mrad_s = 0;
     (void)run(1000);
-    in.speed_mrad_s = 2 * config.brake.blend_out_end_mrad_s; /* a locked wheel that turns again */
+    in.now.speed_mrad_s =
+        2 * config.brake.blend_out_end_mrad_s; /* a locked wheel that turns again */
     (void)run(MONITOR_SPEED_MOVING_STEPS - 1);
     TEST_ASSERT_GREATER_THAN_INT64(43000000, state.rest_urad_s);
     (void)run(1);
-    TEST_ASSERT_EQUAL_INT64(INT64_C(1000) * in.speed_mrad_s, state.rest_urad_s);
+    TEST_ASSERT_EQUAL_INT64(INT64_C(1000) * in.now.speed_mrad_s, state.rest_urad_s);
 }
 
 void test_bound_is_zero_before_any_sensor_has_measured_a_speed(void)
 {
-    in.rotor_valid = false;
-    in.bridge = BRIDGE_OFF;
+    in.now.angle_valid = false;
+    in.report.bridge = BRIDGE_OFF;
     TEST_ASSERT_EQUAL_INT32(0, run(1000));
 }
 
@@ -195,11 +198,11 @@ void test_quadrant_transitions_of_the_short_circuit_current_give_the_speed(void)
         setUp();
         const double rad_s =
             random_real(&random, 5.0, 100.0) * (random_chance(&random, 0.5) ? 1.0 : -1.0);
-        in.speed_mrad_s = (int32_t)lround(1e3 * random_real(&random, 1.0, 1.5) *
-                                          fabs(rad_s)); /* last valid speed, too high */
+        in.now.speed_mrad_s = (int32_t)lround(1e3 * random_real(&random, 1.0, 1.5) *
+                                              fabs(rad_s)); /* last valid speed, too high */
         run(1);
-        in.rotor_valid = false;
-        in.speed_mrad_s = 0;
+        in.now.angle_valid = false;
+        in.now.speed_mrad_s = 0;
         const double measured = run_short(300, rad_s) * 1e-3;
         /* A window is four electrical turns, each end known within a period. Where they take longer
          * than 100 ms, it may count two quadrant transitions too many. */
@@ -217,30 +220,30 @@ void test_quadrant_transitions_of_the_short_circuit_current_give_the_speed(void)
 
 void test_a_valid_sensor_speed_above_that_of_the_current_applies(void)
 {
-    in.speed_mrad_s = 60000;
+    in.now.speed_mrad_s = 60000;
     run_short(300, 40.0);
     TEST_ASSERT_EQUAL_INT32(60000, bound_mrad_s);
-    in.rotor_valid = false;
+    in.now.angle_valid = false;
     run_short(50, 40.0);
     TEST_ASSERT_INT32_WITHIN(200, 40000, bound_mrad_s);
 }
 
 void test_a_current_speed_above_that_of_a_stuck_sensor_applies(void)
 {
-    in.speed_mrad_s = 70000;
+    in.now.speed_mrad_s = 70000;
     run(1);
-    in.speed_mrad_s = 0;
+    in.now.speed_mrad_s = 0;
     run_short(1500, 70.0);
     TEST_ASSERT_INT32_WITHIN(350, 70000, bound_mrad_s);
 }
 
 void test_zero_current_in_active_short_circuit_is_standstill(void)
 {
-    in.speed_mrad_s = 70000;
+    in.now.speed_mrad_s = 70000;
     run(1);
-    in.speed_mrad_s = 0;
-    in.rotor_valid = false;
-    in.bridge = BRIDGE_SHORT;
+    in.now.speed_mrad_s = 0;
+    in.now.angle_valid = false;
+    in.report.bridge = BRIDGE_SHORT;
     TEST_ASSERT_TRUE(run(199) > 69000);
     TEST_ASSERT_EQUAL_INT32(0, run(2));
 }
@@ -255,15 +258,15 @@ void test_decaying_dc_component_never_lowers_the_bound(void)
         const double rad_s = random_real(&random, 50.0, 100.0);
         const double tau_ms = random_real(&random, 5.0, 60.0);
         const double direct = short_a(rad_s) * random_real(&random, 0.5, 3.0);
-        in.speed_mrad_s = (int32_t)lround(1e3 * rad_s);
+        in.now.speed_mrad_s = (int32_t)lround(1e3 * rad_s);
         run(1);
-        in.rotor_valid = false;
-        in.speed_mrad_s = 0;
-        in.bridge = BRIDGE_SHORT;
+        in.now.angle_valid = false;
+        in.now.speed_mrad_s = 0;
+        in.report.bridge = BRIDGE_SHORT;
         theta = random_real(&random, 0.0, 2.0 * PI);
         for (int ms = 0; ms < 300; ms++) {
             turn(rad_s, short_a(rad_s), direct * exp(-ms / tau_ms), false);
-            bound_mrad_s = monitor_speed_step(&state, &config, &in);
+            bound_mrad_s = monitor_speed_step(&state, &config, measured_of(&in));
             char text[120];
             snprintf(text, sizeof(text), "%d at %.3f rad/s after %d ms, %.2f of it direct, %.1f ms",
                      (int)bound_mrad_s, rad_s, ms, direct / short_a(rad_s), tau_ms);
@@ -274,14 +277,14 @@ void test_decaying_dc_component_never_lowers_the_bound(void)
 
 void test_dead_current_sensor_does_not_lower_the_bound(void)
 {
-    in.speed_mrad_s = 70000;
+    in.now.speed_mrad_s = 70000;
     run(1);
-    in.rotor_valid = false;
-    in.speed_mrad_s = 0;
-    in.bridge = BRIDGE_SHORT;
+    in.now.angle_valid = false;
+    in.now.speed_mrad_s = 0;
+    in.report.bridge = BRIDGE_SHORT;
     for (int ms = 0; ms < 2000; ms++) {
         turn(70.0, short_a(70.0), 0.0, true); /* the current vector moves on a straight line */
-        bound_mrad_s = monitor_speed_step(&state, &config, &in);
+        bound_mrad_s = monitor_speed_step(&state, &config, measured_of(&in));
     }
     TEST_ASSERT_TRUE(bound_mrad_s > 69000); /* 2 s at 0.01 g are 0.8 rad/s */
 }
@@ -293,109 +296,110 @@ static const double THRESHOLD_A = 8.26; /* 5 % of 165 A */
 static void assert_speed_of_emf_at_bus_voltage(int32_t speed_mrad_s)
 {
     /* sqrt(3) * 0.0204 * 23 * w = v_dc, and no more than 3 % beyond it. */
-    const double limit = in.bus_voltage_mV / (sqrt(3.0) * 0.0204 * 23.0);
+    const double limit = in.now.bus_voltage_mV / (sqrt(3.0) * 0.0204 * 23.0);
     TEST_ASSERT_TRUE(speed_mrad_s > limit * 1.005);
     TEST_ASSERT_TRUE(speed_mrad_s < limit * 1.03);
 }
 
 void test_lasting_current_in_freewheel_means_an_emf_above_the_bus_voltage(void)
 {
-    in.rotor_valid = false;
-    in.bridge = BRIDGE_OFF;
+    in.now.angle_valid = false;
+    in.report.bridge = BRIDGE_OFF;
     for (int ms = 0; ms < 19; ms++) {
-        in.i_d_mA = (int32_t)(1e3 * (THRESHOLD_A + 0.1));
-        TEST_ASSERT_EQUAL_INT32(0, monitor_speed_step(&state, &config, &in));
+        in.now.latest_i_d_mA = (int32_t)(1e3 * (THRESHOLD_A + 0.1));
+        TEST_ASSERT_EQUAL_INT32(0, monitor_speed_step(&state, &config, measured_of(&in)));
     }
-    assert_speed_of_emf_at_bus_voltage(monitor_speed_step(&state, &config, &in));
+    assert_speed_of_emf_at_bus_voltage(monitor_speed_step(&state, &config, measured_of(&in)));
 }
 
 void test_intermittent_or_small_current_in_freewheel_is_ignored(void)
 {
-    in.rotor_valid = false;
-    in.bridge = BRIDGE_OFF;
+    in.now.angle_valid = false;
+    in.report.bridge = BRIDGE_OFF;
     for (int ms = 0; ms < 1000; ms++) {
-        in.i_q_mA = ms % 2 == 0 ? 50000 : 0;
-        TEST_ASSERT_EQUAL_INT32(0, monitor_speed_step(&state, &config, &in));
+        in.now.latest_i_q_mA = ms % 2 == 0 ? 50000 : 0;
+        TEST_ASSERT_EQUAL_INT32(0, monitor_speed_step(&state, &config, measured_of(&in)));
     }
-    in.i_q_mA = (int32_t)(1e3 * (THRESHOLD_A - 0.1));
+    in.now.latest_i_q_mA = (int32_t)(1e3 * (THRESHOLD_A - 0.1));
     for (int ms = 0; ms < 1000; ms++) {
-        TEST_ASSERT_EQUAL_INT32(0, monitor_speed_step(&state, &config, &in));
+        TEST_ASSERT_EQUAL_INT32(0, monitor_speed_step(&state, &config, measured_of(&in)));
     }
 }
 
 void test_current_threshold_includes_the_offset_tolerance_before_calibration(void)
 {
-    in.rotor_valid = false;
-    in.bridge = BRIDGE_OFF;
-    in.offsets_known = false;
+    in.now.angle_valid = false;
+    in.report.bridge = BRIDGE_OFF;
+    in.report.offsets_done = false;
     /* Twice the tolerance of 200 codes of 2048. */
-    in.i_d_mA = (int32_t)(1e3 * (THRESHOLD_A + 165.0 * 400.0 / 2048.0 - 0.3));
+    in.now.latest_i_d_mA = (int32_t)(1e3 * (THRESHOLD_A + 165.0 * 400.0 / 2048.0 - 0.3));
     for (int ms = 0; ms < 100; ms++) {
-        TEST_ASSERT_EQUAL_INT32(0, monitor_speed_step(&state, &config, &in));
+        TEST_ASSERT_EQUAL_INT32(0, monitor_speed_step(&state, &config, measured_of(&in)));
     }
-    in.i_d_mA += 600;
+    in.now.latest_i_d_mA += 600;
     for (int ms = 0; ms < 20; ms++) {
-        bound_mrad_s = monitor_speed_step(&state, &config, &in);
+        bound_mrad_s = monitor_speed_step(&state, &config, measured_of(&in));
     }
     assert_speed_of_emf_at_bus_voltage(bound_mrad_s);
 }
 
 void test_sensor_speed_above_blend_out_overrides_the_freewheel_current(void)
 {
-    in.bridge = BRIDGE_OFF;
-    in.speed_mrad_s = config.brake.blend_out_end_mrad_s;
-    in.bus_voltage_mV = config.battery.overvoltage_trip_mV + 1;
-    in.i_d_mA = 50000;
+    in.report.bridge = BRIDGE_OFF;
+    in.now.speed_mrad_s = config.brake.blend_out_end_mrad_s;
+    in.now.bus_voltage_mV = config.battery.overvoltage_trip_mV + 1;
+    in.now.latest_i_d_mA = 50000;
     for (int ms = 0; ms < 1000; ms++) {
-        TEST_ASSERT_EQUAL_INT32(in.speed_mrad_s, monitor_speed_step(&state, &config, &in));
+        TEST_ASSERT_EQUAL_INT32(in.now.speed_mrad_s,
+                                monitor_speed_step(&state, &config, measured_of(&in)));
     }
-    in.speed_mrad_s--; /* below the blend-out speed the current decides */
+    in.now.speed_mrad_s--; /* below the blend-out speed the current decides */
     for (int ms = 0; ms < 20; ms++) {
-        bound_mrad_s = monitor_speed_step(&state, &config, &in);
+        bound_mrad_s = monitor_speed_step(&state, &config, measured_of(&in));
     }
     assert_speed_of_emf_at_bus_voltage(bound_mrad_s);
 }
 
 void test_overvoltage_in_freewheel_raises_the_bound_once(void)
 {
-    in.rotor_valid = false;
-    in.bridge = BRIDGE_OFF;
-    in.bus_voltage_mV = config.battery.overvoltage_trip_mV;
+    in.now.angle_valid = false;
+    in.report.bridge = BRIDGE_OFF;
+    in.now.bus_voltage_mV = config.battery.overvoltage_trip_mV;
     TEST_ASSERT_EQUAL_INT32(0, run(100));
-    in.bus_voltage_mV++;
+    in.now.bus_voltage_mV++;
     assert_speed_of_emf_at_bus_voltage(run(1));
     /* Zero current in active short circuit: another wheel raised the bus voltage. */
-    in.bridge = BRIDGE_SHORT;
+    in.report.bridge = BRIDGE_SHORT;
     TEST_ASSERT_EQUAL_INT32(0, run(201));
-    in.bridge = BRIDGE_OFF;
+    in.report.bridge = BRIDGE_OFF;
     TEST_ASSERT_EQUAL_INT32(0, run(1000));
-    in.bus_voltage_mV--;
+    in.now.bus_voltage_mV--;
     run(1);
-    in.bus_voltage_mV++;
+    in.now.bus_voltage_mV++;
     assert_speed_of_emf_at_bus_voltage(run(1));
 }
 
 void test_current_and_voltage_while_switching_do_not_raise_the_bound(void)
 {
-    in.rotor_valid = false;
-    in.bridge = BRIDGE_PWM;
-    in.i_d_mA = 90000;
-    in.bus_voltage_mV = 70000;
+    in.now.angle_valid = false;
+    in.report.bridge = BRIDGE_PWM;
+    in.now.latest_i_d_mA = 90000;
+    in.now.bus_voltage_mV = 70000;
     for (int ms = 0; ms < 100; ms++) {
-        TEST_ASSERT_EQUAL_INT32(0, monitor_speed_step(&state, &config, &in));
+        TEST_ASSERT_EQUAL_INT32(0, monitor_speed_step(&state, &config, measured_of(&in)));
     }
 }
 
 /* A stopped fast loop counts no quadrant transitions. This is no evidence of standstill. */
 void test_windows_without_fast_steps_do_not_lower_the_bound(void)
 {
-    in.speed_mrad_s = 30000;
+    in.now.speed_mrad_s = 30000;
     TEST_ASSERT_EQUAL_INT32(30000, run(1));
-    in.speed_mrad_s = 0;
-    in.rotor_valid = false;
-    in.bridge = BRIDGE_SHORT;
+    in.now.speed_mrad_s = 0;
+    in.now.angle_valid = false;
+    in.report.bridge = BRIDGE_SHORT;
     for (int n = 0; n < 250; n++) {
-        bound_mrad_s = monitor_speed_step(&state, &config, &in);
+        bound_mrad_s = monitor_speed_step(&state, &config, measured_of(&in));
     }
     const double coasted_mrad_s = 0.0981 / radius_m() * 250.0;
     TEST_ASSERT_TRUE(bound_mrad_s >= 30000 - lround(coasted_mrad_s) - 1);
@@ -406,8 +410,8 @@ void test_windows_without_fast_steps_do_not_lower_the_bound(void)
  * 22.3 rad/s, more than an eighth below 40. */
 void test_falling_speed_needs_two_windows_in_a_row(void)
 {
-    in.speed_mrad_s = 0;
-    in.rotor_valid = false;
+    in.now.speed_mrad_s = 0;
+    in.now.angle_valid = false;
     TEST_ASSERT_INT32_WITHIN(400, 40000, run_short(60, 40.0));
     TEST_ASSERT_INT32_WITHIN(400, 40000, run_short(54, 20.0));
     TEST_ASSERT_INT32_WITHIN(200, 20000, run_short(60, 20.0));
@@ -419,19 +423,20 @@ void test_bound_is_at_least_the_valid_sensor_speed_for_any_input(void)
 {
     random_t random = random_seeded(4);
     for (int n = 0; n < 100000; n++) {
-        in.speed_mrad_s = random_wild(&random);
-        in.rotor_valid = random_chance(&random, 0.5);
-        in.bridge = (bridge_mode_t)random_between(&random, 0, 2);
-        in.i_d_mA = random_wild(&random);
-        in.i_q_mA = random_wild(&random);
-        in.offsets_known = random_chance(&random, 0.5);
-        in.current_quarters = (uint16_t)random_between(&random, 0, UINT16_MAX);
-        in.quarter_step = (uint16_t)random_between(&random, 0, UINT16_MAX);
-        in.fast_step_count = (uint16_t)random_between(&random, 0, UINT16_MAX);
-        in.bus_voltage_mV = random_wild(&random);
-        const int64_t bounded = monitor_speed_step(&state, &config, &in);
+        in.now.speed_mrad_s = random_wild(&random);
+        in.now.angle_valid = random_chance(&random, 0.5);
+        in.report.bridge = (bridge_mode_t)random_between(&random, 0, 2);
+        in.now.latest_i_d_mA = random_wild(&random);
+        in.now.latest_i_q_mA = random_wild(&random);
+        in.report.offsets_done = random_chance(&random, 0.5);
+        in.report.quadrant_transitions = (uint16_t)random_between(&random, 0, UINT16_MAX);
+        in.report.quadrant_step = (uint16_t)random_between(&random, 0, UINT16_MAX);
+        in.report.sequence = (uint16_t)random_between(&random, 0, UINT16_MAX);
+        in.now.bus_voltage_mV = random_wild(&random);
+        const int64_t bounded = monitor_speed_step(&state, &config, measured_of(&in));
         TEST_ASSERT_TRUE(bounded >= 0);
-        TEST_ASSERT_TRUE(!in.rotor_valid || bounded >= llabs((long long)in.speed_mrad_s) - 1);
+        TEST_ASSERT_TRUE(!in.now.angle_valid ||
+                         bounded >= llabs((long long)in.now.speed_mrad_s) - 1);
         if (random_chance(&random, 0.01)) {
             state.bound_urad_s = 0;
         }

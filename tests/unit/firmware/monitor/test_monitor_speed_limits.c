@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "monitor/monitor_speed.h"
+#include "monitor_case.h"
 #include "paper_vehicle.h"
 #include "unity.h"
 
@@ -20,13 +21,13 @@ enum {
 
 static config_t config;
 static monitor_speed_state_t state;
-static monitor_speed_input_t in;
+static monitor_case_t in;
 
 void setUp(void)
 {
     const monitor_speed_state_t initial = {.windows = 0};
-    const monitor_speed_input_t rest = {
-        .rotor_valid = true, .offsets_known = true, .bridge = BRIDGE_PWM, .bus_voltage_mV = 40000};
+    const monitor_case_t rest = {.report = {.offsets_done = true, .bridge = BRIDGE_PWM},
+                                 .now = {.angle_valid = true, .bus_voltage_mV = 40000}};
     config = paper_vehicle();
     config.drive.pwm_frequency_Hz = 20000;
     config.drive.current_full_scale_mA = 163840;
@@ -48,7 +49,7 @@ void tearDown(void) {}
 
 static int32_t step(void)
 {
-    return monitor_speed_step(&state, &config, &in);
+    return monitor_speed_step(&state, &config, measured_of(&in));
 }
 
 /* Milliseconds without quadrant transitions. */
@@ -56,7 +57,7 @@ static int32_t wait(int milliseconds)
 {
     int32_t bound_mrad_s = 0;
     for (int n = 0; n < milliseconds; n++) {
-        in.fast_step_count = (uint16_t)(in.fast_step_count + PERIODS_PER_MS);
+        in.report.sequence = (uint16_t)(in.report.sequence + PERIODS_PER_MS);
         bound_mrad_s = step();
     }
     return bound_mrad_s;
@@ -65,21 +66,21 @@ static int32_t wait(int milliseconds)
 /* Quadrant transitions that all fall into one slow step, the last of them at its end. */
 static int32_t transitions(int quarters, int periods, int32_t current_mA)
 {
-    in.i_d_mA = current_mA;
-    in.fast_step_count = (uint16_t)(in.fast_step_count + periods);
-    in.current_quarters = (uint16_t)(in.current_quarters + quarters);
-    in.quarter_step = in.fast_step_count;
+    in.now.latest_i_d_mA = current_mA;
+    in.report.sequence = (uint16_t)(in.report.sequence + periods);
+    in.report.quadrant_transitions = (uint16_t)(in.report.quadrant_transitions + quarters);
+    in.report.quadrant_step = in.report.sequence;
     return step();
 }
 
 /* The sensor is lost at 70 rad/s, and the bridge is shorted. */
 static void lose_sensor_and_short(void)
 {
-    in.speed_mrad_s = 70000;
+    in.now.speed_mrad_s = 70000;
     (void)step();
-    in.speed_mrad_s = 0;
-    in.rotor_valid = false;
-    in.bridge = BRIDGE_SHORT;
+    in.now.speed_mrad_s = 0;
+    in.now.angle_valid = false;
+    in.report.bridge = BRIDGE_SHORT;
 }
 
 /* ---- windows of the short circuit ---- */
@@ -87,7 +88,7 @@ static void lose_sensor_and_short(void)
 void test_a_short_circuit_holds_the_bound_until_its_second_window_ends(void)
 {
     lose_sensor_and_short();
-    in.i_d_mA = 1000000; /* far too much for any speed that was counted */
+    in.now.latest_i_d_mA = 1000000; /* far too much for any speed that was counted */
     for (int n = 1; n <= 199; n++) {
         (void)wait(1);
         TEST_ASSERT_EQUAL_INT64(70000000, state.bound_urad_s);
@@ -103,8 +104,8 @@ void test_a_short_circuit_holds_the_bound_until_its_second_window_ends(void)
 void test_a_short_circuit_holds_rest_until_its_second_window_ends(void)
 {
     lose_sensor_and_short();
-    in.rotor_valid = true;
-    in.i_d_mA = 1000000;
+    in.now.angle_valid = true;
+    in.now.latest_i_d_mA = 1000000;
     (void)wait(199);
     TEST_ASSERT_EQUAL_INT64(70000000, state.rest_urad_s);
     (void)wait(10);
@@ -116,12 +117,12 @@ void test_a_short_circuit_holds_rest_until_its_second_window_ends(void)
  * a tyre can do; both stay until the short circuit has measured. */
 void test_a_short_circuit_holds_rest_above_the_bound_until_its_second_window_ends(void)
 {
-    in.speed_mrad_s = 70000;
+    in.now.speed_mrad_s = 70000;
     (void)step();
-    in.speed_mrad_s = 0;
+    in.now.speed_mrad_s = 0;
     (void)wait(100);
-    in.bridge = BRIDGE_SHORT;
-    in.i_d_mA = 1000000;
+    in.report.bridge = BRIDGE_SHORT;
+    in.now.latest_i_d_mA = 1000000;
     for (int n = 1; n <= 199; n++) {
         (void)wait(1);
         TEST_ASSERT_EQUAL_INT64(70000000 - 100 * COASTING_urad_s, state.rest_urad_s);
@@ -137,11 +138,11 @@ void test_a_short_circuit_measures_with_two_windows_of_its_own(void)
     lose_sensor_and_short();
     (void)transitions(16, 700, 200000);
     TEST_ASSERT_EQUAL_INT32(SPEED_OF_700_mrad_s, transitions(16, 700, 200000));
-    in.bridge = BRIDGE_OFF;
-    in.i_d_mA = 0;
+    in.report.bridge = BRIDGE_OFF;
+    in.now.latest_i_d_mA = 0;
     (void)wait(10);
     const int64_t before_urad_s = state.bound_urad_s;
-    in.bridge = BRIDGE_SHORT;
+    in.report.bridge = BRIDGE_SHORT;
     (void)transitions(16, 7000, 20000);
     TEST_ASSERT_EQUAL_INT64(before_urad_s, state.bound_urad_s);
     TEST_ASSERT_EQUAL_INT32(7180, transitions(16, 7000, 20000));
@@ -150,7 +151,7 @@ void test_a_short_circuit_measures_with_two_windows_of_its_own(void)
 void test_what_a_short_circuit_measures_replaces_rest_of_a_stopped_sensor(void)
 {
     lose_sensor_and_short();
-    in.rotor_valid = true;
+    in.now.angle_valid = true;
     (void)transitions(16, 2000, 20000);
     (void)transitions(16, 2000, 20000);
     TEST_ASSERT_TRUE(state.stopped);
@@ -210,10 +211,10 @@ void test_a_short_circuit_begins_without_the_windows_of_the_one_before(void)
     TEST_ASSERT_EQUAL_INT32(25132, transitions(16, 2000, 20000));
     (void)transitions(10, 100, 20000); /* and half of a third */
     (void)wait(50);
-    in.bridge = BRIDGE_OFF;
-    in.i_d_mA = 0;
-    in.speed_mrad_s = 70000;
-    in.rotor_valid = true;
+    in.report.bridge = BRIDGE_OFF;
+    in.now.latest_i_d_mA = 0;
+    in.now.speed_mrad_s = 70000;
+    in.now.angle_valid = true;
     (void)wait(5);
     lose_sensor_and_short();
     (void)wait(99);
@@ -232,7 +233,7 @@ void test_current_of_an_earlier_window_does_not_count_in_a_later_one(void)
     lose_sensor_and_short();
     (void)transitions(16, 2000, 20000);
     TEST_ASSERT_EQUAL_INT32(25132, transitions(16, 2000, 20000));
-    in.i_d_mA = 0;
+    in.now.latest_i_d_mA = 0;
     (void)wait(200);
     TEST_ASSERT_EQUAL_INT64(0, state.bound_urad_s);
 }
@@ -246,9 +247,9 @@ void test_current_above_the_silence_is_no_standstill(void)
     for (int known = 0; known < 2; known++) {
         for (int above = 0; above < 2; above++) {
             setUp();
-            in.offsets_known = known != 0;
+            in.report.offsets_done = known != 0;
             lose_sensor_and_short();
-            in.i_q_mA = -(known != 0 ? 1 : 2) * SILENCE_mA - above;
+            in.now.latest_i_q_mA = -(known != 0 ? 1 : 2) * SILENCE_mA - above;
             TEST_ASSERT_EQUAL_INT32(above == 0 ? 0 : 1570, wait(200));
         }
     }
@@ -307,9 +308,9 @@ void test_the_bound_never_falls_faster_than_tyre_grip(void)
 {
     config.vehicle.wheel_radius_um = 98010;
     const double fall_urad_s = 9800e6 / 98010.0;
-    in.speed_mrad_s = 70000;
+    in.now.speed_mrad_s = 70000;
     (void)step();
-    in.speed_mrad_s = 0;
+    in.now.speed_mrad_s = 0;
     (void)wait(500);
     TEST_ASSERT_TRUE((double)state.bound_urad_s >= 70e6 - 500.0 * fall_urad_s);
     TEST_ASSERT_TRUE((double)state.bound_urad_s <= 70e6 - 500.0 * (fall_urad_s - 10.0));
@@ -320,15 +321,15 @@ void test_the_bound_never_falls_faster_than_tyre_grip(void)
 /* 1.02 v/(sqrt(3) psi p): 2 % beyond the speed at which the EMF reaches the bus. */
 static int32_t bus_speed_mrad_s(void)
 {
-    return (int32_t)lround(1.02 * in.bus_voltage_mV / (sqrt(3.0) * 0.02 * 10.0));
+    return (int32_t)lround(1.02 * in.now.bus_voltage_mV / (sqrt(3.0) * 0.02 * 10.0));
 }
 
 static void freewheel(bool valid, int32_t mrad_s, int32_t current_mA)
 {
-    in.bridge = BRIDGE_OFF;
-    in.rotor_valid = valid;
-    in.speed_mrad_s = mrad_s;
-    in.i_d_mA = current_mA;
+    in.report.bridge = BRIDGE_OFF;
+    in.now.angle_valid = valid;
+    in.now.speed_mrad_s = mrad_s;
+    in.now.latest_i_d_mA = current_mA;
 }
 
 void test_a_diode_current_shows_the_speed_of_the_bus_whatever_an_invalid_sensor_shows(void)
@@ -351,7 +352,7 @@ void test_steps_without_a_current_do_not_delay_a_diode_current(void)
 {
     freewheel(false, 0, 0);
     (void)wait(50);
-    in.i_d_mA = 2 * SILENCE_mA;
+    in.now.latest_i_d_mA = 2 * SILENCE_mA;
     TEST_ASSERT_EQUAL_INT32(0, wait(19));
     TEST_ASSERT_INT32_WITHIN(1, bus_speed_mrad_s(), wait(1));
 }
@@ -360,9 +361,9 @@ void test_a_step_with_pwm_begins_the_qualification_again(void)
 {
     freewheel(false, 0, 2 * SILENCE_mA);
     (void)wait(19);
-    in.bridge = BRIDGE_PWM;
+    in.report.bridge = BRIDGE_PWM;
     (void)wait(1);
-    in.bridge = BRIDGE_OFF;
+    in.report.bridge = BRIDGE_OFF;
     TEST_ASSERT_EQUAL_INT32(0, wait(19));
     TEST_ASSERT_INT32_WITHIN(1, bus_speed_mrad_s(), wait(1));
 }
@@ -373,7 +374,7 @@ void test_a_diode_current_with_gaps_qualifies_when_it_flows_20_steps_more_than_n
 {
     freewheel(false, 0, 0);
     for (int n = 1; n <= 56; n++) {
-        in.i_d_mA = n % 3 == 0 ? 0 : 2 * SILENCE_mA;
+        in.now.latest_i_d_mA = n % 3 == 0 ? 0 : 2 * SILENCE_mA;
         const int32_t bound_mrad_s = wait(1);
         TEST_ASSERT_INT32_WITHIN(1, n == 56 ? bus_speed_mrad_s() : 0, bound_mrad_s);
     }
@@ -383,9 +384,9 @@ void test_a_diode_current_with_gaps_qualifies_when_it_flows_20_steps_more_than_n
  * looked at. */
 void test_an_overvoltage_that_began_while_switching_raises_the_bound_in_freewheel(void)
 {
-    in.rotor_valid = false;
-    in.bus_voltage_mV = config.battery.overvoltage_trip_mV + 1;
+    in.now.angle_valid = false;
+    in.now.bus_voltage_mV = config.battery.overvoltage_trip_mV + 1;
     TEST_ASSERT_EQUAL_INT32(0, wait(10));
-    in.bridge = BRIDGE_OFF;
+    in.report.bridge = BRIDGE_OFF;
     TEST_ASSERT_INT32_WITHIN(1, bus_speed_mrad_s(), wait(1));
 }

@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "monitor/monitor_speed.h"
+#include "monitor_case.h"
 #include "paper_vehicle.h"
 #include "unity.h"
 
@@ -12,13 +13,13 @@ enum { COASTING_urad_s = 1000, HAND_OVER_mrad_s = 2000 };
 
 static config_t config;
 static monitor_speed_state_t state;
-static monitor_speed_input_t in;
+static monitor_case_t in;
 
 void setUp(void)
 {
     const monitor_speed_state_t initial = {.windows = 0};
-    const monitor_speed_input_t rest = {
-        .rotor_valid = true, .offsets_known = true, .bridge = BRIDGE_PWM, .bus_voltage_mV = 40000};
+    const monitor_case_t rest = {.report = {.offsets_done = true, .bridge = BRIDGE_PWM},
+                                 .now = {.angle_valid = true, .bus_voltage_mV = 40000}};
     config = paper_vehicle();
     config.rotor.sensor = CONFIG_ROTOR_ENCODER;
     config.monitor.tyre_grip_mm_s2 = 9800;
@@ -34,9 +35,9 @@ void tearDown(void) {}
 
 static void ride(int milliseconds, int32_t mrad_s)
 {
-    in.speed_mrad_s = mrad_s;
+    in.now.speed_mrad_s = mrad_s;
     for (int n = 0; n < milliseconds; n++) {
-        (void)monitor_speed_step(&state, &config, &in);
+        (void)monitor_speed_step(&state, &config, measured_of(&in));
     }
 }
 
@@ -149,7 +150,7 @@ void test_the_largest_speed_of_halls_stops_suddenly(void)
 void test_an_invalid_sensor_does_not_stop(void)
 {
     ride(10, 44000);
-    in.rotor_valid = false;
+    in.now.angle_valid = false;
     ride(100, 0);
     TEST_ASSERT_FALSE(state.stopped);
     TEST_ASSERT_EQUAL_UINT16(0, state.sudden_stops);
@@ -173,7 +174,7 @@ void test_neither_an_invalid_sensor_nor_the_hand_over_speed_shows_movement(void)
         setUp();
         ride(10, 44000);
         ride(100, 0);
-        in.rotor_valid = valid != 0;
+        in.now.angle_valid = valid != 0;
         ride(300, valid != 0 ? HAND_OVER_mrad_s : 2 * HAND_OVER_mrad_s);
         TEST_ASSERT_TRUE(state.stopped);
         TEST_ASSERT_EQUAL_INT64(44000000 - 400 * COASTING_urad_s, state.rest_urad_s);

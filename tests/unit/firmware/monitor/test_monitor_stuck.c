@@ -4,6 +4,7 @@
 
 #include <math.h>
 
+#include "monitor_case.h"
 #include "unity.h"
 
 extern const config_t CONFIG_LU2013, CONFIG_IPM400V;
@@ -13,31 +14,36 @@ static const double TWO_PI = 6.283185307179586;
 
 static config_t motor;
 static monitor_stuck_state_t state;
-static monitor_stuck_input_t in;
+static monitor_case_t in;
+static bool turning;
 static monitor_stuck_output_t out;
 static double turns;
 
 void setUp(void)
 {
     const monitor_stuck_state_t fresh = {.side = BRIDGE_OFF};
-    const monitor_stuck_input_t tripped = {.tripped = true,
-                                           .bridge = BRIDGE_OFF,
-                                           .currents_known = true,
-                                           .sum_good = true,
-                                           .rotor_valid = true};
+    const monitor_case_t tripped = {.report = {.offsets_done = true, .bridge = BRIDGE_OFF},
+                                    .now = {.trip = REASON_HARDWARE_BREAK, .angle_valid = true}};
     motor = CONFIG_LU2013;
     state = fresh;
     in = tripped;
+    turning = false;
     turns = 0.1;
 }
 
 void tearDown(void) {}
 
+/* Of the currents: as they should be, or not. */
+static void set_sum(bool good)
+{
+    in.report.current_sum_pu = CONFIG_LU2013.monitor.current_sum_pu_q15 + (good ? 0 : 1);
+}
+
 static void add(double a, double b, double c)
 {
-    in.alpha_pu += (uint32_t)(int32_t)lround((2.0 * a - b - c) / 3.0);
-    in.beta_pu += (uint32_t)(int32_t)lround((b - c) / 1.7320508075688772);
-    in.fast_step_count++;
+    in.report.idle_alpha_pu += (uint32_t)(int32_t)lround((2.0 * a - b - c) / 3.0);
+    in.report.idle_beta_pu += (uint32_t)(int32_t)lround((b - c) / 1.7320508075688772);
+    in.report.sequence++;
 }
 
 /* phase 0 .. 2 or -1, healthy: three sines. Low side stuck: the other two carry the positive half
@@ -45,7 +51,7 @@ static void add(double a, double b, double c)
 static void milliseconds(int count, double hz, double peak_pu, int phase, bool high)
 {
     const double sign = high ? -1.0 : 1.0;
-    in.speed_mrad_s = (int32_t)lround(TWO_PI * hz * 1000.0 / CONFIG_LU2013.motor.pole_pairs);
+    in.now.speed_mrad_s = (int32_t)lround(TWO_PI * hz * 1000.0 / CONFIG_LU2013.motor.pole_pairs);
     for (int n = 0; n < count; n++) {
         for (int k = 0; k < PERIODS; k++) {
             turns += hz / 1000.0 / PERIODS;
@@ -63,7 +69,7 @@ static void milliseconds(int count, double hz, double peak_pu, int phase, bool h
             }
             add(i[0], i[1], i[2]);
         }
-        out = monitor_stuck_step(&state, &motor, &in);
+        out = monitor_stuck_step(&state, &motor, measured_of(&in), turning);
     }
 }
 
@@ -104,11 +110,11 @@ void test_no_side_without_a_trip_while_switching_or_with_a_sensor_in_question(vo
 {
     for (int reason = 0; reason < 5; reason++) {
         setUp();
-        in.tripped = reason != 0;
-        in.bridge = reason == 1 ? BRIDGE_PWM : BRIDGE_OFF;
-        in.currents_known = reason != 2;
-        in.rotor_valid = reason != 3;
-        in.sum_good = reason != 4;
+        in.now.trip = reason != 0 ? REASON_HARDWARE_BREAK : REASON_NONE;
+        in.report.bridge = reason == 1 ? BRIDGE_PWM : BRIDGE_OFF;
+        in.report.offsets_done = reason != 2;
+        in.now.angle_valid = reason != 3;
+        set_sum(reason != 4);
         milliseconds(200, 40.0, 2.0 * trip_pu(), 1, false);
         TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.side);
     }
@@ -119,7 +125,7 @@ void test_a_sum_that_is_good_now_and_then_is_enough(void)
 {
     int steps = 0;
     while (out.side == BRIDGE_OFF && steps < 30) {
-        in.sum_good = steps % 3 == 0;
+        set_sum(steps % 3 == 0);
         milliseconds(1, 163.0, trip_pu(), 2, true);
         steps++;
     }
@@ -130,7 +136,7 @@ void test_a_sum_that_is_good_now_and_then_is_enough(void)
 /* After the 5 ms, (L_d + L_q)/R, in which a short circuit's own direct current decays. */
 void test_a_commanded_short_circuit_has_a_side_after_three_equal_windows(void)
 {
-    in.bridge = BRIDGE_SHORT;
+    in.report.bridge = BRIDGE_SHORT;
     milliseconds(18, 163.0, trip_pu(), 0, true);
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.side);
     milliseconds(12, 163.0, trip_pu(), 0, true);
@@ -141,7 +147,7 @@ void test_a_commanded_short_circuit_has_a_side_after_three_equal_windows(void)
 void test_the_direct_current_of_a_short_circuit_is_waited_for_no_longer_than_a_second(void)
 {
     motor.motor.phase_resistance_uOhm = 100;
-    in.bridge = BRIDGE_SHORT;
+    in.report.bridge = BRIDGE_SHORT;
     milliseconds(MONITOR_STUCK_LONGEST_STEPS, 163.0, trip_pu(), 0, true);
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.side);
     milliseconds(30, 163.0, trip_pu(), 0, true);
@@ -154,12 +160,12 @@ void test_the_latch_is_released_for_ten_steps_and_the_side_stays_until_acknowled
     for (int n = 0; n < 100; n++) {
         milliseconds(1, 163.0, trip_pu(), 0, false);
         released += out.release_break ? 1 : 0;
-        in.bridge = out.side == BRIDGE_OFF ? BRIDGE_OFF : BRIDGE_SHORT;
+        in.report.bridge = out.side == BRIDGE_OFF ? BRIDGE_OFF : BRIDGE_SHORT;
     }
     TEST_ASSERT_EQUAL_INT(MONITOR_STUCK_RELEASE_STEPS, released);
     milliseconds(500, 163.0, 0.0, -1, false);
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, out.side);
-    in.tripped = false;
+    in.now.trip = REASON_NONE;
     milliseconds(1, 0.0, 0.0, -1, false);
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.side);
 }
@@ -179,9 +185,9 @@ void test_a_short_circuit_whose_direct_current_lasts_for_many_turns_has_no_side(
         2.0 * 32768.0 * config->motor.max_phase_current_mA / config->drive.current_full_scale_mA;
     for (int angle = 0; angle < 12; angle++) {
         setUp();
-        in.bridge = BRIDGE_SHORT;
-        in.speed_mrad_s = config->motor.max_speed_mrad_s;
-        const double turns_ms = in.speed_mrad_s * 1e-6 * config->motor.pole_pairs / TWO_PI;
+        in.report.bridge = BRIDGE_SHORT;
+        in.now.speed_mrad_s = config->motor.max_speed_mrad_s;
+        const double turns_ms = in.now.speed_mrad_s * 1e-6 * config->motor.pole_pairs / TWO_PI;
         for (int n = 0; n < 300; n++) {
             for (int k = 0; k < 10; k++) {
                 const double ms = n + k / 10.0;
@@ -193,7 +199,7 @@ void test_a_short_circuit_whose_direct_current_lasts_for_many_turns_has_no_side(
                 }
                 add(i[0], i[1], i[2]);
             }
-            out = monitor_stuck_step(&state, config, &in);
+            out = monitor_stuck_step(&state, config, measured_of(&in), turning);
             TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.side);
         }
     }
@@ -204,15 +210,15 @@ void test_extreme_inputs_are_harmless(void)
 {
     static const int32_t SPEEDS[] = {INT32_MIN, -1, 0, 1, INT32_MAX};
     for (unsigned n = 0; n < 5000; n++) {
-        in.tripped = n % 7 != 0;
-        in.turning = n % 3 == 0;
-        in.speed_mrad_s = SPEEDS[n % 5];
-        in.alpha_pu = n * 2654435761U;
-        in.beta_pu = n * 40503U * 65537U;
-        in.fast_step_count = (uint16_t)(n * 977U);
-        out = monitor_stuck_step(&state, &CONFIG_LU2013, &in);
-        TEST_ASSERT_TRUE(in.tripped || in.turning || out.side == BRIDGE_OFF);
-        TEST_ASSERT_TRUE(in.tripped || !out.release_break);
+        in.now.trip = n % 7 != 0 ? REASON_HARDWARE_BREAK : REASON_NONE;
+        turning = n % 3 == 0;
+        in.now.speed_mrad_s = SPEEDS[n % 5];
+        in.report.idle_alpha_pu = n * 2654435761U;
+        in.report.idle_beta_pu = n * 40503U * 65537U;
+        in.report.sequence = (uint16_t)(n * 977U);
+        out = monitor_stuck_step(&state, &CONFIG_LU2013, measured_of(&in), turning);
+        TEST_ASSERT_TRUE(in.now.trip != REASON_NONE || turning || out.side == BRIDGE_OFF);
+        TEST_ASSERT_TRUE(in.now.trip != REASON_NONE || !out.release_break);
         TEST_ASSERT_NOT_EQUAL_INT(BRIDGE_PWM, out.side);
     }
 }
@@ -224,15 +230,15 @@ void test_half_waves_of_a_coasting_wheel_tell_the_side_until_it_is_at_rest(void)
     for (int phase = 0; phase < 3; phase++) {
         for (int high = 0; high < 2; high++) {
             setUp();
-            in.tripped = false;
-            in.turning = true;
+            in.now.trip = REASON_NONE;
+            turning = true;
             milliseconds(60, 40.0, 1.2 * trip_pu(), phase, high != 0);
             TEST_ASSERT_EQUAL_INT(high != 0 ? BRIDGE_SHORT_HIGH : BRIDGE_SHORT, out.side);
             TEST_ASSERT_FALSE(out.release_break); /* there is no latch */
-            in.bridge = out.side;
+            in.report.bridge = out.side;
             milliseconds(100, 40.0, 0.0, -1, false);
-            TEST_ASSERT_EQUAL_INT(in.bridge, out.side);
-            in.turning = false;
+            TEST_ASSERT_EQUAL_INT(in.report.bridge, out.side);
+            turning = false;
             milliseconds(1, 0.0, 0.0, -1, false);
             TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.side);
         }
@@ -244,9 +250,9 @@ void test_without_a_trip_only_a_bridge_that_is_off_is_watched(void)
     static const bridge_mode_t MODES[] = {BRIDGE_PWM, BRIDGE_SHORT, BRIDGE_SHORT_HIGH};
     for (int k = 0; k < 3; k++) {
         setUp();
-        in.tripped = false;
-        in.turning = true;
-        in.bridge = MODES[k];
+        in.now.trip = REASON_NONE;
+        turning = true;
+        in.report.bridge = MODES[k];
         milliseconds(2000, 40.0, 1.2 * trip_pu(), 0, false);
         TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.side);
     }
@@ -258,9 +264,9 @@ void test_a_sensor_that_shows_a_constant_is_no_stuck_switch(void)
     for (int shown = 0; shown < 3; shown++) {
         for (int sign = -1; sign <= 1; sign += 2) {
             setUp();
-            in.tripped = false;
-            in.turning = true;
-            in.speed_mrad_s = 5000;
+            in.now.trip = REASON_NONE;
+            turning = true;
+            in.now.speed_mrad_s = 5000;
             for (int n = 0; n < 2000; n++) {
                 double i[3] = {0.0, 0.0, 0.0};
                 i[shown] = sign * trip_pu();
@@ -268,7 +274,7 @@ void test_a_sensor_that_shows_a_constant_is_no_stuck_switch(void)
                 for (int k = 0; k < PERIODS; k++) {
                     add(i[0], i[1], i[2]);
                 }
-                out = monitor_stuck_step(&state, &motor, &in);
+                out = monitor_stuck_step(&state, &motor, measured_of(&in), turning);
                 TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.side);
             }
         }
@@ -280,14 +286,15 @@ void test_short_circuit_that_ends_within_a_turn_is_no_stuck_switch(void)
 {
     for (int shorted_ms = 1; shorted_ms < 30; shorted_ms++) {
         setUp();
-        in.speed_mrad_s = (int32_t)lround(TWO_PI * 40.0 * 1000.0 / CONFIG_LU2013.motor.pole_pairs);
+        in.now.speed_mrad_s =
+            (int32_t)lround(TWO_PI * 40.0 * 1000.0 / CONFIG_LU2013.motor.pole_pairs);
         for (int ms = 0; ms < 100; ms++) {
-            in.bridge = ms < shorted_ms ? BRIDGE_SHORT : BRIDGE_OFF;
+            in.report.bridge = ms < shorted_ms ? BRIDGE_SHORT : BRIDGE_OFF;
             const double direct_pu = ms < shorted_ms ? trip_pu() : 0.0;
             for (int k = 0; k < PERIODS; k++) {
                 add(direct_pu, -0.5 * direct_pu, -0.5 * direct_pu);
             }
-            out = monitor_stuck_step(&state, &CONFIG_LU2013, &in);
+            out = monitor_stuck_step(&state, &CONFIG_LU2013, measured_of(&in), turning);
             TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.side);
         }
     }
@@ -296,7 +303,7 @@ void test_short_circuit_that_ends_within_a_turn_is_no_stuck_switch(void)
 /* A sum that is never right names no side, however long the windows agree. */
 void test_windows_that_agree_for_ever_are_counted_without_overflow(void)
 {
-    in.sum_good = false;
+    set_sum(false);
     milliseconds(100, 40.0, trip_pu(), 0, false);
     TEST_ASSERT_GREATER_THAN_INT32(1, state.windows);
     state.windows = INT32_MAX;

@@ -5,6 +5,7 @@
 
 #include <math.h>
 
+#include "monitor_case.h"
 #include "paper_vehicle.h"
 #include "unity.h"
 
@@ -12,33 +13,38 @@ enum { PERIODS = 20, TURN_mrad = 6284, QUARTER_pu = 1024 };
 
 static config_t config;
 static monitor_stuck_state_t state;
-static monitor_stuck_input_t in;
+static monitor_case_t in;
+static bool turning;
 
 void setUp(void)
 {
     const monitor_stuck_state_t fresh = {.side = BRIDGE_OFF};
-    const monitor_stuck_input_t tripped = {.tripped = true,
-                                           .bridge = BRIDGE_OFF,
-                                           .currents_known = true,
-                                           .sum_good = true,
-                                           .rotor_valid = true};
+    const monitor_case_t tripped = {.report = {.offsets_done = true, .bridge = BRIDGE_OFF},
+                                    .now = {.trip = REASON_HARDWARE_BREAK, .angle_valid = true}};
     config = paper_vehicle();
     config.motor.pole_pairs = 1;
     config.monitor.overcurrent_pu_q15 = 4 * QUARTER_pu;
     state = fresh;
     in = tripped;
+    turning = false;
 }
 
 void tearDown(void) {}
 
+/* Of the currents: as they should be, or not. */
+static void set_sum(bool good)
+{
+    in.report.current_sum_pu = config.monitor.current_sum_pu_q15 + (good ? 0 : 1);
+}
+
 /* A step in which the rotor turns by so much and the sums of alpha and beta grow by so much. */
 static bridge_mode_t add(int32_t turn_mrad, int64_t alpha_pu, int64_t beta_pu)
 {
-    in.speed_mrad_s = turn_mrad * 1000;
-    in.alpha_pu += (uint32_t)alpha_pu;
-    in.beta_pu += (uint32_t)beta_pu;
-    in.fast_step_count = (uint16_t)(in.fast_step_count + PERIODS);
-    return monitor_stuck_step(&state, &config, &in).side;
+    in.now.speed_mrad_s = turn_mrad * 1000;
+    in.report.idle_alpha_pu += (uint32_t)alpha_pu;
+    in.report.idle_beta_pu += (uint32_t)beta_pu;
+    in.report.sequence = (uint16_t)(in.report.sequence + PERIODS);
+    return monitor_stuck_step(&state, &config, measured_of(&in), turning).side;
 }
 
 /* A whole turn with a mean of alpha: the window ends. */
@@ -67,7 +73,7 @@ void test_the_mean_of_the_other_phases_is_compared_likewise(void)
         for (int sign = -1; sign <= 1; sign += 2) {
             for (int phase = -1; phase <= 1; phase += 2) {
                 setUp();
-                in.fast_step_count = (uint16_t)(60000 - PERIODS);
+                in.report.sequence = (uint16_t)(60000 - PERIODS);
                 state.begin_step = 0;
                 state.bridge = BRIDGE_OFF;
                 const double mean = sign * QUARTER_pu * 60000.0 * (above != 0 ? 1.0003 : 0.9995);
@@ -102,9 +108,10 @@ void test_each_of_the_other_phases_brings_back_an_eighth_at_least(void)
 
 void test_a_window_without_periods_has_no_side(void)
 {
-    in.speed_mrad_s = 2 * TURN_mrad * 1000;
+    in.now.speed_mrad_s = 2 * TURN_mrad * 1000;
     for (int n = 0; n < 10; n++) {
-        TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, monitor_stuck_step(&state, &config, &in).side);
+        TEST_ASSERT_EQUAL_INT(BRIDGE_OFF,
+                              monitor_stuck_step(&state, &config, measured_of(&in), turning).side);
     }
 }
 
@@ -134,10 +141,11 @@ void test_any_speed_has_its_windows(void)
     config.motor.pole_pairs = 60;
     for (int n = 0; n < 2; n++) {
         state.side = BRIDGE_OFF;
-        in.speed_mrad_s = SPEEDS_mrad_s[n];
-        in.alpha_pu += 4U * QUARTER_pu * PERIODS;
-        in.fast_step_count = (uint16_t)(in.fast_step_count + PERIODS);
-        TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT_HIGH, monitor_stuck_step(&state, &config, &in).side);
+        in.now.speed_mrad_s = SPEEDS_mrad_s[n];
+        in.report.idle_alpha_pu += 4U * QUARTER_pu * PERIODS;
+        in.report.sequence = (uint16_t)(in.report.sequence + PERIODS);
+        TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT_HIGH,
+                              monitor_stuck_step(&state, &config, measured_of(&in), turning).side);
     }
 }
 
@@ -165,7 +173,7 @@ void test_a_quarter_of_plausible_sums_is_enough(void)
             (void)add(TURN_mrad / 8 + 1, 0, 0);
         }
         for (int n = 1; n <= steps; n++) {
-            in.sum_good = n == 2;
+            set_sum(n == 2);
             (void)add(n == steps ? TURN_mrad : 1, 4 * QUARTER_pu * PERIODS, 0);
         }
         TEST_ASSERT_EQUAL_INT(steps == 4 ? BRIDGE_SHORT_HIGH : BRIDGE_OFF, state.side);
@@ -177,7 +185,7 @@ void test_a_quarter_of_plausible_sums_is_enough(void)
 /* Steps until a commanded short circuit has a side; one turn, one window a step. */
 static int steps_to_side(void)
 {
-    in.bridge = BRIDGE_SHORT;
+    in.report.bridge = BRIDGE_SHORT;
     int steps = 0;
     while (turn(4 * QUARTER_pu) == BRIDGE_OFF && steps < 2000) {
         steps++;
@@ -209,13 +217,13 @@ void test_the_decay_is_waited_for_1000_steps(void)
 void test_windows_of_a_short_circuit_that_is_left_count_no_more(void)
 {
     config.motor.phase_resistance_uOhm = 1000000;
-    in.bridge = BRIDGE_SHORT;
+    in.report.bridge = BRIDGE_SHORT;
     (void)turn(4 * QUARTER_pu);
     (void)turn(4 * QUARTER_pu);
     (void)turn(4 * QUARTER_pu);
-    in.currents_known = false;
+    in.report.offsets_done = false;
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, turn(4 * QUARTER_pu));
-    in.currents_known = true;
+    in.report.offsets_done = true;
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, turn(4 * QUARTER_pu));
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, turn(4 * QUARTER_pu));
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT_HIGH, turn(4 * QUARTER_pu));
@@ -225,11 +233,12 @@ void test_the_latch_is_released_once(void)
 {
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT_HIGH, turn(4 * QUARTER_pu));
     for (int n = 0; n < 100; n++) {
-        const monitor_stuck_output_t out = monitor_stuck_step(&state, &config, &in);
+        const monitor_stuck_output_t out =
+            monitor_stuck_step(&state, &config, measured_of(&in), turning);
         TEST_ASSERT_EQUAL_INT(n < MONITOR_STUCK_RELEASE_STEPS - 1, out.release_break);
     }
     TEST_ASSERT_EQUAL_INT32(0, state.release_steps);
-    in.tripped = false;
-    (void)monitor_stuck_step(&state, &config, &in);
+    in.now.trip = REASON_NONE;
+    (void)monitor_stuck_step(&state, &config, measured_of(&in), turning);
     TEST_ASSERT_EQUAL_INT32(0, state.release_steps);
 }

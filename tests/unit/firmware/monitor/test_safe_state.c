@@ -6,9 +6,8 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "freewheel.h"
-#include "monitor/safe_state.h"
 #include "random_values.h"
+#include "safe_state_case.h"
 #include "unity.h"
 
 extern const config_t CONFIG_LU2013, CONFIG_EBIKE36V, CONFIG_SCOOTER48V, CONFIG_IPM400V;
@@ -17,15 +16,15 @@ static const config_t *const CONFIGS[] = {&CONFIG_LU2013, &CONFIG_EBIKE36V, &CON
 enum { CONFIGS_COUNT = 4, STATES = 3000 };
 
 static config_t config;
-static safe_state_input_t in;
+static safe_state_case_t in;
 
 void setUp(void)
 {
     config = CONFIG_LU2013;
-    const safe_state_input_t quiet = {.winding_temperature_cC = 2500,
-                                      .bus_voltage_mV = 53000,
-                                      .charge_current_mA = 50000,
-                                      .bridge = BRIDGE_OFF};
+    const safe_state_case_t quiet = {.winding_temperature_cC = 2500,
+                                     .bus_voltage_mV = 53000,
+                                     .charge_current_mA = 50000,
+                                     .before = BRIDGE_OFF};
     in = quiet;
 }
 
@@ -97,7 +96,7 @@ static flow_t on_diodes(const circuit_t *c, double bus_v, double drop_v)
 
 static void take_random_state(random_t *random, const config_t *c)
 {
-    in.speed_mrad_s = random_between(random, 0, c->motor.max_speed_mrad_s / 10 * 11);
+    in.bound_mrad_s = random_between(random, 0, c->motor.max_speed_mrad_s / 10 * 11);
     in.bus_voltage_mV =
         random_between(random, c->battery.min_voltage_mV, c->battery.max_voltage_mV);
     in.winding_temperature_cC = random_between(random, -2000, 14000);
@@ -110,10 +109,10 @@ void test_short_circuit_of_every_configuration_is_that_of_the_circuit(void)
         const config_t *c = CONFIGS[k % CONFIGS_COUNT];
         take_random_state(&random, c);
         const circuit_t circuit =
-            circuit_of(c, in.speed_mrad_s * 1e-3, in.winding_temperature_cC * 1e-2);
+            circuit_of(c, in.bound_mrad_s * 1e-3, in.winding_temperature_cC * 1e-2);
         const flow_t expected = with_resistance(&circuit, circuit.r);
         const double stall_nm = 1.5 * circuit.p * circuit.psi * circuit.psi / circuit.l_d;
-        const letting_go_t found = safe_state_short(c, &in);
+        const steady_state_t found = short_of(c, &in);
         /* Beyond R = 16 w L_d squares saturate; slower than any short circuit. */
         if (circuit.r < 11.0 * circuit.x_d) {
             TEST_ASSERT_DOUBLE_WITHIN(2e-3 * circuit.psi / circuit.l_d, expected.length,
@@ -134,10 +133,10 @@ void test_short_circuit_at_high_speed_carries_flux_over_inductance(void)
         config.motor.q_inductance_nH = L_nH[k];
         config.motor.flux_linkage_nWb = 987654321;
         config.motor.phase_resistance_uOhm = 10;
-        in.speed_mrad_s = config.motor.max_speed_mrad_s;
+        in.bound_mrad_s = config.motor.max_speed_mrad_s;
         const double expected_mA = 987654321e3 / L_nH[k];
         TEST_ASSERT_DOUBLE_WITHIN(1.0 + 1e-4 * expected_mA, expected_mA,
-                                  safe_state_short(&config, &in).current_mA);
+                                  short_of(&config, &in).current_mA);
     }
 }
 
@@ -149,9 +148,9 @@ void test_freewheel_of_every_configuration_is_that_of_the_circuit(void)
         const config_t *c = CONFIGS[k % CONFIGS_COUNT];
         take_random_state(&random, c);
         /* Also far above the range, so that every configuration conducts somewhere. */
-        in.speed_mrad_s = in.speed_mrad_s / 2 * (1 + k % 5);
+        in.bound_mrad_s = in.bound_mrad_s / 2 * (1 + k % 5);
         const circuit_t circuit =
-            circuit_of(c, in.speed_mrad_s * 1e-3, in.winding_temperature_cC * 1e-2);
+            circuit_of(c, in.bound_mrad_s * 1e-3, in.winding_temperature_cC * 1e-2);
         const flow_t expected =
             on_diodes(&circuit, in.bus_voltage_mV * 1e-3, c->drive.diode_drop_mV * 1e-3);
         const double infinite_a = circuit.psi / circuit.l_d;
@@ -159,10 +158,10 @@ void test_freewheel_of_every_configuration_is_that_of_the_circuit(void)
         /* With saliency the resistance is left out: rho is the error. */
         const bool salient = c->motor.d_inductance_nH != c->motor.q_inductance_nH;
         const double share = 4e-3 + (salient ? 1.2 * circuit.r / circuit.x_d : 0.0);
-        const letting_go_t found = freewheel_of(c, &in);
+        const steady_state_t found = freewheel_of(c, &in);
         char text[160];
         snprintf(text, sizeof text, "%s %d mrad/s %d mV: %.2f A %.2f N m", c->name,
-                 (int)in.speed_mrad_s, (int)in.bus_voltage_mV, expected.length, expected.torque_nm);
+                 (int)in.bound_mrad_s, (int)in.bus_voltage_mV, expected.length, expected.torque_nm);
         TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(share * infinite_a, expected.length,
                                           found.current_mA * 1e-3, text);
         TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(share * stall_nm, expected.torque_nm,
@@ -176,9 +175,9 @@ void test_freewheel_of_every_configuration_is_that_of_the_circuit(void)
 /* Power balance: what brakes goes into bus, diodes and windings. */
 void test_power_of_the_rectified_current_is_the_braking_power(void)
 {
-    in.speed_mrad_s = 73000;
+    in.bound_mrad_s = 73000;
     in.bus_voltage_mV = 50000;
-    const letting_go_t found = freewheel_of(&config, &in);
+    const steady_state_t found = freewheel_of(&config, &in);
     const double i = found.current_mA * 1e-3;
     const double heat_w = 1.5 * config.motor.phase_resistance_uOhm * 1e-6 * i * i;
     const double diodes_w = 2.0 * 0.8 * found.charging_mA * 1e-3;
@@ -190,20 +189,20 @@ void test_power_of_the_rectified_current_is_the_braking_power(void)
 
 static safe_state_t choose(void)
 {
-    return safe_state_step(&config, &in);
+    return choice_of(&config, &in);
 }
 
 /* sqrt(3) 0.0204 Wb 23 w = 53 V + 1.6 V at w = 67.2 rad/s = 641.6 r/min. */
 void test_below_the_emf_limit_the_bridge_is_open_and_makes_no_torque(void)
 {
     for (int32_t mrad_s = 0; mrad_s < 67100; mrad_s += 500) {
-        in.speed_mrad_s = mrad_s;
+        in.bound_mrad_s = mrad_s;
         const safe_state_t out = choose();
         TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.bridge);
         TEST_ASSERT_EQUAL_INT32(0, out.torque_mNm);
         TEST_ASSERT_EQUAL_INT32(0, out.freewheel.current_mA);
     }
-    in.speed_mrad_s = 67500;
+    in.bound_mrad_s = 67500;
     TEST_ASSERT_TRUE(choose().freewheel.current_mA > 0);
 }
 
@@ -214,11 +213,11 @@ void test_the_state_with_less_torque_is_chosen_among_those_admissible(void)
     for (int k = 0; k < CONFIGS_COUNT * STATES; k++) {
         config = *CONFIGS[k % CONFIGS_COUNT];
         take_random_state(&random, &config);
-        in.speed_mrad_s = in.speed_mrad_s / 2 * (2 + k % 2);
+        in.bound_mrad_s = in.bound_mrad_s / 2 * (2 + k % 2);
         in.charge_current_mA = random_between(&random, 0, config.battery.max_charge_current_mA);
-        in.bridge = BRIDGE_OFF;
-        const letting_go_t off = freewheel_of(&config, &in);
-        const letting_go_t shorted = safe_state_short(&config, &in);
+        in.before = BRIDGE_OFF;
+        const steady_state_t off = freewheel_of(&config, &in);
+        const steady_state_t shorted = short_of(&config, &in);
         const safe_state_t out = choose();
         const bool off_good = off.current_mA <= config.motor.max_phase_current_mA &&
                               off.charging_mA <= in.charge_current_mA &&
@@ -244,9 +243,9 @@ void test_a_bus_collapsed_onto_the_emf_does_not_select_the_short_circuit(void)
 {
     for (int k = 0; k < CONFIGS_COUNT; k++) {
         config = *CONFIGS[k];
-        in.speed_mrad_s = config.motor.max_speed_mrad_s;
+        in.bound_mrad_s = config.motor.max_speed_mrad_s;
         in.charge_current_mA = 0;
-        in.battery_open = true;
+        in.battery_gone = true;
         in.bus_voltage_mV = 1000;
         const safe_state_t out = choose();
         TEST_ASSERT_EQUAL_INT_MESSAGE(BRIDGE_OFF, out.bridge, config.name);
@@ -257,7 +256,7 @@ void test_a_bus_collapsed_onto_the_emf_does_not_select_the_short_circuit(void)
 void test_a_reading_at_the_end_of_the_sensor_s_range_takes_no_current(void)
 {
     config.drive.voltage_full_scale_mV = 50000;
-    in.speed_mrad_s = 70000; /* 56.9 V */
+    in.bound_mrad_s = 70000; /* 56.9 V */
     in.bus_voltage_mV = 49900;
     TEST_ASSERT_TRUE(choose().freewheel.current_mA > 0);
     in.bus_voltage_mV = 50000;
@@ -267,10 +266,10 @@ void test_a_reading_at_the_end_of_the_sensor_s_range_takes_no_current(void)
 
 void test_an_emf_beyond_the_devices_selects_the_short_circuit(void)
 {
-    in.battery_open = true;
-    in.speed_mrad_s = 93000; /* 75.6 V, less two diodes 74.0 V */
+    in.battery_gone = true;
+    in.bound_mrad_s = 93000; /* 75.6 V, less two diodes 74.0 V */
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, choose().bridge);
-    in.speed_mrad_s = 95000; /* 77.2 V, 75.6 V */
+    in.bound_mrad_s = 95000; /* 77.2 V, 75.6 V */
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, choose().bridge);
 }
 
@@ -278,22 +277,22 @@ void test_an_emf_beyond_the_devices_selects_the_short_circuit(void)
 void test_a_short_circuit_ends_only_when_its_energy_fits_into_the_bus(void)
 {
     config.drive.bus_capacitance_nF = 1000000;
-    in.bridge = BRIDGE_SHORT;
-    in.speed_mrad_s = 10000;
+    in.before = BRIDGE_SHORT;
+    in.bound_mrad_s = 10000;
     config.drive.bus_capacitance_nF = 1000000;
     const double margin_v2 = 70.3125 * 70.3125 - 53.0 * 53.0;
     const int32_t limit_mA = (int32_t)(0.99e3 * sqrt(margin_v2 * 1e-3 / (2.25 * 76e-6)));
-    in.i_d_mA = -limit_mA / 5 * 3;
-    in.i_q_mA = -limit_mA / 5 * 4;
+    in.latest_i_d_mA = -limit_mA / 5 * 3;
+    in.latest_i_q_mA = -limit_mA / 5 * 4;
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, choose().bridge);
-    in.i_d_mA -= limit_mA / 50;
-    in.i_q_mA -= limit_mA / 50;
+    in.latest_i_d_mA -= limit_mA / 50;
+    in.latest_i_q_mA -= limit_mA / 50;
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, choose().bridge);
     config.drive.bus_capacitance_nF = 0; /* unknown */
-    in.i_d_mA = -1000;
+    in.latest_i_d_mA = -1000;
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, choose().bridge);
-    in.i_d_mA = 0;
-    in.i_q_mA = 0;
+    in.latest_i_d_mA = 0;
+    in.latest_i_q_mA = 0;
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, choose().bridge);
 }
 
@@ -304,15 +303,15 @@ void test_a_short_circuit_ends_at_the_configured_share_of_its_limit(void)
     in.charge_current_mA = 150000;
     config.monitor.short_release_permille = 900;
     /* sqrt(3) 66 mWb 3 w = 300 V + 2.4 V at w = 881.8 rad/s; of 270 V + 2.4 V at 794.3 rad/s */
-    in.speed_mrad_s = 883000;
+    in.bound_mrad_s = 883000;
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, choose().bridge);
-    in.bridge = BRIDGE_SHORT;
-    in.speed_mrad_s = 796000;
+    in.before = BRIDGE_SHORT;
+    in.bound_mrad_s = 796000;
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, choose().bridge);
-    in.speed_mrad_s = 793000;
+    in.bound_mrad_s = 793000;
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, choose().bridge);
-    in.bridge = BRIDGE_OFF;
-    in.speed_mrad_s = 880000;
+    in.before = BRIDGE_OFF;
+    in.bound_mrad_s = 880000;
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, choose().bridge);
 }
 
@@ -321,15 +320,15 @@ void test_any_input_gives_one_of_the_two_states(void)
     random_t random = random_seeded(4);
     for (int n = 0; n < 100000; n++) {
         config = *CONFIGS[n % CONFIGS_COUNT];
-        in.speed_mrad_s = random_wild(&random);
+        in.bound_mrad_s = random_wild(&random);
         in.bus_voltage_mV = random_wild(&random);
         in.winding_temperature_cC = random_wild(&random);
         in.charge_current_mA = random_wild(&random);
-        in.battery_open = random_chance(&random, 0.2);
-        in.i_d_mA = random_wild(&random);
-        in.i_q_mA = random_wild(&random);
+        in.battery_gone = random_chance(&random, 0.2);
+        in.latest_i_d_mA = random_wild(&random);
+        in.latest_i_q_mA = random_wild(&random);
         in.turning_mrad_s = random_wild(&random);
-        in.bridge = (bridge_mode_t)random_between(&random, 0, 2);
+        in.before = (bridge_mode_t)random_between(&random, 0, 2);
         const safe_state_t out = choose();
         TEST_ASSERT_NOT_EQUAL_INT(BRIDGE_PWM, out.bridge);
         TEST_ASSERT_TRUE(out.torque_mNm >= 0 && out.freewheel.current_mA >= 0);
@@ -351,15 +350,15 @@ void test_states_of_any_accepted_motor_are_bounded(void)
         config.motor.pole_pairs = random_between(&random, 1, 60);
         config.drive.diode_drop_mV = random_between(&random, 0, 2) * 500;
         in.winding_temperature_cC = random_between(&random, -10000, 50000);
-        in.speed_mrad_s = random_wild(&random);
+        in.bound_mrad_s = random_wild(&random);
         in.bus_voltage_mV = random_chance(&random, 0.2) ? 0 : random_between(&random, 1, 450000);
-        in.i_d_mA = random_wild(&random);
-        in.i_q_mA = random_wild(&random);
+        in.latest_i_d_mA = random_wild(&random);
+        in.latest_i_q_mA = random_wild(&random);
         in.turning_mrad_s = random_wild(&random);
-        in.bridge = random_chance(&random, 0.5) ? BRIDGE_SHORT : BRIDGE_OFF;
-        const safe_state_t chosen = safe_state_step(&config, &in);
+        in.before = random_chance(&random, 0.5) ? BRIDGE_SHORT : BRIDGE_OFF;
+        const safe_state_t chosen = choice_of(&config, &in);
         TEST_ASSERT_TRUE(chosen.bridge == BRIDGE_SHORT || chosen.bridge == BRIDGE_OFF);
-        const letting_go_t states[] = {safe_state_short(&config, &in), freewheel_of(&config, &in)};
+        const steady_state_t states[] = {short_of(&config, &in), freewheel_of(&config, &in)};
         for (int k = 0; k < 2; k++) {
             TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, states[k].torque_mNm);
             TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, states[k].current_mA);

@@ -5,13 +5,12 @@
  */
 #include <math.h>
 
-#include "freewheel.h"
-#include "monitor/safe_state.h"
 #include "paper_vehicle.h"
+#include "safe_state_case.h"
 #include "unity.h"
 
 static config_t config;
-static safe_state_input_t in;
+static safe_state_case_t in;
 
 void setUp(void)
 {
@@ -22,8 +21,9 @@ void setUp(void)
     config.drive.voltage_full_scale_mV = 2000000;
     config.drive.device_voltage_mV = 2000000;
     config.motor.max_phase_current_mA = 3000000;
-    const safe_state_input_t quiet = {
-        .winding_temperature_cC = 2500, .charge_current_mA = 2000000, .bridge = BRIDGE_OFF};
+    config.battery.max_charge_current_mA = 2000000;
+    const safe_state_case_t quiet = {
+        .winding_temperature_cC = 2500, .charge_current_mA = 2000000, .before = BRIDGE_OFF};
     in = quiet;
     config.motor.reference_temperature_cC = 2500; /* the resistance is the configured one */
 }
@@ -40,7 +40,7 @@ static void set_inductances(int32_t d_nH, int32_t q_nH)
 static void set_emf(int32_t emf_mV)
 {
     config.motor.flux_linkage_nWb = 1000000000;
-    in.speed_mrad_s = emf_mV;
+    in.bound_mrad_s = emf_mV;
 }
 
 /* ---- the machine ---- */
@@ -49,16 +49,16 @@ void test_the_direction_of_rotation_does_not_matter(void)
 {
     in.bus_voltage_mV = 53000;
     for (int32_t mrad_s = 100000; mrad_s < 4000000; mrad_s += 300000) {
-        in.speed_mrad_s = mrad_s;
-        const safe_state_t forward = safe_state_step(&config, &in);
-        const letting_go_t shorted = safe_state_short(&config, &in);
-        in.speed_mrad_s = -mrad_s;
-        const safe_state_t back = safe_state_step(&config, &in);
+        in.bound_mrad_s = mrad_s;
+        const safe_state_t forward = choice_of(&config, &in);
+        const steady_state_t shorted = short_of(&config, &in);
+        in.bound_mrad_s = -mrad_s;
+        const safe_state_t back = choice_of(&config, &in);
         TEST_ASSERT_EQUAL_INT32(forward.emf_mV, back.emf_mV);
         TEST_ASSERT_EQUAL_INT32(forward.torque_mNm, back.torque_mNm);
         TEST_ASSERT_EQUAL_INT32(forward.freewheel.current_mA, back.freewheel.current_mA);
-        TEST_ASSERT_EQUAL_INT32(shorted.current_mA, safe_state_short(&config, &in).current_mA);
-        TEST_ASSERT_EQUAL_INT32(shorted.torque_mNm, safe_state_short(&config, &in).torque_mNm);
+        TEST_ASSERT_EQUAL_INT32(shorted.current_mA, short_of(&config, &in).current_mA);
+        TEST_ASSERT_EQUAL_INT32(shorted.torque_mNm, short_of(&config, &in).torque_mNm);
     }
 }
 
@@ -67,9 +67,9 @@ void test_an_emf_beyond_the_number_format_saturates(void)
 {
     config.motor.flux_linkage_nWb = 2000000000;
     config.drive.diode_drop_mV = 5000;
-    in.speed_mrad_s = INT32_MAX;
-    in.battery_open = true;
-    const safe_state_t out = safe_state_step(&config, &in);
+    in.bound_mrad_s = INT32_MAX;
+    in.battery_gone = true;
+    const safe_state_t out = choice_of(&config, &in);
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, out.emf_mV);
     TEST_ASSERT_EQUAL_INT32(INT32_MAX - 10000, freewheel_of(&config, &in).bus_mV);
 }
@@ -85,12 +85,12 @@ void test_a_short_circuit_without_resistance_carries_flux_over_inductance_exactl
                   {4294966, 4294967},       {8589935, 4294968},      {1999999999, 6000000},
                   {123456789, 12345678},    {12345677, 12345678},    {2000000000, 500000}};
     config.motor.phase_resistance_uOhm = 10;
-    in.speed_mrad_s = INT32_MAX;
+    in.bound_mrad_s = INT32_MAX;
     for (unsigned k = 0; k < sizeof MOTORS / sizeof MOTORS[0]; k++) {
         set_inductances(MOTORS[k].l_nH, MOTORS[k].l_nH);
         config.motor.flux_linkage_nWb = MOTORS[k].flux_nWb;
         const int64_t expected_mA = (int64_t)MOTORS[k].flux_nWb * 1000 / MOTORS[k].l_nH;
-        TEST_ASSERT_EQUAL_INT32(expected_mA, safe_state_short(&config, &in).current_mA);
+        TEST_ASSERT_EQUAL_INT32(expected_mA, short_of(&config, &in).current_mA);
     }
 }
 
@@ -100,8 +100,8 @@ void test_a_reactance_beyond_the_number_format_leaves_the_resistance_small(void)
     set_inductances(1000000000, 1000000000);
     config.motor.flux_linkage_nWb = 1000000000;
     config.motor.phase_resistance_uOhm = 1000000;
-    in.speed_mrad_s = 4294968;
-    TEST_ASSERT_INT32_WITHIN(1, 1000, safe_state_short(&config, &in).current_mA);
+    in.bound_mrad_s = 4294968;
+    TEST_ASSERT_INT32_WITHIN(1, 1000, short_of(&config, &in).current_mA);
 }
 
 /* The reactance of standstill counts as 1 uOhm: beside 10 uOhm 1/sqrt(1 + 10^2) of psi / L_d. */
@@ -110,10 +110,9 @@ void test_a_reactance_of_less_than_a_microohm_counts_as_one(void)
     set_inductances(1000000, 1000000);
     config.motor.flux_linkage_nWb = 1000000000;
     config.motor.phase_resistance_uOhm = 10;
-    in.speed_mrad_s = 0;
+    in.bound_mrad_s = 0;
     const double expected_mA = 1e6 / sqrt(101.0);
-    TEST_ASSERT_DOUBLE_WITHIN(2e-4 * expected_mA, expected_mA,
-                              safe_state_short(&config, &in).current_mA);
+    TEST_ASSERT_DOUBLE_WITHIN(2e-4 * expected_mA, expected_mA, short_of(&config, &in).current_mA);
 }
 
 /* ---- rectified current ---- */
@@ -147,7 +146,7 @@ void test_a_resistance_beyond_its_format_never_makes_a_rectified_current_negativ
     config.motor.phase_resistance_uOhm = 60000000;
     set_emf(1000000);
     in.bus_voltage_mV = 1500000;
-    const letting_go_t off = freewheel_of(&config, &in);
+    const steady_state_t off = freewheel_of(&config, &in);
     TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, off.current_mA);
     TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, off.torque_mNm);
 }
@@ -227,7 +226,7 @@ void test_diodes_conduct_from_a_millivolt_above_the_bus(void)
 void test_a_bus_reading_below_zero_counts_as_an_empty_bus(void)
 {
     config.drive.diode_drop_mV = 866;
-    in.battery_open = true;
+    in.battery_gone = true;
     set_emf(1001);
     in.bus_voltage_mV = 0;
     TEST_ASSERT_EQUAL_INT32(1, freewheel_of(&config, &in).bus_mV);
@@ -278,7 +277,7 @@ void test_a_voltage_drop_beyond_its_format_leaves_a_braking_torque(void)
 
 static bridge_mode_t chosen(void)
 {
-    return safe_state_step(&config, &in).bridge;
+    return choice_of(&config, &in).bridge;
 }
 
 /* 1 mH, 0.1 Ohm at 1000 rad/s, just above the EMF limit: less torque on the diodes. */
@@ -288,7 +287,7 @@ static void conduct_a_little(void)
     config.motor.phase_resistance_uOhm = 100000;
     set_emf(1000000);
     in.bus_voltage_mV = 1731880;
-    TEST_ASSERT_LESS_THAN_INT32(safe_state_short(&config, &in).torque_mNm,
+    TEST_ASSERT_LESS_THAN_INT32(short_of(&config, &in).torque_mNm,
                                 freewheel_of(&config, &in).torque_mNm);
 }
 
@@ -306,7 +305,7 @@ void test_the_largest_phase_current_is_admissible_in_a_short_circuit(void)
 {
     conduct_a_little();
     in.charge_current_mA = 0;
-    config.motor.max_phase_current_mA = safe_state_short(&config, &in).current_mA;
+    config.motor.max_phase_current_mA = short_of(&config, &in).current_mA;
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, chosen());
     config.motor.max_phase_current_mA--;
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, chosen());
@@ -318,7 +317,7 @@ void test_a_short_circuit_of_less_torque_needs_an_admissible_current(void)
 {
     conduct_a_little();
     in.bus_voltage_mV = 866025;
-    const letting_go_t shorted = safe_state_short(&config, &in);
+    const steady_state_t shorted = short_of(&config, &in);
     TEST_ASSERT_GREATER_THAN_INT32(shorted.torque_mNm, freewheel_of(&config, &in).torque_mNm);
     config.motor.max_phase_current_mA = shorted.current_mA;
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, chosen());
@@ -331,11 +330,11 @@ static void conduct_without_torque(int32_t q_nH)
 {
     set_inductances(1000000, q_nH);
     config.motor.flux_linkage_nWb = 100000;
-    in.speed_mrad_s = 100000000; /* 10 V, 17.3 V line to line */
+    in.bound_mrad_s = 100000000; /* 10 V, 17.3 V line to line */
     in.bus_voltage_mV = 10000;
     TEST_ASSERT_TRUE(conducts());
     TEST_ASSERT_EQUAL_INT32(0, freewheel_of(&config, &in).torque_mNm);
-    TEST_ASSERT_EQUAL_INT32(0, safe_state_short(&config, &in).torque_mNm);
+    TEST_ASSERT_EQUAL_INT32(0, short_of(&config, &in).torque_mNm);
 }
 
 void test_of_two_states_with_equal_torque_the_bridge_opens(void)
@@ -350,7 +349,7 @@ void test_a_rectified_current_beyond_the_phase_s_is_not_admissible(void)
 {
     conduct_without_torque(250000);
     const int32_t off_mA = freewheel_of(&config, &in).current_mA;
-    TEST_ASSERT_LESS_THAN_INT32(off_mA, safe_state_short(&config, &in).current_mA);
+    TEST_ASSERT_LESS_THAN_INT32(off_mA, short_of(&config, &in).current_mA);
     config.motor.max_phase_current_mA = off_mA;
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, chosen());
     config.motor.max_phase_current_mA--;
@@ -362,7 +361,7 @@ void test_a_bus_that_settles_at_the_devices_rating_selects_the_short_circuit(voi
     set_inductances(1000000, 1000000);
     set_emf(40000); /* 69.28 V */
     in.bus_voltage_mV = 53000;
-    in.battery_open = true;
+    in.battery_gone = true;
     for (int admissible = 0; admissible < 2; admissible++) {
         config.motor.max_phase_current_mA = admissible != 0 ? 3000000 : 100;
         config.drive.device_voltage_mV = 69280;
@@ -379,10 +378,10 @@ void test_a_rectified_current_of_a_milliampere_makes_its_torque(void)
     set_inductances(1000000000, 1000000000);
     config.motor.pole_pairs = 60;
     config.motor.flux_linkage_nWb = 200000000;
-    in.speed_mrad_s = 83333; /* 1 kV */
+    in.bound_mrad_s = 83333; /* 1 kV */
     in.bus_voltage_mV = 1731980;
     config.motor.max_phase_current_mA = 100; /* no short circuit */
-    const safe_state_t out = safe_state_step(&config, &in);
+    const safe_state_t out = choice_of(&config, &in);
     TEST_ASSERT_EQUAL_INT32(1, out.freewheel.current_mA);
     TEST_ASSERT_INT32_WITHIN(9, 27, out.torque_mNm);
 }
@@ -391,9 +390,9 @@ void test_a_rectified_current_of_a_milliampere_makes_its_torque(void)
 void test_a_current_that_does_not_fit_into_the_bus_begins_no_short_circuit(void)
 {
     conduct_a_little();
-    in.i_d_mA = -10000000;
+    in.latest_i_d_mA = -10000000;
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, chosen());
-    in.bridge = BRIDGE_SHORT;
+    in.before = BRIDGE_SHORT;
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, chosen());
 }
 
@@ -405,8 +404,8 @@ void test_a_short_circuit_ends_onto_a_bus_whose_reading_is_zero_or_below(void)
     config.drive.device_voltage_mV = 1066;
     config.drive.bus_capacitance_nF = 1000000000;
     set_inductances(76000, 76000);
-    in.i_d_mA = -1000;
-    in.bridge = BRIDGE_SHORT;
+    in.latest_i_d_mA = -1000;
+    in.before = BRIDGE_SHORT;
     for (unsigned k = 0; k < sizeof BUS_mV / sizeof BUS_mV[0]; k++) {
         in.bus_voltage_mV = BUS_mV[k];
         TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, chosen());
@@ -421,12 +420,12 @@ void test_a_short_circuit_that_ends_reports_the_freewheel_at_the_bus_voltage(voi
 {
     conduct_a_little();
     config.monitor.short_release_permille = 900;
-    config.motor.max_phase_current_mA = safe_state_short(&config, &in).current_mA - 1;
-    in.bridge = BRIDGE_SHORT;
+    config.motor.max_phase_current_mA = short_of(&config, &in).current_mA - 1;
+    in.before = BRIDGE_SHORT;
     for (int32_t bus_mV = 1731880; bus_mV < 1740000; bus_mV += 8000) {
         in.bus_voltage_mV = bus_mV;
-        const letting_go_t off = freewheel_of(&config, &in);
-        const safe_state_t out = safe_state_step(&config, &in);
+        const steady_state_t off = freewheel_of(&config, &in);
+        const safe_state_t out = choice_of(&config, &in);
         TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.bridge);
         TEST_ASSERT_EQUAL_INT32(off.current_mA, out.freewheel.current_mA);
         TEST_ASSERT_EQUAL_INT32(bus_mV, out.freewheel.bus_mV);
@@ -441,7 +440,7 @@ void test_a_short_circuit_ends_at_the_configured_permille_of_its_limit(void)
     config.monitor.short_release_permille = 900;
     set_emf(100000);
     in.charge_current_mA = 0;
-    in.bridge = BRIDGE_SHORT;
+    in.before = BRIDGE_SHORT;
     in.bus_voltage_mV = 192390;
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, chosen());
     in.bus_voltage_mV = 192480;
@@ -458,13 +457,13 @@ void test_a_settled_current_at_the_trip_is_no_surge_and_one_beyond_is(void)
     config.motor.phase_resistance_uOhm = 100000;
     config.monitor.overcurrent_pu_q15 = 16384;
     set_emf(100000);
-    const letting_go_t off = {.bus_mV = 53000};
-    const int32_t settled_mA = safe_state_short(&config, &in).current_mA;
-    in.i_d_mA = -settled_mA;
+    const steady_state_t off = {.bus_mV = 53000};
+    const int32_t settled_mA = short_of(&config, &in).current_mA;
+    in.latest_i_d_mA = -settled_mA;
     config.drive.current_full_scale_mA = 2 * settled_mA;
-    TEST_ASSERT_FALSE(safe_state_short_surges(&config, &in, &off));
+    TEST_ASSERT_FALSE(short_surges(&config, &in, &off));
     config.drive.current_full_scale_mA = 2 * (settled_mA - 1);
-    TEST_ASSERT_TRUE(safe_state_short_surges(&config, &in, &off));
+    TEST_ASSERT_TRUE(short_surges(&config, &in, &off));
     config.drive.current_full_scale_mA = 2 * (settled_mA - 2);
-    TEST_ASSERT_TRUE(safe_state_short_surges(&config, &in, &off));
+    TEST_ASSERT_TRUE(short_surges(&config, &in, &off));
 }

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 
+#include "motor/current_setpoint.h"
+#include "motor/loss_maps.h"
 #include "paper_vehicle.h"
 #include "random_values.h"
 #include "reference_motor.h"
-#include "motor/current_setpoint.h"
-#include "motor/loss_maps.h"
 #include "torque_model.h"
 #include "unity.h"
 

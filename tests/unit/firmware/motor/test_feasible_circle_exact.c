@@ -216,7 +216,8 @@ typedef struct {
     double best, lowest, d, by_side;
 } start_t;
 
-/* README, Phase current: the quadratic of both sides, and its change by the resistive power. */
+/* DERIVATIONS.md, Phase current: the quadratic of both sides, and its change by the resistive
+ * power. */
 static start_t start(const drive_t *d)
 {
     const double excess =

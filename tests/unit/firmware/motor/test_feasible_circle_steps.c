@@ -57,7 +57,8 @@ typedef struct {
     double best, lowest, d, by_side;
 } start_t;
 
-/* README, Phase current: the root of the quadratic, less R P over half the derivative there. */
+/* DERIVATIONS.md, Phase current: the root of the quadratic, less R P over half the derivative
+ * there. */
 static start_t start(const plain_drive_t *d)
 {
     const double w2 = d->x_d * d->x_d - d->x_q * d->x_q;

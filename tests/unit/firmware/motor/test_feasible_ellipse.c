@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Current setpoints on the voltage ellipse, against the circuit in double precision. */
-#include "reference_drive.h"
 #include "motor/current_setpoint.h"
+#include "reference_drive.h"
 #include "unity.h"
 
 void setUp(void) {}

@@ -19,8 +19,9 @@ typedef struct {
     bool is_root, is_least, is_limited, is_none, is_unclear;
 } forced_t;
 
-/* README, Forced torque: from zero torque at the lowest i_d towards braking, to the root nearest
- * zero torque or the least voltage, at most half a radian; 17/16 of U^2 less 1/256 suffice. */
+/* DERIVATIONS.md, Forced torque: from zero torque at the lowest i_d towards braking, to the root
+ * nearest zero torque or the least voltage, at most half a radian; 17/16 of U^2 less 1/256 suffice.
+ */
 static forced_t forced(const plain_drive_t *d)
 {
     const plain_point_t none = {.d = d->lowest, .x = 0.0};

@@ -2,10 +2,10 @@
 #include <math.h>
 
 #include "config/bases.h"
+#include "motor/feasible_torque.h"
 #include "paper_vehicle.h"
 #include "random_values.h"
 #include "reference_motor.h"
-#include "motor/feasible_torque.h"
 #include "torque_model.h"
 #include "unity.h"
 

@@ -2,10 +2,10 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "motor/loss_maps.h"
 #include "paper_vehicle.h"
 #include "random_values.h"
 #include "reference_motor.h"
-#include "motor/loss_maps.h"
 #include "torque_model.h"
 #include "unity.h"
 

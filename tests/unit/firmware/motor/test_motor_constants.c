@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 
-#include "paper_vehicle.h"
 #include "motor/motor_model.h"
+#include "paper_vehicle.h"
 #include "unity.h"
 
 enum { LEAST_SIZE = 1 << 22 };

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 
+#include "motor/motor_model.h"
 #include "paper_vehicle.h"
 #include "random_values.h"
 #include "reference_motor.h"
-#include "motor/motor_model.h"
 #include "torque_model.h"
 #include "unity.h"
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The motor model with constants that are powers of two, so that its results are whole numbers, and
- * at the ends of its ranges (README, Motor model).
+ * at the ends of its ranges (DERIVATIONS.md, Motor model).
  */
 #include <math.h>
 
-#include "paper_vehicle.h"
 #include "motor/motor_model.h"
+#include "paper_vehicle.h"
 #include "unity.h"
 
 enum { MOST_b = 1 << 26, REFERENCE_cC = 2500 };

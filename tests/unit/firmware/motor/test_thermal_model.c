@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "random_values.h"
 #include "motor/thermal_model.h"
+#include "random_values.h"
 #include "unity.h"
 
 extern const config_t CONFIG_LU2013, CONFIG_EBIKE36V, CONFIG_SCOOTER48V, CONFIG_IPM400V;

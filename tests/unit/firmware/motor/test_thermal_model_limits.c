@@ -3,8 +3,8 @@
  * starts, means and losses at the ends of their ranges. Courses of hours: test_thermal_model.c. */
 #include <math.h>
 
-#include "random_values.h"
 #include "motor/thermal_model.h"
+#include "random_values.h"
 #include "unity.h"
 
 extern const config_t CONFIG_LU2013;

@@ -6,6 +6,7 @@
 #ifndef BLENDING_RIG_H
 #define BLENDING_RIG_H
 
+#include "config/finding_times.h"
 #include "paper_vehicle.h"
 #include "random_values.h"
 #include "torque/brake_blending.h"
@@ -13,6 +14,22 @@
 
 enum { FAST_mrad_s = 30000 }; /* well above the blend-out speeds, 2.618 and 0.838 rad/s */
 enum { ONE_q15 = 32768 };
+
+/* What brake_blending_step() reads of its records, and how it is called. */
+typedef struct {
+    int32_t brake_torque_mNm; /* demanded, magnitude >= 0 */
+    bool handed_over;
+    int32_t speed_mrad_s;
+    int32_t motor_command_mNm;  /* of the last step, signed */
+    int32_t motor_growth_mNm;   /* permitted change of its magnitude */
+    int32_t motor_achieved_mNm; /* signed */
+    int32_t short_mNm;
+    bool bridge_open;
+    int32_t hydraulic_added_mNm; /* to the command of the last step */
+    torque_enable_t torque_enable;
+    hydraulic_feedback_t hydraulic;
+    bool seen, acknowledged;
+} blending_case_t;
 
 static config_t config;
 static brake_blending_state_t state;
@@ -24,7 +41,7 @@ static struct {
     limit_t regenerating; /* braking torque without the lines of a strategy */
     limit_t optimal;      /* braking torque at the loss optimum */
 } capability;
-static brake_blending_input_t in;
+static blending_case_t in;
 
 static inline void rig_up(void)
 {
@@ -47,7 +64,7 @@ static inline void rig_up(void)
     abs_share_percent = 0;
     capability.regenerating = limit_init(50000, REASON_MAX_TORQUE);
     capability.optimal = limit_init(24000, REASON_LOSS_OPTIMUM);
-    in.demand_mNm = 0;
+    in.brake_torque_mNm = 0;
     in.speed_mrad_s = FAST_mrad_s;
     in.motor_command_mNm = 0;
     in.motor_growth_mNm = 1000000; /* the motor's torque rate is unlimited */
@@ -63,24 +80,45 @@ static inline void write_limits(void)
 {
     limit_t *line = limits.braking;
     line[TORQUE_LINE_MAX_TORQUE] = capability.regenerating;
-    const int32_t demand_mNm = in.demand_mNm > 0 ? in.demand_mNm : 0;
+    const int32_t brake_torque_mNm = in.brake_torque_mNm > 0 ? in.brake_torque_mNm : 0;
     torque_limits_strategy(line, &config, in.speed_mrad_s, capability.optimal.torque_mNm,
-                           demand_mNm);
+                           brake_torque_mNm);
     line[TORQUE_LINE_LOSS_OPTIMUM].reason = capability.optimal.reason;
     const int64_t enabled_mNm = (int64_t)config.motor.max_torque_mNm * in.torque_enable.brake_q15;
     line[TORQUE_LINE_ENABLE] = limit_init(
         in.torque_enable.brake_q15 < Q15_ONE ? (int32_t)(enabled_mNm / 32768) : INT32_MAX,
         in.torque_enable.reason);
-    const torque_limits_input_t anti_lock = {.brake_demand_mNm = demand_mNm,
-                                             .abs_active = abs_active,
-                                             .abs_share_percent = abs_share_percent};
-    line[TORQUE_LINE_ABS] = torque_limits_anti_lock(&limits_state, &config, &anti_lock);
+    const wheel_demand_t wheel = {.abs_active = abs_active,
+                                  .abs_motor_share_percent = abs_share_percent};
+    line[TORQUE_LINE_ABS] =
+        torque_limits_anti_lock(&limits_state, &config, &wheel, brake_torque_mNm);
 }
 
 static inline brake_blending_out_t step(void)
 {
     write_limits();
-    return brake_blending_step(&state, &config, &limits, &in);
+    const measured_t now = {.speed_mrad_s = in.speed_mrad_s};
+    const last_t last = {.torque_command_mNm = in.motor_command_mNm,
+                         .hydraulic_added_mNm = in.hydraulic_added_mNm};
+    const demand_t demand = {.brake_torque_mNm = in.brake_torque_mNm,
+                             .handed_over = in.handed_over};
+    const motor_now_t motor = {.achieved_mNm = in.motor_achieved_mNm,
+                               .short_mNm = in.short_mNm,
+                               .growth_mNm = in.motor_growth_mNm,
+                               .bridge_open = in.bridge_open};
+    return brake_blending_step(&state, &config, &limits, &now, &last, &in.hydraulic,
+                               &in.torque_enable, &demand, &motor, in.seen, in.acknowledged);
+}
+
+/* What is reported of the hydraulic brake and of its reports. */
+static inline reason_t found(void)
+{
+    finding_times_t times[FINDING_COUNT];
+    findings_t findings;
+    finding_times(&config, times);
+    findings_init(&findings, times);
+    brake_blending_report(&state, &findings);
+    return findings_reason(&findings, findings_warning(&findings));
 }
 
 static inline void assert_split(int32_t electric_mNm, int32_t hydraulic_mNm, reason_t reason,
@@ -107,7 +145,7 @@ static inline void random_conditions(random_t *random)
     capability.regenerating = limit_init(random_between(random, 0, 60000), REASON_MAX_POWER);
     capability.optimal = capability.regenerating;
     limit_tighten(&capability.optimal, random_between(random, 0, 80000), REASON_LOSS_OPTIMUM);
-    in.demand_mNm = random_between(random, 0, 300000);
+    in.brake_torque_mNm = random_between(random, 0, 300000);
     in.speed_mrad_s = random_between(random, -70000, 70000);
     abs_active = random_chance(random, 0.05);
     in.torque_enable.brake_q15 =

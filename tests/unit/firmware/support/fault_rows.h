@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * fault_rows.h: which rows of the table of faults are latched.
+ * fault_rows.h: which codes of the table of faults are latched.
  */
 #ifndef FAULT_ROWS_H
 #define FAULT_ROWS_H
@@ -10,9 +10,10 @@
 #include "core/fault.h"
 
 /* A fault stays one until it is acknowledged or until a restart. */
-static inline bool is_latched(const fault_t *row)
+static inline bool is_latched(reason_t reason)
 {
-    return row->clearing == FAULT_CLEARING_ACKNOWLEDGED || row->clearing == FAULT_CLEARING_RESTART;
+    const fault_clearing_t clearing = fault_clearing(reason);
+    return clearing == FAULT_CLEARING_ACKNOWLEDGED || clearing == FAULT_CLEARING_RESTART;
 }
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * modes_rig.h: the state machine of the modes after init, and the input sequence that leads to each
- * mode.
+ * modes_rig.h: the state machine of the modes after init, the case `in` that it sees, and the
+ * sequence of cases that leads to each mode. Included once in a program.
  */
 #ifndef MODES_RIG_H
 #define MODES_RIG_H
@@ -11,39 +11,107 @@
 #include "paper_vehicle.h"
 #include "unity.h"
 
-static config_t config;
-static modes_state_t state;
-static modes_input_t in;
+enum { ROLLING_mrad_s = 100000 /* well above the hand-over speed */ };
+
+/* What modes_step() reads of its records. */
+typedef struct {
+    bool config_accepted, selftest_passed;
+    bool offsets_done, offsets_plausible;
+    bool angle_valid;
+    angle_by_t angle_by;
+    int32_t bound_mrad_s; /* the speed upper bound */
+    bool at_rest;
+    bool enable;
+    bool demand_lost; /* older than its timeout */
+    reason_t demand_reason;
+    bool drive_demanded, brake_demanded;
+    bool neutral; /* no drive direction is engaged */
+    bool fault_reset;
+    finding_t warning; /* a row of another part's check; FINDING_COUNT: none */
+    reason_t fault;    /* a trip of the fast monitor */
+    bool emf_conducts;
+    bridge_mode_t bridge;
+} modes_case_t;
 
 /* No fault, no demand, standstill. */
-static const modes_input_t CALM = {
-    .lost_reason = REASON_DEMAND_TIMEOUT,
+static const modes_case_t CALM = {
     .config_accepted = true,
     .selftest_passed = true,
     .offsets_done = true,
     .offsets_plausible = true,
-    .rotor_valid = true,
-    .rolling = false,
+    .angle_valid = true,
     .at_rest = true,
-    .enable = false,
-    .torque_demanded = false,
-    .fault_reset = false,
-    .warning = false,
-    .warning_reason = REASON_NONE,
-    .fault = REASON_NONE,
+    .warning = FINDING_COUNT,
     .bridge = BRIDGE_OFF,
 };
 
+static config_t config;
+static modes_state_t state;
+static findings_t findings;
+static modes_case_t in;
+static finding_t warning_before;
+
+/* Each row is found at once and ends at once: times are those of the checks. */
 static inline void start(void)
 {
     config = paper_vehicle();
     modes_init(&state);
+    finding_times_t times[FINDING_COUNT];
+    for (int row = 0; row < FINDING_COUNT; row++) {
+        times[row].qualify_steps = 1;
+        times[row].heal_steps = 1;
+    }
+    findings_init(&findings, times);
     in = CALM;
+    warning_before = FINDING_COUNT;
+}
+
+static inline void set_warning(void)
+{
+    if (warning_before != in.warning && warning_before != FINDING_COUNT) {
+        findings_set(&findings, warning_before, false);
+    }
+    if (in.warning != FINDING_COUNT) {
+        findings_set(&findings, in.warning, true);
+    }
+    warning_before = in.warning;
+}
+
+static inline slow_input_t demanded(void)
+{
+    const slow_input_t out = {
+        .demand = {.drive_torque_mNm = in.drive_demanded ? 1 : 0,
+                   .brake_torque_mNm = in.brake_demanded ? 1 : 0,
+                   .direction = DRIVE_DIRECTION_FORWARD,
+                   .enable = in.enable,
+                   .fault_reset = in.fault_reset,
+                   .reason = in.demand_reason},
+        .demand_age_ms = (uint32_t)config.brake.demand_timeout_ms + (in.demand_lost ? 1U : 0U),
+        .selftest_passed = in.selftest_passed,
+        .config_accepted = in.config_accepted,
+    };
+    return out;
+}
+
+static inline modes_output_t step_with(const slow_input_t *slow_in)
+{
+    const fast_report_t report = {.offsets_done = in.offsets_done, .bridge = in.bridge};
+    const measured_t now = {
+        .report = &report, .angle_valid = in.angle_valid, .angle_by = in.angle_by};
+    const monitored_t watch = {.bound_mrad_s = in.bound_mrad_s,
+                               .at_rest = in.at_rest,
+                               .emf_conducts = in.emf_conducts,
+                               .offsets_plausible = in.offsets_plausible};
+    const last_t last = {.engaged = in.neutral ? DRIVE_DIRECTION_NEUTRAL : DRIVE_DIRECTION_FORWARD};
+    set_warning();
+    findings_trip(&findings, in.fault);
+    return modes_step(&state, &config, &now, &watch, &last, slow_in, &findings);
 }
 
 static inline modes_output_t step(void)
 {
-    return modes_step(&state, &config, &in);
+    const slow_input_t slow_in = demanded();
+    return step_with(&slow_in);
 }
 
 static inline modes_output_t run(int milliseconds)
@@ -79,8 +147,7 @@ static inline void start_in(operating_mode_t mode)
         break;
     case MODE_LIMP:
         in.enable = true;
-        in.warning = true;
-        in.warning_reason = REASON_ROTOR_UNCERTAIN;
+        in.warning = FINDING_ROTOR_READING;
         run(10);
         break;
     case MODE_FAULT:

@@ -1,39 +1,95 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * monitor_rig.h: the slow monitor of the paper's vehicle and its input `in`, which a test changes
- * between steps. recover() restores the input of a healthy drive. Included once in a program.
+ * monitor_rig.h: the slow monitor of the paper's vehicle and the case `in` that it sees, which a
+ * test changes between steps. recover() restores that of a healthy drive. Included once in a
+ * program.
  */
 #ifndef MONITOR_RIG_H
 #define MONITOR_RIG_H
 
+#include "config/finding_times.h"
 #include "monitor/monitor.h"
+#include "monitor_case.h"
 #include "paper_vehicle.h"
 #include "unity.h"
 
-enum { FAST_PER_SLOW = 20 /* 20 kHz over 1 kHz */ };
+enum { FAST_PER_SLOW = 20 /* 20 kHz over 1 kHz */, MID_OFFSET_Q4 = 2048 * 16 };
+
+/* At 30 rad/s, with 10 N m as commanded. */
+static const monitor_case_t TURNING = {
+    .report = {.offsets_done = true,
+               .offset_q4 = {MID_OFFSET_Q4, MID_OFFSET_Q4, MID_OFFSET_Q4},
+               .bridge = BRIDGE_PWM},
+    .now = {.angle_valid = true,
+            .bus_voltage_mV = 53000,
+            .speed_mrad_s = 30000,
+            .winding_temperature_cC = 2500,
+            .switch_temperature_cC = 2500,
+            .latest_u_q_mV = 14076}, /* 30 rad/s * 23 * 20.4 mWb */
+    .last = {.torque_command_mNm = 10000, .torque_estimate_mNm = 10000},
+};
+
+/* What the monitor concludes, and what of its findings is shown. */
+typedef struct {
+    monitored_t monitored;
+    reason_t fault, warning;
+    reason_t flux_warning; /* what back-EMF and battery say of flux and bus voltage */
+    bool battery_lost;
+    int32_t charging_mA; /* in the safe state */
+} shown_t;
 
 static config_t config;
-static monitor_slow_state_t state;
-static monitor_slow_input_t in;
-static monitor_slow_input_t healthy;
+static monitor_state_t state;
+static findings_t findings;
+static monitor_case_t in;
+static monitor_case_t healthy;
 static uint16_t fast_steps_per_slow;
 
-static inline void rig_up(const monitor_slow_input_t *as_healthy)
+static inline void rig_up(const monitor_case_t *as_healthy)
 {
     config = paper_vehicle();
-    monitor_slow_init(&state);
+    monitor_init(&state);
+    finding_times_t times[FINDING_COUNT];
+    finding_times(&config, times);
+    findings_init(&findings, times);
     healthy = *as_healthy;
     in = healthy;
     fast_steps_per_slow = FAST_PER_SLOW;
 }
 
-static inline monitor_output_t step(void)
+static inline reason_t flux_warning(void)
 {
-    in.fast_step_count = (uint16_t)(in.fast_step_count + fast_steps_per_slow);
-    return monitor_slow_step(&state, &config, &in);
+    static const finding_t ROWS[] = {FINDING_BUS_CONTRADICTED, FINDING_FLUX_LOW, FINDING_FLUX_HIGH};
+    for (int k = 0; k < 3; k++) {
+        if (findings_present(&findings, ROWS[k])) {
+            return findings_reason(&findings, ROWS[k]);
+        }
+    }
+    return REASON_NONE;
 }
 
-static inline monitor_output_t run(int milliseconds)
+/* With the times of the configuration as the test has it now. */
+static inline shown_t step_at_count(void)
+{
+    finding_times(&config, findings.times);
+    shown_t out = {.monitored =
+                       monitor_step(&state, &config, measured_of(&in), &in.last, &findings)};
+    out.fault = findings_reason(&findings, findings_fault(&findings));
+    out.warning = findings_reason(&findings, findings_warning(&findings));
+    out.flux_warning = flux_warning();
+    out.battery_lost = findings_off(&findings);
+    out.charging_mA = safe_state_charging_mA(&out.monitored.safe);
+    in.last.safe_bridge = out.monitored.safe.bridge;
+    return out;
+}
+
+static inline shown_t step(void)
+{
+    in.report.sequence = (uint16_t)(in.report.sequence + fast_steps_per_slow);
+    return step_at_count();
+}
+
+static inline shown_t run(int milliseconds)
 {
     for (int n = 1; n < milliseconds; n++) {
         step();
@@ -41,11 +97,14 @@ static inline monitor_output_t run(int milliseconds)
     return step();
 }
 
+/* Back to the healthy case, in which the fast loop has counted on and the bridge been chosen. */
 static inline void recover(void)
 {
-    const uint16_t count = in.fast_step_count;
+    const uint16_t count = in.report.sequence;
+    const bridge_mode_t safe_bridge = in.last.safe_bridge;
     in = healthy;
-    in.fast_step_count = count;
+    in.report.sequence = count;
+    in.last.safe_bridge = safe_bridge;
 }
 
 /* The condition in `in` is a fault after exactly `milliseconds`, and no fault after recover(). */

@@ -7,9 +7,9 @@
 #ifndef REFERENCE_DRIVE_H
 #define REFERENCE_DRIVE_H
 
+#include "motor/feasible_torque.h"
 #include "random_values.h"
 #include "reference_motor.h"
-#include "motor/feasible_torque.h"
 #include "torque_model.h"
 
 extern const config_t CONFIG_LU2013, CONFIG_EBIKE36V, CONFIG_SCOOTER48V, CONFIG_IPM400V;

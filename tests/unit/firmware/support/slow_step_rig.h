@@ -36,7 +36,8 @@ typedef struct {
     rig_brake_t brake;
     double speed_rad_s, bus_v; /* mechanical */
     double weakening_a;        /* i_d of the fast loop's trim at the end of the voltage, <= 0 */
-    int32_t periods;           /* PWM periods a step */
+    int32_t modulation_limit_q15;
+    int32_t periods; /* PWM periods a step */
     uint32_t steps;
 } slow_rig_t;
 
@@ -44,6 +45,7 @@ static inline void slow_rig_start(slow_rig_t *rig, const config_t *config)
 {
     memset(rig, 0, sizeof *rig);
     rig->config = *config;
+    rig->modulation_limit_q15 = foc_modulation_limit_q15(config, BASES_MODEL_TIMER_Hz);
     rig->periods = config->drive.pwm_frequency_Hz / 1000;
     rig->bus_v = 0.5e-3 * (config->battery.min_voltage_mV + config->battery.max_voltage_mV);
     rig->brake.gain = 1.0;
@@ -58,7 +60,7 @@ static inline void slow_rig_start(slow_rig_t *rig, const config_t *config)
     rig->in.demand.enable = true;
     rig->in.hydraulic.age_ms = 1000000;
     rig->report.offsets_done = true;
-    rig->report.rotor_valid = true;
+    rig->report.sensor_valid = true;
     for (int x = 0; x < SENSE_PHASES; x++) {
         rig->report.offset_q4[x] = 2048 * 16;
     }
@@ -84,8 +86,7 @@ static inline dq_t slow_rig_voltage_pu(const slow_rig_t *rig, dq_t i_pu)
     const double i_q = i_pu.q * base_a / 32768.0 / (1.0 + g);
     const double u_d = r * i_d - w * m->q_inductance_nH * 1e-9 * i_q;
     const double u_q = r * i_q + w * (m->d_inductance_nH * 1e-9 * i_d + psi);
-    const double circle_v =
-        rig->bus_v * 0.57735 * rig->controller.slow.operating_point.modulation_limit_q15 / 32768.0;
+    const double circle_v = rig->bus_v * 0.57735 * rig->modulation_limit_q15 / 32768.0;
     const double pu = 32768.0 / fmax(circle_v, 1.0);
     const double share = fmin(1.0, 32767.0 / fmax(hypot(u_d, u_q) * pu, 1.0)) * pu;
     const dq_t out = {.d = (int32_t)(u_d * share), .q = (int32_t)(u_q * share)};

@@ -8,7 +8,7 @@
 #define TORQUE_LIMITS_RIG_H
 
 #include "paper_vehicle.h"
-#include "torque/torque_limits.h"
+#include "torque_limits_case.h"
 #include "torque_model.h"
 
 /* The tightest lines of a step. */
@@ -19,7 +19,7 @@ typedef struct {
 } bounds_t;
 
 static config_t config;
-static torque_limits_input_t conditions;
+static torque_limits_case_t conditions;
 static int32_t winding_temperature_cC;
 static int32_t phase_mV;
 static torque_limits_state_t state;
@@ -31,7 +31,7 @@ static inline bounds_t bounds_of(const motor_model_t *model)
     config.brake.loss_braking = 0; /* test_loss_braking.c */
     torque_limits_state_t copy = state;
     const feasible_set_t set = feasible_set_at(model, phase_mV);
-    torque_limits_step(&copy, &set, &conditions, &table);
+    torque_limits_case_step(&copy, &set, &conditions, &table);
     const bounds_t out = {
         .driving = torque_limits_tightest(table.driving, 0, TORQUE_LINE_COUNT),
         .regenerating = torque_limits_tightest(table.braking, 0, TORQUE_LINE_LOSS_OPTIMUM),
@@ -52,7 +52,7 @@ static inline void settle_foldback(int steps)
     const motor_model_t model = model_at(&config, 0, 2500);
     const feasible_set_t set = feasible_set_at(&model, phase_mV);
     for (int n = 0; n < steps; n++) {
-        torque_limits_step(&state, &set, &conditions, &table);
+        torque_limits_case_step(&state, &set, &conditions, &table);
     }
 }
 
@@ -75,12 +75,12 @@ static inline void rig_up(config_t vehicle)
     config.drive.loss_resistance_uOhm = 0;
     winding_temperature_cC = 2500;
     phase_mV = 1000000; /* no voltage limit: test_feasible_torque.c */
-    const torque_limits_input_t calm = {
+    const torque_limits_case_t calm = {
         .bus_voltage_mV = 53000,
         .bms_charge_current_mA = 1000000,
         .bms_discharge_current_mA = 1000000,
         .switch_temperature_cC = 2500,
-        .rotor_valid = true,
+        .angle_valid = true,
         .torque_enable = {.drive_q15 = Q15_ONE, .brake_q15 = Q15_ONE, .reason = REASON_NONE},
     };
     conditions = calm;

@@ -8,9 +8,10 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "available_ahead_rig.h"
 #include "core/q15.h"
 #include "reference_drive.h"
-#include "torque/available_ahead.h"
+#include "torque_limits_case.h"
 #include "unity.h"
 
 enum { LONGEST_ms = 40000, SETTLED_ms = 3 * 128 };
@@ -63,24 +64,24 @@ static void step(sample_t at)
         motor_model_at(&drive.motor, config, (int32_t)at.speed_mrad_s, (int32_t)at.winding_cC);
     const int32_t phase_mV = (int32_t)(0.53 * at.bus_mV);
     const feasible_set_t set = feasible_set_at(&model, phase_mV);
-    const torque_limits_input_t in = {
+    const torque_limits_case_t in = {
         .bus_voltage_mV = (int32_t)at.bus_mV,
         .bus_current_mA = (int32_t)at.flowing_mA,
         .bms_charge_current_mA = (int32_t)at.charge_mA,
         .bms_discharge_current_mA = (int32_t)at.discharge_mA,
         .switch_temperature_cC = (int32_t)at.switch_cC,
-        .rotor_valid = true,
+        .angle_valid = true,
         .abs_active = anti_lock,
         .torque_enable = enabled,
     };
-    torque_limits_step(&drive.limits, &set, &in, &drive.table);
-    const available_ahead_input_t seen = {
+    torque_limits_case_step(&drive.limits, &set, &in, &drive.table);
+    const available_inputs_t seen = {
         .speed_mrad_s = model.speed_mrad_s,
         .phase_voltage_mV = phase_mV,
         .winding_temperature_cC = (int32_t)at.winding_cC,
         .switch_temperature_cC = (int32_t)at.switch_cC,
     };
-    available_ahead_step(&drive.ahead, &drive.motor, config, &drive.table, &seen);
+    ahead_step(&drive.ahead, &drive.motor, config, &drive.table, &seen);
     now_braking[length] = torque_limits_tightest(drive.table.braking, 0, TORQUE_LINE_COUNT);
     now_driving[length] = torque_limits_tightest(drive.table.driving, 0, TORQUE_LINE_COUNT);
     ahead_braking[length] = drive.ahead.ahead.braking;

@@ -3,8 +3,8 @@
  * the solved bounds are: feasible_torque, whose tests compare it with the circuit. */
 #include <string.h>
 
+#include "available_ahead_rig.h"
 #include "paper_vehicle.h"
-#include "torque/available_ahead.h"
 #include "unity.h"
 
 enum { MOST = 1 << 25, SOLVE_BRAKING = 2, SOLVE_DRIVING = 4, SOLVED_LATER_mNm = 12345 };
@@ -15,7 +15,7 @@ static motor_model_t model;
 static feasible_set_t set;
 static torque_limits_t limits;
 static available_ahead_state_t state;
-static const available_ahead_input_t IN = {.speed_mrad_s = 0};
+static const available_inputs_t IN = {.speed_mrad_s = 0};
 
 static void expect(int32_t speed_mrad_s, int32_t phase_voltage_mV)
 {
@@ -46,7 +46,7 @@ void tearDown(void) {}
 static void solve(side_t sign)
 {
     state.step = 2 * (sign == SIDE_DRIVING ? SOLVE_DRIVING : SOLVE_BRAKING);
-    available_ahead_step(&state, &motor, &config, &limits, &IN);
+    ahead_step(&state, &motor, &config, &limits, &IN);
 }
 
 static limit_t *now_of(side_t sign)

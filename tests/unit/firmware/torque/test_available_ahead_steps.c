@@ -2,12 +2,11 @@
 /* The steps of a round of available_ahead, each from a given table of limits, to the unit. A
  * low-pass of an eighth and a lead of 92/32 make a change of 800 into 700 * 92/32 = 2012 ahead. On
  * ramps of whole drives: test_available_ahead.c. */
-#include "torque/available_ahead.h"
-
 #include <string.h>
 
-#include "paper_vehicle.h"
+#include "available_ahead_rig.h"
 #include "motor/loss_maps.h"
+#include "paper_vehicle.h"
 #include "unity.h"
 
 enum { MOST = 1 << 25, STEP_mNm = 2500 /* a 16th of 40 N m */, FASTEST_mrad_s = 67021 / 4 * 5 };
@@ -17,7 +16,7 @@ static config_t config;
 static motor_constants_t motor;
 static torque_limits_t limits;
 static available_ahead_state_t state;
-static available_ahead_input_t in;
+static available_inputs_t in;
 
 void setUp(void)
 {
@@ -45,7 +44,7 @@ void tearDown(void) {}
 static void phase(uint32_t number)
 {
     state.step = 2 * number;
-    available_ahead_step(&state, &motor, &config, &limits, &in);
+    ahead_step(&state, &motor, &config, &limits, &in);
     TEST_ASSERT_EQUAL_UINT32((2 * number + 1) % AVAILABLE_AHEAD_ROUND_steps, state.step);
 }
 
@@ -78,7 +77,7 @@ void test_a_start_leaves_no_number_of_before(void)
     TEST_ASSERT_EQUAL_UINT32(0, state.step);
     TEST_ASSERT_EQUAL_INT32(0, state.expected.speed_mrad_s);
     TEST_ASSERT_EQUAL_INT32(0, state.expected.phase_voltage_mV);
-    TEST_ASSERT_EQUAL_INT32(0, state.expected.brake_demand_mNm);
+    TEST_ASSERT_EQUAL_INT32(0, state.expected.brake_torque_mNm);
     TEST_ASSERT_EQUAL_INT32(0, state.returned_b);
     TEST_ASSERT_EQUAL_INT32(0, state.drawn_b);
     assert_limit(0, REASON_TORQUE_ENABLE, state.now.driving);
@@ -97,7 +96,7 @@ void test_a_round_takes_16_steps(void)
         TEST_ASSERT_EQUAL_UINT32(n, state.step);
         TEST_ASSERT_EQUAL_INT32(n <= 14 ? 0 : 40000, state.now.driving.torque_mNm);
         in.speed_mrad_s = n == 0 ? 5000 : 9000; /* read in the first step only */
-        available_ahead_step(&state, &motor, &config, &limits, &in);
+        ahead_step(&state, &motor, &config, &limits, &in);
         TEST_ASSERT_EQUAL_INT32(5000, state.speed.value);
     }
     TEST_ASSERT_EQUAL_UINT32(0, state.step);
@@ -205,12 +204,12 @@ void test_powers_of_the_battery_follow_their_slope_from_zero_on(void)
 
 void test_the_demand_counts_from_zero_on(void)
 {
-    in.brake_demand_mNm = 1234;
+    in.brake_torque_mNm = 1234;
     phase(INPUTS);
-    TEST_ASSERT_EQUAL_INT32(1234, state.expected.brake_demand_mNm);
-    in.brake_demand_mNm = -5;
+    TEST_ASSERT_EQUAL_INT32(1234, state.expected.brake_torque_mNm);
+    in.brake_torque_mNm = -5;
     phase(INPUTS);
-    TEST_ASSERT_EQUAL_INT32(0, state.expected.brake_demand_mNm);
+    TEST_ASSERT_EQUAL_INT32(0, state.expected.brake_torque_mNm);
 }
 
 /* ---- lines with a slope ---- */
@@ -413,7 +412,7 @@ void test_the_loss_optimum_moves_as_its_map_does(void)
     state.winding.value = 2500;
     state.expected.speed_mrad_s = 12000;
     state.expected.winding_temperature_cC = 6000;
-    state.expected.brake_demand_mNm = 30000;
+    state.expected.brake_torque_mNm = 30000;
     phase(STRATEGY);
     const int32_t change_mNm =
         loss_maps_torque_mNm(&config, 12000, 6000) - loss_maps_torque_mNm(&config, 20000, 2500);

@@ -11,7 +11,7 @@ void tearDown(void) {}
 static brake_blending_out_t split(int32_t strategy, int32_t demand_mNm)
 {
     config.brake.strategy = strategy;
-    in.demand_mNm = demand_mNm;
+    in.brake_torque_mNm = demand_mNm;
     return step();
 }
 
@@ -76,11 +76,11 @@ void test_electric_plus_hydraulic_torque_equals_the_demand_in_every_step(void)
         random_conditions(&random);
         motor_follows(0); /* the first step of a braking: the motor's last command is zero */
         const brake_blending_out_t out = step();
-        TEST_ASSERT_EQUAL_INT32(in.demand_mNm, out.electric_mNm + out.hydraulic_mNm);
+        TEST_ASSERT_EQUAL_INT32(in.brake_torque_mNm, out.electric_mNm + out.hydraulic_mNm);
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, out.electric_mNm);
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, out.hydraulic_mNm);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(out.available.torque_mNm, out.electric_mNm);
-        TEST_ASSERT_TRUE((out.reason == REASON_NONE) == (out.electric_mNm == in.demand_mNm));
+        TEST_ASSERT_TRUE((out.reason == REASON_NONE) == (out.electric_mNm == in.brake_torque_mNm));
     }
 }
 
@@ -104,7 +104,7 @@ void test_electric_torque_never_exceeds_the_torque_limit_under_any_strategy(void
 void test_hydraulic_torque_rises_by_the_amount_the_motor_falls_at_its_rate(void)
 {
     capability.optimal = limit_init(10000, REASON_CHARGE_CURRENT); /* falls from 24 Nm in a step */
-    in.demand_mNm = 30000;
+    in.brake_torque_mNm = 30000;
     for (int32_t commanded_mNm = 24000; commanded_mNm >= 10000; commanded_mNm -= 400) {
         motor_follows(commanded_mNm);
         const brake_blending_out_t out = step();
@@ -115,7 +115,7 @@ void test_hydraulic_torque_rises_by_the_amount_the_motor_falls_at_its_rate(void)
 
 void test_motor_shortfall_beyond_the_band_is_moved_to_the_hydraulic_brake_in_one_step(void)
 {
-    in.demand_mNm = 20000;
+    in.brake_torque_mNm = 20000;
     motor_follows(20000);
     TEST_ASSERT_EQUAL_INT32(0, step().hydraulic_mNm);
     in.motor_achieved_mNm = -12000; /* shortfall 8 Nm, of which 2 Nm are tolerated */
@@ -126,7 +126,7 @@ void test_motor_shortfall_beyond_the_band_is_moved_to_the_hydraulic_brake_in_one
 
 void test_achieved_driving_torque_counts_as_zero_braking_torque(void)
 {
-    in.demand_mNm = 20000;
+    in.brake_torque_mNm = 20000;
     motor_follows(20000);
     in.motor_achieved_mNm = 5000;
     TEST_ASSERT_EQUAL_INT32(18000, step().hydraulic_mNm);
@@ -144,11 +144,11 @@ void test_achieved_plus_hydraulic_torque_never_exceeds_the_demand(void)
         in.motor_achieved_mNm = -achieved_mNm * forward;
         in.torque_enable.drive_q15 = Q15_ONE;
         const brake_blending_out_t out = step();
-        TEST_ASSERT_LESS_OR_EQUAL_INT32(in.demand_mNm, out.electric_mNm);
-        TEST_ASSERT_LESS_OR_EQUAL_INT32(in.demand_mNm, out.hydraulic_mNm);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(in.brake_torque_mNm, out.electric_mNm);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(in.brake_torque_mNm, out.hydraulic_mNm);
         if (out.hydraulic_mNm > 0) {
             /* Only the motor alone may exceed the demand, while its torque falls at its rate. */
-            TEST_ASSERT_LESS_OR_EQUAL_INT32(in.demand_mNm, achieved_mNm + out.hydraulic_mNm);
+            TEST_ASSERT_LESS_OR_EQUAL_INT32(in.brake_torque_mNm, achieved_mNm + out.hydraulic_mNm);
         }
     }
 }
@@ -157,7 +157,7 @@ void test_falling_demand_with_excess_motor_torque_gives_zero_hydraulic_torque(vo
 {
     /* The demand falls from 40 to 10 Nm. The motor has reached 20 Nm, still more than the demand.
      */
-    in.demand_mNm = 10000;
+    in.brake_torque_mNm = 10000;
     in.motor_command_mNm = -40000;
     in.motor_achieved_mNm = -20000;
     TEST_ASSERT_EQUAL_INT32(0, step().hydraulic_mNm);
@@ -190,7 +190,7 @@ void test_split_is_symmetric_in_the_direction_of_rotation(void)
 void test_motor_torque_falls_linearly_between_the_blend_out_speeds(void)
 {
     config.brake.strategy = CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL;
-    in.demand_mNm = 40000;
+    in.brake_torque_mNm = 40000;
     in.speed_mrad_s = 2618;
     assert_split(40000, 0, REASON_NONE, step());
     in.speed_mrad_s = 1728; /* the middle: 890 / 1780 of 40 Nm */
@@ -203,7 +203,7 @@ void test_motor_torque_falls_linearly_between_the_blend_out_speeds(void)
  * is small. */
 void test_loss_optimum_applies_until_the_blend_out_limit_is_tighter(void)
 {
-    in.demand_mNm = 30000;
+    in.brake_torque_mNm = 30000;
     in.speed_mrad_s = 1728; /* half of 50 Nm is more than the optimum of 24 Nm */
     assert_split(24000, 6000, REASON_LOSS_OPTIMUM, step());
     in.speed_mrad_s = 927; /* 89 / 1780 of 50 Nm */
@@ -227,7 +227,7 @@ void test_blend_out_of_zero_width_is_a_step_at_its_speed(void)
     config.brake.blend_out_start_mrad_s = 1000;
     config.brake.blend_out_end_mrad_s = 1000;
     capability.optimal = limit_init(50000, REASON_LOSS_OPTIMUM);
-    in.demand_mNm = 40000;
+    in.brake_torque_mNm = 40000;
     in.speed_mrad_s = 1001;
     assert_split(40000, 0, REASON_NONE, step());
     in.speed_mrad_s = 1000;
@@ -239,7 +239,7 @@ void test_blend_out_of_zero_width_is_a_step_at_its_speed(void)
 /* At standstill the braking torque of the last step, forward rotation, is a negative command. */
 void test_at_standstill_a_negative_motor_torque_counts_as_braking(void)
 {
-    in.demand_mNm = 30000;
+    in.brake_torque_mNm = 30000;
     in.speed_mrad_s = 0;
     in.motor_command_mNm = -24000;
     in.motor_achieved_mNm = -24000;
@@ -253,7 +253,7 @@ void test_blend_out_at_zero_speed_still_gives_zero_motor_torque_at_standstill(vo
 {
     config.brake.blend_out_start_mrad_s = 0;
     config.brake.blend_out_end_mrad_s = 0;
-    in.demand_mNm = 20000;
+    in.brake_torque_mNm = 20000;
     in.speed_mrad_s = 0;
     assert_split(0, 20000, REASON_BLEND_OUT, step());
     in.speed_mrad_s = 1;
@@ -264,7 +264,7 @@ void test_blend_out_at_zero_speed_still_gives_zero_motor_torque_at_standstill(vo
 
 void test_electric_torque_is_zero_during_anti_lock_and_300_ms_after(void)
 {
-    in.demand_mNm = 20000;
+    in.brake_torque_mNm = 20000;
     abs_active = true;
     assert_split(0, 20000, REASON_ABS, step());
     assert_split(0, 20000, REASON_ABS, step());
@@ -279,7 +279,7 @@ void test_electric_torque_is_zero_during_anti_lock_and_300_ms_after(void)
  * it. After the intervention its last share holds. */
 void test_motor_keeps_the_share_that_the_anti_lock_system_leaves_it(void)
 {
-    in.demand_mNm = 20000;
+    in.brake_torque_mNm = 20000;
     for (int32_t percent = 0; percent <= 100; percent += 5) {
         abs_active = true;
         abs_share_percent = (uint8_t)percent;
@@ -296,7 +296,7 @@ void test_motor_keeps_the_share_that_the_anti_lock_system_leaves_it(void)
 
 void test_motor_returns_abs_hold_ms_after_anti_lock(void)
 {
-    in.demand_mNm = 20000;
+    in.brake_torque_mNm = 20000;
     const int32_t hold_ms[] = {100, 1, 0, 10000};
     for (int k = 0; k < 4; k++) {
         config.brake.abs_hold_ms = hold_ms[k];
@@ -314,7 +314,7 @@ void test_motor_returns_abs_hold_ms_after_anti_lock(void)
 
 void test_zero_torque_enable_moves_the_whole_demand_to_the_hydraulic_brake_in_one_step(void)
 {
-    in.demand_mNm = 20000;
+    in.brake_torque_mNm = 20000;
     motor_follows(20000);
     TEST_ASSERT_EQUAL_INT32(0, step().hydraulic_mNm);
     in.torque_enable.drive_q15 = 0;
@@ -325,7 +325,7 @@ void test_zero_torque_enable_moves_the_whole_demand_to_the_hydraulic_brake_in_on
 
 void test_partial_torque_enable_is_a_share_of_max_torque(void)
 {
-    in.demand_mNm = 60000;
+    in.brake_torque_mNm = 60000;
     in.torque_enable.brake_q15 = 8192; /* a quarter of 50 Nm */
     in.torque_enable.reason = REASON_TORQUE_IMPLAUSIBLE;
     assert_split(12500, 47500, REASON_TORQUE_IMPLAUSIBLE, step());
@@ -335,10 +335,10 @@ void test_hydraulic_command_is_clamped_and_a_demand_beyond_both_brakes_has_reaso
     void)
 {
     config.brake.max_hydraulic_torque_mNm = 30000;
-    in.demand_mNm = 54000; /* 24 Nm electric and 30 Nm hydraulic */
+    in.brake_torque_mNm = 54000; /* 24 Nm electric and 30 Nm hydraulic */
     TEST_ASSERT_EQUAL_INT32(30000, step().hydraulic_mNm);
     TEST_ASSERT_EQUAL_INT(REASON_NONE, step().hydraulic_reason);
-    in.demand_mNm = 54001;
+    in.brake_torque_mNm = 54001;
     TEST_ASSERT_EQUAL_INT32(30000, step().hydraulic_mNm);
     TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_LIMIT, step().hydraulic_reason);
 }

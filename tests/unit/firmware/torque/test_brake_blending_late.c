@@ -41,7 +41,7 @@ void test_returning_motor_torque_never_exceeds_demand_minus_hydraulic_torque(voi
 {
     late_hydraulic_brake();
     motor_mNm = 0;
-    in.demand_mNm = 60000;
+    in.brake_torque_mNm = 60000;
     abs_active = true;
     for (int n = 0; n < 1000; n++) {
         step_with_brakes();
@@ -71,19 +71,20 @@ void test_motor_plus_hydraulic_torque_settle_on_the_demand(void)
         brake_blending_out_t out = {0};
         for (int k = 0; k < 5000; k++) {
             out = step_with_brakes();
-            TEST_ASSERT_LESS_OR_EQUAL_INT32(in.demand_mNm, out.hydraulic_mNm);
+            TEST_ASSERT_LESS_OR_EQUAL_INT32(in.brake_torque_mNm, out.hydraulic_mNm);
             TEST_ASSERT_LESS_OR_EQUAL_INT32(out.available.torque_mNm, out.electric_mNm);
         }
         /* The lag of up to 301 steps stops within 301/64 mN m of its target. */
-        TEST_ASSERT_INT32_WITHIN(5, in.demand_mNm, motor_mNm + out.hydraulic_mNm);
-        TEST_ASSERT_INT32_WITHIN(5, in.demand_mNm, motor_mNm + hydraulic_model_torque_mNm(&brake));
+        TEST_ASSERT_INT32_WITHIN(5, in.brake_torque_mNm, motor_mNm + out.hydraulic_mNm);
+        TEST_ASSERT_INT32_WITHIN(5, in.brake_torque_mNm,
+                                 motor_mNm + hydraulic_model_torque_mNm(&brake));
     }
 }
 
 void test_hydraulic_command_leads_a_falling_limit_by_dead_time_plus_lag(void)
 {
     late_hydraulic_brake();
-    in.demand_mNm = 30000;
+    in.brake_torque_mNm = 30000;
     motor_mNm = 30000;
     brake_blending_out_t out = {0};
     for (int n = 0; n <= 1500; n++) { /* 20 N m/s */
@@ -102,7 +103,7 @@ void test_hydraulic_command_leads_a_falling_limit_by_dead_time_plus_lag(void)
 void test_slope_of_a_falling_limit_is_estimated_with_64_ms_time_constant(void)
 {
     late_hydraulic_brake();
-    in.demand_mNm = 50000;
+    in.brake_torque_mNm = 50000;
     motor_mNm = 50000;
     capability.optimal = limit_init(50000, REASON_LOSS_OPTIMUM);
     for (int n = 0; n < 1000; n++) {
@@ -130,7 +131,7 @@ void test_sum_is_the_demand_through_the_blend_out(void)
     for (int sign = -1; sign <= 1; sign += 2) {
         brake_blending_init(&state, &config);
         hydraulic_model_init(&brake);
-        in.demand_mNm = 60000;
+        in.brake_torque_mNm = 60000;
         motor_mNm = 0;
         for (int n = 0; n < 3000; n++) { /* 10 rad/s, then 5 rad/s2 */
             in.speed_mrad_s = sign * (n < 1000 ? 10000 : q_max(10000 - 5 * (n - 1000), 0));
@@ -161,7 +162,7 @@ void test_sum_of_a_brake_of_unknown_gain_is_the_demand_through_the_first_blend_o
         capability.regenerating = limit_init(40000, REASON_MAX_TORQUE);
         capability.optimal = limit_init(INT32_MAX, REASON_LOSS_OPTIMUM);
         brake_blending_init(&state, &config);
-        in.demand_mNm = 30000;
+        in.brake_torque_mNm = 30000;
         in.hydraulic.age_ms = 0;
         in.hydraulic.valid = true;
         motor_mNm = 30000;
@@ -191,7 +192,7 @@ void test_falling_motor_torque_counts_with_its_value_after_dead_time_and_lag(voi
 {
     late_hydraulic_brake();
     config.brake.torque_rate_mNm_s = 100000;
-    in.demand_mNm = 24000;
+    in.brake_torque_mNm = 24000;
     motor_follows(24000);
     TEST_ASSERT_EQUAL_INT32(0, step().hydraulic_mNm);
     abs_active = true; /* the motor's torque falls by 100 mN m in each of 100 steps */
@@ -200,7 +201,7 @@ void test_falling_motor_torque_counts_with_its_value_after_dead_time_and_lag(voi
 
 void test_motor_that_cannot_gain_torque_counts_with_its_command(void)
 {
-    in.demand_mNm = 20000;
+    in.brake_torque_mNm = 20000;
     motor_follows(5000);
     in.motor_growth_mNm = 0;
     assert_split(20000 - 15000, 15000, REASON_TORQUE_RATE, step());
@@ -220,7 +221,7 @@ void test_motor_that_cannot_gain_torque_counts_with_its_command(void)
 void test_lasting_motor_shortfall_is_covered_without_reducing_the_motor_command(void)
 {
     late_hydraulic_brake();
-    in.demand_mNm = 20000;
+    in.brake_torque_mNm = 20000;
     motor_mNm = 20000;
     brake_blending_out_t out = {0};
     for (int n = 0; n < 3000; n++) {
@@ -259,7 +260,7 @@ static void brake_with_the_motor_alone(void)
     late_hydraulic_brake();
     config.brake.bridging_time_ms = BRIDGING_ms;
     capability.optimal = limit_init(50000, REASON_LOSS_OPTIMUM);
-    in.demand_mNm = 30000;
+    in.brake_torque_mNm = 30000;
     motor_mNm = 30000;
     sum_of_brakes(300);
     TEST_ASSERT_EQUAL_INT32(30000, motor_mNm);
@@ -290,7 +291,7 @@ void test_a_step_of_a_limit_that_sinks_already_is_bridged_for_the_whole_dead_tim
 {
     late_hydraulic_brake();
     config.brake.bridging_time_ms = 178;
-    in.demand_mNm = 30000;
+    in.brake_torque_mNm = 30000;
     motor_mNm = 20000;
     for (int n = 0; n < 1000; n++) {
         capability.optimal = limit_init(22000 - 2 * n, REASON_LOSS_OPTIMUM);
@@ -334,11 +335,12 @@ void test_nine_tenths_of_a_bridged_torque_are_gone_after_the_bridging_time(void)
 void test_bridging_never_raises_the_motor_torque(void)
 {
     brake_with_the_motor_alone();
-    in.demand_mNm = 10000; /* the driver brakes less, then the limit falls, then he brakes more */
+    in.brake_torque_mNm =
+        10000; /* the driver brakes less, then the limit falls, then he brakes more */
     sum_of_brakes(300);
     capability.optimal = limit_init(0, REASON_CHARGE_CURRENT);
     step_with_brakes();
-    in.demand_mNm = 40000;
+    in.brake_torque_mNm = 40000;
     for (int n = 0; n < 300; n++) {
         TEST_ASSERT_LESS_OR_EQUAL_INT32(10000, step_with_brakes().electric_mNm);
     }

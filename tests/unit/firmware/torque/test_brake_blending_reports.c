@@ -33,7 +33,7 @@ void setUp(void)
     brake_blending_init(&state, &config);
     const hydraulic_feedback_t none = {0};
     in.hydraulic = none;
-    in.watched = true;
+    in.seen = true;
     in.acknowledged = false;
     speed_rad_s = 150.0;
     gain = 1.0;
@@ -73,7 +73,7 @@ static void run(int duration_ms)
 void test_motor_makes_up_for_a_brake_whose_used_reports_are_short_of_its_band(void)
 {
     run(COAST_ms);
-    in.demand_mNm = DEMAND_mNm;
+    in.brake_torque_mNm = DEMAND_mNm;
     run(500);
     TEST_ASSERT_LESS_OR_EQUAL_INT32(OPTIMUM_mNm, out.electric_mNm);
     TEST_ASSERT_INT32_WITHIN(1, DEMAND_mNm, out.electric_mNm + out.hydraulic_mNm);
@@ -94,7 +94,7 @@ void test_motor_makes_up_for_a_brake_whose_used_reports_are_short_of_its_band(vo
 void test_motor_makes_up_for_a_dead_brake_whose_reports_the_deceleration_confirms(void)
 {
     run(COAST_ms);
-    in.demand_mNm = DEMAND_mNm;
+    in.brake_torque_mNm = DEMAND_mNm;
     run(500);
     gain = 0.0;
     run(100);
@@ -117,7 +117,7 @@ void test_motor_makes_up_for_a_dead_brake_whose_reports_the_deceleration_confirm
 void test_motor_makes_up_for_a_dead_brake_without_pause(void)
 {
     run(COAST_ms);
-    in.demand_mNm = DEMAND_mNm;
+    in.brake_torque_mNm = DEMAND_mNm;
     run(500);
     gain = 0.0;
     run(600);
@@ -135,7 +135,7 @@ void test_deceleration_alone_does_not_raise_the_motor_torque(void)
 {
     reports = false;
     run(COAST_ms);
-    in.demand_mNm = DEMAND_mNm;
+    in.brake_torque_mNm = DEMAND_mNm;
     run(500);
     gain = 0.0;
     run(600);
@@ -153,7 +153,7 @@ void test_reports_that_are_too_small_do_not_raise_the_sum_of_both_brakes(void)
         period_ms = 20;
         const bool later = k >= 3;
         run(COAST_ms);
-        in.demand_mNm = DEMAND_mNm;
+        in.brake_torque_mNm = DEMAND_mNm;
         run(later ? 500 : 0);
         shown = shares[k % 3];
         int beyond_ms = 0;
@@ -166,12 +166,12 @@ void test_reports_that_are_too_small_do_not_raise_the_sum_of_both_brakes(void)
         }
         TEST_ASSERT_FALSE(hydraulic_feedback_used(&state.feedback));
         TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_FEEDBACK, out.hydraulic_reason);
-        TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_FEEDBACK, brake_blending_finding(&state));
+        TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_FEEDBACK, found());
         TEST_ASSERT_INT32_WITHIN(1, DEMAND_mNm, out.electric_mNm + out.hydraulic_mNm);
         shown = 1.0;
         run(HYDRAULIC_FEEDBACK_HEAL_ms + period_ms);
         TEST_ASSERT_TRUE(hydraulic_feedback_used(&state.feedback));
-        TEST_ASSERT_EQUAL_INT(REASON_NONE, brake_blending_finding(&state));
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, found());
     }
 }
 
@@ -181,10 +181,10 @@ void test_reports_that_are_too_large_lose_torque_only_until_the_deceleration_ref
 {
     period_ms = 20;
     run(COAST_ms);
-    in.demand_mNm = DEMAND_mNm;
+    in.brake_torque_mNm = DEMAND_mNm;
     run(500);
     shown = 1.5;
     run(1000);
-    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_FEEDBACK, brake_blending_finding(&state));
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_FEEDBACK, found());
     TEST_ASSERT_INT32_WITHIN(1, DEMAND_mNm, out.electric_mNm + out.hydraulic_mNm);
 }

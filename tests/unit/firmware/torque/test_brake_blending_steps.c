@@ -13,7 +13,7 @@ void setUp(void)
     config.brake.hydraulic_timeout_ms = 0;
     config.brake.hydraulic_report_delay_ms = 0;
     config.brake.hydraulic_watch_inertia_g_m2 = 0;
-    in.demand_mNm = DEMAND_mNm;
+    in.brake_torque_mNm = DEMAND_mNm;
 }
 
 void tearDown(void) {}
@@ -25,8 +25,7 @@ void test_a_start_leaves_no_number_of_before(void)
     TEST_ASSERT_EQUAL_INT32(0, state.bridged_q6_mNm);
     TEST_ASSERT_EQUAL_INT32(0, state.within_q6_mNm);
     TEST_ASSERT_EQUAL_INT32(0, state.bridging_ms);
-    TEST_ASSERT_EQUAL_INT32(0, state.added_mNm);
-    TEST_ASSERT_EQUAL_INT32(0, state.taken_mNm);
+    TEST_ASSERT_EQUAL_INT32(0, state.covered_mNm);
     TEST_ASSERT_EQUAL_INT32(0, state.slower_mrad_s);
     TEST_ASSERT_EQUAL_UINT8(0, state.open_steps);
     TEST_ASSERT_EQUAL_INT32(0, state.limit_lp_mNm.accumulator);
@@ -100,12 +99,12 @@ void test_a_shortfall_counts_only_of_a_motor_that_is_to_make_torque(void)
     motor_follows(24000);
     in.motor_achieved_mNm = 0;
     capability.optimal = limit_init(0, REASON_LOSS_OPTIMUM);
-    TEST_ASSERT_EQUAL_INT32(DEMAND_mNm - 10000, step().beside_mNm);
+    TEST_ASSERT_EQUAL_INT32(DEMAND_mNm - 10000, step().uncovered_mNm);
     brake_blending_init(&state, &config);
     slow_brake(10000);
     capability.optimal = limit_init(1, REASON_LOSS_OPTIMUM);
     const brake_blending_out_t out = step();
-    TEST_ASSERT_EQUAL_INT32(DEMAND_mNm, out.beside_mNm);
+    TEST_ASSERT_EQUAL_INT32(DEMAND_mNm, out.uncovered_mNm);
     TEST_ASSERT_EQUAL_INT32(DEMAND_mNm, out.hydraulic_mNm); /* never more than the demand */
 }
 
@@ -114,7 +113,7 @@ void test_a_shortfall_counts_only_of_a_motor_that_is_to_make_torque(void)
 /* The motor's torque is given: its command, of which it releases none. */
 static int32_t commanded_mNm(int32_t required_mNm, int32_t motor_mNm)
 {
-    in.demand_mNm = required_mNm + motor_mNm;
+    in.brake_torque_mNm = required_mNm + motor_mNm;
     capability.optimal = limit_init(motor_mNm, REASON_LOSS_OPTIMUM);
     motor_follows(motor_mNm);
     return step().hydraulic_mNm;
@@ -153,7 +152,7 @@ void test_a_motor_without_torque_changes_no_command(void)
     makes_at_most_its_command();
     in.motor_growth_mNm = -100000;
     config.brake.torque_rate_mNm_s = 400000;
-    in.demand_mNm = 20000;
+    in.brake_torque_mNm = 20000;
     motor_follows(1000);
     TEST_ASSERT_EQUAL_INT32(20000, step().hydraulic_mNm);
 }
@@ -161,7 +160,7 @@ void test_a_motor_without_torque_changes_no_command(void)
 void test_commands_of_the_largest_numbers_do_not_overflow(void)
 {
     measured(0, 16384);
-    in.demand_mNm = INT32_MAX;
+    in.brake_torque_mNm = INT32_MAX;
     in.motor_command_mNm = -INT32_MAX;
     in.motor_achieved_mNm = 0;
     TEST_ASSERT_EQUAL_INT32(config.brake.max_hydraulic_torque_mNm, step().hydraulic_mNm);
@@ -227,7 +226,7 @@ void test_the_bound_does_not_rise_in_the_step_of_the_first_or_after_the_last_rep
     for (int ms = 1; ms <= 50; ms++) {
         (void)hydraulic_feedback_step(&state.feedback, &config, &state.hydraulic, &in.hydraulic);
     }
-    in.demand_mNm = 100000;
+    in.brake_torque_mNm = 100000;
     const brake_blending_out_t out = step(); /* 51 ms old: not used */
     TEST_ASSERT_EQUAL_INT32(24000, out.electric_mNm);
     TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_FEEDBACK, out.hydraulic_reason);
@@ -274,44 +273,33 @@ void test_beside_a_brake_system_with_its_own_path_the_motor_leaves_with_the_lag(
     motor_follows(24000);
     brake_blending_out_t out = step();
     TEST_ASSERT_EQUAL_INT32(24000 - 394, out.electric_mNm);
-    TEST_ASSERT_EQUAL_INT32(24000 - 394, out.beside_mNm);
-    TEST_ASSERT_EQUAL_INT32(DEMAND_mNm, out.arrived_mNm);
+    TEST_ASSERT_EQUAL_INT32(24000 - 394, out.uncovered_mNm);
+    TEST_ASSERT_EQUAL_INT32(DEMAND_mNm, out.rise_mNm);
     motor_follows(0);
     out = step();
     TEST_ASSERT_EQUAL_INT32(0, out.electric_mNm);
-    TEST_ASSERT_EQUAL_INT32(0, out.beside_mNm);
+    TEST_ASSERT_EQUAL_INT32(0, out.uncovered_mNm);
 }
 
 void test_hydraulic_torque_that_is_added_is_none_of_the_demand(void)
 {
     slow_brake(10000);
-    state.added_mNm = 4000;
-    state.taken_mNm = 1000;
+    in.hydraulic_added_mNm = 4000;
+    state.covered_mNm = 1000;
     brake_blending_out_t out = step();
-    TEST_ASSERT_EQUAL_INT32(DEMAND_mNm - 6000, out.beside_mNm);
-    TEST_ASSERT_EQUAL_INT32(5000, out.arrived_mNm);
-    TEST_ASSERT_EQUAL_INT32(6000, state.taken_mNm);
+    TEST_ASSERT_EQUAL_INT32(DEMAND_mNm - 6000, out.uncovered_mNm);
+    TEST_ASSERT_EQUAL_INT32(5000, out.rise_mNm);
+    TEST_ASSERT_EQUAL_INT32(6000, state.covered_mNm);
     TEST_ASSERT_EQUAL_INT32(out.hydraulic_mNm + 4000,
                             state.hydraulic.commands_mNm[state.hydraulic.next]);
-    state.added_mNm = 12000; /* it has not come yet */
+    in.hydraulic_added_mNm = 12000; /* it has not come yet */
     out = step();
-    TEST_ASSERT_EQUAL_INT32(DEMAND_mNm, out.beside_mNm);
-    TEST_ASSERT_EQUAL_INT32(0, out.arrived_mNm);
-    TEST_ASSERT_EQUAL_INT32(0, state.taken_mNm);
-    in.demand_mNm = 1000; /* less than the brake makes */
-    state.added_mNm = 0;
-    TEST_ASSERT_EQUAL_INT32(0, step().beside_mNm);
-}
-
-void test_what_is_sent_beyond_the_split_is_added(void)
-{
-    const brake_blending_out_t split = {.hydraulic_mNm = 3000};
-    brake_blending_sent(&state, &split, 5000);
-    TEST_ASSERT_EQUAL_INT32(2000, state.added_mNm);
-    brake_blending_sent(&state, &split, 3000);
-    TEST_ASSERT_EQUAL_INT32(0, state.added_mNm);
-    brake_blending_sent(&state, &split, 1000);
-    TEST_ASSERT_EQUAL_INT32(0, state.added_mNm);
+    TEST_ASSERT_EQUAL_INT32(DEMAND_mNm, out.uncovered_mNm);
+    TEST_ASSERT_EQUAL_INT32(0, out.rise_mNm);
+    TEST_ASSERT_EQUAL_INT32(0, state.covered_mNm);
+    in.brake_torque_mNm = 1000; /* less than the brake makes */
+    in.hydraulic_added_mNm = 0;
+    TEST_ASSERT_EQUAL_INT32(0, step().uncovered_mNm);
 }
 
 /* The road brakes with what is beside the brakes against the rotation; driving it is zero. */
@@ -328,7 +316,7 @@ void test_the_road_is_the_torque_beside_both_brakes(void)
 void test_no_slope_is_expected_of_an_anti_lock_bound(void)
 {
     slow_brake(0);
-    in.demand_mNm = 20000;
+    in.brake_torque_mNm = 20000;
     motor_follows(20000);
     config.brake.torque_rate_mNm_s = 20000000;
     for (int n = 0; n < 1000; n++) {
@@ -351,9 +339,9 @@ static int32_t hydraulic_after(int steps, bool open)
 
 void test_an_open_bridge_is_waited_for_8_steps_and_after_as_many_closed_ones_the_motor_counts(void)
 {
-    in.demand_mNm = 0; /* coasting */
+    in.brake_torque_mNm = 0; /* coasting */
     hydraulic_after(100, true);
-    in.demand_mNm = 20000;
+    in.brake_torque_mNm = 20000;
     TEST_ASSERT_EQUAL_INT32(0, hydraulic_after(8, true));
     TEST_ASSERT_EQUAL_INT32(20000, hydraulic_after(1, true));
     TEST_ASSERT_EQUAL_INT32(20000, hydraulic_after(1000, true));
@@ -364,10 +352,10 @@ void test_an_open_bridge_is_waited_for_8_steps_and_after_as_many_closed_ones_the
 /* Any demand counts, and one closed step takes back what one open step has counted. */
 void test_a_bridge_open_for_one_step_is_counted_with_any_demand_and_forgotten_in_one(void)
 {
-    in.demand_mNm = 0;
+    in.brake_torque_mNm = 0;
     hydraulic_after(1, true);
     TEST_ASSERT_EQUAL_UINT8(0, state.open_steps);
-    in.demand_mNm = 1;
+    in.brake_torque_mNm = 1;
     hydraulic_after(1, true);
     TEST_ASSERT_EQUAL_UINT8(1, state.open_steps);
     hydraulic_after(1, false);
@@ -376,7 +364,7 @@ void test_a_bridge_open_for_one_step_is_counted_with_any_demand_and_forgotten_in
 
 void test_a_bridge_that_closes_for_moments_only_leaves_the_demand_to_the_hydraulic_brake(void)
 {
-    in.demand_mNm = 20000;
+    in.brake_torque_mNm = 20000;
     for (int n = 0; n < 100; n++) {
         hydraulic_after(3, true);
         const int32_t hydraulic_mNm = hydraulic_after(2, false);
@@ -388,7 +376,7 @@ void test_a_bridge_that_closes_for_moments_only_leaves_the_demand_to_the_hydraul
 
 void test_an_open_bridge_that_is_shorted_counts_with_what_the_short_brakes(void)
 {
-    in.demand_mNm = 20000;
+    in.brake_torque_mNm = 20000;
     in.short_mNm = 8000;
     in.motor_achieved_mNm = -8000;
     TEST_ASSERT_EQUAL_INT32(12000, hydraulic_after(9, true));

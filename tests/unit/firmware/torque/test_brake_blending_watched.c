@@ -17,8 +17,8 @@ void setUp(void)
     rig_up();
     config.brake.hydraulic_timeout_ms = 0;
     config.brake.hydraulic_report_delay_ms = 0;
-    in.demand_mNm = 60000;
-    in.watched = true;
+    in.brake_torque_mNm = 60000;
+    in.seen = true;
 }
 
 void tearDown(void) {}
@@ -156,6 +156,21 @@ void test_a_brake_found_by_its_reports_counts_as_reported_for_the_timeout(void)
     }
     (void)step();
     TEST_ASSERT_EQUAL_INT(REASON_NONE, state.watch.reason);
+}
+
+/* The watch knows more than that the reports have stopped. */
+void test_what_the_watch_finds_is_reported_under_its_name_and_before_lost_reports(void)
+{
+    measured(0, 0);
+    in.hydraulic.valid = false;
+    for (int ms = 0; ms <= 50; ms++) {
+        (void)step();
+    }
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_FEEDBACK, found());
+    for (reason_t name = REASON_HYDRAULIC_WEAK; name <= REASON_HYDRAULIC_LATE; name++) {
+        state.watch.reason = name;
+        TEST_ASSERT_EQUAL_INT(name, found());
+    }
 }
 
 /* ---- what is taken from it ---- */

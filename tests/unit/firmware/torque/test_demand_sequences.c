@@ -102,14 +102,6 @@ void test_motor_and_the_path_that_takes_over_make_the_lost_demand_together(void)
     }
 }
 
-static torque_output_t run(int milliseconds)
-{
-    for (int n = 1; n < milliseconds; n++) {
-        step();
-    }
-    return step();
-}
-
 /* The brake system made all of it meanwhile; exp(-1) of that is left a time constant after its dead
  * time. */
 void test_motor_returns_after_a_loss_only_as_the_brake_system_leaves_its_own_path(void)

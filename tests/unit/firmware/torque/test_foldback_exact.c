@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * One step of the fold-back against the law of README, Fold-back, in double precision, and its
- * branches where they begin.
+ * One step of the fold-back against the law of DERIVATIONS.md, Fold-back, in double precision, and
+ * its branches where they begin.
  */
 #include <math.h>
 

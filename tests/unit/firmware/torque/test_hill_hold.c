@@ -9,18 +9,26 @@ enum { HOLD = 30000, RELEASE = 1000, CREEP = 100, BACK = -1000 };
 
 static config_t config;
 static hill_hold_state_t state;
-static hill_hold_input_t in;
+static demand_t demand;
+static brake_blending_out_t split;
+static int32_t motor_mNm, speed_mrad_s;
+static bool standstill;
 
 void setUp(void)
 {
-    const hill_hold_input_t none = {.engaged = DRIVE_DIRECTION_FORWARD};
+    const demand_t none = {.engaged = DRIVE_DIRECTION_FORWARD};
+    const brake_blending_out_t level = {.road_mNm = 0};
     config = paper_vehicle();
     config.motor.max_torque_mNm = 40000; /* three quarters of it: the torque that releases */
     config.brake.torque_rate_mNm_s = 400000;
     config.driver.hold_torque_mNm = HOLD;
     config.driver.hold_release_ms = RELEASE;
     config.monitor.standstill_mrad_s = 300;
-    in = none;
+    demand = none;
+    split = level;
+    motor_mNm = 0;
+    speed_mrad_s = 0;
+    standstill = false;
     hill_hold_init(&state);
 }
 
@@ -28,68 +36,68 @@ void tearDown(void) {}
 
 static int32_t step(void)
 {
-    return hill_hold_step(&state, &config, &in);
+    return hill_hold_step(&state, &config, &demand, &split, motor_mNm, speed_mrad_s, standstill);
 }
 
 static void hold(void)
 {
-    in.standstill = true;
-    in.demand_mNm = 10000;
+    standstill = true;
+    demand.brake_torque_mNm = 10000;
     TEST_ASSERT_EQUAL_INT32(HOLD, step());
-    in.demand_mNm = 0;
+    demand.brake_torque_mNm = 0;
     TEST_ASSERT_EQUAL_INT32(HOLD, step());
 }
 
 static int32_t drive(int32_t drive_mNm, int32_t command_mNm)
 {
-    in.drive_mNm = drive_mNm;
-    in.command_mNm = command_mNm;
+    demand.drive_torque_mNm = drive_mNm;
+    motor_mNm = command_mNm;
     return step();
 }
 
 void test_hold_begins_at_standstill_while_braking(void)
 {
-    in.demand_mNm = 10000;
+    demand.brake_torque_mNm = 10000;
     TEST_ASSERT_EQUAL_INT32(0, step()); /* still rolls */
-    in.demand_mNm = 0;
-    in.standstill = true;
+    demand.brake_torque_mNm = 0;
+    standstill = true;
     TEST_ASSERT_EQUAL_INT32(0, step()); /* came to rest by itself */
     hold();
-    in.standstill = false; /* the vehicle is pushed */
+    standstill = false; /* the vehicle is pushed */
     TEST_ASSERT_EQUAL_INT32(HOLD, step());
 }
 
 /* Uphill, with less demanded than the slope pulls with. */
 static void stop_uphill(void)
 {
-    in.demand_mNm = 10000;
-    in.road_mNm = 12000;
-    in.speed_mrad_s = 2000;
-    in.slower_mrad_s = 1000;
+    demand.brake_torque_mNm = 10000;
+    split.road_mNm = 12000;
+    speed_mrad_s = 2000;
+    split.slower_mrad_s = 1000;
     TEST_ASSERT_EQUAL_INT32(0, step());
-    in.speed_mrad_s = 1000;
-    in.slower_mrad_s = 0; /* it stands when the hydraulic brake has followed */
+    speed_mrad_s = 1000;
+    split.slower_mrad_s = 0; /* it stands when the hydraulic brake has followed */
 }
 
 void test_hold_begins_before_standstill_where_the_slope_pulls_with_more_than_the_demand(void)
 {
     stop_uphill();
     TEST_ASSERT_EQUAL_INT32(HOLD, step());
-    in.speed_mrad_s = -100; /* stands, and begins to roll back: the speed is expected to grow */
-    in.slower_mrad_s = 300;
+    speed_mrad_s = -100; /* stands, and begins to roll back: the speed is expected to grow */
+    split.slower_mrad_s = 300;
     TEST_ASSERT_EQUAL_INT32(HOLD, step());
-    in.standstill = true;
+    standstill = true;
     TEST_ASSERT_EQUAL_INT32(HOLD, step());
-    in.demand_mNm = 0;
+    demand.brake_torque_mNm = 0;
     TEST_ASSERT_EQUAL_INT32(HOLD, step());
 }
 
 void test_a_demand_that_holds_the_slope_has_no_hold_before_standstill(void)
 {
     stop_uphill();
-    in.road_mNm = 8000; /* an eighth less than the demand, and a tolerance */
+    split.road_mNm = 8000; /* an eighth less than the demand, and a tolerance */
     TEST_ASSERT_EQUAL_INT32(0, step());
-    in.road_mNm = 9000;
+    split.road_mNm = 9000;
     TEST_ASSERT_EQUAL_INT32(HOLD, step());
 }
 
@@ -97,24 +105,24 @@ void test_hold_before_standstill_ends_with_the_braking_or_if_the_wheel_becomes_f
 {
     stop_uphill();
     TEST_ASSERT_EQUAL_INT32(HOLD, step());
-    in.demand_mNm = 0;
+    demand.brake_torque_mNm = 0;
     TEST_ASSERT_EQUAL_INT32(HOLD - 400, step()); /* at the torque rate */
-    in.demand_mNm = 10000;
+    demand.brake_torque_mNm = 10000;
     TEST_ASSERT_EQUAL_INT32(HOLD, step());
-    in.speed_mrad_s = 2100; /* began at 1000 */
-    in.slower_mrad_s = 2100;
+    speed_mrad_s = 2100; /* began at 1000 */
+    split.slower_mrad_s = 2100;
     TEST_ASSERT_EQUAL_INT32(HOLD - 400, step());
     hill_hold_init(&state);
     stop_uphill();
-    in.engaged = DRIVE_DIRECTION_NEUTRAL;
+    demand.engaged = DRIVE_DIRECTION_NEUTRAL;
     TEST_ASSERT_EQUAL_INT32(0, step());
 }
 
 void test_without_a_hold_torque_there_is_none(void)
 {
     config.driver.hold_torque_mNm = 0;
-    in.standstill = true;
-    in.demand_mNm = 10000;
+    standstill = true;
+    demand.brake_torque_mNm = 10000;
     TEST_ASSERT_EQUAL_INT32(0, step());
 }
 
@@ -148,9 +156,9 @@ void test_wheel_that_rolls_back_is_caught_until_the_torque_suffices(void)
     for (int n = 0; n < RELEASE / 2; n++) {
         drive(1000, 1000);
     }
-    in.speed_mrad_s = BACK;
+    speed_mrad_s = BACK;
     TEST_ASSERT_EQUAL_INT32(29000, drive(1000, 1000));
-    in.speed_mrad_s = 0;
+    speed_mrad_s = 0;
     for (int n = 0; n < 2 * RELEASE; n++) {
         TEST_ASSERT_EQUAL_INT32(29000, drive(1000, 1000));
     }
@@ -160,7 +168,7 @@ void test_wheel_that_rolls_back_is_caught_until_the_torque_suffices(void)
 void test_wheel_that_drives_off_is_released_at_the_torque_rate(void)
 {
     hold();
-    in.speed_mrad_s = 400;
+    speed_mrad_s = 400;
     const int32_t first_mNm = drive(10000, 10000);
     TEST_ASSERT_EQUAL_INT32(first_mNm - 400, drive(10000, 10000));
     TEST_ASSERT_EQUAL_INT32(first_mNm - 800, drive(0, 0)); /* also when the pedal is released */
@@ -175,10 +183,10 @@ void test_driver_who_changes_his_mind_is_held_again(void)
 
 void test_reverse_is_the_mirror_image(void)
 {
-    in.engaged = DRIVE_DIRECTION_REVERSE;
+    demand.engaged = DRIVE_DIRECTION_REVERSE;
     hold();
     TEST_ASSERT_INT32_WITHIN(HOLD / RELEASE, 20000, drive(-40000, -10000));
-    in.speed_mrad_s = -BACK;
+    speed_mrad_s = -BACK;
     TEST_ASSERT_EQUAL_INT32(20000, drive(-40000, -10000));
     TEST_ASSERT_TRUE(state.caught);
 }
@@ -186,10 +194,10 @@ void test_reverse_is_the_mirror_image(void)
 void test_neutral_releases_at_the_torque_rate_and_does_not_hold(void)
 {
     hold();
-    in.engaged = DRIVE_DIRECTION_NEUTRAL;
+    demand.engaged = DRIVE_DIRECTION_NEUTRAL;
     TEST_ASSERT_EQUAL_INT32(HOLD - 400, step());
     TEST_ASSERT_EQUAL_INT32(HOLD - 800, step());
-    in.demand_mNm = 10000;
+    demand.brake_torque_mNm = 10000;
     TEST_ASSERT_EQUAL_INT32(HOLD - 1200, step());
 }
 
@@ -198,23 +206,23 @@ void test_neutral_releases_at_the_torque_rate_and_does_not_hold(void)
 /* Any braking, however little, begins it; a driving demand, however little, does not. */
 void test_a_millinewton_metre_of_braking_at_standstill_is_enough(void)
 {
-    in.standstill = true;
-    in.demand_mNm = 1;
+    standstill = true;
+    demand.brake_torque_mNm = 1;
     TEST_ASSERT_EQUAL_INT32(HOLD, step());
 }
 
 void test_before_standstill_any_braking_is_enough_and_any_driving_too_much(void)
 {
-    in.demand_mNm = 1;
-    in.road_mNm = 2;
-    in.speed_mrad_s = 1; /* as slow as it can be seen */
+    demand.brake_torque_mNm = 1;
+    split.road_mNm = 2;
+    speed_mrad_s = 1; /* as slow as it can be seen */
     TEST_ASSERT_EQUAL_INT32(HOLD, step());
     hill_hold_init(&state);
     stop_uphill();
-    in.drive_mNm = 1;
+    demand.drive_torque_mNm = 1;
     TEST_ASSERT_EQUAL_INT32(0, step());
     hill_hold_init(&state);
-    in.drive_mNm = -1;
+    demand.drive_torque_mNm = -1;
     TEST_ASSERT_EQUAL_INT32(0, step());
 }
 
@@ -222,9 +230,9 @@ void test_before_standstill_any_braking_is_enough_and_any_driving_too_much(void)
 void test_the_road_counts_from_seven_eighths_of_the_demand_on(void)
 {
     stop_uphill();
-    in.road_mNm = 8750;
+    split.road_mNm = 8750;
     TEST_ASSERT_EQUAL_INT32(0, step());
-    in.road_mNm = 8751;
+    split.road_mNm = 8751;
     TEST_ASSERT_EQUAL_INT32(HOLD, step());
 }
 
@@ -232,18 +240,18 @@ void test_the_road_counts_from_seven_eighths_of_the_demand_on(void)
 void test_hold_begins_when_a_third_of_the_speed_is_left(void)
 {
     stop_uphill();
-    in.slower_mrad_s = 334;
+    split.slower_mrad_s = 334;
     TEST_ASSERT_EQUAL_INT32(0, step());
-    in.slower_mrad_s = 333;
+    split.slower_mrad_s = 333;
     TEST_ASSERT_EQUAL_INT32(HOLD, step());
 }
 
 void test_hold_before_standstill_is_the_same_in_reverse(void)
 {
     stop_uphill();
-    in.engaged = DRIVE_DIRECTION_REVERSE;
-    in.speed_mrad_s = -1000;
-    in.slower_mrad_s = 333;
+    demand.engaged = DRIVE_DIRECTION_REVERSE;
+    speed_mrad_s = -1000;
+    split.slower_mrad_s = 333;
     TEST_ASSERT_EQUAL_INT32(HOLD, step());
 }
 
@@ -252,10 +260,10 @@ void test_hold_before_standstill_stays_up_to_twice_the_speed_at_which_it_began(v
 {
     stop_uphill();
     TEST_ASSERT_EQUAL_INT32(HOLD, step());
-    in.speed_mrad_s = 2001;
-    in.slower_mrad_s = 2001;
+    speed_mrad_s = 2001;
+    split.slower_mrad_s = 2001;
     TEST_ASSERT_EQUAL_INT32(HOLD, step());
-    in.speed_mrad_s = 2002;
+    speed_mrad_s = 2002;
     TEST_ASSERT_EQUAL_INT32(HOLD - 400, step());
 }
 
@@ -263,10 +271,10 @@ void test_the_speed_at_which_it_began_stays_that_of_the_beginning(void)
 {
     stop_uphill();
     TEST_ASSERT_EQUAL_INT32(HOLD, step());
-    in.speed_mrad_s = 1900;
+    speed_mrad_s = 1900;
     TEST_ASSERT_EQUAL_INT32(HOLD, step());
-    in.speed_mrad_s = 2100; /* more than twice 1000, less than twice 1900 */
-    in.slower_mrad_s = 2100;
+    speed_mrad_s = 2100; /* more than twice 1000, less than twice 1900 */
+    split.slower_mrad_s = 2100;
     TEST_ASSERT_EQUAL_INT32(HOLD - 400, step());
 }
 
@@ -274,10 +282,10 @@ void test_the_speed_at_which_it_began_stays_that_of_the_beginning(void)
 static int32_t caught(int32_t command_mNm)
 {
     hill_hold_init(&state);
-    in.speed_mrad_s = 0;
-    in.drive_mNm = 0;
+    speed_mrad_s = 0;
+    demand.drive_torque_mNm = 0;
     hold();
-    in.speed_mrad_s = BACK;
+    speed_mrad_s = BACK;
     return drive(1, command_mNm);
 }
 
@@ -298,11 +306,11 @@ void test_the_torque_that_releases_is_the_hold_s_or_three_quarters_of_the_motor_
 void test_a_hold_of_one_millinewton_metre_is_a_hold(void)
 {
     config.driver.hold_torque_mNm = 1;
-    in.standstill = true;
-    in.demand_mNm = 1;
+    standstill = true;
+    demand.brake_torque_mNm = 1;
     TEST_ASSERT_EQUAL_INT32(1, step());
-    in.demand_mNm = 0;
-    in.speed_mrad_s = BACK;
+    demand.brake_torque_mNm = 0;
+    speed_mrad_s = BACK;
     TEST_ASSERT_EQUAL_INT32(1, drive(1, 0));
     TEST_ASSERT_EQUAL_INT32(1, drive(1, 0));
     TEST_ASSERT_EQUAL_INT32(0, drive(1, 1));
@@ -318,10 +326,10 @@ void test_a_hold_of_one_millinewton_metre_begins_before_standstill_too(void)
 void test_without_a_hold_torque_driving_off_is_possible_at_once(void)
 {
     config.driver.hold_torque_mNm = 0;
-    in.standstill = true;
-    in.demand_mNm = 10000;
+    standstill = true;
+    demand.brake_torque_mNm = 10000;
     TEST_ASSERT_EQUAL_INT32(0, step());
-    in.demand_mNm = 0;
+    demand.brake_torque_mNm = 0;
     TEST_ASSERT_EQUAL_INT32(0, drive(1, 0));
 }
 
@@ -331,10 +339,10 @@ void test_the_wheel_rolls_back_or_drives_off_beyond_the_speed_of_standstill(void
     static const int32_t EDGES_mrad_s[] = {-300, -301, 300, 301};
     for (int k = 0; k < 4; k++) {
         hill_hold_init(&state);
-        in.speed_mrad_s = 0;
-        in.drive_mNm = 0;
+        speed_mrad_s = 0;
+        demand.drive_torque_mNm = 0;
         hold();
-        in.speed_mrad_s = EDGES_mrad_s[k];
+        speed_mrad_s = EDGES_mrad_s[k];
         drive(1, 0);
         TEST_ASSERT_EQUAL_INT(k == 1, state.caught);
         TEST_ASSERT_EQUAL_INT32(k == 3 ? HOLD - HOLD / RELEASE - 400 : HOLD, drive(0, 0));
@@ -348,23 +356,24 @@ void test_a_release_that_is_interrupted_begins_again_with_its_whole_time(void)
     static const bool AHEAD[] = {false, true};
     for (int k = 0; k < 2; k++) {
         hill_hold_init(&state);
-        in.drive_mNm = in.road_mNm = in.speed_mrad_s = 0;
+        demand.drive_torque_mNm = split.road_mNm = speed_mrad_s = 0;
         hold();
-        in.standstill = false;
-        in.speed_mrad_s = BACK;
+        standstill = false;
+        speed_mrad_s = BACK;
         drive(1000, 1000);
-        in.speed_mrad_s = 0;
+        speed_mrad_s = 0;
         for (int n = 1; n < RELEASE / 2; n++) {
             drive(1000, 1000);
         }
         TEST_ASSERT_TRUE(state.caught);
-        in.demand_mNm = AHEAD[k] ? 10000 : 0; /* on a slope that the demand does not hold */
-        in.road_mNm = AHEAD[k] ? 12000 : 0;
-        in.speed_mrad_s = AHEAD[k] ? 100 : 0;
-        in.slower_mrad_s = 0;
+        demand.brake_torque_mNm =
+            AHEAD[k] ? 10000 : 0; /* on a slope that the demand does not hold */
+        split.road_mNm = AHEAD[k] ? 12000 : 0;
+        speed_mrad_s = AHEAD[k] ? 100 : 0;
+        split.slower_mrad_s = 0;
         TEST_ASSERT_EQUAL_INT32(HOLD, drive(0, 600));
         TEST_ASSERT_FALSE(state.caught);
-        in.demand_mNm = 0;
+        demand.brake_torque_mNm = 0;
         for (int n = 1; n < RELEASE; n++) {
             TEST_ASSERT_GREATER_THAN_INT32(0, drive(1000, 0));
         }
@@ -384,7 +393,7 @@ void test_the_time_of_a_release_ends_with_it(void)
 void test_braking_at_standstill_does_not_begin_a_release_again(void)
 {
     hold();
-    in.demand_mNm = 1;
+    demand.brake_torque_mNm = 1;
     for (int n = 1; n < RELEASE; n++) {
         TEST_ASSERT_GREATER_THAN_INT32(0, drive(1000, 0));
     }
@@ -394,10 +403,10 @@ void test_braking_at_standstill_does_not_begin_a_release_again(void)
 void test_a_hold_that_neutral_has_ended_does_not_come_back(void)
 {
     hold();
-    in.standstill = false;
-    in.engaged = DRIVE_DIRECTION_NEUTRAL;
+    standstill = false;
+    demand.engaged = DRIVE_DIRECTION_NEUTRAL;
     TEST_ASSERT_EQUAL_INT32(HOLD - 400, step());
-    in.engaged = DRIVE_DIRECTION_FORWARD;
+    demand.engaged = DRIVE_DIRECTION_FORWARD;
     TEST_ASSERT_EQUAL_INT32(HOLD - 800, step());
 }
 
@@ -405,14 +414,14 @@ void test_hold_is_between_zero_and_its_torque_for_any_input(void)
 {
     random_t random = random_seeded(4);
     for (int n = 0; n < 200000; n++) {
-        in.demand_mNm = random_chance(&random, 0.5) ? 0 : random_wild(&random);
-        in.command_mNm = random_wild(&random);
-        in.drive_mNm = random_chance(&random, 0.5) ? 0 : random_wild(&random);
-        in.speed_mrad_s = random_chance(&random, 0.5) ? CREEP : random_wild(&random);
-        in.road_mNm = random_chance(&random, 0.5) ? 0 : q_max(random_wild(&random), 0);
-        in.slower_mrad_s = random_chance(&random, 0.5) ? 0 : q_max(random_wild(&random), 0);
-        in.engaged = (drive_direction_t)random_between(&random, 0, 2);
-        in.standstill = random_chance(&random, 0.5);
+        demand.brake_torque_mNm = random_chance(&random, 0.5) ? 0 : random_wild(&random);
+        motor_mNm = random_wild(&random);
+        demand.drive_torque_mNm = random_chance(&random, 0.5) ? 0 : random_wild(&random);
+        speed_mrad_s = random_chance(&random, 0.5) ? CREEP : random_wild(&random);
+        split.road_mNm = random_chance(&random, 0.5) ? 0 : q_max(random_wild(&random), 0);
+        split.slower_mrad_s = random_chance(&random, 0.5) ? 0 : q_max(random_wild(&random), 0);
+        demand.engaged = (drive_direction_t)random_between(&random, 0, 2);
+        standstill = random_chance(&random, 0.5);
         if (random_chance(&random, 0.001)) {
             config.driver.hold_torque_mNm = random_between(&random, 0, 20000000);
             config.motor.max_torque_mNm = random_between(&random, 10, 20000000);

@@ -55,7 +55,7 @@ void test_the_inertial_torque_is_that_of_whole_changes_of_the_filtered_speed(voi
         watch.speed_lp_q8_mrad_s = FAST_mrad_s * 256 - sign * (64 * 3 + 63);
         step();
         TEST_ASSERT_EQUAL_INT32(sign * 3 * 4, watch.inertial_mNm);
-        TEST_ASSERT_EQUAL_INT32(sign * 3 * 4, watch.beside_mNm);
+        TEST_ASSERT_EQUAL_INT32(sign * 3 * 4, watch.road_mNm);
     }
 }
 
@@ -66,7 +66,7 @@ void test_torques_are_limited_before_they_are_filtered(void)
     rises_by(600);
     step();
     TEST_ASSERT_EQUAL_INT32(MOST_mNm, watch.inertial_mNm);
-    TEST_ASSERT_EQUAL_INT32(MOST_mNm, watch.beside_mNm);
+    TEST_ASSERT_EQUAL_INT32(MOST_mNm, watch.road_mNm);
     riding(0, 0, 0);
     in.motor_mNm = MOST_mNm + 6400;
     step();
@@ -84,7 +84,7 @@ void test_air_drag_is_its_share_of_the_squared_speed(void)
     config.brake.hydraulic_watch_drag_uNm_s2 = 1001;
     riding(0, 0, 0);
     step();
-    TEST_ASSERT_EQUAL_INT32(838, watch.beside_mNm);
+    TEST_ASSERT_EQUAL_INT32(838, watch.road_mNm);
 }
 
 /* 8388607 mrad/s are the largest of the filter: 2^26 of a squared speed, less one. */
@@ -95,7 +95,7 @@ void test_air_drag_ends_at_the_largest_torque(void)
     in.speed_mrad_s = INT32_MAX;
     watch.speed_lp_q8_mrad_s = INT32_MAX;
     step();
-    TEST_ASSERT_EQUAL_INT32(MOST_mNm, watch.beside_mNm);
+    TEST_ASSERT_EQUAL_INT32(MOST_mNm, watch.road_mNm);
 }
 
 /* ---- the road ---- */
@@ -110,7 +110,7 @@ void test_the_road_follows_the_largest_difference_either_way(void)
         watch.road_q8_mNm = apart_q8_mNm;
         rises_by(sign * 600);
         step();
-        TEST_ASSERT_EQUAL_INT32(sign * MOST_mNm, watch.beside_mNm);
+        TEST_ASSERT_EQUAL_INT32(sign * MOST_mNm, watch.road_mNm);
         TEST_ASSERT_EQUAL_INT32(apart_q8_mNm + sign * 300001, watch.road_q8_mNm);
     }
 }

@@ -197,5 +197,5 @@ void test_the_inertial_torque_is_that_of_the_inertia_learned(void)
 {
     (void)weight_q15(16000);
     TEST_ASSERT_EQUAL_INT32(64000, watch.inertial_mNm);
-    TEST_ASSERT_INT32_WITHIN(2, 0, watch.beside_mNm);
+    TEST_ASSERT_INT32_WITHIN(2, 0, watch.road_mNm);
 }

@@ -96,7 +96,7 @@ void test_a_wheel_that_begins_to_roll_starts_its_filters_and_waits(void)
         TEST_ASSERT_TRUE(watch.rolls && watch.stale);
         TEST_ASSERT_EQUAL_INT32(FAST_mrad_s * 256, watch.speed_lp_q8_mrad_s);
         TEST_ASSERT_EQUAL_INT32(-12000 * 64, watch.known_lp_mNm.accumulator);
-        TEST_ASSERT_EQUAL_INT32(12000, watch.beside_mNm); /* of a speed that is constant */
+        TEST_ASSERT_EQUAL_INT32(12000, watch.road_mNm); /* of a speed that is constant */
         TEST_ASSERT_EQUAL_INT32(HYDRAULIC_WATCH_SETTLE_ms, watch.pause_ms);
         TEST_ASSERT_EQUAL_INT32(0, watch.quiet_ms);
         assert_no_sums();
@@ -138,7 +138,7 @@ void test_a_wheel_without_trust_or_watch_does_not_roll(void)
     config.brake.hydraulic_watch_inertia_g_m2 = 0;
     step();
     TEST_ASSERT_FALSE(watch.rolls);
-    TEST_ASSERT_EQUAL_INT32(0, watch.beside_mNm);
+    TEST_ASSERT_EQUAL_INT32(0, watch.road_mNm);
 }
 
 /* The other way the road is another one; a wheel at standstill turns to neither. */
@@ -194,7 +194,7 @@ void test_the_road_is_acquired_by_a_32nd_of_what_it_differs_by(void)
     watch.known_lp_mNm.accumulator = -3200 * 64;
     in.motor_mNm = -3200;
     step();
-    TEST_ASSERT_EQUAL_INT32(3200, watch.beside_mNm);
+    TEST_ASSERT_EQUAL_INT32(3200, watch.road_mNm);
     TEST_ASSERT_EQUAL_INT32(3200 * 256 / 32, watch.road_q8_mNm);
 }
 

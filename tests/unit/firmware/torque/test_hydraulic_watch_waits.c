@@ -150,7 +150,7 @@ void test_the_torque_of_a_brake_by_itself_ends_at_the_largest_number(void)
     watch.road_q8_mNm = (4068572 + 30000) * 256;
     watch.excess_mNm_ms = END_mNm_ms - 1;
     step();
-    TEST_ASSERT_EQUAL_INT32(4068572, watch.beside_mNm);
+    TEST_ASSERT_EQUAL_INT32(4068572, watch.road_mNm);
     TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_STUCK, watch.reason);
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, watch.extra_mNm);
 }

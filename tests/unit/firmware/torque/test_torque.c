@@ -11,14 +11,6 @@ void setUp(void)
 
 void tearDown(void) {}
 
-static torque_output_t run(int milliseconds)
-{
-    for (int n = 1; n < milliseconds; n++) {
-        step();
-    }
-    return step();
-}
-
 void test_driving_demand_gives_the_current_of_its_torque(void)
 {
     in.drive_torque_mNm = 30000;
@@ -108,7 +100,7 @@ void test_hydraulic_brake_replaces_a_motor_without_current(void)
     in.brake_torque_mNm = 30000;
     torque_output_t out = {0};
     for (int n = 0; n < 200; n++) {
-        out = torque_step(&state, &config, &in); /* the measured current stays zero */
+        out = torque_case_step(); /* the measured current stays zero */
     }
     /* Iron loss brakes with 0.7038 Nm/A * 2.0095 A = 1.414 Nm, and 2 Nm of shortfall are tolerated:
      * 30 - 1.414 - 2 = 26.586 Nm. */
@@ -158,10 +150,10 @@ void test_both_brakes_are_kept_and_the_motor_then_leaves_as_the_brake_systems_ow
     const torque_output_t later = run(config.brake.hydraulic_time_constant_ms);
     TEST_ASSERT_DOUBLE_WITHIN(-0.02 * kept.command_mNm, exp(-1.0) * kept.command_mNm,
                               later.command_mNm);
-    const torque_output_t last = run(600);
-    TEST_ASSERT_EQUAL_INT32(0, last.hydraulic_mNm);
-    TEST_ASSERT_EQUAL_INT32(0, last.command_mNm);
-    TEST_ASSERT_EQUAL_INT(REASON_DEMAND_TIMEOUT, last.reason);
+    const torque_output_t gone = run(600);
+    TEST_ASSERT_EQUAL_INT32(0, gone.hydraulic_mNm);
+    TEST_ASSERT_EQUAL_INT32(0, gone.command_mNm);
+    TEST_ASSERT_EQUAL_INT(REASON_DEMAND_TIMEOUT, gone.reason);
 }
 
 void test_reason_is_phase_current_where_that_limit_is_the_tightest(void)
@@ -208,13 +200,13 @@ void test_torque_estimate_is_that_of_the_measured_current(void)
     in.drive_torque_mNm = 30000;
     in.current.q_mA = -10000;
     /* -0.7038 Nm/A * (10 + 2.0095) A */
-    TEST_ASSERT_INT32_WITHIN(30, -8452, torque_step(&state, &config, &in).estimate_mNm);
+    TEST_ASSERT_INT32_WITHIN(30, -8452, torque_case_step().estimate_mNm);
     in.flux_missing_q15 = 1 << 13; /* a quarter; at most a half counts */
-    TEST_ASSERT_INT32_WITHIN(30, -6339, torque_step(&state, &config, &in).estimate_mNm);
+    TEST_ASSERT_INT32_WITHIN(30, -6339, torque_case_step().estimate_mNm);
     in.flux_missing_q15 = INT32_MAX;
-    TEST_ASSERT_INT32_WITHIN(30, -4226, torque_step(&state, &config, &in).estimate_mNm);
+    TEST_ASSERT_INT32_WITHIN(30, -4226, torque_case_step().estimate_mNm);
     in.flux_missing_q15 = -1;
-    TEST_ASSERT_INT32_WITHIN(30, -8452, torque_step(&state, &config, &in).estimate_mNm);
+    TEST_ASSERT_INT32_WITHIN(30, -8452, torque_case_step().estimate_mNm);
 }
 
 /* Demand, battery, temperatures and torque enable jump at random; the speed changes slowly. */
@@ -231,7 +223,7 @@ static void random_conditions(random_t *random)
         in.bms_discharge_current_mA = random_between(random, 0, 200000);
         in.bus_voltage_mV = random_between(random, 35000, 60000);
         in.winding_temperature_cC = random_between(random, -2000, 16000);
-        in.rotor_valid = random_chance(random, 0.9);
+        in.angle_valid = random_chance(random, 0.9);
         in.torque_enable = FULL_ENABLE;
         if (random_chance(random, 0.2)) {
             in.torque_enable.drive_q15 = (int16_t)random_between(random, 0, Q15_ONE);
@@ -272,7 +264,7 @@ void test_both_brakes_together_settle_on_the_braking_demand(void)
 {
     random_t random = random_seeded(2);
     for (int n = 0; n < 300; n++) {
-        torque_init(&state, &config);
+        torque_rig_start();
         in.speed_mrad_s = random_between(&random, 0, 67000);
         in.brake_torque_mNm = random_between(&random, 1, 300000);
         in.bms_charge_current_mA = random_between(&random, 0, 200000);
@@ -306,7 +298,7 @@ void test_outputs_are_bounded_for_any_input(void)
         in.winding_temperature_cC = random_wild(&random);
         in.switch_temperature_cC = random_wild(&random);
         in.i_d_weakening_mA = random_wild(&random);
-        const torque_output_t out = torque_step(&state, &config, &in);
+        const torque_output_t out = torque_case_step();
         TEST_ASSERT_INT32_WITHIN(config.motor.max_phase_current_mA, 0, out.current.i_q_mA);
         TEST_ASSERT_INT32_WITHIN(config.motor.max_torque_mNm, 0, out.command_mNm);
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, out.hydraulic_mNm);
@@ -349,7 +341,7 @@ void test_half_of_the_battery_current_is_allowed_at_half_of_the_foldback_width(v
     TEST_ASSERT_EQUAL_INT(REASON_BUS_VOLTAGE_HIGH, run(4000).available.reason);
     TEST_ASSERT_DOUBLE_WITHIN(0.02 * 1445.4, -25.0 * 1e-3 * in.bus_voltage_mV, drawn_w());
 
-    torque_init(&state, &config);
+    torque_rig_start();
     in.brake_torque_mNm = 0;
     in.drive_torque_mNm = 40000;
     in.bus_voltage_mV = 53000;
@@ -369,7 +361,7 @@ void test_init_resets_demand_limits_and_stop_lamp(void)
         in.speed_mrad_s -= 10;
         (void)step();
     }
-    torque_init(&state, &config);
+    torque_rig_start();
     in.brake_torque_mNm = 0;
     in.demand_age_ms = 1000000;
     const torque_output_t out = step();
@@ -392,7 +384,7 @@ static void draw_state(random_t *random)
     in.switch_temperature_cC = random_between(random, 0, 20000);
     in.i_d_weakening_mA = random_chance(random, 0.5) ? 0 : random_between(random, -60000, 0);
     in.voltage_limited = random_chance(random, 0.3);
-    in.rotor_valid = random_chance(random, 0.9);
+    in.angle_valid = random_chance(random, 0.9);
     in.abs_active = random_chance(random, 0.1);
     in.torque_enable.drive_q15 = random_chance(random, 0.8) ? Q15_ONE : 0;
     in.torque_enable.brake_q15 = random_chance(random, 0.8) ? Q15_ONE : 0;
@@ -414,7 +406,7 @@ void test_the_reason_shown_on_a_bound_is_that_of_the_table_s_tightest_line(void)
         if (n % 100 == 0) {
             config.brake.strategy = n / 100 % 3;
             config.motor.max_phase_current_mA = n / 100 % 2 == 0 ? 8000 : 90000;
-            torque_init(&state, &config);
+            torque_rig_start();
         }
         draw_state(&random);
         torque_output_t out = run(1);
@@ -470,7 +462,7 @@ void test_a_new_demand_meets_a_bound_of_the_same_step(void)
         in.brake_torque_mNm = kind == BRAKE ? 10000 : 0;
         in.speed_mrad_s = kind == ROLLING_BACK ? -in.speed_mrad_s : in.speed_mrad_s;
         (void)step();
-        const torque_limits_t *now = &state.table;
+        const torque_limits_t *now = torque_limits_of(&state);
         const limit_t *line =
             kind == DRIVE ? &now->driving[TORQUE_LINE_DRAWN] : &now->braking[TORQUE_LINE_RETURNED];
         TEST_ASSERT_LESS_THAN_INT32(2000, line->torque_mNm); /* its losses */

@@ -1,35 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "paper_vehicle.h"
 #include "random_values.h"
-#include "torque/torque_command.h"
-#include "unity.h"
+#include "torque_command_rig.h"
 
-enum { FORWARD = 30000, BACKWARD = -30000, RATE = 400, SETTLED = 200 };
-
-static config_t config;
-static torque_command_state_t state;
-static torque_limits_t limits;
-static torque_limits_state_t limits_state;
 static struct {
     limit_t driving, regenerating;
 } capability;
-static torque_enable_t torque_enable;
-static int32_t voltage_use_q15;
-static bool withdrawn;
 
 void setUp(void)
 {
-    config = paper_vehicle();
-    config.brake.torque_rate_mNm_s = RATE * 1000;
-    voltage_use_q15 = 0;
-    withdrawn = false;
-    torque_command_init(&state);
-    capability.driving = limit_init(40000, REASON_MAX_TORQUE);
-    capability.regenerating = limit_init(25000, REASON_CHARGE_CURRENT);
-    torque_limits_init(&limits_state, &limits);
-    torque_enable.drive_q15 = Q15_ONE;
-    torque_enable.brake_q15 = Q15_ONE;
-    torque_enable.reason = REASON_NONE;
+    rig_up();
+    capability.driving = limits.driving[TORQUE_LINE_MAX_TORQUE];
+    capability.regenerating = limits.braking[TORQUE_LINE_MAX_TORQUE];
 }
 
 void tearDown(void) {}
@@ -37,24 +18,20 @@ void tearDown(void) {}
 static limit_t enabled(int32_t most_mNm, int16_t share_q15)
 {
     const int32_t part_mNm = (int32_t)((int64_t)most_mNm * share_q15 / 32768);
-    return limit_init(share_q15 < Q15_ONE ? part_mNm : INT32_MAX, torque_enable.reason);
+    return limit_init(share_q15 < Q15_ONE ? part_mNm : INT32_MAX, in.torque_enable.reason);
 }
 
 static torque_command_out_t step(int32_t speed_mrad_s, int32_t drive_mNm, int32_t electric_mNm)
 {
-    const torque_command_input_t in = {
-        .torque_enable = torque_enable,
-        .speed_mrad_s = speed_mrad_s,
-        .voltage_use_q15 = voltage_use_q15,
-        .drive_mNm = drive_mNm,
-        .electric_mNm = electric_mNm,
-        .drive_withdrawn = withdrawn,
-    };
+    in.speed_mrad_s = speed_mrad_s;
+    in.drive_torque_mNm = drive_mNm;
+    in.electric_mNm = electric_mNm;
+    in.uncovered_mNm = in.rise_mNm = 0;
     limits.driving[TORQUE_LINE_MAX_TORQUE] = capability.driving;
-    limits.driving[TORQUE_LINE_ENABLE] = enabled(40000, torque_enable.drive_q15);
+    limits.driving[TORQUE_LINE_ENABLE] = enabled(40000, in.torque_enable.drive_q15);
     limits.braking[TORQUE_LINE_MAX_TORQUE] = capability.regenerating;
-    limits.braking[TORQUE_LINE_ENABLE] = enabled(25000, torque_enable.brake_q15);
-    return torque_command_step(&state, &config, &limits, &in);
+    limits.braking[TORQUE_LINE_ENABLE] = enabled(25000, in.torque_enable.brake_q15);
+    return command_step();
 }
 
 static torque_command_out_t settle(int32_t speed_mrad_s, int32_t drive_mNm, int32_t electric_mNm)
@@ -85,7 +62,7 @@ void test_the_torque_is_falling_until_a_smaller_one_of_the_same_sign_is_reached(
 {
     static const int32_t SIGN[] = {1, -1};
     for (int k = 0; k < 2; k++) {
-        torque_command_init(&state);
+        command_begins();
         TEST_ASSERT_FALSE(step(FORWARD * SIGN[k], SIGN[k] * 1000, 0).falling); /* rises */
         TEST_ASSERT_FALSE(settle(FORWARD * SIGN[k], SIGN[k] * 1000, 0).falling);
         TEST_ASSERT_TRUE(step(FORWARD * SIGN[k], SIGN[k] * 500, 0).falling);  /* 600 */
@@ -139,12 +116,12 @@ void test_braking_torque_is_negative_at_standstill(void)
 
 void test_driving_and_braking_have_separate_torque_enables(void)
 {
-    torque_enable.drive_q15 = 8192; /* a quarter of 40 Nm */
-    torque_enable.reason = REASON_ROTOR_UNCERTAIN;
+    in.torque_enable.drive_q15 = 8192; /* a quarter of 40 Nm */
+    in.torque_enable.reason = REASON_ROTOR_UNCERTAIN;
     assert_command(10000, REASON_ROTOR_UNCERTAIN, settle(FORWARD, 60000, 0));
     assert_command(-25000, REASON_CHARGE_CURRENT, settle(FORWARD, -60000, 0));
-    torque_enable.drive_q15 = Q15_ONE;
-    torque_enable.brake_q15 = 8192; /* a quarter of 25 Nm */
+    in.torque_enable.drive_q15 = Q15_ONE;
+    in.torque_enable.brake_q15 = 8192; /* a quarter of 25 Nm */
     assert_command(40000, REASON_MAX_TORQUE, settle(FORWARD, 60000, 0));
     assert_command(-6250, REASON_ROTOR_UNCERTAIN, settle(FORWARD, -60000, 0));
 }
@@ -152,8 +129,8 @@ void test_driving_and_braking_have_separate_torque_enables(void)
 void test_torque_falls_at_its_rate_after_the_torque_enable_is_withdrawn(void)
 {
     settle(FORWARD, 30000, 0);
-    torque_enable.drive_q15 = 0;
-    torque_enable.reason = REASON_TORQUE_ENABLE;
+    in.torque_enable.drive_q15 = 0;
+    in.torque_enable.reason = REASON_TORQUE_ENABLE;
     assert_command(29600, REASON_TORQUE_RATE, step(FORWARD, 30000, 0));
     assert_command(0, REASON_TORQUE_ENABLE, settle(FORWARD, 30000, 0));
 }
@@ -161,15 +138,15 @@ void test_torque_falls_at_its_rate_after_the_torque_enable_is_withdrawn(void)
 void test_command_is_zero_in_one_step_when_the_bridge_stops_switching(void)
 {
     settle(FORWARD, 30000, 0);
-    const torque_enable_t full = torque_enable;
-    torque_enable.drive_q15 = 0;
-    torque_enable.brake_q15 = 0;
-    torque_enable.reason = REASON_OVERCURRENT;
+    const torque_enable_t full = in.torque_enable;
+    in.torque_enable.drive_q15 = 0;
+    in.torque_enable.brake_q15 = 0;
+    in.torque_enable.reason = REASON_OVERCURRENT;
     assert_command(0, REASON_OVERCURRENT, step(FORWARD, 30000, 0));
     assert_command(0, REASON_OVERCURRENT, step(FORWARD, 0, 10000));
     assert_command(0, REASON_NONE, step(FORWARD, 0, 0));
     /* and afterwards it starts again from zero */
-    torque_enable = full;
+    in.torque_enable = full;
     assert_command(400, REASON_TORQUE_RATE, step(FORWARD, 30000, 0));
 }
 
@@ -178,20 +155,20 @@ void test_command_is_zero_in_one_step_when_the_bridge_stops_switching(void)
 void test_withdrawn_driving_torque_goes_at_once_and_braking_begins_at_its_rate(void)
 {
     settle(FORWARD, 30000, 0);
-    withdrawn = true;
+    in.drive_withdrawn = true;
     assert_command(-400, REASON_TORQUE_RATE, step(FORWARD, 0, 20000));
     assert_command(-800, REASON_TORQUE_RATE, step(FORWARD, 0, 20000));
-    torque_command_init(&state);
-    withdrawn = false;
+    command_begins();
+    in.drive_withdrawn = false;
     settle(0, 30000, 0); /* at standstill every torque drives */
-    withdrawn = true;
+    in.drive_withdrawn = true;
     assert_command(0, REASON_NONE, step(0, 0, 0));
 }
 
 void test_torque_of_a_wheel_that_rolls_back_is_braking_and_is_not_withdrawn(void)
 {
     settle(BACKWARD, 20000, 0);
-    withdrawn = true;
+    in.drive_withdrawn = true;
     assert_command(20000, REASON_NONE, step(BACKWARD, 0, 20000));
 }
 
@@ -215,30 +192,21 @@ void test_braking_torque_that_the_hydraulic_brake_has_taken_over_goes_at_once(vo
     for (int k = 0; k < 2; k++) {
         const int32_t speed_mrad_s = SPEEDS_mrad_s[k];
         const int32_t sign = k == 0 ? -1 : 1;
-        torque_command_init(&state);
+        command_begins();
         settle(speed_mrad_s, 0, 20000);
-        torque_command_input_t in = {
-            .torque_enable = torque_enable,
-            .speed_mrad_s = speed_mrad_s,
-            .electric_mNm = 18000,
-            .beside_mNm = 18000,
-            .arrived_mNm = 2000,
-        };
-        assert_command(sign * 18000, REASON_NONE,
-                       torque_command_step(&state, &config, &limits, &in));
-        in.arrived_mNm = 1000; /* less than the motor has too much */
-        in.beside_mNm = in.electric_mNm = 10000;
-        assert_command(sign * 17000, REASON_TORQUE_RATE,
-                       torque_command_step(&state, &config, &limits, &in));
-        in.arrived_mNm = 0; /* a demand that falls: for comfort, at the rate */
-        assert_command(sign * 16600, REASON_TORQUE_RATE,
-                       torque_command_step(&state, &config, &limits, &in));
+        in.electric_mNm = in.uncovered_mNm = 18000;
+        in.rise_mNm = 2000;
+        assert_command(sign * 18000, REASON_NONE, command_step());
+        in.rise_mNm = 1000; /* less than the motor has too much */
+        in.uncovered_mNm = in.electric_mNm = 10000;
+        assert_command(sign * 17000, REASON_TORQUE_RATE, command_step());
+        in.rise_mNm = 0; /* a demand that falls: for comfort, at the rate */
+        assert_command(sign * 16600, REASON_TORQUE_RATE, command_step());
         settle(speed_mrad_s, -sign * 20000, 0);
-        in.electric_mNm = in.beside_mNm = 0;
-        in.drive_mNm = -sign * 20000;
-        in.arrived_mNm = 5000;
-        assert_command(-sign * 20000, REASON_NONE,
-                       torque_command_step(&state, &config, &limits, &in));
+        in.electric_mNm = in.uncovered_mNm = 0;
+        in.drive_torque_mNm = -sign * 20000;
+        in.rise_mNm = 5000;
+        assert_command(-sign * 20000, REASON_NONE, command_step());
     }
 }
 
@@ -246,7 +214,7 @@ void test_braking_torque_of_a_wheel_that_turns_round_goes_at_once(void)
 {
     static const int32_t SPEEDS_mrad_s[] = {BACKWARD, -1};
     for (int k = 0; k < 2; k++) {
-        torque_command_init(&state);
+        command_begins();
         settle(FORWARD, 0, 20000);
         assert_command(0, REASON_NONE, step(SPEEDS_mrad_s[k], 0, 0));
     }
@@ -267,7 +235,7 @@ void test_driving_torque_after_braking_to_rest_is_withdrawn_at_once(void)
     settle(FORWARD, 0, 20000);
     settle(0, 0, 0);
     settle(0, 20000, 0);
-    withdrawn = true;
+    in.drive_withdrawn = true;
     assert_command(0, REASON_NONE, step(0, 0, 0));
 }
 
@@ -285,11 +253,11 @@ void test_command_stays_between_zero_and_the_demand_under_random_limits(void)
     for (int n = 0; n < 20000; n++) {
         capability.driving = limit_init(random_between(&random, 0, 60000), REASON_MAX_POWER);
         capability.regenerating = limit_init(random_between(&random, 0, 60000), REASON_MAX_POWER);
-        torque_enable.drive_q15 = (int16_t)random_between(&random, 0, Q15_ONE);
-        torque_enable.brake_q15 = (int16_t)random_between(&random, 0, Q15_ONE);
+        in.torque_enable.drive_q15 = (int16_t)random_between(&random, 0, Q15_ONE);
+        in.torque_enable.brake_q15 = (int16_t)random_between(&random, 0, Q15_ONE);
         const int32_t speed_mrad_s = random_between(&random, -70000, 70000);
         const int32_t drive_mNm = random_between(&random, -60000, 60000);
-        torque_command_init(&state);
+        command_begins();
         for (int k = 0; k < 160; k++) {
             const int32_t command_mNm = step(speed_mrad_s, drive_mNm, 0).command_mNm;
             TEST_ASSERT_GREATER_OR_EQUAL_INT32(drive_mNm < 0 ? drive_mNm : 0, command_mNm);
@@ -319,14 +287,14 @@ void test_the_command_never_grows_faster_than_the_rate_and_falls_faster_to_zero_
 /* voltage_use_q15 is a square: 30802 and 31457 are 0.94 and 0.96 of that of the largest voltage. */
 void test_torque_rises_at_its_full_rate_up_to_voltage_use_0_94(void)
 {
-    voltage_use_q15 = 30801;
+    in.voltage_use_q15 = 30801;
     assert_command(400, REASON_TORQUE_RATE, step(FORWARD, 10000, 0));
     assert_command(800, REASON_TORQUE_RATE, step(FORWARD, 10000, 0));
 }
 
 void test_torque_rate_falls_with_the_remaining_voltage(void)
 {
-    voltage_use_q15 = 31129; /* the middle of 30802 and 31457, less 0.15 % */
+    in.voltage_use_q15 = 31129; /* the middle of 30802 and 31457, less 0.15 % */
     assert_command(200, REASON_TORQUE_RATE, step(FORWARD, 10000, 0));
     assert_command(-200, REASON_TORQUE_RATE, (settle(FORWARD, 0, 0), step(FORWARD, 0, 10000)));
 }
@@ -334,13 +302,13 @@ void test_torque_rate_falls_with_the_remaining_voltage(void)
 void test_torque_falls_with_reason_voltage_above_voltage_use_0_96(void)
 {
     settle(FORWARD, 0, 10000);
-    voltage_use_q15 = 31457;
+    in.voltage_use_q15 = 31457;
     assert_command(-10000, REASON_NONE, step(FORWARD, 0, 10000));
     assert_command(-10000, REASON_VOLTAGE, step(FORWARD, 0, 20000)); /* neither rises nor falls */
-    voltage_use_q15 =
+    in.voltage_use_q15 =
         31831; /* 374 above 31457, width 655.36: 400 * 374/655.36 = 228.3, rounded down to 229 */
     assert_command(-9771, REASON_VOLTAGE, step(FORWARD, 0, 10000));
-    voltage_use_q15 = INT32_MAX;
+    in.voltage_use_q15 = INT32_MAX;
     assert_command(-9371, REASON_VOLTAGE, step(FORWARD, 0, 10000));
     assert_command(0, REASON_VOLTAGE, settle(FORWARD, 0, 10000));
 }
@@ -348,7 +316,7 @@ void test_torque_falls_with_reason_voltage_above_voltage_use_0_96(void)
 void test_torque_falls_at_its_full_rate_at_any_voltage_use(void)
 {
     settle(FORWARD, 10000, 0);
-    voltage_use_q15 = 31457;
+    in.voltage_use_q15 = 31457;
     assert_command(9600, REASON_TORQUE_RATE, step(FORWARD, 0, 0));
     assert_command(9200, REASON_TORQUE_RATE, step(FORWARD, 0, 0));
 }

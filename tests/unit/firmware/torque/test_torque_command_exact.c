@@ -1,32 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The torque command in whole millinewton-metres: what counts as braking, what goes at once, and
- * what the smallest torque and the smallest speed do. Rate 400 mN m a step, driving up to 40 N m,
- * braking up to 25 N m.
+ * what the smallest torque and the smallest speed do.
  */
-#include "paper_vehicle.h"
-#include "torque/torque_command.h"
-#include "unity.h"
-
-enum { FORWARD = 30000, BACKWARD = -30000, SETTLED = 200 };
-
-static config_t config;
-static torque_command_state_t state;
-static torque_limits_t limits;
-static torque_command_input_t in;
+#include "torque_command_rig.h"
 
 void setUp(void)
 {
-    static const torque_command_input_t NONE = {
-        .torque_enable = {.drive_q15 = Q15_ONE, .brake_q15 = Q15_ONE, .reason = REASON_NONE}};
-    torque_limits_state_t limits_state;
-    config = paper_vehicle();
-    config.brake.torque_rate_mNm_s = 400000;
-    in = NONE;
-    torque_command_init(&state);
-    torque_limits_init(&limits_state, &limits);
-    limits.driving[TORQUE_LINE_MAX_TORQUE] = limit_init(40000, REASON_MAX_TORQUE);
-    limits.braking[TORQUE_LINE_MAX_TORQUE] = limit_init(25000, REASON_CHARGE_CURRENT);
+    rig_up();
 }
 
 void tearDown(void) {}
@@ -34,9 +15,9 @@ void tearDown(void) {}
 static torque_command_out_t step(int32_t speed_mrad_s, int32_t drive_mNm, int32_t electric_mNm)
 {
     in.speed_mrad_s = speed_mrad_s;
-    in.drive_mNm = drive_mNm;
+    in.drive_torque_mNm = drive_mNm;
     in.electric_mNm = electric_mNm;
-    return torque_command_step(&state, &config, &limits, &in);
+    return command_step();
 }
 
 static int32_t command(int32_t speed_mrad_s, int32_t drive_mNm, int32_t electric_mNm)
@@ -47,21 +28,19 @@ static int32_t command(int32_t speed_mrad_s, int32_t drive_mNm, int32_t electric
 /* From none, without what is withdrawn, has arrived or interrupts. */
 static int32_t settle(int32_t speed_mrad_s, int32_t drive_mNm, int32_t electric_mNm)
 {
-    torque_command_init(&state);
+    command_begins();
     in.drive_withdrawn = in.bridge_open = false;
-    in.arrived_mNm = in.beside_mNm = 0;
+    in.rise_mNm = in.uncovered_mNm = 0;
     for (int n = 0; n < SETTLED; n++) {
         (void)command(speed_mrad_s, drive_mNm, electric_mNm);
     }
-    return state.command_mNm;
+    return last_command_mNm;
 }
 
-void test_the_first_state_has_no_torque_and_has_not_braked(void)
+void test_the_first_state_has_not_braked(void)
 {
-    const torque_command_state_t used = {.command_mNm = 5, .braked = true};
-    state = used;
+    state.braked = true;
     torque_command_init(&state);
-    TEST_ASSERT_EQUAL_INT32(0, state.command_mNm);
     TEST_ASSERT_FALSE(state.braked);
 }
 
@@ -83,7 +62,7 @@ void test_the_smallest_driving_demand_is_bounded_and_has_its_sign(void)
     TEST_ASSERT_EQUAL_INT32(-1, command(BACKWARD, -1, 0));
     limits.driving[TORQUE_LINE_MAX_TORQUE] = limit_init(0, REASON_MAX_TORQUE);
     for (int32_t drive_mNm = -1; drive_mNm <= 1; drive_mNm += 2) {
-        torque_command_init(&state);
+        command_begins();
         const torque_command_out_t out = step(FORWARD * drive_mNm, drive_mNm, 0);
         TEST_ASSERT_EQUAL_INT32(0, out.command_mNm);
         TEST_ASSERT_EQUAL_INT(REASON_MAX_TORQUE, out.reason);
@@ -200,7 +179,7 @@ void test_after_the_bridge_was_open_the_torque_begins_at_zero(void)
 void test_one_millinewton_metre_of_the_hydraulic_brake_is_taken_over(void)
 {
     settle(FORWARD, 0, 20000);
-    in.arrived_mNm = 1;
+    in.rise_mNm = 1;
     TEST_ASSERT_EQUAL_INT32(-19999, command(FORWARD, 0, 20000));
 }
 
@@ -208,24 +187,24 @@ void test_one_millinewton_metre_of_the_hydraulic_brake_is_taken_over(void)
 void test_the_motor_keeps_what_the_demand_leaves_beside_the_hydraulic_brake(void)
 {
     settle(FORWARD, 0, 20000);
-    in.arrived_mNm = 5000;
-    in.beside_mNm = 18000;
+    in.rise_mNm = 5000;
+    in.uncovered_mNm = 18000;
     TEST_ASSERT_EQUAL_INT32(-18000, command(FORWARD, 0, 10000));
 }
 
 void test_the_hydraulic_brake_takes_over_neither_driving_torque_nor_what_the_driver_demands(void)
 {
     settle(FORWARD, 20000, 0);
-    in.arrived_mNm = 5000;
+    in.rise_mNm = 5000;
     TEST_ASSERT_EQUAL_INT32(19600, command(FORWARD, 0, 0));
     settle(FORWARD, -20000, 0); /* by the pedal, of a wheel that rolls back */
-    in.arrived_mNm = 5000;
+    in.rise_mNm = 5000;
     TEST_ASSERT_EQUAL_INT32(-20000, command(FORWARD, -20000, 0));
     settle(FORWARD, -1, 0);
-    in.arrived_mNm = 5000;
+    in.rise_mNm = 5000;
     TEST_ASSERT_EQUAL_INT32(-1, command(FORWARD, -1, 0));
     settle(BACKWARD, 1, 0);
-    in.arrived_mNm = 5000;
+    in.rise_mNm = 5000;
     TEST_ASSERT_EQUAL_INT32(1, command(BACKWARD, 1, 0));
 }
 

@@ -2,10 +2,10 @@
 #include <math.h>
 #include <string.h>
 
-#include "random_values.h"
-#include "reference_motor.h"
 #include "motor/current_setpoint.h"
 #include "motor/loss_maps.h"
+#include "random_values.h"
+#include "reference_motor.h"
 #include "torque_limits_rig.h"
 #include "unity.h"
 
@@ -332,7 +332,7 @@ void test_drive_fades_over_speed_fade_share(void)
 
 void test_torque_is_zero_without_a_valid_rotor_angle(void)
 {
-    conditions.rotor_valid = false;
+    conditions.angle_valid = false;
     const bounds_t out = at_rpm(150.0);
     assert_limit(0, REASON_ROTOR_UNCERTAIN, out.driving);
     assert_limit(0, REASON_ROTOR_UNCERTAIN, out.regenerating);
@@ -346,7 +346,7 @@ static void random_conditions(random_t *random)
     conditions.bms_discharge_current_mA = random_between(random, -10000, 300000);
     winding_temperature_cC = random_between(random, -4000, 20000);
     conditions.switch_temperature_cC = random_between(random, -4000, 12000);
-    conditions.rotor_valid = random_chance(random, 0.95);
+    conditions.angle_valid = random_chance(random, 0.95);
 }
 
 void test_limits_are_magnitudes_up_to_max_torque_under_random_conditions(void)

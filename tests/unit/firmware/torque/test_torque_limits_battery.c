@@ -82,7 +82,7 @@ static int32_t folded_mA(const foldback_state_t *foldback, int32_t most_mA)
 {
     const motor_model_t model = model_at(&config, SPEED_mrad_s, winding_temperature_cC);
     const feasible_set_t set = feasible_set_at(&model, phase_mV);
-    torque_limits_step(&state, &set, &conditions, &table);
+    torque_limits_case_step(&state, &set, &conditions, &table);
     return scaled_multiply(most_mA, foldback->allowed_q24);
 }
 

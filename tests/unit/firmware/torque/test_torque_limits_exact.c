@@ -92,7 +92,7 @@ void test_torque_enable_is_a_share_of_each_side(void)
 void test_an_invalid_rotor_angle_leaves_no_torque_and_a_valid_one_any(void)
 {
     for (int valid = 0; valid < 2; valid++) {
-        conditions.rotor_valid = valid != 0;
+        conditions.angle_valid = valid != 0;
         (void)at_speed(1000);
         const int32_t expected_mNm = valid != 0 ? FEASIBLE_UNBOUNDED : 0;
         assert_line(expected_mNm, REASON_ROTOR_UNCERTAIN, table.driving[TORQUE_LINE_ROTOR]);
@@ -218,10 +218,10 @@ void test_the_share_of_a_parallel_brake_is_of_the_demand(void)
 {
     config.brake.strategy = CONFIG_STRATEGY_PARALLEL_RATIO;
     config.brake.parallel_electric_share_q15 = 16384;
-    conditions.brake_demand_mNm = 20000;
+    conditions.brake_torque_mNm = 20000;
     (void)at_speed(50000);
     assert_line(10000, REASON_ELECTRIC_SHARE, table.braking[TORQUE_LINE_ELECTRIC_SHARE]);
-    conditions.brake_demand_mNm = -20000;
+    conditions.brake_torque_mNm = -20000;
     (void)at_speed(50000);
     assert_line(0, REASON_ELECTRIC_SHARE, table.braking[TORQUE_LINE_ELECTRIC_SHARE]);
 }
@@ -233,7 +233,7 @@ static int32_t loss_braking_current_b(int32_t winding_cC, int32_t switch_cC)
     const motor_model_t model = model_at(&config, 30000, winding_cC);
     const feasible_set_t set = feasible_set_at(&model, phase_mV);
     conditions.switch_temperature_cC = switch_cC;
-    torque_limits_step(&state, &set, &conditions, &table);
+    torque_limits_case_step(&state, &set, &conditions, &table);
     return table.losses.current_b;
 }
 
@@ -258,20 +258,21 @@ void test_an_intervention_has_a_line_of_the_table(void)
 {
     conditions.abs_active = true;
     conditions.abs_share_percent = 30;
-    conditions.brake_demand_mNm = 10000;
+    conditions.brake_torque_mNm = 10000;
     (void)at_speed(30000);
     assert_line(3000, REASON_ABS, table.braking[TORQUE_LINE_ABS]);
 }
 
 static limit_t anti_lock(void)
 {
-    return torque_limits_anti_lock(&state, &config, &conditions);
+    const wheel_demand_t wheel = torque_limits_case_demand(&conditions);
+    return torque_limits_anti_lock(&state, &config, &wheel, conditions.brake_torque_mNm);
 }
 
 void test_an_intervention_leaves_its_share_and_holds_it(void)
 {
     config.brake.abs_hold_ms = 3;
-    conditions.brake_demand_mNm = 20000;
+    conditions.brake_torque_mNm = 20000;
     assert_line(FEASIBLE_UNBOUNDED, REASON_ABS, anti_lock());
     TEST_ASSERT_EQUAL_INT32(0, state.abs_hold_steps);
     conditions.abs_active = true;
@@ -286,7 +287,7 @@ void test_an_intervention_leaves_its_share_and_holds_it(void)
     conditions.abs_active = false;
     conditions.abs_share_percent = 80;
     assert_line(5000, REASON_ABS, anti_lock());
-    conditions.brake_demand_mNm = 8000;
+    conditions.brake_torque_mNm = 8000;
     assert_line(2000, REASON_ABS, anti_lock());
     assert_line(FEASIBLE_UNBOUNDED, REASON_ABS, anti_lock());
     assert_line(FEASIBLE_UNBOUNDED, REASON_ABS, anti_lock());
@@ -297,9 +298,9 @@ void test_an_intervention_without_a_demand_leaves_no_torque(void)
     config.brake.abs_hold_ms = 0;
     conditions.abs_active = true;
     conditions.abs_share_percent = 100;
-    conditions.brake_demand_mNm = -5000;
+    conditions.brake_torque_mNm = -5000;
     assert_line(0, REASON_ABS, anti_lock());
-    conditions.brake_demand_mNm = 1;
+    conditions.brake_torque_mNm = 1;
     assert_line(1, REASON_ABS, anti_lock());
     conditions.abs_active = false;
     assert_line(FEASIBLE_UNBOUNDED, REASON_ABS, anti_lock());

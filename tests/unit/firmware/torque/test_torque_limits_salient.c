@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 
+#include "motor/current_setpoint.h"
 #include "random_values.h"
 #include "reference_motor.h"
-#include "motor/current_setpoint.h"
 #include "torque_limits_rig.h"
 #include "unity.h"
 
@@ -168,10 +168,10 @@ void test_demanded_side_is_of_this_step_and_the_other_of_a_turn_and_two_steps(vo
         since = n % LASTING == 0 || conditions.demanded != before ? 0 : since + 1;
         const motor_model_t model = model_at(&config, 40000, winding_temperature_cC);
         const feasible_set_t set = feasible_set_at(&model, phase_mV);
-        torque_limits_step(&state, &set, &conditions, &table);
-        torque_limits_input_t in_full = conditions;
+        torque_limits_case_step(&state, &set, &conditions, &table);
+        torque_limits_case_t in_full = conditions;
         in_full.demanded = SIDE_BOTH;
-        torque_limits_step(&of_both, &set, &in_full, &both);
+        torque_limits_case_step(&of_both, &set, &in_full, &both);
         const bool drives = conditions.demanded == SIDE_DRIVING;
         assert_same_lines(both.driving, table.driving, !drives && since < LATEST);
         assert_same_lines(both.braking, table.braking, drives && since < LATEST);

@@ -18,7 +18,7 @@ static void step(side_t demanded, torque_limits_state_t *used, torque_limits_t *
     const motor_model_t model = model_at(&config, SPEED_mrad_s, winding_temperature_cC);
     const feasible_set_t set = feasible_set_at(&model, phase_mV);
     conditions.demanded = demanded;
-    torque_limits_step(used, &set, &conditions, out);
+    torque_limits_case_step(used, &set, &conditions, out);
 }
 
 /* Limits of the battery on both sides, of which a peak. */

@@ -15,13 +15,6 @@ void setUp(void)
 
 void tearDown(void) {}
 
-static void run(int milliseconds)
-{
-    for (int n = 0; n < milliseconds; n++) {
-        step();
-    }
-}
-
 /* Ten time constants and the dead time: all but 1/20 000 of the torque. */
 static int settled_ms(void)
 {
@@ -67,11 +60,9 @@ void test_the_brake_lets_go_of_its_own_path_as_the_demand_comes_back(void)
 /* A valid demand has no path beside its commands: not a millinewton-metre is added to them. */
 void test_a_valid_demand_adds_zero_to_its_commands(void)
 {
-    step();
-    TEST_ASSERT_EQUAL_INT32(0, state.blending.added_mNm);
+    TEST_ASSERT_EQUAL_INT32(0, step().hydraulic_added_mNm);
     in.brake_torque_mNm = ASKED_mNm;
     for (int n = 0; n < settled_ms(); n++) {
-        step();
-        TEST_ASSERT_EQUAL_INT32(0, state.blending.added_mNm);
+        TEST_ASSERT_EQUAL_INT32(0, step().hydraulic_added_mNm);
     }
 }

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * What the slow step gives to its parts and takes from them: when the hydraulic brake is watched,
- * which side the limits are solved for, the hold, and the reason shown.
+ * which side the limits are solved for, what the bridge and the monitor show, the hold, and the
+ * reason shown.
  */
 #include <string.h>
 
+#include "torque/closing_voltage.h"
 #include "torque_rig.h"
 #include "unity.h"
 
@@ -16,14 +18,6 @@ void setUp(void)
 }
 
 void tearDown(void) {}
-
-static torque_output_t run(int milliseconds)
-{
-    for (int n = 1; n < milliseconds; n++) {
-        step();
-    }
-    return step();
-}
 
 void test_every_part_begins_anew(void)
 {
@@ -75,9 +69,9 @@ void test_the_hydraulic_brake_is_watched_with_a_valid_angle_and_without_slip_onl
     settle_watch();
     const torque_state_t settled = state;
     TEST_ASSERT_TRUE(is_watched());
-    in.rotor_valid = false;
+    in.angle_valid = false;
     TEST_ASSERT_FALSE(is_watched());
-    in.rotor_valid = true;
+    in.angle_valid = true;
     state = settled;
     in.abs_active = true;
     in.abs_share_percent = 100;
@@ -99,6 +93,98 @@ void test_a_brake_that_is_not_commanded_is_neither_watched_nor_read(void)
     const int32_t since_ms = state.blending.feedback.since_ms;
     step();
     TEST_ASSERT_EQUAL_INT32(since_ms + 1, state.blending.feedback.since_ms);
+}
+
+/* The driver acknowledges it at rest and without a demand. */
+void test_a_finding_of_the_hydraulic_brake_ends_when_it_is_acknowledged_at_rest(void)
+{
+    hydraulic_watch_input_t rolling = {.speed_mrad_s = in.speed_mrad_s, .trusted = true};
+    for (int n = 0; n < 3000; n++) {
+        rolling.modelled_mNm = rolling.commanded_mNm = n < 2000 ? 0 : 60000;
+        hydraulic_watch_step(&state.blending.watch, &config, &rolling);
+    }
+    in.speed_mrad_s = 0;
+    step();
+    TEST_ASSERT_TRUE(findings_present(&findings, FINDING_BRAKE_WEAK));
+    for (int k = 0; k < 16; k++) {
+        in.fault_reset = k % 2 != 0;
+        in.at_rest = k / 2 % 2 != 0;
+        in.drive_torque_mNm = k / 4 % 2 != 0 ? 0 : 1;
+        in.brake_torque_mNm = k / 8 % 2 != 0 ? 0 : 1;
+        step();
+        TEST_ASSERT_EQUAL_INT(k < 15, findings_present(&findings, FINDING_BRAKE_WEAK));
+    }
+}
+
+/* ---- what bridge, angle and battery show ---- */
+
+void test_pwm_that_takes_over_from_charging_diodes_has_the_voltage_without_their_current(void)
+{
+    enum { SEEN_mV = 20000, CHARGING_mA = 50000 };
+    in.phase_voltage_mV = SEEN_mV;
+    in.bridge = BRIDGE_OFF;
+    in.safe.freewheel.charging_mA = CHARGING_mA;
+    const int32_t closing_mV = closing_voltage_mV(&config, SEEN_mV, in.bus_voltage_mV, CHARGING_mA);
+    TEST_ASSERT_LESS_THAN_INT32(SEEN_mV, closing_mV);
+    TEST_ASSERT_EQUAL_INT32(closing_mV, step().phase_voltage_mV);
+    in.bridge = BRIDGE_PWM; /* has taken over */
+    TEST_ASSERT_EQUAL_INT32(SEEN_mV, step().phase_voltage_mV);
+    in.bridge = BRIDGE_OFF;
+    in.safe.bridge = BRIDGE_SHORT; /* in which no diode charges */
+    TEST_ASSERT_EQUAL_INT32(SEEN_mV, step().phase_voltage_mV);
+    in.safe.bridge = BRIDGE_OFF;
+    in.torque_enable.drive_q15 = in.torque_enable.brake_q15 = 0; /* will not take over */
+    TEST_ASSERT_EQUAL_INT32(SEEN_mV, step().phase_voltage_mV);
+    in.torque_enable = FULL_ENABLE;
+    in.safe.freewheel.charging_mA = 0;
+    TEST_ASSERT_EQUAL_INT32(SEEN_mV, step().phase_voltage_mV);
+}
+
+/* A full battery takes no current, whatever the sensor of the bus shows. */
+void test_the_battery_s_own_voltage_counts_where_it_contradicts_the_bus_sensor(void)
+{
+    static const finding_t ROWS[] = {FINDING_BUS_CONTRADICTED, FINDING_FLUX_HIGH, FINDING_FLUX_LOW};
+    for (int k = 0; k < 3; k++) {
+        torque_rig_reset();
+        in.battery_voltage_mV = config.battery.max_voltage_mV;
+        in.brake_torque_mNm = 30000;
+        findings_set(&findings, ROWS[k], true);
+        TEST_ASSERT_TRUE(findings_present(&findings, ROWS[k]));
+        TEST_ASSERT_EQUAL_INT(k < 2 ? REASON_BUS_VOLTAGE_HIGH : REASON_MAX_TORQUE,
+                              run(4000).available.reason);
+    }
+}
+
+/* There is no torque that could ramp out of an open bridge, or without any angle. */
+void test_after_an_open_bridge_or_without_any_angle_the_torque_begins_at_zero(void)
+{
+    const int32_t rate_mNm = demand_rate_mNm_per_step(&config);
+    in.drive_torque_mNm = 30000;
+    TEST_ASSERT_EQUAL_INT32(30000, run(200).command_mNm);
+    in.sensor_wrong = true;
+    in.angle_by = ANGLE_BY_OBSERVER;
+    TEST_ASSERT_EQUAL_INT32(30000, step().command_mNm);
+    in.angle_by = ANGLE_BY_SENSOR;
+    TEST_ASSERT_EQUAL_INT32(rate_mNm, step().command_mNm);
+    in.sensor_wrong = false;
+    TEST_ASSERT_EQUAL_INT32(30000, run(200).command_mNm);
+    in.bridge = BRIDGE_OFF;
+    TEST_ASSERT_EQUAL_INT32(rate_mNm, step().command_mNm);
+}
+
+/* The iron loss of 1.4 N m is more than an eighth of the 8 N m: it shows that the motor brakes. */
+void test_a_shorted_motor_brakes_with_the_torque_of_its_model_while_the_angle_is_valid(void)
+{
+    static const bridge_mode_t BRIDGES[] = {BRIDGE_SHORT, BRIDGE_SHORT_HIGH, BRIDGE_OFF};
+    const torque_enable_t none = {.reason = REASON_OVERSPEED};
+    in.brake_torque_mNm = 30000;
+    in.torque_enable = none;
+    in.safe.torque_mNm = 8000;
+    for (int k = 0; k < 6; k++) {
+        in.bridge = BRIDGES[k % 3];
+        in.angle_valid = k < 3;
+        TEST_ASSERT_EQUAL_INT32(k < 2 ? 30000 - 8000 : 30000, torque_case_step().hydraulic_mNm);
+    }
 }
 
 /* ---- whose limits are solved ---- */
@@ -128,7 +214,7 @@ static void assert_demanded(side_t side)
 void test_the_limits_of_the_demanded_side_alone_are_solved_in_every_step(void)
 {
     config.motor.max_phase_current_mA = 20000; /* less than the largest torque takes */
-    torque_init(&state, &config);
+    torque_rig_start();
     step();
     assert_demanded(SIDE_DRIVING);
     in.drive_torque_mNm = 1;
@@ -160,7 +246,7 @@ void test_the_hold_counts_for_braking_and_lift_off_at_standstill(void)
     torque_output_t out = step();
     TEST_ASSERT_EQUAL_INT32(HOLD, out.hydraulic_mNm);
     TEST_ASSERT_EQUAL_INT(REASON_HILL_HOLD, out.hydraulic_reason);
-    TEST_ASSERT_EQUAL_INT32(HOLD - 10000, state.blending.added_mNm);
+    TEST_ASSERT_EQUAL_INT32(HOLD - 10000, out.hydraulic_added_mNm);
     in.brake_torque_mNm = HOLD; /* no more than is demanded */
     out = step();
     TEST_ASSERT_EQUAL_INT32(HOLD, out.hydraulic_mNm);
@@ -218,7 +304,7 @@ void test_released_pedals_show_no_reason_once_the_motor_is_without_torque(void)
     int shown = 0;
     for (int n = 0; n < 500; n++) {
         const torque_output_t out = step();
-        if (out.command_mNm == 0 && state.blending.taken_mNm > 0) {
+        if (out.command_mNm == 0 && state.blending.covered_mNm > 0) {
             shown++;
             TEST_ASSERT_EQUAL_INT(REASON_NONE, out.reason);
         }
@@ -259,19 +345,18 @@ void test_the_estimate_lacks_the_missing_flux_s_part(void)
     run(300);
     int32_t estimates_mNm[3];
     for (int k = 0; k < 3; k++) {
-        torque_state_t copy = state;
         in.flux_missing_q15 = k - 1;
-        estimates_mNm[k] = torque_step(&copy, &config, &in).estimate_mNm;
+        estimates_mNm[k] = torque_case_step().estimate_mNm;
     }
     TEST_ASSERT_GREATER_THAN_INT32(32768, estimates_mNm[1]);
     TEST_ASSERT_EQUAL_INT32(estimates_mNm[1], estimates_mNm[0]);
     TEST_ASSERT_EQUAL_INT32(estimates_mNm[1] - 1, estimates_mNm[2]);
 }
 
-void test_looking_ahead_goes_on_with_every_call(void)
+void test_looking_ahead_goes_on_with_every_step(void)
 {
     step();
     const uint32_t before = state.ahead.step;
-    torque_look_ahead(&state, &config, &in);
+    step();
     TEST_ASSERT_NOT_EQUAL_UINT32(before, state.ahead.step);
 }

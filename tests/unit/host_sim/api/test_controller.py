@@ -13,7 +13,7 @@ from hubsim import variables
 from hubsim.engine import ROOT
 
 PORTS = {
-    "foc_input_t": ("firmware/foc/include/foc/foc.h", "fast_input"),
+    "foc_input_t": ("firmware/foc/include/foc/input.h", "fast_input"),
     "fast_output_t": ("firmware/controller/include/controller/controller.h", "fast_output"),
     "slow_input_t": ("firmware/core/include/core/slow_messages.h", "slow_input"),
     "slow_output_t": ("firmware/core/include/core/slow_messages.h", "slow_output"),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A broken thermistor need not end the ride: README of torque, Thermal model."""
+"""A broken thermistor need not end the ride: firmware/motor/README.md, Thermal model."""
 
 from pathlib import Path
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The other rows of the table: README of torque, Thermal model."""
+"""Each drive, each parameter a fifth wrong: firmware/motor/README.md, Thermal model."""
 
 from pathlib import Path
 

@@ -4,7 +4,7 @@
 from benchmark import slow_profile
 from benchmark.count import Call
 
-MONITOR, OPEN = "monitor_slow_step", "monitor_open_step"
+MONITOR, OPEN = "monitor_step", "monitor_open_step"
 
 
 def step(monitor: int, open_phase: int, rest: int) -> list[Call]:

@@ -132,7 +132,7 @@ def test_a_sensor_that_jumps_while_braking_loses_its_torque() -> None:
 def _oscillates_m_per_s(drive: Drive) -> float:
     """Return the bound of a current vector that does not follow the rotor.
 
-    Source: the controller's README, Choice of angle.
+    Source: firmware/controller/DERIVATIONS.md, What stays invisible.
     """
     wheel_kg = drive.vehicle.mass_kg / drive.vehicle.driven_wheels
     return math.sqrt(4.0 * drive.motor.rated_torque_nm / (drive.motor.pole_pairs * wheel_kg))
@@ -149,7 +149,8 @@ def test_a_frozen_or_reversed_sensor_moves_the_wheel_by_a_pole_at_most(config: s
 
 @pytest.mark.parametrize("sensor", ["hall", "encoder", "angle"])
 def test_the_observer_ends_a_start_with_half_a_turn_of_error(sensor: str) -> None:
-    # What no sensor of the vehicle tells from a slope (the controller's README, Choice of angle).
+    # What no sensor of the vehicle tells from a slope (firmware/controller/DERIVATIONS.md, What
+    # stays invisible).
     # 5374 mrad/s is the observer's speed; it takes the torque away from half of it on, within 5 ms
     # of seeing it.
     drive = drive_with("lu2013", sensor)

@@ -2,35 +2,11 @@
 #include "monitor_rig.h"
 #include "random_values.h"
 
-enum {
-    TOLERANCE_mNm = 4000,
-    TORQUE_TIME_ms = 50,
-    MID_OFFSET_Q4 = 2048 * 16,
-    OFFSET_TOLERANCE_Q4 = 200 * 16
-};
-
-static const monitor_slow_input_t HEALTHY = {
-    .fast_trip = REASON_NONE,
-    .current_sum_pu = 0,
-    .offsets_known = true,
-    .current_saturated = false,
-    .rotor_valid = true,
-    .rotor_faults = 0,
-    .fast_step_count = 0,
-    .bus_voltage_mV = 53000,
-    .speed_mrad_s = 30000,
-    .winding_temperature_cC = 2500,
-    .switch_temperature_cC = 2500,
-    .u_q_mV = 14076, /* 30 rad/s * 23 * 20.4 mWb */
-    .torque_command_mNm = 10000,
-    .torque_estimate_mNm = 10000,
-    .offset_q4 = {MID_OFFSET_Q4, MID_OFFSET_Q4, MID_OFFSET_Q4},
-    .bridge = BRIDGE_PWM,
-};
+enum { TOLERANCE_mNm = 4000, TORQUE_TIME_ms = 50, OFFSET_TOLERANCE_Q4 = 200 * 16 };
 
 void setUp(void)
 {
-    rig_up(&HEALTHY);
+    rig_up(&TURNING);
     config.monitor.torque_tolerance_mNm = TOLERANCE_mNm;
     config.monitor.torque_fault_time_ms = TORQUE_TIME_ms;
     config.monitor.offset_tolerance_codes = 200;
@@ -45,7 +21,7 @@ void tearDown(void) {}
 void test_a_healthy_drive_has_neither_fault_nor_warning(void)
 {
     for (int n = 0; n < 10000; n++) { /* the fast loop's counter wraps three times */
-        const monitor_output_t out = step();
+        const shown_t out = step();
         TEST_ASSERT_EQUAL_INT(REASON_NONE, out.fault);
         TEST_ASSERT_EQUAL_INT(REASON_NONE, out.warning);
     }
@@ -53,7 +29,7 @@ void test_a_healthy_drive_has_neither_fault_nor_warning(void)
 
 void test_trip_of_the_fast_monitor_is_a_fault_in_the_same_step(void)
 {
-    in.fast_trip = REASON_OVERCURRENT;
+    in.now.trip = REASON_OVERCURRENT;
     TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, step().fault);
 }
 
@@ -61,11 +37,11 @@ void test_trip_of_the_fast_monitor_is_a_fault_in_the_same_step(void)
 
 void test_sum_of_phase_currents_away_from_zero_is_a_fault(void)
 {
-    in.current_sum_pu = config.monitor.current_sum_pu_q15 + 1;
+    in.report.current_sum_pu = config.monitor.current_sum_pu_q15 + 1;
     assert_fault_after(20, REASON_CURRENT_SUM);
-    in.current_sum_pu = -(config.monitor.current_sum_pu_q15 + 1);
+    in.report.current_sum_pu = -(config.monitor.current_sum_pu_q15 + 1);
     assert_fault_after(20, REASON_CURRENT_SUM);
-    in.current_sum_pu = config.monitor.current_sum_pu_q15;
+    in.report.current_sum_pu = config.monitor.current_sum_pu_q15;
     assert_never_a_fault();
 }
 
@@ -73,10 +49,10 @@ void test_named_current_sensor_is_a_warning_and_no_fault(void)
 {
     static const reason_t REASONS[] = {REASON_CURRENT_SENSOR_A, REASON_CURRENT_SENSOR_B,
                                        REASON_CURRENT_SENSOR_C};
-    in.current_sum_pu = config.monitor.current_sum_pu_q15 + 1;
+    in.report.current_sum_pu = config.monitor.current_sum_pu_q15 + 1;
     for (uint8_t k = 0; k < 3; k++) {
-        in.wrong_current_sensor = (uint8_t)(k + 1);
-        const monitor_output_t out = run(100);
+        in.report.wrong_current_sensor = (uint8_t)(k + 1);
+        const shown_t out = run(100);
         TEST_ASSERT_EQUAL_INT(REASONS[k], out.warning);
         TEST_ASSERT_EQUAL_INT(REASON_NONE, out.fault);
     }
@@ -84,31 +60,31 @@ void test_named_current_sensor_is_a_warning_and_no_fault(void)
 
 void test_undetermined_sum_of_currents_is_a_fault_at_once(void)
 {
-    in.current_undetermined = true;
+    in.report.current_undetermined = true;
     TEST_ASSERT_EQUAL_INT(REASON_CURRENT_SUM, step().fault);
 }
 
 void test_current_sum_is_no_fault_before_the_offsets_are_known(void)
 {
-    in.current_sum_pu = 32767;
-    in.offsets_known = false;
+    in.report.current_sum_pu = 32767;
+    in.report.offsets_done = false;
     assert_never_a_fault();
 }
 
 void test_occasional_deviations_of_the_current_sum_are_no_fault(void)
 {
     for (int n = 0; n < 1000; n++) {
-        in.current_sum_pu = n % 20 == 19 ? 0 : config.monitor.current_sum_pu_q15 + 1;
+        in.report.current_sum_pu = n % 20 == 19 ? 0 : config.monitor.current_sum_pu_q15 + 1;
         TEST_ASSERT_EQUAL_INT(REASON_NONE, step().fault);
     }
 }
 
 void test_adc_saturation_is_a_fault_while_the_bridge_switches(void)
 {
-    in.current_saturated = true;
+    in.report.adc_saturated = true;
     assert_fault_after(20, REASON_CURRENT_SENSOR);
-    in.current_saturated = true;
-    in.bridge = BRIDGE_OFF;
+    in.report.adc_saturated = true;
+    in.report.bridge = BRIDGE_OFF;
     assert_never_a_fault();
 }
 
@@ -117,11 +93,11 @@ void test_current_offsets_are_plausible_within_the_tolerance(void)
     for (int x = 0; x < 3; x++) {
         const int32_t edge[] = {-OFFSET_TOLERANCE_Q4, OFFSET_TOLERANCE_Q4};
         for (int k = 0; k < 2; k++) {
-            in.offset_q4[x] = MID_OFFSET_Q4 + edge[k];
-            TEST_ASSERT_TRUE(step().offsets_plausible);
-            in.offset_q4[x] += edge[k] > 0 ? 1 : -1;
-            TEST_ASSERT_FALSE(step().offsets_plausible);
-            in.offset_q4[x] = MID_OFFSET_Q4;
+            in.report.offset_q4[x] = MID_OFFSET_Q4 + edge[k];
+            TEST_ASSERT_TRUE(step().monitored.offsets_plausible);
+            in.report.offset_q4[x] += edge[k] > 0 ? 1 : -1;
+            TEST_ASSERT_FALSE(step().monitored.offsets_plausible);
+            in.report.offset_q4[x] = MID_OFFSET_Q4;
         }
     }
 }
@@ -130,21 +106,21 @@ void test_current_offsets_are_plausible_within_the_tolerance(void)
 
 void test_invalid_rotor_angle_is_a_fault_while_the_bridge_switches(void)
 {
-    in.rotor_valid = false;
+    in.now.angle_valid = false;
     /* 40 Nm fall to zero at 400 Nm/s in 100 ms. The torque enable is withdrawn only after that. */
     config.motor.max_torque_mNm = 40000;
     config.brake.torque_rate_mNm_s = 400000;
     assert_fault_after(100 + 250, REASON_ROTOR_LOST);
-    in.rotor_valid = false;
-    in.bridge = BRIDGE_OFF;
+    in.now.angle_valid = false;
+    in.report.bridge = BRIDGE_OFF;
     assert_never_a_fault();
 }
 
 void test_skipped_hall_sector_is_a_warning_for_ten_seconds(void)
 {
-    in.rotor_faults = 1;
+    in.report.rotor_faults = 1;
     for (int n = 0; n < 10000; n++) {
-        const monitor_output_t out = step();
+        const shown_t out = step();
         TEST_ASSERT_EQUAL_INT(REASON_ROTOR_UNCERTAIN, out.warning);
         TEST_ASSERT_EQUAL_INT(REASON_NONE, out.fault);
     }
@@ -153,9 +129,9 @@ void test_skipped_hall_sector_is_a_warning_for_ten_seconds(void)
 
 void test_dead_hall_sensor_keeps_the_warning(void)
 {
-    in.rotor_faults = 1;
+    in.report.rotor_faults = 1;
     for (int n = 1; n < 10000; n++) { /* the counter wraps */
-        in.rotor_faults = (uint16_t)(in.rotor_faults + (n % 10 == 0 ? 97 : 0));
+        in.report.rotor_faults = (uint16_t)(in.report.rotor_faults + (n % 10 == 0 ? 97 : 0));
         TEST_ASSERT_EQUAL_INT(REASON_ROTOR_UNCERTAIN, step().warning);
     }
 }
@@ -164,30 +140,30 @@ void test_dead_hall_sensor_keeps_the_warning(void)
 
 void test_overvoltage_is_a_fault_with_and_without_pwm(void)
 {
-    in.bus_voltage_mV = 60564;
+    in.now.bus_voltage_mV = 60564;
     assert_never_a_fault();
-    in.bus_voltage_mV = 60565;
+    in.now.bus_voltage_mV = 60565;
     assert_fault_after(300, REASON_BUS_OVERVOLTAGE);
-    in.bus_voltage_mV = 60565;
-    in.bridge = BRIDGE_OFF;
+    in.now.bus_voltage_mV = 60565;
+    in.report.bridge = BRIDGE_OFF;
     assert_fault_after(300, REASON_BUS_OVERVOLTAGE);
 }
 
 /* An opening contactor: the bus rises at once, the battery's message comes later. */
 void test_overvoltage_ends_torque_at_once_and_is_no_fault_once_the_contactor_is_open(void)
 {
-    in.bus_voltage_mV = 61000;
-    in.fast_trip = REASON_BUS_OVERVOLTAGE;
-    in.bridge = BRIDGE_OFF;
+    in.now.bus_voltage_mV = 61000;
+    in.now.trip = REASON_BUS_OVERVOLTAGE;
+    in.report.bridge = BRIDGE_OFF;
     for (int n = 0; n < 299; n++) {
-        const monitor_output_t out = step();
+        const shown_t out = step();
         TEST_ASSERT_EQUAL_INT(REASON_NONE, out.fault);
         TEST_ASSERT_EQUAL_INT(REASON_BATTERY_DISCONNECTED, out.warning);
         TEST_ASSERT_TRUE(out.battery_lost);
-        TEST_ASSERT_FALSE(out.release_trip);
+        TEST_ASSERT_FALSE(out.monitored.release_trip);
     }
-    in.battery_open = true;
-    const monitor_output_t out = run(10000);
+    in.battery.contactor = CONTACTOR_OPEN;
+    const shown_t out = run(10000);
     TEST_ASSERT_EQUAL_INT(REASON_NONE, out.fault);
     TEST_ASSERT_EQUAL_INT(REASON_BATTERY_DISCONNECTED, out.warning);
     TEST_ASSERT_TRUE(out.battery_lost);
@@ -195,40 +171,40 @@ void test_overvoltage_ends_torque_at_once_and_is_no_fault_once_the_contactor_is_
 
 void test_torque_returns_by_itself_a_tenth_of_a_second_after_the_bus_has_come_back(void)
 {
-    in.bus_voltage_mV = 61000;
-    in.fast_trip = REASON_BUS_OVERVOLTAGE;
+    in.now.bus_voltage_mV = 61000;
+    in.now.trip = REASON_BUS_OVERVOLTAGE;
     (void)run(10);
-    in.bus_voltage_mV = 59482; /* the middle of 58.4 and 60.564 V */
-    TEST_ASSERT_FALSE(step().release_trip);
-    in.bus_voltage_mV = 59481;
-    TEST_ASSERT_TRUE(step().release_trip);
-    in.fast_trip = REASON_NONE;
+    in.now.bus_voltage_mV = 59482; /* the middle of 58.4 and 60.564 V */
+    TEST_ASSERT_FALSE(step().monitored.release_trip);
+    in.now.bus_voltage_mV = 59481;
+    TEST_ASSERT_TRUE(step().monitored.release_trip);
+    in.now.trip = REASON_NONE;
     TEST_ASSERT_TRUE(run(MONITOR_BUS_RETURN_STEPS - 1).battery_lost);
-    const monitor_output_t out = step();
+    const shown_t out = step();
     TEST_ASSERT_FALSE(out.battery_lost);
     TEST_ASSERT_EQUAL_INT(REASON_NONE, out.warning);
 }
 
 void test_an_open_contactor_alone_takes_the_torque_and_is_a_warning(void)
 {
-    in.battery_open = true;
-    const monitor_output_t out = step();
+    in.battery.contactor = CONTACTOR_OPEN;
+    const shown_t out = step();
     TEST_ASSERT_TRUE(out.battery_lost);
     TEST_ASSERT_EQUAL_INT(REASON_BATTERY_DISCONNECTED, out.warning);
-    in.bus_voltage_mV = 20000; /* nothing holds the bus */
+    in.now.bus_voltage_mV = 20000; /* nothing holds the bus */
     TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1000).fault);
-    in.battery_open = false;
-    in.bus_voltage_mV = 53000;
+    in.battery.contactor = CONTACTOR_CLOSED;
+    in.now.bus_voltage_mV = 53000;
     TEST_ASSERT_TRUE(run(MONITOR_BUS_RETURN_STEPS - 1).battery_lost);
     TEST_ASSERT_FALSE(step().battery_lost);
 }
 
 void test_no_torque_between_the_contacts_of_a_contactor_that_bounces(void)
 {
-    in.battery_open = true;
+    in.battery.contactor = CONTACTOR_OPEN;
     for (int n = 0; n < 1000; n++) {
         TEST_ASSERT_TRUE(step().battery_lost);
-        in.battery_open = n / 20 % 2 == 0; /* 20 ms each */
+        in.battery.contactor = open_if(n / 20 % 2 == 0); /* 20 ms each */
     }
 }
 
@@ -236,25 +212,25 @@ void test_no_torque_between_the_contacts_of_a_contactor_that_bounces(void)
  * while it does; the battery's message comes later. */
 void test_low_bus_ends_torque_at_once_and_is_no_fault_once_the_contactor_is_open(void)
 {
-    in.bus_voltage_mV = 35999;
+    in.now.bus_voltage_mV = 35999;
     TEST_ASSERT_TRUE(step().battery_lost);
-    in.bridge = BRIDGE_OFF;
-    in.fast_trip = REASON_OVERCURRENT;
-    in.bus_voltage_mV = 61000; /* the windings' energy */
+    in.report.bridge = BRIDGE_OFF;
+    in.now.trip = REASON_OVERCURRENT;
+    in.now.bus_voltage_mV = 61000; /* the windings' energy */
     for (int n = 0; n < 200; n++) {
-        const monitor_output_t out = step();
+        const shown_t out = step();
         TEST_ASSERT_EQUAL_INT(REASON_NONE, out.fault);
         TEST_ASSERT_EQUAL_INT(REASON_BATTERY_DISCONNECTED, out.warning);
-        TEST_ASSERT_FALSE(out.release_trip);
+        TEST_ASSERT_FALSE(out.monitored.release_trip);
     }
-    in.battery_open = true;
-    TEST_ASSERT_TRUE(step().release_trip);
-    in.fast_trip = REASON_NONE;
-    const monitor_output_t out = run(10000);
+    in.battery.contactor = CONTACTOR_OPEN;
+    TEST_ASSERT_TRUE(step().monitored.release_trip);
+    in.now.trip = REASON_NONE;
+    const shown_t out = run(10000);
     TEST_ASSERT_EQUAL_INT(REASON_NONE, out.fault);
     TEST_ASSERT_TRUE(out.battery_lost);
-    in.battery_open = false;
-    in.bus_voltage_mV = 53000;
+    in.battery.contactor = CONTACTOR_CLOSED;
+    in.now.bus_voltage_mV = 53000;
     TEST_ASSERT_TRUE(run(MONITOR_BUS_RETURN_STEPS - 1).battery_lost);
     TEST_ASSERT_FALSE(step().battery_lost);
 }
@@ -264,20 +240,20 @@ void test_bus_that_moves_as_no_battery_lets_it_ends_torque_and_is_no_fault(void)
 {
     (void)run(100);
     for (int n = 0; n < 2; n++) { /* the image's battery: 6.4 V */
-        in.bus_voltage_mV -= 3000;
+        in.now.bus_voltage_mV -= 3000;
         TEST_ASSERT_FALSE(step().battery_lost);
     }
-    in.bus_voltage_mV += 3000;
-    const monitor_output_t lost = step();
+    in.now.bus_voltage_mV += 3000;
+    const shown_t lost = step();
     TEST_ASSERT_TRUE(lost.battery_lost);
     TEST_ASSERT_EQUAL_INT(REASON_BATTERY_DISCONNECTED, lost.warning);
-    in.bridge = BRIDGE_OFF;
-    in.bus_voltage_mV = 58000; /* the windings' energy */
+    in.report.bridge = BRIDGE_OFF;
+    in.now.bus_voltage_mV = 58000; /* the windings' energy */
     for (int n = 0; n < MONITOR_BUS_RETURN_STEPS - 1; n++) {
-        const monitor_output_t out = step();
+        const shown_t out = step();
         TEST_ASSERT_EQUAL_INT(REASON_NONE, out.fault);
         TEST_ASSERT_EQUAL_INT(REASON_BATTERY_DISCONNECTED, out.warning);
-        TEST_ASSERT_FALSE(out.release_trip);
+        TEST_ASSERT_FALSE(out.monitored.release_trip);
     }
     TEST_ASSERT_FALSE(step().battery_lost);
 }
@@ -285,26 +261,26 @@ void test_bus_that_moves_as_no_battery_lets_it_ends_torque_and_is_no_fault(void)
 /* Without the message it is one: a phase that is shorted empties the bus as well. */
 void test_overcurrent_on_a_low_bus_without_a_message_is_a_fault(void)
 {
-    in.bus_voltage_mV = 35999;
-    in.fast_trip = REASON_OVERCURRENT;
-    in.bridge = BRIDGE_OFF;
+    in.now.bus_voltage_mV = 35999;
+    in.now.trip = REASON_OVERCURRENT;
+    in.report.bridge = BRIDGE_OFF;
     (void)step();
-    in.bus_voltage_mV = 53000; /* and the bus comes back */
+    in.now.bus_voltage_mV = 53000; /* and the bus comes back */
     TEST_ASSERT_EQUAL_INT(REASON_NONE, run(303).fault);
     TEST_ASSERT_NOT_EQUAL_INT(REASON_NONE, step().fault);
-    in.battery_open = false;
+    in.battery.contactor = CONTACTOR_CLOSED;
 }
 
 void test_undervoltage_is_a_fault_only_while_the_bridge_switches(void)
 {
-    in.bus_voltage_mV = 35999;
+    in.now.bus_voltage_mV = 35999;
     assert_fault_after(300 + 5, REASON_BUS_UNDERVOLTAGE);
-    in.bridge = BRIDGE_OFF;
-    in.bus_voltage_mV = 53000;
+    in.report.bridge = BRIDGE_OFF;
+    in.now.bus_voltage_mV = 53000;
     (void)run(MONITOR_BUS_RETURN_STEPS);
-    in.bus_voltage_mV = 35999;
+    in.now.bus_voltage_mV = 35999;
     assert_never_a_fault();
-    in.bus_voltage_mV = 36000;
+    in.now.bus_voltage_mV = 36000;
     assert_never_a_fault();
 }
 
@@ -312,8 +288,8 @@ void test_undervoltage_is_a_fault_only_while_the_bridge_switches(void)
 
 static void torque(int32_t command_mNm, int32_t estimate_mNm)
 {
-    in.torque_command_mNm = command_mNm;
-    in.torque_estimate_mNm = estimate_mNm;
+    in.last.torque_command_mNm = command_mNm;
+    in.last.torque_estimate_mNm = estimate_mNm;
 }
 
 void test_more_torque_than_commanded_is_a_fault_in_either_direction(void)
@@ -355,7 +331,7 @@ void test_less_torque_than_commanded_is_no_fault(void)
 void test_torque_without_pwm_is_no_fault(void)
 {
     torque(0, -20000); /* a short brakes */
-    in.bridge = BRIDGE_OFF;
+    in.report.bridge = BRIDGE_OFF;
     assert_never_a_fault();
 }
 
@@ -376,26 +352,26 @@ void test_cause_has_priority_over_its_consequences(void)
                               REASON_CURRENT_SENSOR,     REASON_CURRENT_SUM,
                               REASON_BUS_OVERVOLTAGE,    REASON_ROTOR_LOST,
                               REASON_TORQUE_IMPLAUSIBLE, REASON_WINDING_OVERTEMPERATURE};
-    in.fast_trip = REASON_OVERCURRENT;
-    in.current_saturated = true;
-    in.current_sum_pu = 32767;
-    in.bus_voltage_mV = 61000;
-    in.rotor_valid = false;
+    in.now.trip = REASON_OVERCURRENT;
+    in.report.adc_saturated = true;
+    in.report.current_sum_pu = 32767;
+    in.now.bus_voltage_mV = 61000;
+    in.now.angle_valid = false;
     torque(0, 40000);
-    in.winding_temperature_cC = 20000;
+    in.now.winding_temperature_cC = 20000;
     fast_steps_per_slow = 0;
     TEST_ASSERT_EQUAL_INT(order[0], run(400).fault);
-    in.fast_trip = REASON_NONE;
+    in.now.trip = REASON_NONE;
     TEST_ASSERT_EQUAL_INT(order[1], step().fault);
     fast_steps_per_slow = FAST_PER_SLOW;
     TEST_ASSERT_EQUAL_INT(order[2], step().fault);
-    in.current_saturated = false;
+    in.report.adc_saturated = false;
     TEST_ASSERT_EQUAL_INT(order[3], step().fault);
-    in.current_sum_pu = 0;
+    in.report.current_sum_pu = 0;
     TEST_ASSERT_EQUAL_INT(order[4], step().fault);
-    in.bus_voltage_mV = 53000;
+    in.now.bus_voltage_mV = 53000;
     TEST_ASSERT_EQUAL_INT(order[5], step().fault);
-    in.rotor_valid = true;
+    in.now.angle_valid = true;
     TEST_ASSERT_EQUAL_INT(order[6], step().fault);
     torque(0, 0);
     TEST_ASSERT_EQUAL_INT(order[7], step().fault);
@@ -406,20 +382,20 @@ void test_any_input_is_accepted(void)
     /* The sanitizer build detects undefined behaviour. */
     random_t random = random_seeded(2);
     for (int n = 0; n < 100000; n++) {
-        in.current_sum_pu = random_wild(&random);
-        in.fast_step_count = (uint16_t)random_u64(&random);
-        in.bus_voltage_mV = random_wild(&random);
-        in.i_d_mA = random_wild(&random);
-        in.i_q_mA = random_wild(&random);
-        in.current_quarters = (uint16_t)random_u64(&random);
-        in.quarter_step = (uint16_t)random_u64(&random);
-        in.bridge = (bridge_mode_t)random_between(&random, 0, 2);
-        in.speed_mrad_s = random_wild(&random);
-        in.winding_temperature_cC = random_wild(&random);
-        in.switch_temperature_cC = random_wild(&random);
+        in.report.current_sum_pu = random_wild(&random);
+        in.report.sequence = (uint16_t)random_u64(&random);
+        in.now.bus_voltage_mV = random_wild(&random);
+        in.now.latest_i_d_mA = random_wild(&random);
+        in.now.latest_i_q_mA = random_wild(&random);
+        in.report.quadrant_transitions = (uint16_t)random_u64(&random);
+        in.report.quadrant_step = (uint16_t)random_u64(&random);
+        in.report.bridge = (bridge_mode_t)random_between(&random, 0, 2);
+        in.now.speed_mrad_s = random_wild(&random);
+        in.now.winding_temperature_cC = random_wild(&random);
+        in.now.switch_temperature_cC = random_wild(&random);
         torque(random_wild(&random), random_wild(&random));
-        in.offset_q4[random_between(&random, 0, 2)] = random_wild(&random);
-        const monitor_output_t out = monitor_slow_step(&state, &config, &in);
-        TEST_ASSERT_NOT_EQUAL_INT(BRIDGE_PWM, out.safe_bridge);
+        in.report.offset_q4[random_between(&random, 0, 2)] = random_wild(&random);
+        const shown_t out = step_at_count();
+        TEST_ASSERT_NOT_EQUAL_INT(BRIDGE_PWM, out.monitored.safe.bridge);
     }
 }

@@ -1,0 +1,189 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "core/findings.h"
+
+#include "core/scaled.h"
+#include "core/words.h"
+
+/* ---- the table ---- */
+
+#define BIT(row) (UINT64_C(1) << FINDING_##row)
+#define BATTERY_BITS (BIT(BUS_JUMPED) | BIT(BATTERY_LEFT) | BIT(BATTERY_UNKNOWN))
+#define ROTOR_BITS                                                                                 \
+    (BIT(ROTOR_SLIPS) | BIT(ROTOR_FREEZES) | BIT(ROTOR_REVERSES) | BIT(ROTOR_UNNAMED))
+
+/* X(name, rows): what explains a row. */
+#define EXPLANATIONS(X)                                                                            \
+    X(NONE, 0)                                                                                     \
+    X(STEPS, BIT(STEPS))                                                                           \
+    X(BATTERY, BATTERY_BITS)                                                                       \
+    X(BATTERY_OR_STEPS, BATTERY_BITS | BIT(STEPS))                                                 \
+    X(BY_STEPS, BIT(READING_BY_STEPS))                                                             \
+    X(ROTOR_OR_GAIN, ROTOR_BITS | BIT(GAIN))                                                       \
+    X(BUS_READING, BIT(BUS_CONTRADICTED))
+
+/* Some rows: a bit each, in two words. */
+typedef struct {
+    uint32_t word[FINDING_WORDS];
+} rows_t;
+
+#define ROWS_OF(bits)                                                                              \
+    {                                                                                              \
+        {                                                                                          \
+            (uint32_t)((bits)&UINT32_MAX), (uint32_t)((uint64_t)(bits) >> 32)                      \
+        }                                                                                          \
+    }
+#define EXPLAINING_ROWS(name, bits) ROWS_OF(bits),
+#define EXPLANATION_ENUM(name, bits) EXPLAINED_BY_##name,
+static const rows_t EXPLAINING[] = {EXPLANATIONS(EXPLAINING_ROWS)};
+enum { EXPLANATIONS(EXPLANATION_ENUM) EXPLANATION_COUNT };
+_Static_assert(FINDING_COUNT <= 32 * FINDING_WORDS, "a bit a row");
+
+typedef struct {
+    uint8_t reason, reaction, explained_by;
+} row_t;
+
+#define ROW(check, name, qualify, heal, explanation, reacts)                                       \
+    {REASON_##name, FINDING_REACTION_##reacts, EXPLAINED_BY_##explanation},
+static const row_t ROWS[FINDING_COUNT] = {FINDING_LIST(ROW)};
+
+/* Times as words, of which the linker keeps each one once. */
+#define AT_ONCE "at once"
+#define NEVER "never"
+#define MS(n) #n " ms"
+#define FIELD(section, name) #section "." #name
+#define RAMP(section, name) "torque ramp + " #section "." #name
+#define OWN(text) text
+#define TIMES(check, name, qualify, heal, explanation, reacts) {qualify, heal},
+#define REACTION_TEXT(identifier, text) text "\0"
+static const struct {
+    const char *qualify, *heal;
+} TIMES_TEXT[] = {FINDING_LIST(TIMES)};
+
+finding_row_t findings_row(finding_t row)
+{
+    const bool known = row < FINDING_COUNT;
+    const finding_row_t out = {
+        .qualify = known ? TIMES_TEXT[row].qualify : "unknown",
+        .heal = known ? TIMES_TEXT[row].heal : "unknown",
+        .reason = known ? (reason_t)ROWS[row].reason : REASON_NONE,
+        .reaction = findings_reaction(row),
+    };
+    return out;
+}
+
+finding_reaction_t findings_reaction(finding_t row)
+{
+    return row < FINDING_COUNT ? (finding_reaction_t)ROWS[row].reaction : FINDING_REACTION_NONE;
+}
+
+const char *findings_reaction_text(finding_reaction_t reaction)
+{
+    return words_at(FINDING_REACTION_LIST(REACTION_TEXT), (uint32_t)reaction);
+}
+
+/* ---- the record ---- */
+
+void findings_init(findings_t *findings, const finding_times_t times[FINDING_COUNT])
+{
+    const debounce_t quiet = {.count = 0};
+    for (int word = 0; word < FINDING_WORDS; word++) {
+        findings->active[word] = 0U;
+        findings->present[word] = 0U;
+        findings->suspected[word] = 0U;
+    }
+    findings->trip = REASON_NONE;
+    for (int row = 0; row < FINDING_COUNT; row++) {
+        findings->debounce[row] = quiet;
+        findings->times[row] = times[row];
+    }
+}
+
+static uint32_t with_bit(uint32_t word, uint32_t bit, bool set)
+{
+    return set ? word | bit : word & ~bit;
+}
+
+void findings_step(findings_t *findings, finding_t row, bool condition)
+{
+    const finding_times_t *times = &findings->times[row];
+    debounce_t *debounce = &findings->debounce[row];
+    const uint32_t bit = findings_bit(row);
+    const uint32_t word = (uint32_t)row / 32U;
+    const bool present =
+        debounce_step(debounce, condition, times->qualify_steps, times->heal_steps);
+    findings->present[word] = with_bit(findings->present[word], bit, present);
+    findings->active[word] = with_bit(findings->active[word], bit, present || debounce->count > 0U);
+}
+
+void findings_name(findings_t *findings, finding_t first, finding_t last, reason_t reason)
+{
+    for (uint32_t row = first; row <= (uint32_t)last; row++) {
+        const bool named = reason != REASON_NONE && reason == (reason_t)ROWS[row].reason;
+        findings_set(findings, (finding_t)row, named);
+    }
+}
+
+bool findings_explained(const findings_t *findings, finding_t row)
+{
+    const uint32_t *by = EXPLAINING[ROWS[row].explained_by].word;
+    return (((findings->present[0] | findings->suspected[0]) & by[0]) |
+            ((findings->present[1] | findings->suspected[1]) & by[1])) != 0U;
+}
+
+static bool any_present(const findings_t *findings, const rows_t *rows)
+{
+    return ((findings->present[0] & rows->word[0]) | (findings->present[1] & rows->word[1])) != 0U;
+}
+
+/* The first present row of some. */
+static finding_t first_of(const findings_t *findings, const rows_t *rows)
+{
+    if (!any_present(findings, rows)) {
+        return FINDING_COUNT;
+    }
+    for (uint32_t word = 0; word < FINDING_WORDS; word++) {
+        uint32_t left = findings->present[word] & rows->word[word];
+        while (left != 0U) {
+            const uint32_t lowest = left & (0U - left);
+            const finding_t row = (finding_t)(32U * word + 31U - scaled_leading_zeros(lowest));
+            if (!findings_explained(findings, row)) {
+                return row;
+            }
+            left &= left - 1U;
+        }
+    }
+    return FINDING_COUNT;
+}
+
+#define IF_FAULT(check, name, qualify, heal, explanation, reacts) | BIT(check)
+#define IF_SHOWN(check, name, qualify, heal, explanation, reacts)                                  \
+    | (REASON_##name == REASON_NONE ? UINT64_C(0) : BIT(check))
+#define IF_OFF(check, name, qualify, heal, explanation, reacts)                                    \
+    | (FINDING_REACTION_##reacts == FINDING_REACTION_OFF ? BIT(check) : UINT64_C(0))
+
+static const rows_t FAULTS = ROWS_OF(UINT64_C(0) FINDING_FAULTS(IF_FAULT));
+static const rows_t SHOWN = ROWS_OF(UINT64_C(0) FINDING_WARNINGS(IF_SHOWN));
+static const rows_t OFF = ROWS_OF(UINT64_C(0) FINDING_WARNINGS(IF_OFF));
+
+finding_t findings_fault(const findings_t *findings)
+{
+    return first_of(findings, &FAULTS);
+}
+
+finding_t findings_warning(const findings_t *findings)
+{
+    return first_of(findings, &SHOWN);
+}
+
+bool findings_off(const findings_t *findings)
+{
+    return any_present(findings, &OFF);
+}
+
+reason_t findings_reason(const findings_t *findings, finding_t row)
+{
+    if (row == FINDING_TRIP) {
+        return findings->trip;
+    }
+    return row < FINDING_COUNT ? (reason_t)ROWS[row].reason : REASON_NONE;
+}

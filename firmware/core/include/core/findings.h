@@ -1,0 +1,239 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * findings.h: what is wrong, as one record and one table. Slow loop, 1 kHz.
+ *
+ * Each check of monitor, measurement, blending, bridge choice and modes has a row. It calls
+ *
+ *     findings_set(findings, FINDING_BUS_LOW, condition)
+ *
+ * once a step and decides nothing else: the row says how long the condition has to last and how
+ * long its end, what explains it away, and what happens. modes executes the reactions; CAN, shell,
+ * journal and black box show the reason of the first row that is present.
+ *
+ * The order of the rows is the order of causes: a finding that another one may cause stands behind
+ * it. A finding that is set after modes_step() acts in the next step.
+ */
+#ifndef CORE_FINDINGS_H
+#define CORE_FINDINGS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "core/debounce.h"
+#include "core/reason.h"
+
+/* X(identifier, text): what happens to the motor's torque while the finding is present. Where there
+ * is less of it the hydraulic brake has the rest of a braking demand. */
+#define FINDING_REACTION_LIST(X)                                                                   \
+    X(NONE, "none, it is only reported")                                                           \
+    X(LIMIT, "less driving torque, whole braking torque")                                          \
+    X(LEAST, "less driving torque; the bridge that brakes least")                                  \
+    X(OFF, "freewheel at once, or short circuit if safer, until it ends")                          \
+    X(HAND_OVER, "no driving torque; the brake system takes over")                                 \
+    X(RAMP, "torque ramps to zero, then safe state")                                               \
+    X(SAFE_STATE, "freewheel at once, or short circuit if safer")                                  \
+    X(TRIP, "freewheel at once, or short circuit on a stuck side")
+
+#define FINDING_REACTION_ENUM(identifier, text) FINDING_REACTION_##identifier,
+typedef enum { FINDING_REACTION_LIST(FINDING_REACTION_ENUM) } finding_reaction_t;
+#undef FINDING_REACTION_ENUM
+
+/* clang-format off */
+/*
+ * X(check, reason, qualify time, heal time, explained by, reaction)
+ *
+ * A time is AT_ONCE; MS(n); FIELD(section, name), a field of the configuration in ms; RAMP(section,
+ * name), such a field behind the time in which the torque ramps out; NEVER; or
+ * OWN(text): the check has a filter of its own, which takes so long.
+ *
+ * Explained by: findings that silence this one while they are present or suspected.
+ *
+ * The reason NONE: the fast monitor gives that of TRIP (findings_trip()); BATTERY_UNKNOWN has none
+ * yet; READING_BY_STEPS, a rotor reading that steps out of order explain, is only a cause. Explained
+ * by NONE: by no other finding.
+ */
+#define FINDING_FAULTS(X)                                                                          \
+    X(STATE_DAMAGED, MEMORY, AT_ONCE, NEVER, NONE, SAFE_STATE)                                     \
+    X(TRIP_PHASE_OPEN, PHASE_OPEN, OWN("3 ms"), AT_ONCE, NONE, SAFE_STATE)                         \
+    X(TRIP, NONE, OWN("1 PWM period and more"), AT_ONCE, NONE, TRIP)                               \
+    X(STEPS, PROGRAM_FLOW, OWN("9 ms"), AT_ONCE, NONE, SAFE_STATE)                                 \
+    X(NO_CURRENT_SUM, CURRENT_SUM, OWN("3 ms"), AT_ONCE, NONE, SAFE_STATE)                         \
+    X(NO_CURRENT_PHASE, PHASE_OPEN, OWN("3 ms"), AT_ONCE, NONE, SAFE_STATE)                        \
+    X(CURRENT_RAIL, CURRENT_SENSOR, FIELD(monitor, sensor_fault_time_ms), AT_ONCE, NONE,           \
+      SAFE_STATE)                                                                                  \
+    X(CURRENT_MISSING, CURRENT_SENSOR, OWN("3 ms"), AT_ONCE, NONE, SAFE_STATE)                     \
+    X(SUM, CURRENT_SUM, FIELD(monitor, sensor_fault_time_ms), AT_ONCE, NONE, SAFE_STATE)           \
+    X(SUM_UNDETERMINED, CURRENT_SUM, OWN("2 PWM periods"), AT_ONCE, NONE, SAFE_STATE)              \
+    X(BUS_LOW, BUS_UNDERVOLTAGE,                                                                   \
+      OWN("monitor.battery_message_time_ms + monitor.voltage_fault_time_ms"), AT_ONCE, NONE,       \
+      SAFE_STATE)                                                                                  \
+    X(BUS_HIGH, BUS_OVERVOLTAGE, OWN("monitor.battery_message_time_ms"), AT_ONCE, NONE, TRIP)      \
+    X(ANGLE_MISSING, ROTOR_LOST, RAMP(monitor, rotor_fault_time_ms), AT_ONCE, NONE, RAMP)          \
+    X(ANGLE, ROTOR_IMPLAUSIBLE, OWN("monitor.angle_fault_time_ms"), AT_ONCE, NONE, SAFE_STATE)     \
+    X(TORQUE, TORQUE_IMPLAUSIBLE, FIELD(monitor, torque_fault_time_ms), AT_ONCE, NONE,             \
+      SAFE_STATE)                                                                                  \
+    X(GAIN, CURRENT_GAIN, OWN("200 ms"), AT_ONCE, NONE, SAFE_STATE)                                \
+    X(WINDING_HOT, WINDING_OVERTEMPERATURE, OWN("monitor.sensor_fault_time_ms"), AT_ONCE, NONE,    \
+      SAFE_STATE)                                                                                  \
+    X(SWITCH_HOT, SWITCH_OVERTEMPERATURE, OWN("monitor.sensor_fault_time_ms"), AT_ONCE, NONE,      \
+      SAFE_STATE)                                                                                  \
+    X(SWITCH_STUCK, HARDWARE_BREAK, OWN("5 to 22 ms"), AT_ONCE, NONE, TRIP)                        \
+    X(CONFIGURATION, CONFIG_INVALID, AT_ONCE, AT_ONCE, NONE, SAFE_STATE)                           \
+    X(SELFTEST, SELFTEST_FAILED, OWN("modes.selftest_timeout_ms"), AT_ONCE, NONE, SAFE_STATE)      \
+    X(OFFSETS_WRONG, OFFSET_IMPLAUSIBLE, OWN("at calibration"), AT_ONCE, NONE, SAFE_STATE)
+
+#define FINDING_WARNINGS(X)                                                                        \
+    X(BUS_JUMPED, BUS_SENSOR, AT_ONCE, OWN("100 ms"), NONE, OFF)                                   \
+    X(BATTERY_LEFT, BATTERY_DISCONNECTED, AT_ONCE, OWN("100 ms"), NONE, OFF)                       \
+    X(BATTERY_UNKNOWN, NONE, AT_ONCE, OWN("100 ms"), NONE, OFF)                                    \
+    X(CURRENT_A, CURRENT_SENSOR_A, OWN("2 PWM periods"), OWN("at restart"), BATTERY, LIMIT)        \
+    X(CURRENT_B, CURRENT_SENSOR_B, OWN("2 PWM periods"), OWN("at restart"), BATTERY, LIMIT)        \
+    X(CURRENT_C, CURRENT_SENSOR_C, OWN("2 PWM periods"), OWN("at restart"), BATTERY, LIMIT)        \
+    X(WINDING_THERMISTOR, WINDING_SENSOR, OWN("monitor.sensor_fault_time_ms"), OWN("1000 ms"),     \
+      BATTERY, LIMIT)                                                                              \
+    X(SWITCH_THERMISTOR, SWITCH_SENSOR, OWN("monitor.sensor_fault_time_ms"), OWN("1000 ms"),       \
+      BATTERY, LIMIT)                                                                              \
+    X(ROTOR_READING, ROTOR_UNCERTAIN, AT_ONCE, FIELD(monitor, rotor_warning_time_ms),              \
+      BATTERY_OR_STEPS, LIMIT)                                                                     \
+    X(READING_BY_STEPS, NONE, AT_ONCE, AT_ONCE, NONE, NONE)                                        \
+    X(FORCED_TORQUE, OVERSPEED, OWN("2 ms"), MS(1000), BY_STEPS, LEAST)                            \
+    X(ROTOR_SLIPS, ROTOR_SLIPPED, OWN("12 ms"), OWN("monitor.rotor_warning_time_ms"), BY_STEPS,    \
+      LIMIT)                                                                                       \
+    X(ROTOR_FREEZES, ROTOR_FROZEN, OWN("2 ms"), OWN("monitor.rotor_warning_time_ms"), BY_STEPS,    \
+      LIMIT)                                                                                       \
+    X(ROTOR_REVERSES, ROTOR_REVERSED, OWN("2 ms"), OWN("monitor.rotor_warning_time_ms"), BY_STEPS, \
+      LIMIT)                                                                                       \
+    X(ROTOR_UNNAMED, ROTOR_UNCERTAIN, OWN("2 ms"), OWN("monitor.rotor_warning_time_ms"), STEPS,    \
+      LIMIT)                                                                                       \
+    X(OBSERVER_IN_USE, ROTOR_UNCERTAIN, AT_ONCE, AT_ONCE, STEPS, LIMIT)                            \
+    X(BRAKE_WEAK, HYDRAULIC_WEAK, OWN("a speed error"), AT_ONCE, ROTOR_OR_GAIN, NONE)              \
+    X(BRAKE_DEAD, HYDRAULIC_DEAD, OWN("1000 ms"), AT_ONCE, ROTOR_OR_GAIN, NONE)                    \
+    X(BRAKE_STRONG, HYDRAULIC_STRONG, OWN("a speed error"), AT_ONCE, ROTOR_OR_GAIN, NONE)          \
+    X(BRAKE_STUCK, HYDRAULIC_STUCK, OWN("a speed error"), AT_ONCE, ROTOR_OR_GAIN, NONE)            \
+    X(BRAKE_LATE, HYDRAULIC_LATE, OWN("a speed error"), AT_ONCE, ROTOR_OR_GAIN, NONE)              \
+    X(BRAKE_REPORT, HYDRAULIC_FEEDBACK, OWN("brake.hydraulic_timeout_ms"), OWN("1000 ms"),         \
+      ROTOR_OR_GAIN, NONE)                                                                         \
+    X(ACCELERATOR, ACCELERATOR_SENSOR, OWN("pedals.fault_time_ms"), OWN("pedals.fault_time_ms"),   \
+      NONE, LIMIT)                                                                                 \
+    X(BRAKE_PEDAL, BRAKE_PEDAL_SENSOR, OWN("pedals.fault_time_ms"), OWN("pedals.fault_time_ms"),   \
+      NONE, LIMIT)                                                                                 \
+    X(DEMAND_OLD, DEMAND_TIMEOUT, OWN("brake.demand_timeout_ms"), AT_ONCE, NONE, HAND_OVER)        \
+    X(DEMAND_REFUSED, DEMAND_IMPLAUSIBLE, AT_ONCE, OWN("1000 ms"), NONE, NONE)                     \
+    X(BUS_CONTRADICTED, BUS_SENSOR, OWN("200 ms"), OWN("200 ms"), NONE, LIMIT)                     \
+    X(FLUX_LOW, FLUX_WEAK, OWN("200 ms"), OWN("200 ms"), BUS_READING, NONE)                        \
+    X(FLUX_HIGH, BUS_SENSOR, OWN("200 ms"), OWN("200 ms"), BUS_READING, LIMIT)                     \
+    X(OFFSETS_OLD, OFFSETS_STORED, OWN("modes.offset_wait_ms"), OWN("at calibration"), NONE, LIMIT)
+/* clang-format on */
+
+#define FINDING_LIST(X) FINDING_FAULTS(X) FINDING_WARNINGS(X)
+#define FINDING_ENUM(check, reason, qualify, heal, explained_by, reaction) FINDING_##check,
+typedef enum { FINDING_LIST(FINDING_ENUM) FINDING_COUNT } finding_t;
+#undef FINDING_ENUM
+
+/* Of one row, in slow steps, at least 1. */
+typedef struct {
+    uint16_t qualify_steps, heal_steps;
+} finding_times_t;
+
+enum { FINDING_WORDS = 2 };
+
+typedef struct {
+    uint32_t active[FINDING_WORDS]; /* a bit a row: present, or its times run */
+    uint32_t present[FINDING_WORDS];
+    uint32_t suspected[FINDING_WORDS];
+    reason_t trip; /* REASON_NONE: none */
+    debounce_t debounce[FINDING_COUNT];
+    finding_times_t times[FINDING_COUNT];
+} findings_t;
+
+/* Nothing is found. times: of every row. */
+void findings_init(findings_t *findings, const finding_times_t times[FINDING_COUNT]);
+
+/* For findings_set(): a step of the row's debounce. */
+void findings_step(findings_t *findings, finding_t row, bool condition);
+
+static inline uint32_t findings_bit(finding_t row)
+{
+    return UINT32_C(1) << ((uint32_t)row % 32U);
+}
+
+/* The condition of a row in this step. */
+static inline void findings_set(findings_t *findings, finding_t row, bool condition)
+{
+    if (condition || (findings->active[(uint32_t)row / 32U] & findings_bit(row)) != 0U) {
+        findings_step(findings, row, condition);
+    }
+}
+
+/* For findings_set_named(): a step of each of the rows. */
+void findings_name(findings_t *findings, finding_t first, finding_t last, reason_t reason);
+
+/* Of the neighbouring rows first to last, whose reasons differ, that with this reason in this step;
+ * REASON_NONE: none of them. */
+static inline void findings_set_named(findings_t *findings, finding_t first, finding_t last,
+                                      reason_t reason)
+{
+    const uint64_t rows = (UINT64_C(2) << (uint32_t)last) - (UINT64_C(1) << (uint32_t)first);
+    const uint32_t active =
+        (findings->active[0] & (uint32_t)rows) | (findings->active[1] & (uint32_t)(rows >> 32U));
+    if (reason != REASON_NONE || active != 0U) {
+        findings_name(findings, first, last, reason);
+    }
+}
+
+/* A row that is on its way, and as a cause already explains others. */
+static inline void findings_suspect(findings_t *findings, finding_t row, bool suspected)
+{
+    uint32_t *word = &findings->suspected[(uint32_t)row / 32U];
+    *word = suspected ? *word | findings_bit(row) : *word & ~findings_bit(row);
+}
+
+static inline bool findings_suspected(const findings_t *findings, finding_t row)
+{
+    return (findings->suspected[(uint32_t)row / 32U] & findings_bit(row)) != 0U;
+}
+
+/* The row TRIP, with its reason; REASON_NONE: no trip. */
+static inline void findings_trip(findings_t *findings, reason_t reason)
+{
+    findings->trip = reason;
+    findings_set(findings, FINDING_TRIP, reason != REASON_NONE);
+}
+
+/* True while the row is qualified, whether another one explains it or not. */
+static inline bool findings_qualified(const findings_t *findings, finding_t row)
+{
+    return (findings->present[(uint32_t)row / 32U] & findings_bit(row)) != 0U;
+}
+
+/* For findings_present(). */
+bool findings_explained(const findings_t *findings, finding_t row);
+
+/* True if the row is qualified and not explained by another one. */
+static inline bool findings_present(const findings_t *findings, finding_t row)
+{
+    return findings_qualified(findings, row) && !findings_explained(findings, row);
+}
+
+/* The first present row of the faults, and of the warnings with a reason; FINDING_COUNT: none. */
+finding_t findings_fault(const findings_t *findings);
+finding_t findings_warning(const findings_t *findings);
+
+/* True while a row with the reaction OFF is present, named or not. */
+bool findings_off(const findings_t *findings);
+
+/* Reason of a row; REASON_NONE for FINDING_COUNT. */
+reason_t findings_reason(const findings_t *findings, finding_t row);
+
+/* Columns of the table, for shell and documents. Texts are never NULL. */
+typedef struct {
+    const char *qualify, *heal; /* configuration fields, or words such as "9 ms" */
+    reason_t reason;
+    finding_reaction_t reaction;
+} finding_row_t;
+
+finding_reaction_t findings_reaction(finding_t row);
+finding_row_t findings_row(finding_t row);
+const char *findings_reaction_text(finding_reaction_t reaction);
+
+#endif

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * last.h: what a slow step needs of the one before: every unit delay between the parts of the slow
+ * loop. The controller writes it at the end of a step (firmware/README.md, Unit delays); nothing
+ * else is read from the step before. A part's own memory, such as a filter or a debounce, is in its
+ * state.
+ */
+#ifndef CORE_LAST_H
+#define CORE_LAST_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "core/bridge.h"
+#include "core/drive_direction.h"
+#include "core/frames.h"
+#include "core/slow_messages.h"
+
+typedef struct {
+    int32_t torque_command_mNm;  /* signed */
+    int32_t torque_estimate_mNm; /* signed, from measured currents */
+    int32_t hydraulic_added_mNm; /* to the hydraulic command of brake blending, >= 0: hill hold,
+                                    lift-off, the brake system's own path */
+    dq_t reference_pu;           /* of the latest setpoint, without field weakening, Q15 */
+    wheel_temperatures_t temperature; /* in use: shown by the sensors, or estimates */
+    bridge_mode_t safe_bridge;        /* freewheel or a short circuit */
+    drive_direction_t engaged;        /* in which driving torque is made */
+    bool at_rest;                     /* known whatever the rotor sensor shows */
+    bool gain_suspected;              /* the battery's current contradicts the loop's */
+} last_t;
+
+#endif

@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * torque_limits_case.h: one step of the table of torque limits from a flat input.
+ */
+#ifndef TORQUE_LIMITS_CASE_H
+#define TORQUE_LIMITS_CASE_H
+
+#include "torque/torque_limits.h"
+
+/* What torque_limits_step() reads of its records. */
+typedef struct {
+    side_t demanded;
+    int32_t brake_torque_mNm; /* demanded, magnitude */
+    int32_t bus_voltage_mV;
+    int32_t battery_voltage_mV; /* where it contradicts the bus voltage; 0: it does not */
+    int32_t bus_current_mA;
+    int32_t bms_charge_current_mA, bms_discharge_current_mA, bms_charge_peak_mA;
+    int32_t switch_temperature_cC;
+    bool angle_valid;
+    bool abs_active;
+    uint8_t abs_share_percent;
+    torque_enable_t torque_enable;
+} torque_limits_case_t;
+
+static inline wheel_demand_t torque_limits_case_demand(const torque_limits_case_t *at)
+{
+    const wheel_demand_t out = {.brake_torque_mNm = at->brake_torque_mNm,
+                                .abs_active = at->abs_active,
+                                .abs_motor_share_percent = at->abs_share_percent};
+    return out;
+}
+
+static inline void torque_limits_case_step(torque_limits_state_t *state, const feasible_set_t *set,
+                                           const torque_limits_case_t *at, torque_limits_t *table)
+{
+    const battery_limits_t battery = {.charge_current_mA = at->bms_charge_current_mA,
+                                      .discharge_current_mA = at->bms_discharge_current_mA,
+                                      .charge_peak_current_mA = at->bms_charge_peak_mA};
+    const measured_t now = {.battery = &battery,
+                            .angle_valid = at->angle_valid,
+                            .bus_voltage_mV = at->bus_voltage_mV,
+                            .switch_temperature_cC = at->switch_temperature_cC};
+    const torque_limits_input_t in = {.demanded = at->demanded,
+                                      .brake_torque_mNm = at->brake_torque_mNm,
+                                      .battery_voltage_mV = at->battery_voltage_mV,
+                                      .bus_current_mA = at->bus_current_mA};
+    const wheel_demand_t wheel = torque_limits_case_demand(at);
+    torque_limits_step(state, set, &now, &wheel, &at->torque_enable, &in, table);
+}
+
+#endif
