@@ -2,9 +2,8 @@
 """How many cases the tests of a run consisted of, counted in what they printed.
 
 A test of ctest is one program. How many test functions it ran is in the summary that Unity or
-pytest prints at its end, and the run's log has the whole output of every test. A proof is one case,
-the check that its assumptions can be met another test. A run that proves several functions says how
-many.
+pytest prints at its end, and the run's log has the whole output of every test. A test of proofs
+says how many, and how many of these were known from an earlier run.
 """
 
 import re
@@ -19,8 +18,7 @@ _OUTPUT, _END = "Output:", "<end of output>"
 _UNITY = re.compile(r"(\d+) Tests \d+ Failures \d+ Ignored")
 _PYTEST = re.compile(r"^(?:=+ )?(\d+ [a-z]+(?:, \d+ [a-z]+)*) in [\d.]+s")
 _PYTEST_CASES = re.compile(r"(\d+) (?:passed|failed|skipped|xfailed|xpassed|errors?)\b")
-_CONTRACTS = re.compile(r"^(\d+) contracts proved: ")
-_NOT_A_PROOF = "_has_possible_inputs"
+_PROOFS = re.compile(r"^(\d+) (?:proof|contract)s? proved( before \(cached\))?: ")
 KINDS = ("Unity functions", "property cases", "pytest cases", "proofs")
 
 
@@ -40,11 +38,20 @@ def outputs(log: Path) -> dict[str, list[str]]:
     return found
 
 
+def proofs_of(printed: Sequence[str]) -> tuple[int, int]:
+    """Return how many proofs a test ran, and how many were known to hold from an earlier run."""
+    numbers = [0, 0]
+    for line in printed:
+        if match := _PROOFS.match(line):
+            numbers[bool(match[2])] += int(match[1])
+    return numbers[0], numbers[1]
+
+
 def cases_of(test: Test, printed: Sequence[str]) -> tuple[str, int] | None:
     """Return kind and number of a test's cases; None of a test that has none of these kinds."""
     if "proof" in test.labels:
-        several = [int(match[1]) for line in printed if (match := _CONTRACTS.match(line))]
-        return None if test.name.endswith(_NOT_A_PROOF) else ("proofs", sum(several) or 1)
+        run, known = proofs_of(printed)
+        return ("proofs", run + known) if run + known else None
     if "python" in test.labels:
         for line in reversed(printed):
             if match := _PYTEST.match(line):
@@ -65,6 +72,12 @@ def counted(tests: Iterable[Test], printed: dict[str, list[str]]) -> dict[str, C
     return found
 
 
+def proofs(tests: Iterable[Test], printed: dict[str, list[str]]) -> tuple[int, int]:
+    """Return how many proofs were run, and how many were known to hold from an earlier run."""
+    found = [proofs_of(printed.get(test.full_name, ())) for test in tests if "proof" in test.labels]
+    return sum(run for run, _ in found), sum(known for _, known in found)
+
+
 def closing_line(
     tests: Sequence[Test], results: dict[str, Result], printed: dict[str, list[str]]
 ) -> str:
@@ -77,4 +90,6 @@ def closing_line(
         if kind in found:
             presets = ", ".join(f"{number} {name}" for name, number in found[kind].items())
             words.append(f"{found[kind].total()} {kind} ({presets})")
+    if known := proofs(ran, printed)[1]:
+        words.append(f"{known} of the proofs had been proved before")
     return "Cases: " + "; ".join(words) + "."

@@ -9,6 +9,7 @@ opened, modules imported and libraries loaded, as far as they lie under ``HUBFOC
 import atexit
 import os
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 
 _seen: set[Path] = set()
@@ -19,6 +20,11 @@ def _note(event: str, arguments: tuple[object, ...]) -> None:
         path, _, flags = arguments
         if isinstance(path, str) and isinstance(flags, int) and flags & os.O_ACCMODE == os.O_RDONLY:
             _seen.add(Path(path).absolute())
+
+
+def note(paths: Iterable[Path]) -> None:
+    """Add files that another program reads for this one."""
+    _seen.update(path.absolute() for path in paths)
 
 
 def source_of(path: Path) -> Path:

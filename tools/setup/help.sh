@@ -46,7 +46,7 @@ TEXT
 
 help_test() {
     cat <<'TEXT'
-Usage: tools/dev test [--full] [FOLDER...]
+Usage: tools/dev test [--full] [--no-cache] [FOLDER...]
        tools/dev test --quick [--since REV]
 
 Builds and tests four presets: host, host-asan (address and undefined-behaviour sanitizers),
@@ -56,6 +56,7 @@ keep the others from being tested.
 
   FOLDER         only the tests of a folder, for example unit/firmware/torque
   --full         also the tests labelled full: whole cycles, large sweeps, long fuzzing
+  --no-cache     prove again what has been proved of the same content (.dev/proved)
   --quick        on a tree that was built and tested before: build and run, in at most 60 s, what
                  belongs to the files changed since HEAD or REV, by the build's own dependencies;
                  what was left out is named

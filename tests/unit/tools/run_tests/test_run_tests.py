@@ -281,16 +281,21 @@ Output:
 
 
 def test_cases_are_counted_by_kind_and_preset_from_what_ran(tmp_path: Path) -> None:
-    """Programs without a summary have no cases; of a proof the check of its assumptions is none."""
+    """Programs without a summary have no cases; a proof that was known is one as well."""
     programs = [
         ("host", "circle", ["unit"], None),
         ("qemu", "target_circle", ["target", "unit"], "4 Tests 0 Failures 0 Ignored\r\nOK"),
         ("host", "property_twin", ["property"], "5 Tests 0 Failures 0 Ignored"),
         ("host", "table", ["python"], "2 failed, 70 passed, 1 skipped, 3 warnings in 8.21s"),
         ("host", "cli", ["python"], "== 1 passed in 61.00s (0:01:01) =="),
-        ("host", "proof_circle", ["proof"], "VERIFICATION SUCCESSFUL"),
-        ("host", "contracts_limit", ["proof"], "3 contracts proved: a, b, c"),
-        ("host", "proof_circle_has_possible_inputs", ["proof"], "VERIFICATION FAILED"),
+        ("host", "proof_circle", ["proof"], "1 proof proved: circle"),
+        ("host", "proof_grid", ["proof"], "no input meets the assumptions"),
+        (
+            "host",
+            "contracts_limit",
+            ["proof"],
+            "3 contracts proved: a, b, c\n2 contracts proved before (cached): d, e",
+        ),
         ("host", "boots", ["target"], "result: READY"),
     ]
     log = tmp_path / "LastTest.log"
@@ -308,7 +313,7 @@ def test_cases_are_counted_by_kind_and_preset_from_what_ran(tmp_path: Path) -> N
     line = cases.closing_line(tests, results, cases.outputs(log))
     assert line == (
         "Cases: 9 tests ran; 7 Unity functions (3 host, 4 qemu); 5 property cases (5 host);"
-        " 74 pytest cases (74 host); 4 proofs (4 host)."
+        " 74 pytest cases (74 host); 6 proofs (6 host); 2 of the proofs had been proved before."
     )
     # What was skipped or never started counts nowhere.
     results["host:circle"] = Result("Skipped", 0.0)
