@@ -9,13 +9,14 @@
 #       MILLIONS of emulated instructions are the limit: the result is the same on a busy
 #         machine. The limit in time follows
 #       from it, ten times what an idle machine takes (a thousand millions a second).
-#   hubfoc_add_unit_test(...)   the host's function of that name, so that the folders of
+#   hubfoc_add_unit_tests(...)   the host's function of that name, so that the folders of
 #     tests/unit can be used as they are
 
 set(HUBFOC_RUN_ON_QEMU "${CMAKE_CURRENT_LIST_DIR}/run_on_qemu.cmake")
 
 # The plugin that counts instructions.
 include(HubfocQemuPlugin)
+include(HubfocSuites)
 set(HUBFOC_LIMIT_PLUGIN "${CMAKE_CURRENT_BINARY_DIR}/limit.so")
 hubfoc_add_qemu_plugin(NAME hubfoc_limit_plugin OUTPUT "${HUBFOC_LIMIT_PLUGIN}"
   SOURCE "${CMAKE_CURRENT_LIST_DIR}/limit.c")
@@ -86,35 +87,21 @@ endfunction()
 set(HUBFOC_TEST_CORE -mcpu=cortex-m7 -mfpu=fpv5-d16)
 set(HUBFOC_TEST_MACHINE mps2-an500)
 
-# Needs Ruby for the runners; without it there is nothing to add, and tests/target says so with a
-# failing test.
-function(hubfoc_add_unit_test)
-  cmake_parse_arguments(T "" "NAME;TIMEOUT" "SOURCES;LIBRARIES;MOCKS;LABELS" ${ARGN})
+function(hubfoc_add_unit_tests)
+  cmake_parse_arguments(T "" "NAME;TIMEOUT"
+    "TESTS;EXCEPT;APART;SOURCES;LIBRARIES;MOCKS;LABELS" ${ARGN})
   if(T_MOCKS)
     message(FATAL_ERROR "${T_NAME}: mocks are for the host")
   endif()
-  list(GET T_SOURCES 0 test)
-  cmake_path(ABSOLUTE_PATH test)
-  set(runner "${CMAKE_CURRENT_BINARY_DIR}/${T_NAME}_runner.c")
-  add_custom_command(OUTPUT "${runner}"
-    COMMAND "${HUBFOC_RUBY}" -W0 --disable=gems "${UNITY_DIR}/auto/generate_test_runner.rb"
-    "${HUBFOC_CMOCK_YML}" "${test}" "${runner}"
-    DEPENDS "${test}" "${HUBFOC_CMOCK_YML}" VERBATIM)
-  set_source_files_properties("${runner}" PROPERTIES COMPILE_OPTIONS "-w")
-  foreach(source IN LISTS T_SOURCES)
-    cmake_path(ABSOLUTE_PATH source NORMALIZE OUTPUT_VARIABLE path)
-    if(path MATCHES "^${PROJECT_SOURCE_DIR}/firmware/")
-      set(core "")
-    else()
-      set(core ${HUBFOC_TEST_CORE})
-    endif()
-    set_source_files_properties("${source}"
-      PROPERTIES COMPILE_OPTIONS "-Wno-missing-prototypes;${core}")
-  endforeach()
-  hubfoc_add_target_program(NAME target_${T_NAME} SOURCES ${T_SOURCES} "${runner}"
-    LIBRARIES unity_target ${T_LIBRARIES})
-  target_link_options(target_${T_NAME} PRIVATE ${HUBFOC_TEST_CORE})
-  hubfoc_add_qemu_test(NAME target_${T_NAME} ELF target_${T_NAME} MACHINE ${HUBFOC_TEST_MACHINE}
-    MILLIONS 40000 TIMELESS
+  hubfoc_suites(suites names "${CMAKE_CURRENT_BINARY_DIR}/${T_NAME}.gen"
+    TESTS ${T_TESTS} EXCEPT ${T_EXCEPT})
+  set_source_files_properties(${suites} ${T_SOURCES} PROPERTIES
+    COMPILE_OPTIONS "${HUBFOC_TEST_CORE}")
+  hubfoc_add_target_program(NAME ${T_NAME} SOURCES ${suites} ${T_SOURCES}
+    LIBRARIES hubfoc_run_suites unity_target ${T_LIBRARIES})
+  target_include_directories(${T_NAME} PRIVATE "${PROJECT_SOURCE_DIR}/tests/unit")
+  target_link_options(${T_NAME} PRIVATE ${HUBFOC_TEST_CORE})
+  hubfoc_add_qemu_test(NAME ${T_NAME} ELF ${T_NAME} MACHINE ${HUBFOC_TEST_MACHINE}
+    MILLIONS 400000 TIMELESS
     EXPECT "Tests 0 Failures 0 Ignored" LABELS unit)
 endfunction()

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 # What runs on mps2-an386.
 
-find_program(HUBFOC_RUBY ruby)
 find_path(CMOCK_DIR lib/cmock.rb HINTS "${PROJECT_SOURCE_DIR}/.dev/cmock/usr/share/cmock"
   "/usr/share/cmock" NO_DEFAULT_PATH
   NO_CMAKE_FIND_ROOT_PATH)
 set(missing "")
-foreach(needed IN ITEMS HUBFOC_QEMU HUBFOC_HOST_CC HUBFOC_RUBY CMOCK_DIR)
+foreach(needed IN ITEMS HUBFOC_QEMU HUBFOC_HOST_CC HUBFOC_PYTHON CMOCK_DIR)
   if(NOT ${needed})
     list(APPEND missing ${needed})
   endif()
@@ -190,15 +189,18 @@ set_tests_properties(instruction_budgets PROPERTIES TIMEOUT 900 LABELS target
 
 # ---- the unit tests of the pure modules ----
 
-if(HUBFOC_RUBY AND CMOCK_DIR)
+if(HUBFOC_PYTHON AND CMOCK_DIR)
   set(UNITY_DIR "${CMOCK_DIR}/vendor/unity")
-  set(HUBFOC_CMOCK_YML "${PROJECT_SOURCE_DIR}/tools/cmake/cmock.yml")
   add_library(unity_target STATIC "${UNITY_DIR}/src/unity.c")
   target_include_directories(unity_target SYSTEM PUBLIC "${UNITY_DIR}/src")
   target_compile_options(unity_target PRIVATE ${HUBFOC_TEST_CORE})
   target_compile_definitions(unity_target PUBLIC UNITY_INCLUDE_DOUBLE UNITY_SUPPORT_64
     UNITY_OUTPUT_CHAR=target_putchar
     "UNITY_OUTPUT_CHAR_HEADER_DECLARATION=target_putchar(int)")
+  add_library(hubfoc_run_suites OBJECT "${PROJECT_SOURCE_DIR}/tests/unit/run_suites.c")
+  target_compile_definitions(hubfoc_run_suites PRIVATE SUITES_WITHOUT_ARGUMENTS)
+  target_compile_options(hubfoc_run_suites PRIVATE ${HUBFOC_TEST_CORE})
+  target_link_libraries(hubfoc_run_suites PRIVATE unity_target hubfoc_warnings)
   foreach(module IN LISTS modules)
     if(EXISTS "${PROJECT_SOURCE_DIR}/tests/unit/firmware/${module}/CMakeLists.txt")
       add_subdirectory("${PROJECT_SOURCE_DIR}/tests/unit/firmware/${module}" "unit_${module}")

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 # Unity and CMock (Debian/Ubuntu package "cmock", which carries Unity) wired into CTest.
 #
-#   hubfoc_add_unit_test(NAME q15 SOURCES test_q15.c LIBRARIES hubfoc_core [MOCKS
-#     hal/include/hal/inverter.h ...]
-#                        [LABELS unit])
-#       The first source is the test file; its runner is generated. MOCKS are headers mocked by
-#         CMock.
+#   hubfoc_add_unit_tests(NAME unit_core LIBRARIES hubfoc_core [TESTS q15 angle ...]
+#     [EXCEPT angle ...] [APART angle ...] [SOURCES x.c ...] [MOCKS hal/include/hal/inverter.h ...]
+#     [LABELS ...] [TIMEOUT seconds])
+#       One program of the files test_q15.c, test_angle.c, ... of this folder, by default all but
+#         EXCEPT (tests/unit/suite.h). It is one test of ctest; each file that is APART is another.
+#         MOCKS are headers mocked by CMock. Run with sanitizers and to measure what they reach; the
+#         plain host build only knows how to make them (tools/mutants).
 #   hubfoc_add_python_test(NAME regen_table FILES test_a.py test_b.py [LABELS python] [TIMEOUT
 #     seconds] [INSTRUMENTED])
 #       pytest in the project's private environment. With sanitizers it is run again only if it is
@@ -22,19 +24,16 @@ add_library(unity STATIC "${UNITY_DIR}/src/unity.c" "${CMOCK_DIR}/src/cmock.c")
 target_include_directories(unity SYSTEM PUBLIC "${UNITY_DIR}/src" "${CMOCK_DIR}/src")
 target_compile_definitions(unity PUBLIC UNITY_INCLUDE_DOUBLE CMOCK_MEM_DYNAMIC)
 
-function(hubfoc_add_unit_test)
-  cmake_parse_arguments(T "" "NAME;TIMEOUT" "SOURCES;LIBRARIES;MOCKS;LABELS" ${ARGN})
-  set(target "test_${T_NAME}")
-  set(gen "${CMAKE_CURRENT_BINARY_DIR}/${target}.gen")
+include(HubfocSuites)
+add_library(hubfoc_run_suites OBJECT "${PROJECT_SOURCE_DIR}/tests/unit/run_suites.c")
+target_link_libraries(hubfoc_run_suites PRIVATE unity hubfoc_warnings)
+
+function(hubfoc_add_unit_tests)
+  cmake_parse_arguments(T "" "NAME;TIMEOUT" 
+    "TESTS;EXCEPT;APART;SOURCES;LIBRARIES;MOCKS;LABELS" ${ARGN})
+  set(gen "${CMAKE_CURRENT_BINARY_DIR}/${T_NAME}.gen")
   file(MAKE_DIRECTORY "${gen}")
-  list(GET T_SOURCES 0 test)
-  cmake_path(ABSOLUTE_PATH test)
-  set(runner "${gen}/${target}_runner.c")
-  # The .yml comes first: the runner generator resets its options when it meets it.
-  add_custom_command(OUTPUT "${runner}"
-    COMMAND "${RUBY_EXECUTABLE}" -W0 --disable=gems "${UNITY_DIR}/auto/generate_test_runner.rb"
-    "${HUBFOC_CMOCK_YML}" "${test}" "${runner}"
-    DEPENDS "${test}" "${HUBFOC_CMOCK_YML}" VERBATIM)
+  hubfoc_suites(suites names "${gen}" TESTS ${T_TESTS} EXCEPT ${T_EXCEPT})
   set(mock_sources "")
   foreach(header IN LISTS T_MOCKS)
     cmake_path(ABSOLUTE_PATH header BASE_DIRECTORY "${PROJECT_SOURCE_DIR}")
@@ -45,24 +44,34 @@ function(hubfoc_add_unit_test)
       DEPENDS "${header}" "${HUBFOC_CMOCK_YML}" VERBATIM)
     list(APPEND mock_sources "${gen}/mock_${stem}.c")
   endforeach()
-  add_executable(${target} ${T_SOURCES} "${runner}" ${mock_sources})
-  # Runners and mocks are the generators' business; the test itself is held to the project's
-  # warnings.
-  set_source_files_properties("${runner}" ${mock_sources} PROPERTIES
-    COMPILE_OPTIONS "-w;-O0;-g0")
-  # Test functions are declared by the generated runner only. What they do is done in the modules'
-  # libraries; their own code takes longer to optimise than to run. For the compiler's warnings it
-  # is optimised once: the firmware's tests for the emulator, all others with sanitizers.
-  set(options -Wno-missing-prototypes)
+  add_executable(${T_NAME} ${suites} ${T_SOURCES} ${mock_sources})
+  # Mocks are their generator's business; the tests are held to the project's warnings.
+  set_source_files_properties(${mock_sources} PROPERTIES COMPILE_OPTIONS "-w;-O0;-g0")
+  # What tests do is done in the modules' libraries; their own code takes longer to optimise than to
+  # run. For the compiler's warnings it is optimised once: the firmware's tests for the emulator,
+  # all others with sanitizers.
   if(NOT HUBFOC_SANITIZE OR CMAKE_CURRENT_SOURCE_DIR MATCHES "/tests/unit/firmware/")
-    list(APPEND options -O0)
+    set_source_files_properties(${suites} ${T_SOURCES} PROPERTIES COMPILE_OPTIONS -O0)
   endif()
-  set_source_files_properties(${T_SOURCES} PROPERTIES COMPILE_OPTIONS "${options}")
   # SYSTEM: clang-tidy leaves generated headers alone then, too.
-  target_include_directories(${target} SYSTEM PRIVATE "${gen}")
-  target_link_libraries(${target} PRIVATE unity ${T_LIBRARIES} hubfoc_warnings)
-  add_test(NAME ${T_NAME} COMMAND ${target})
+  target_include_directories(${T_NAME} SYSTEM PRIVATE "${gen}")
+  target_include_directories(${T_NAME} PRIVATE "${PROJECT_SOURCE_DIR}/tests/unit")
+  target_link_libraries(${T_NAME} PRIVATE hubfoc_run_suites unity ${T_LIBRARIES} hubfoc_warnings)
+  if(NOT HUBFOC_SANITIZE AND NOT HUBFOC_COVERAGE AND NOT HUBFOC_MCDC)
+    set_property(TARGET ${T_NAME} PROPERTY EXCLUDE_FROM_ALL ON)
+    return()
+  endif()
+  set(together "")
+  if(T_APART)
+    list(REMOVE_ITEM names ${T_APART})
+    set(together ${names})
+  endif()
+  add_test(NAME ${T_NAME} COMMAND ${T_NAME} ${together})
   hubfoc_test_properties(${T_NAME} "unit;${T_LABELS}" "${T_TIMEOUT}")
+  foreach(name IN LISTS T_APART)
+    add_test(NAME ${T_NAME}_${name} COMMAND ${T_NAME} ${name})
+    hubfoc_test_properties(${T_NAME}_${name} "unit;${T_LABELS}" "${T_TIMEOUT}")
+  endforeach()
 endfunction()
 
 function(hubfoc_add_python_test)

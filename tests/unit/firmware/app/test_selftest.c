@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* mmap and fileno: only to build memory with a fault in it. */
+#define _POSIX_C_SOURCE 200809L
 #include <stdio.h>
 #include <sys/mman.h>
 #include <unistd.h>
