@@ -294,6 +294,8 @@ class DevCommandTest(DevFixture):
         self.assert_refused(self.run_dev("test", "absent/folder"), "no folder 'absent/folder'")
         self.assert_refused(self.run_dev("test", "--since"), "--since")
         self.assert_refused(self.run_dev("test", "--since", "HEAD"), "--quick")
+        self.assert_refused(self.run_dev("test", "--json"), "--json")
+        self.assert_refused(self.run_dev("test", "--json", "no_folder/run.json"), "no_folder")
         self.assert_refused(self.run_dev("test", "--quick", "--full"), "--quick")
         self.assert_refused(self.run_dev("test", "--quick", "tools"), "--quick")
 

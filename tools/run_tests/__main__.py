@@ -10,9 +10,10 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from run_tests import cases, choose, ctest
+from run_tests import cases, choose, ctest, report
 from run_tests.choose import BuildGraph
 from run_tests.ctest import Result, Test
+from run_tests.report import Run
 
 ROOT = Path(__file__).resolve().parents[2]
 PRESETS = ("host", "host-asan", "stm32f405", "qemu")
@@ -99,15 +100,9 @@ def closing_lines(preset: str, tests: Sequence[Test], results: dict[str, Result]
     return lines
 
 
-def all_passed(tests: Sequence[Test], results: dict[str, Result]) -> bool:
-    """Return True if every test ran and none failed."""
-    found = [results.get(test.full_name) for test in tests]
-    return all(result is not None and (result.passed or result.skipped) for result in found)
-
-
 def run_chosen(
     suite: Suite, presets: Sequence[str], tests: list[Test], options: argparse.Namespace
-) -> bool:
+) -> Run:
     """Run the tests and print the output of ctest, then the closing lines of each preset."""
     full = options.full
     long = [] if full else [test for test in tests if ctest.FULL_LABEL in test.labels]
@@ -128,13 +123,16 @@ def run_chosen(
     for preset in presets:
         print("\n".join(closing_lines(preset, tests, results)))
     print(cases.closing_line(tests, results, suite.printed()))
-    by_preset = {name: [test for test in tests if test.preset == name] for name in presets}
-    failed = [name for name, mine in by_preset.items() if not all_passed(mine, results)]
-    failed += [f"{name} (build)" for name in options.not_built.split(",") if name]
+    not_built = [name for name in options.not_built.split(",") if name]
+    run = Run(tests, results, [test.full_name for test in long], not_built)
+    failed = list(dict.fromkeys(name.partition(":")[0] for name in run.failed()))
+    failed = [f"{name} (build)" if name in not_built else name for name in failed]
     sys.stdout.flush()
     if failed:
         print(f"tools/dev: failed: {' '.join(failed)}", file=sys.stderr)
-    return bool(tests) and not failed
+    elif not tests:
+        sys.exit("run_tests: no test was found")
+    return run
 
 
 def in_time(tests: Sequence[Test], suite: Suite, budget_s: float) -> list[Test]:
@@ -186,8 +184,11 @@ def bring_up_to_date(preset: str) -> None:
         sys.exit(answer.stdout[-4000:] + f"run_tests: {preset} cannot be configured")
 
 
-def quick(suite: Suite, revision: str) -> bool:
-    """Build and test what belongs to the files changed since a revision, in at most 60 s."""
+def quick(suite: Suite, revision: str, times: dict[str, dict[str, float]]) -> Run:
+    """Build and test what belongs to the files changed since a revision, in at most 60 s.
+
+    times: of configuring and building, by preset, which are added.
+    """
     begin = time.monotonic()
     changed = choose.changed_since(ROOT, revision)
     presets = [name for name in QUICK_PRESETS if (ROOT / "build" / name / "build.ninja").is_file()]
@@ -198,7 +199,9 @@ def quick(suite: Suite, revision: str) -> bool:
     unknown: list[Test] = []
     explained = set()
     for preset in presets:
+        at = [time.monotonic()]
         bring_up_to_date(preset)
+        at.append(time.monotonic())
         graph = BuildGraph(ROOT / "build" / preset)
         tests = ctest.listed(ROOT, preset)
         mine = choose.of_changes(tests, changed, graph, suite.opened)
@@ -215,7 +218,9 @@ def quick(suite: Suite, revision: str) -> bool:
         affordable = in_time(mine, suite, QUICK_S / 2)
         needs = {test: choose.products(test, graph, suite.opened) for test in affordable}
         targets = list(dict.fromkeys(path for test in affordable for path in sorted(needs[test])))
+        at.append(time.monotonic())
         built = build_in_time(preset, targets, begin + QUICK_BUILD_S)
+        times[preset] = {"configure_s": at[1] - at[0], "build_s": time.monotonic() - at[2]}
         ready += [test for test in affordable if needs[test] <= built]
     chosen = in_time(ready, suite, QUICK_END_S - 5.0 - (time.monotonic() - begin))
     results: dict[str, Result] = {}
@@ -243,11 +248,12 @@ def quick(suite: Suite, revision: str) -> bool:
     )
     for preset in sorted({test.preset for test in done}, key=PRESETS.index):
         print("\n".join(closing_lines(preset, done, results)))
-    return all_passed(done, results)
+    return Run(done, results, [test.full_name for test in left])
 
 
 def main() -> int:
     """Run the selected tests; the exit status is 1 if a test failed or none was found."""
+    now = time.time()
     parser = argparse.ArgumentParser(prog="run_tests")
     parser.add_argument("--presets", default=",".join(PRESETS), help="comma-separated")
     parser.add_argument("--full", action="store_true", help="with the tests labelled full")
@@ -255,6 +261,9 @@ def main() -> int:
     parser.add_argument("--since", default="HEAD", metavar="REV", help="changed since when")
     parser.add_argument("--setup-s", help="how long the set-up took, to be printed with the rest")
     parser.add_argument("--build-s", help="how long the build took")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="what was done, for machines")
+    parser.add_argument("--begin", type=float, default=now, help="of it all, seconds since 1970")
+    parser.add_argument("--times", type=Path, metavar="FILE", help="of configuring and building")
     parser.add_argument("--not-built", default="", help="presets whose build failed")
     parser.add_argument("--list-targets", action="store_true", help="what the folders' tests need")
     parser.add_argument("--keep-costs", action="store_true", help="write costs.json")
@@ -264,8 +273,9 @@ def main() -> int:
     if options.keep_costs:
         suite.keep_costs()
         return 0
+    times = report.times_of(options.times)
     if options.quick:
-        return 0 if quick(suite, options.since) else 1
+        return ended(quick(suite, options.since, times), suite, times, options)
     presets = [name for name in options.presets.split(",") if name]
     tests = [test for preset in presets for test in ctest.listed(ROOT, preset)]
     if options.folders:
@@ -278,7 +288,16 @@ def main() -> int:
         return 0
     if options.folders:
         presets = [name for name in presets if any(test.preset == name for test in tests)]
-    return 0 if run_chosen(suite, presets, tests, options) else 1
+    return ended(run_chosen(suite, presets, tests, options), suite, times, options)
+
+
+def ended(
+    run: Run, suite: Suite, times: dict[str, dict[str, float]], options: argparse.Namespace
+) -> int:
+    """Write what was done, if that was asked for, and return the exit status."""
+    if options.json:
+        report.write(options.json, run, suite.printed(), times, options.begin, jobs())
+    return 0 if run.good else 1
 
 
 def targets_of(preset: str, tests: Sequence[Test], suite: Suite) -> list[str]:

@@ -3,13 +3,14 @@
 
 ``python -m run_tests.build LOGS PRESET[:TARGET...]...``: the first preset is built beside the
 others, which follow one another. Each has its log in the folder LOGS, ``build-PRESET.log``; the
-names of those that failed are written to ``build-failed`` there, and the ends of their logs to
-stdout.
+names of those that failed are written to ``build-failed`` there, the ends of their logs to stdout,
+and how long each took is added to ``times``.
 """
 
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -23,6 +24,7 @@ def build(logs: Path, preset: str, targets: Sequence[str]) -> bool:
     command = ["cmake", "--build", "--preset", preset, "--parallel", str(jobs())]
     if targets:
         command += ["--target", *targets]
+    begin = time.monotonic()
     with (logs / f"build-{preset}.log").open("w", encoding="utf-8") as log:
         process = subprocess.Popen(
             command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
@@ -32,7 +34,10 @@ def build(logs: Path, preset: str, targets: Sequence[str]) -> bool:
         for line in process.stdout:
             log.write(line)
             print(f"{preset}: {line}", end="", flush=True)
-        return process.wait() == 0
+        status = process.wait()
+    with (logs / "times").open("a", encoding="utf-8") as times:
+        times.write(f"{preset} build {time.monotonic() - begin:.1f}\n")
+    return status == 0
 
 
 def main(arguments: list[str]) -> int:

@@ -109,18 +109,24 @@ build() {
 }
 
 # build_for_tests [FOLDER...]: all presets, or what the tests of these folders need of them. Leaves
-# the presets' names in BUILT and NOT_BUILT.
+# the presets' names in BUILT and NOT_BUILT, and what each took in the file times of LOG_DIR.
 BUILT=()
 NOT_BUILT=()
 build_for_tests() {
-    local preset targets builds=()
+    local preset begin took_us targets builds=()
     BUILT=()
     NOT_BUILT=()
+    mkdir -p "$LOG_DIR"
+    : >"$LOG_DIR/times"
     for preset in "${TESTED_PRESETS[@]}"; do
+        begin=${EPOCHREALTIME/[.,]/}
         if ! configure "$preset" HUBFOC_TESTS=ON; then
             NOT_BUILT+=("$preset")
             continue
         fi
+        took_us=$((${EPOCHREALTIME/[.,]/} - begin))
+        printf '%s configure %d.%02d\n' "$preset" $((took_us / 1000000)) \
+            $((took_us / 10000 % 100)) >>"$LOG_DIR/times"
         targets=''
         if (($#)); then
             targets=$("$VENV_PYTHON" -m run_tests --presets "$preset" --list-targets "$@") ||
@@ -130,7 +136,6 @@ build_for_tests() {
         builds+=("$preset:$targets")
     done
     if ((${#builds[@]})); then
-        mkdir -p "$LOG_DIR"
         # All have failed until the build says which ones have.
         printf '%s\n' "${builds[@]%%:*}" >"$LOG_DIR/build-failed"
         run_logged "Building $(join_by ' ' "${builds[@]%%:*}")" build \

@@ -46,8 +46,8 @@ TEXT
 
 help_test() {
     cat <<'TEXT'
-Usage: tools/dev test [--full] [--no-cache] [FOLDER...]
-       tools/dev test --quick [--since REV]
+Usage: tools/dev test [--full] [--no-cache] [--json FILE] [FOLDER...]
+       tools/dev test --quick [--since REV] [--json FILE]
 
 Builds and tests four presets: host, host-asan (address and undefined-behaviour sanitizers),
 stm32f405 and qemu (the firmware on an emulated Cortex-M4). All tests run in one run of ctest, the
@@ -57,6 +57,9 @@ keep the others from being tested.
   FOLDER         only the tests of a folder, for example unit/firmware/torque
   --full         also the tests labelled full: whole cycles, large sweeps, long fuzzing
   --no-cache     prove again what has been proved of the same content (.dev/proved)
+  --json FILE    write what was done and what it took, also when tests fail: wall_s, cpu_s, cores;
+                 configure_s, build_s and test_s of each preset; cases by kind and preset; the names
+                 of the tests left out and failed; proofs run and cached
   --quick        on a tree that was built and tested before: build and run, in at most 60 s, what
                  belongs to the files changed since HEAD or REV, by the build's own dependencies;
                  what was left out is named

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """tools/run_tests on a small project: two C tests, a Python test and a slow one."""
 
+import json
 import os
 import shutil
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -226,6 +228,38 @@ def test_quick_lists_the_tests_omitted_for_time(project: Project) -> None:
     output = project.run("--quick")
     assert started(output) == []
     assert "Left out to save time: 1 tests: host:first." in output
+
+
+def test_json_says_what_was_done_and_what_it_took(project: Project) -> None:
+    project.write("build/times", "host configure 1.25\nhost build 20.5\nqemu build 3\n")
+    begin = str(time.time() - 100.0)
+    options = ["--presets", "host", "--not-built", "qemu", "--json", "build/run.json",
+               "--times", "build/times", "--begin", begin]  # fmt: skip
+    project.run(*options, status=1)
+    content = json.loads((project.root / "build/run.json").read_text(encoding="utf-8"))
+    assert 100.0 < content["wall_s"] < 150.0
+    assert 0.0 < content["cpu_s"] < 100.0
+    assert content["cores"] == len(os.sched_getaffinity(0))
+    tests_s = content["presets"]["host"].pop("test_s")
+    assert 0.0 < tests_s < 50.0
+    assert content["presets"] == {
+        "host": {"configure_s": 1.2, "build_s": 20.5},
+        "qemu": {"configure_s": 0.0, "build_s": 3.0, "test_s": 0},
+    }
+    assert content["cases"] == {"Unity functions": {"host": 2}, "pytest cases": {"host": 6}}
+    assert content["left_out"] == ["host:whole_cycle"]
+    assert content["failed"] == ["qemu:build"]
+    assert content["proofs"] == {"run": 0, "cached": 0}
+
+
+def test_json_is_written_when_tests_fail_and_of_a_quick_run(project: Project) -> None:
+    project.run("--presets", "host")
+    project.write("include/limit.h", "#define LIMIT 4\n")
+    project.run("--quick", "--json", "build/quick.json", status=1)
+    content = json.loads((project.root / "build/quick.json").read_text(encoding="utf-8"))
+    assert content["failed"] == ["host:first"]
+    assert content["presets"]["host"]["build_s"] > 0.0
+    assert content["left_out"] == []
 
 
 def test_graph_ignores_order_only_dependencies(project: Project) -> None:
