@@ -28,10 +28,10 @@ def prove(cbmc: str, name: str, arguments: Sequence[str]) -> int:
     run = ["--function", f"prove_{name}", "--verbosity", "4"]
     files = [one for one in arguments if one.endswith(".c") or one.startswith("-I")]
     reach = [*run, *files, "-DPROOF_EXPECT_REACHED", "--no-standard-checks", "--unwind", "70"]
-    store = f"proof_{name}"
+    kept = f"proof_{name}"
     outcomes = (
-        proved.check(cbmc, [*run, *arguments], holds, store, "every check holds"),
-        proved.check(cbmc, reach, is_reached, store, "the end is reached"),
+        proved.check(cbmc, [*run, *arguments], holds, kept, "every check holds"),
+        proved.check(cbmc, reach, is_reached, kept, "the end is reached"),
     )
     wrong = [line for outcome in outcomes for line in outcome.wrong]
     cached = all(outcome.cached for outcome in outcomes)

@@ -3,13 +3,9 @@
 
 A run is known by a hash of everything that decides its result: the preprocessed text of every
 source, all flags, the version of CBMC, what was expected, and this file. Comments, blank lines and
-the place of the repository are not part of it. What CBMC reads is the text that was hashed. Only
-good results are kept, one hash a line in ``.dev/proved/NAME``; ``HUBFOC_NO_CACHE=1`` in the
-environment runs everything.
+the place of the repository are not part of it. What CBMC reads is the text that was hashed.
 """
 
-import hashlib
-import os
 import re
 import subprocess
 import tempfile
@@ -18,10 +14,9 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from run_tests import opened
+from run_tests import known, opened
 
 ROOT = Path(__file__).resolve().parents[2]
-STORE = ROOT / ".dev" / "proved"
 # As CBMC preprocesses.
 PREPROCESS = ("gcc", "-E", "-D__CPROVER__", "-m64", "-std=gnu11")
 _MARKER = re.compile(r'^# \d+ "([^"<]+)"')
@@ -82,7 +77,7 @@ def check(
     judge
         Returns what is wrong with what CBMC printed.
     name
-        Of the file in the store.
+        Under which good results are kept.
     expected
         What a good result means, in words.
     folder
@@ -95,15 +90,12 @@ def check(
         texts = [_preprocessed(source, options) for source in sources]
     except subprocess.CalledProcessError as error:
         return Outcome(tuple(error.stderr.splitlines()), False)
-    hashed = hashlib.sha256(Path(__file__).read_bytes())
-    for part in (_version(cbmc), expected, *flags, *(_content(text, folder) for text in texts)):
-        hashed.update(f"{len(part)} {part}".encode())
-    key = hashed.hexdigest()
+    own = Path(__file__).read_bytes()
+    contents = [_content(text, folder) for text in texts]
+    key = known.key_of([own, _version(cbmc), expected, *flags, "sources:", *contents])
     for text in texts:
         _note_files(text)
-    store = STORE / name
-    known = store.read_text(encoding="ascii").split() if store.is_file() else []
-    if key in known and not os.environ.get("HUBFOC_NO_CACHE"):
+    if known.is_good(name, key):
         return Outcome((), True)
     with tempfile.TemporaryDirectory() as written:
         files = [Path(written) / f"{n}_{Path(source).stem}.i" for n, source in enumerate(sources)]
@@ -113,7 +105,5 @@ def check(
         done = subprocess.run(command, check=False, capture_output=True, text=True)
     wrong = tuple(judge(done.stdout + done.stderr))
     if not wrong:
-        store.parent.mkdir(parents=True, exist_ok=True)
-        with store.open("a", encoding="ascii") as out:
-            out.write(f"{key}\n")
+        known.keep(name, key)
     return Outcome(wrong, False)

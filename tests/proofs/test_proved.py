@@ -8,6 +8,7 @@ from pathlib import Path
 import prove
 import proved
 import pytest
+from run_tests import known
 
 HOLDS = "** Results:\\n[p.assertion.1] line 1 assertion x: SUCCESS\\nVERIFICATION SUCCESSFUL\\n"
 SOURCE = '#include "limit.h"\nint limited(int x) { return x > LIMIT ? LIMIT : x; }\n'
@@ -59,7 +60,7 @@ class Run:
 
 @pytest.fixture(name="run")
 def make_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
-    monkeypatch.setattr(proved, "STORE", tmp_path / "proved")
+    monkeypatch.setattr(known, "STORE", tmp_path / "known")
     monkeypatch.delenv("HUBFOC_NO_CACHE", raising=False)
     return Run(tmp_path)
 
