@@ -99,7 +99,7 @@ function(hubfoc_add_unit_tests)
     COMPILE_OPTIONS "${HUBFOC_TEST_CORE}")
   hubfoc_add_target_program(NAME ${T_NAME} SOURCES ${suites} ${T_SOURCES}
     LIBRARIES hubfoc_run_suites unity_target ${T_LIBRARIES})
-  target_include_directories(${T_NAME} PRIVATE "${PROJECT_SOURCE_DIR}/tests/unit")
+  target_include_directories(${T_NAME} PRIVATE "${PROJECT_SOURCE_DIR}/tests/unit/runner")
   target_link_options(${T_NAME} PRIVATE ${HUBFOC_TEST_CORE})
   hubfoc_add_qemu_test(NAME ${T_NAME} ELF ${T_NAME} MACHINE ${HUBFOC_TEST_MACHINE}
     MILLIONS 400000 TIMELESS

@@ -197,7 +197,7 @@ if(HUBFOC_PYTHON AND CMOCK_DIR)
   target_compile_definitions(unity_target PUBLIC UNITY_INCLUDE_DOUBLE UNITY_SUPPORT_64
     UNITY_OUTPUT_CHAR=target_putchar
     "UNITY_OUTPUT_CHAR_HEADER_DECLARATION=target_putchar(int)")
-  add_library(hubfoc_run_suites OBJECT "${PROJECT_SOURCE_DIR}/tests/unit/run_suites.c")
+  add_library(hubfoc_run_suites OBJECT "${PROJECT_SOURCE_DIR}/tests/unit/runner/run_suites.c")
   target_compile_definitions(hubfoc_run_suites PRIVATE SUITES_WITHOUT_ARGUMENTS)
   target_compile_options(hubfoc_run_suites PRIVATE ${HUBFOC_TEST_CORE})
   target_link_libraries(hubfoc_run_suites PRIVATE unity_target hubfoc_warnings)

@@ -12,6 +12,8 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
+from benchmark.objects import compile_if_changed
+
 ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).resolve().parent
 IMAGES = ROOT / "firmware" / "config" / "generated"
@@ -112,13 +114,16 @@ def optimisation() -> tuple[dict[Path, list[str]], set[Path]]:
 
 
 def compile_sources(core: Core, sources: list[Path], directory: Path) -> list[str]:
-    """Compile sources for one core into an empty directory and return the objects, in their order.
+    """Compile what has changed of sources for one core and return the objects, in their order.
 
-    The compiler leaves its stack figures in the same directory.
+    The compiler leaves its stack figures in the same directory, in which nothing else stays.
     """
     compiler = tool(PREFIX + "gcc", "gcc-arm-none-eabi")
-    shutil.rmtree(directory, ignore_errors=True)
-    directory.mkdir(parents=True)
+    directory.mkdir(parents=True, exist_ok=True)
+    stems = {f"{source.parent.name}_{source.stem}" for source in sources}
+    for path in directory.iterdir():
+        if path.name.partition(".")[0] not in stems:
+            path.unlink()
     includes = [ROOT / "firmware" / module / "include" for module in MODULES] + [
         ROOT / "hal" / "qemu_mps2",
         ROOT / "tests" / "unit" / "firmware" / "support",
@@ -139,10 +144,9 @@ def compile_sources(core: Core, sources: list[Path], directory: Path) -> list[st
         small = source in for_size or source.parent.name == "cortex_m"
         optimise = ["-Os" if small else core.optimise]
         optimise += flags.get(source.parent, []) + flags.get(source, [])
-        run(
-            [compiler, *common, *optimise, "-c", str(source), "-o", str(target)],
-            f"compiling {source.relative_to(ROOT)} for {core.name}",
-        )
+        what = f"compiling {source.relative_to(ROOT)} for {core.name}"
+        command = [compiler, *common, *optimise, "-c", str(source)]
+        compile_if_changed(command, target, lambda words: run(words, what))
         return str(target)
 
     with ThreadPoolExecutor(max_workers=2) as pool:

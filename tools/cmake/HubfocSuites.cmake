@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # hubfoc_suites(SOURCES NAMES FOLDER TESTS name|path... EXCEPT name...): the sources of a program of
-# several test files, and the names of its suites (tests/unit/suite.h). A name stands for
+# several test files, and the names of its suites (tests/unit/runner/suite.h). A name stands for
 # test_NAME.c of this folder; without TESTS all of it are taken, without those of EXCEPT.
 function(hubfoc_suites sources names folder)
   cmake_parse_arguments(S "" "" "TESTS;EXCEPT" ${ARGN})
@@ -13,7 +13,7 @@ function(hubfoc_suites sources names folder)
   list(TRANSFORM S_TESTS REPLACE "^.*/test_(.+)[.]c$" "\\1" OUTPUT_VARIABLE listed)
   list(TRANSFORM listed REPLACE "(.+)" "${folder}/suite_\\1.c" OUTPUT_VARIABLE written)
   list(APPEND written "${folder}/suites.c")
-  set(script "${PROJECT_SOURCE_DIR}/tests/unit/suites.py")
+  set(script "${PROJECT_SOURCE_DIR}/tests/unit/runner/suites.py")
   add_custom_command(OUTPUT ${written}
     COMMAND "${HUBFOC_PYTHON}" "${script}" "${folder}" ${S_TESTS}
     DEPENDS ${S_TESTS} "${script}" VERBATIM)

@@ -5,7 +5,7 @@
 #     [EXCEPT angle ...] [APART angle ...] [SOURCES x.c ...] [MOCKS hal/include/hal/inverter.h ...]
 #     [LABELS ...] [TIMEOUT seconds])
 #       One program of the files test_q15.c, test_angle.c, ... of this folder, by default all but
-#         EXCEPT (tests/unit/suite.h). It is one test of ctest; each file that is APART is another.
+#         EXCEPT (tests/unit/runner/suite.h). It is one test of ctest; each file that is APART is another.
 #         MOCKS are headers mocked by CMock. Run with sanitizers and to measure what they reach; the
 #         plain host build only knows how to make them (tools/mutants).
 #   hubfoc_add_python_test(NAME regen_table FILES test_a.py test_b.py [LABELS python] [TIMEOUT
@@ -25,7 +25,7 @@ target_include_directories(unity SYSTEM PUBLIC "${UNITY_DIR}/src" "${CMOCK_DIR}/
 target_compile_definitions(unity PUBLIC UNITY_INCLUDE_DOUBLE CMOCK_MEM_DYNAMIC)
 
 include(HubfocSuites)
-add_library(hubfoc_run_suites OBJECT "${PROJECT_SOURCE_DIR}/tests/unit/run_suites.c")
+add_library(hubfoc_run_suites OBJECT "${PROJECT_SOURCE_DIR}/tests/unit/runner/run_suites.c")
 target_link_libraries(hubfoc_run_suites PRIVATE unity hubfoc_warnings)
 
 function(hubfoc_add_unit_tests)
@@ -55,7 +55,7 @@ function(hubfoc_add_unit_tests)
   endif()
   # SYSTEM: clang-tidy leaves generated headers alone then, too.
   target_include_directories(${T_NAME} SYSTEM PRIVATE "${gen}")
-  target_include_directories(${T_NAME} PRIVATE "${PROJECT_SOURCE_DIR}/tests/unit")
+  target_include_directories(${T_NAME} PRIVATE "${PROJECT_SOURCE_DIR}/tests/unit/runner")
   target_link_libraries(${T_NAME} PRIVATE hubfoc_run_suites unity ${T_LIBRARIES} hubfoc_warnings)
   if(NOT HUBFOC_SANITIZE AND NOT HUBFOC_COVERAGE AND NOT HUBFOC_MCDC)
     set_property(TARGET ${T_NAME} PROPERTY EXCLUDE_FROM_ALL ON)

@@ -21,6 +21,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from benchmark.objects import compile_if_changed
 from hubsim import cli, emulator, run, scenario
 from hubsim.run import evaluation
 from hubsim.run.results import json_object
@@ -129,7 +130,7 @@ def includes() -> list[str]:
 
 
 def compiled(cell: Cell, program: str) -> Path:
-    """Compile and link one program of a cell, and return it."""
+    """Compile what has changed of one program of a cell, link it, and return it."""
     directory = OUTPUT / "".join(c if c.isalnum() else "_" for c in cell.name)
     directory.mkdir(parents=True, exist_ok=True)
     if shutil.which(cell.compiler) is None:
@@ -143,10 +144,12 @@ def compiled(cell: Cell, program: str) -> Path:
     def one(source: Path) -> Path:
         shared = source in modules or source == image
         made = directory / f"{'' if shared else program}_{source.parent.name}_{source.stem}.o"
+        what = f"{cell.name}: {source.name}"
         if not (shared and program == "pil"):  # the trace's, compiled just before
             alias = f"-DCONFIG_{CONFIG.upper()}=CONFIG_IMAGE"
             flags = [*cell.flags, "-std=c11", alias, *([] if shared else own), *includes()]
-            executed([*compiler, *flags, "-c", source, "-o", made], f"{cell.name}: {source.name}")
+            command = [*compiler, *flags, "-c", str(source)]
+            compile_if_changed(command, made, lambda words: executed(words, what))
         return made
 
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:

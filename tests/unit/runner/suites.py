@@ -40,7 +40,7 @@ def suite(path: Path) -> str:
         sys.exit(f"{path}: no test")
     mocks = list(dict.fromkeys(_MOCK.findall(text)))
     functions = ["setUp", "tearDown", *(name for name, _ in tests)]
-    lines = ["/* Written by tests/unit/suites.py. */"]
+    lines = ["/* Written by tests/unit/runner/suites.py. */"]
     lines += [f"static void {name}(void);" for name in functions]
     lines += [f'#include "{path}"', '#include "suite.h"', ""]
     hooks = ["begin_mocks", "verify_mocks", "end_mocks"]
@@ -58,7 +58,7 @@ def suite(path: Path) -> str:
 
 def table(names: Sequence[str]) -> str:
     """Return the source with the list of a program's suites."""
-    lines = ["/* Written by tests/unit/suites.py. */", '#include "suite.h"', ""]
+    lines = ["/* Written by tests/unit/runner/suites.py. */", '#include "suite.h"', ""]
     lines += [f"extern const suite_t suite_{name};" for name in names]
     lines += ["", "const suite_t *const SUITES[] = {"]
     lines += [f"    &suite_{name}," for name in names]
