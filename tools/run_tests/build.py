@@ -14,7 +14,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from run_tests.__main__ import ROOT, jobs
+from run_tests.suite import ROOT, jobs
 
 SHOWN_LINES = 20
 

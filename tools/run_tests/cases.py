@@ -47,6 +47,12 @@ def proofs_of(printed: Sequence[str]) -> tuple[int, int]:
     return numbers[0], numbers[1]
 
 
+def only_known(printed: Sequence[str]) -> bool:
+    """Return whether a test of proofs ran none, so that its time says nothing of the proofs."""
+    run, known = proofs_of(printed)
+    return run == 0 and known > 0
+
+
 def cases_of(test: Test, printed: Sequence[str]) -> tuple[str, int] | None:
     """Return kind and number of a test's cases; None of a test that has none of these kinds."""
     if "proof" in test.labels:

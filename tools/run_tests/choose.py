@@ -112,6 +112,20 @@ def of_changes(
     return [test for test in tests if reads(test, opened) & affected]
 
 
+def nearest(tests: Iterable[Test], changed: Iterable[Path], root: Path) -> list[Test]:
+    """Return the unit tests of the folders in which files have changed.
+
+    Those of firmware/torque are in tests/unit/firmware/torque.
+    """
+    places = {root / "tests" / "unit" / Path(*path.relative_to(root).parts[:2]) for path in changed}
+    places |= {path.parent for path in changed}
+
+    def is_near(path: Path) -> bool:
+        return path.parent in places and path.is_relative_to(root / "tests")
+
+    return [test for test in tests if any(map(is_near, test.defined_in))]
+
+
 def products(test: Test, graph: BuildGraph, opened: Path) -> set[Path]:
     """Return what has to be built for a test."""
     return reads(test, opened) & graph.outputs

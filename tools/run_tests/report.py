@@ -11,6 +11,9 @@ from pathlib import Path
 from run_tests import cases
 from run_tests.ctest import Result, Test
 
+Times = dict[str, dict[str, float]]
+"""Of configuring and building, in seconds, by preset."""
+
 
 @dataclass
 class Run:
@@ -35,9 +38,9 @@ class Run:
         return not self.failed()
 
 
-def times_of(file: Path | None) -> dict[str, dict[str, float]]:
+def times_of(file: Path | None) -> Times:
     """Return the times by preset that a file has, a line for each: ``PRESET WORD SECONDS``."""
-    times: dict[str, dict[str, float]] = {}
+    times: Times = {}
     for line in file.read_text(encoding="utf-8").splitlines() if file and file.is_file() else ():
         preset, word, seconds = line.split()
         mine = times.setdefault(preset, {})
@@ -58,7 +61,7 @@ def write(
     file: Path,
     run: Run,
     printed: dict[str, list[str]],
-    times: dict[str, dict[str, float]],
+    times: Times,
     begin: float,
     cores: int,
 ) -> None:

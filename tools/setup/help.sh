@@ -61,9 +61,9 @@ keep the others from being tested.
   --json FILE    write what was done and what it took, also when tests fail: wall_s, cpu_s, cores;
                  configure_s, build_s and test_s of each preset; cases by kind and preset; the names
                  of the tests left out and failed; proofs run and cached
-  --quick        on a tree that was built and tested before: build and run, in at most 60 s, what
-                 belongs to the files changed since HEAD or REV, by the build's own dependencies;
-                 what was left out is named
+  --quick        on a tree that was built and tested before: build and run, in at most 40 s, what
+                 belongs to the files changed since HEAD or REV, by the build's own dependencies:
+                 first their own unit tests, then the shortest; what was left out is named
 TEXT
 }
 

@@ -10,10 +10,11 @@ import time
 from pathlib import Path
 
 import pytest
-from run_tests import cases
+from run_tests import cases, choose
 from run_tests.choose import BuildGraph
 from run_tests.ctest import Result
 from run_tests.ctest import Test as CTest
+from run_tests.suite import steady_s
 
 ROOT = Path(__file__).resolve().parents[4]
 
@@ -286,6 +287,42 @@ def test_input_files_of_a_test_are_found_in_arguments_and_environment() -> None:
     )
     expected = {"/build/limit.so", "/tests/test_a.py", "/tests/run.cmake", "/build/library.so"}
     assert set(map(Path, expected)) <= test.files()
+
+
+def test_the_unit_tests_of_a_changed_folder_are_the_nearest() -> None:
+    root = Path("/repository")
+    lists = {
+        "unit_torque": "tests/unit/firmware/torque",
+        "unit_controller": "tests/unit/firmware/controller",
+        "proofs": "tests/proofs",
+    }
+    tests = [
+        CTest("host", name, (), {}, (root / folder / "CMakeLists.txt", root / "CMakeLists.txt"))
+        for name, folder in lists.items()
+    ]
+
+    def nearest(*names: str) -> list[str]:
+        return [test.name for test in choose.nearest(tests, [root / name for name in names], root)]
+
+    assert nearest("firmware/torque/torque_limits.c") == ["unit_torque"]
+    assert nearest("firmware/controller/include/controller/controller.h") == ["unit_controller"]
+    assert nearest("tests/unit/firmware/torque/test_limit.c", "tests/proofs/proof.h") == [
+        "unit_torque",
+        "proofs",
+    ]
+    assert nearest("README.md", "firmware/CMakeLists.txt") == []
+
+
+def test_kept_times_are_whole_seconds_and_change_only_by_much() -> None:
+    assert [steady_s(None, 2.6), steady_s(None, 0.2)] == [3, 0]
+    assert [steady_s(1, 2.0), steady_s(100, 125.0), steady_s(10, 14.0)] == [1, 100, 14]
+
+
+def test_the_time_of_a_proof_that_was_known_is_no_cost() -> None:
+    known = "3 contracts proved before (cached): a, b, c"
+    assert cases.only_known([known])
+    assert not cases.only_known([known, "1 contract proved: d"])
+    assert not cases.only_known(["2 Tests 0 Failures 0 Ignored"])
 
 
 LOG = """Start testing: Nov 22 15:04 UTC
