@@ -6,7 +6,9 @@ conditions (``conditions``) build and run what is found here.
 """
 
 import re
+import subprocess
 from collections.abc import Iterable
+from pathlib import Path
 
 
 def programs_of(modules: Iterable[str], listed: str) -> list[str]:
@@ -20,4 +22,10 @@ def programs_of(modules: Iterable[str], listed: str) -> list[str]:
         What ``ninja -t targets all`` prints in that folder.
     """
     folder = rf"tests/unit/firmware/(?:{'|'.join(map(re.escape, modules))})"
-    return sorted(set(re.findall(rf"(?m)^({folder}/test_\w+): C_EXECUTABLE", listed)))
+    return sorted(set(re.findall(rf"(?m)^({folder}/unit_\w+): C_EXECUTABLE", listed)))
+
+
+def suites_of(program: Path) -> list[str]:
+    """Return the names of a program's suites, each of which it runs by itself if it is named."""
+    listed = subprocess.run([str(program), "--list"], check=True, capture_output=True, text=True)
+    return listed.stdout.split()

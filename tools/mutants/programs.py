@@ -108,8 +108,7 @@ def build(module: str, folder: Path, jobs: int, numbered: dict[int, tuple[Path, 
     targets = programs_of([module], _run(("ninja", "-t", "targets", "all")))
     if not targets:
         raise MutantsError(f"no unit tests of {module} in build/host")
-    if not _GIVEN:
-        _run(("ninja", *targets))
+    _run(("ninja", *targets))  # which are no part of the host preset's default target
     commands = [
         shlex.split(line) for line in _run(("ninja", "-t", "commands", *targets)).splitlines()
     ]
@@ -134,7 +133,7 @@ def build(module: str, folder: Path, jobs: int, numbered: dict[int, tuple[Path, 
         words = (moved(word) for word in (*one.words, *_FLAGS, "-c", str(one.source)))
         _run((*words, "-o", str(made[one.output])))
 
-    unity = next(one for one in compiles if "runner" in one.source.name)
+    unity = next(one for one in compiles if one.source.name.startswith("suite_"))
     runtime = folder / "runtime.o"
     with ThreadPoolExecutor(jobs) as pool:
         _each(pool, compile_one, compiles)

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 from mutants import __main__ as command
-from mutants import schema
+from mutants import measure, schema
 from mutants.operators import Change, changes, parse
 from mutants.report import Result, Survivor
-from unit_programs import programs_of
+from unit_programs import programs_of, suites_of
 
 RUNTIME = "int hubfoc_mutant; unsigned char hubfoc_reached[99];\n"
 
@@ -203,13 +203,35 @@ def test_the_report_names_survivors_by_place_and_change_and_a_low_score_fails(
 
 def test_the_programs_of_a_module_are_its_own_unit_tests() -> None:
     listed = """\
-tests/unit/firmware/foc/test_sense: C_EXECUTABLE_LINKER__test_sense_
+tests/unit/firmware/foc/unit_foc: C_EXECUTABLE_LINKER__unit_foc_
 tests/unit/firmware/foc/all: phony
-tests/unit/firmware/foc_other/test_sense: C_EXECUTABLE_LINKER__test_other_
-tests/unit/firmware/foc/test_hall: C_EXECUTABLE_LINKER__test_hall_
-tests/unit/firmware/modes/test_modes: C_EXECUTABLE_LINKER__test_modes_
+tests/unit/firmware/foc_other/unit_foc_other: C_EXECUTABLE_LINKER__unit_other_
+tests/unit/firmware/foc/unit_foc_private: C_EXECUTABLE_LINKER__unit_foc_private_
+tests/unit/firmware/modes/unit_modes: C_EXECUTABLE_LINKER__unit_modes_
 firmware/foc/libhubfoc_foc.a: C_STATIC_LIBRARY_LINKER__hubfoc_foc_
 """
     folder = "tests/unit/firmware"
-    assert programs_of(["foc"], listed) == [f"{folder}/foc/test_hall", f"{folder}/foc/test_sense"]
-    assert programs_of(["modes", "core"], listed) == [f"{folder}/modes/test_modes"]
+    assert programs_of(["foc"], listed) == [
+        f"{folder}/foc/unit_foc",
+        f"{folder}/foc/unit_foc_private",
+    ]
+    assert programs_of(["modes", "core"], listed) == [f"{folder}/modes/unit_modes"]
+
+
+def test_a_suite_is_run_by_itself_and_reaches_its_own_mutants(tmp_path: Path) -> None:
+    program = tmp_path / "unit_modes"
+    program.write_text(
+        '#!/bin/sh\nif [ "$*" = --list ]; then echo first; echo second; exit; fi\n'
+        '[ "$*" != first ] || printf \'\\0\\1\\0\' >"$HUBFOC_MUTANTS_REACHED"\n'
+        '[ "$*" != second ] || printf \'\\0\\0\\1\' >"$HUBFOC_MUTANTS_REACHED"\n'
+        '[ "$*/$HUBFOC_MUTANT" != second/2 ]\n',
+        encoding="utf-8",
+    )
+    program.chmod(0o755)
+    names = suites_of(program)
+    assert names == ["first", "second"]
+    first, second = (measure.profile(program, name) for name in names)
+    assert first.reached == {1}
+    assert second.reached == {2}
+    assert measure.is_killed(second, 2)
+    assert not measure.is_killed(first, 2)
