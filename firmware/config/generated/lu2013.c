@@ -223,7 +223,7 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
         /* squared modulation index at which the torque no longer grows; default 0.96 */
         .torque_growth_end_q15         = 31457,
         /* share of torque_rate_mNm_s per unit of that square below its end; raising: full
-         * rate up to a higher modulation index; default 1/0.07 */
+         * rate up to a higher modulation index; default 1/0.02 */
         .torque_growth_slope_q9        = 25600,
         /* [mm/s^2] deceleration without a braking demand above which the stop lamp is lit;
          * default 1300 */

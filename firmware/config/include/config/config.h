@@ -259,7 +259,7 @@
       "squared modulation index at which the torque no longer grows; default 0.96") \
     X(torque_growth_slope_q9,                512,       65535,      "1", \
       "share of torque_rate_mNm_s per unit of that square below its end; raising: full rate " \
-      "up to a higher modulation index; default 1/0.07") \
+      "up to a higher modulation index; default 1/0.02") \
     X(stop_lamp_on_mm_s2,                    100,       20000,      "mm/s^2", \
       "deceleration without a braking demand above which the stop lamp is lit; default 1300") \
     X(stop_lamp_off_mm_s2,                   0,         20000,      "mm/s^2", \
