@@ -7,8 +7,8 @@
  * is skipped, the angle goes on with its speed. With 33 more such samples than others the sensor
  * has moved, or stands: faults counts it, the angle is invalid, and goes on with its speed so that
  * nothing follows the sensor until something else is used. With 96 it is taken as the sensor has
- * it; it is valid again after 255 samples in a row within 1/8 turn of their prediction. README,
- * Absolute angle.
+ * it; it is valid again after 255 samples in a row within 1/8 turn of their prediction.
+ * DERIVATIONS.md, Absolute angle.
  */
 #ifndef FOC_ABSOLUTE_ANGLE_H
 #define FOC_ABSOLUTE_ANGLE_H

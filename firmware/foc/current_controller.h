@@ -112,7 +112,7 @@ static inline dq_t voltage_unsaturated(const voltage_out_t *voltage)
 /*
  * Once in four periods while the voltage is short: reduces the d integrator by what the d axis
  * takes beyond 98 % of the circle, so that 18 % remain for q. Without this reserve a braking
- * current can escape control at high speed (README, d-axis voltage reserve).
+ * current can escape control at high speed (DERIVATIONS.md, Current controller).
  */
 static inline void current_controller_keep_reserve(current_controller_t *state,
                                                    const voltage_out_t *last)

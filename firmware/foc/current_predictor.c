@@ -7,7 +7,7 @@
  * narrowest zone of the dead-time compensation. */
 enum { SMALLEST_LAG_Q15 = 2048 };
 
-/* a = b^2; m = 1 - a (1 + a)/2; the shares: README, Current predictor. */
+/* a = b^2; m = 1 - a (1 + a)/2; the shares: DERIVATIONS.md, Current predictor. */
 void current_predictor_init(current_predictor_t *predictor, const config_t *config)
 {
     const int64_t one_q24 = DESIGN_ONE_Q24;

@@ -3,7 +3,7 @@
  * current_predictor.h: the current that will flow while the voltage of this period acts, predicted
  * from the reference and the designed closed-loop response. Free of measurement noise and of the
  * delay of a sample; used by the dead-time compensation (sign of the phase currents) and by the
- * decoupling (delay compensation). Equations: README, Current predictor.
+ * decoupling (delay compensation). Equations: DERIVATIONS.md, Current predictor.
  */
 #ifndef FOC_CURRENT_PREDICTOR_H
 #define FOC_CURRENT_PREDICTOR_H
@@ -35,7 +35,7 @@ static inline int32_t current_predictor_moved(int32_t predicted, int32_t last, i
 }
 
 /* The reference has changed. settled: mean current once it is reached, inside the unit circle
- * (1.007). Shares of the first two periods after a change: README, Current predictor. */
+ * (1.007). Shares of the first two periods after a change: DERIVATIONS.md, Current predictor. */
 static inline void current_predictor_change(current_predictor_t *predictor,
                                             const reference_change_t *change, dq_t settled,
                                             bool in_first_periods)

@@ -4,7 +4,7 @@
 #include "core/q15.h"
 #include "foc/observer_design.h"
 
-/* Of the method, not of a motor: README, EMF observer. */
+/* Of the method, not of a motor: DERIVATIONS.md, EMF observer. */
 enum {
     ACQUISITION_PER_LEAK = 6, /* poles of the tracking loop over lambda: at a start */
     TRACKING_PER_LEAK = 2,

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * emf_observer.h: rotor angle and speed from applied voltage and sampled current, without a rotor
- * sensor, once per PWM period while the bridge switches. Stator frame (README, EMF observer):
+ * sensor, once per PWM period while the bridge switches. Stator frame (DERIVATIONS.md, EMF
+ * observer):
  *
  *     psi += T (u - R i) - lambda T x,     x = psi - L_q i,     angle of x by a tracking loop
  *
@@ -9,8 +10,8 @@
  * the slow loop computes. Neither the flux linkage nor an integrator's offset enters the angle.
  *
  * The tracking loop is fast for the first 3.3 ms after a start, so that the angle is within 16
- * degrees after 5 ms. Below the configured speed
- * the result is noise: the slow loop judges it (angle_choice.h).
+ * degrees after 5 ms. Below the configured speed the result is noise: the slow loop judges it
+ * (angle_choice.h).
  */
 #ifndef FOC_EMF_OBSERVER_H
 #define FOC_EMF_OBSERVER_H
@@ -60,7 +61,7 @@ void emf_observer_acquire(emf_observer_t *observer);
  * at the next sample.
  *
  * The angle error is taken against the nearest of 256 directions, less the angle from it times the
- * middle of |x|'s range: at most 0.26 degrees are left (README, EMF observer).
+ * middle of |x|'s range: at most 0.26 degrees are left (DERIVATIONS.md, EMF observer).
  */
 Q_TARGET_INLINE void emf_observer_step(emf_observer_t *restrict observer, ab16_t u, ab16_t i,
                                        const observer_tuning_t *restrict tuning)

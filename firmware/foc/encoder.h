@@ -10,7 +10,7 @@
  * encoder_index_tolerance_counts of its expected place, until the next one confirms; false after a
  * jump of more than 1/8 electrical turn and a count in one period, twice what the largest speed
  * makes (validator), until the next index. A missing index leaves it true. The last three count in
- * faults (README, Encoder).
+ * faults (DERIVATIONS.md, Encoder).
  *
  * The angle interpolates between counts with the tracking loop and never differs from the counted
  * angle by more than one count.

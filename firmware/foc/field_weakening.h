@@ -2,8 +2,7 @@
 /*
  * field_weakening.h: demagnetising d current at the voltage limit, driving and braking alike. An
  * integrator of the voltage margin: a voltage above current_loop.modulation_target lowers i_d, one
- * below returns it to zero.
- * Once in four PWM periods, because the margin changes with the speed.
+ * below returns it to zero. Once in four PWM periods, because the margin changes with the speed.
  */
 #ifndef FOC_FIELD_WEAKENING_H
 #define FOC_FIELD_WEAKENING_H

@@ -2,7 +2,7 @@
 /*
  * frozen_currents.h: current sensors that show the same codes again and again, several at once: a
  * converter or its transfer that has stopped. Their sum may stay zero, and no single one explains
- * it if not. README, Frozen readings.
+ * it if not. DERIVATIONS.md, Frozen readings.
  *
  * A current error that the controller sees becomes a voltage, and that moves the current. Two of
  * the three readings, any two, unmoved at every look for twelve periods with a large error are

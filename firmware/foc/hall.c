@@ -212,7 +212,8 @@ static void end_ride_through(hall_t *hall)
 
 /* Weight of an edge's correction of the speed: 2^-result. At high speed an edge is seen up to a
  * period late, which is several degrees, and would add noise to the angle and to the back-EMF
- * feed-forward; at low speed the last turn is old and a period short (README, Hall sensors). */
+ * feed-forward; at low speed the last turn is old and a period short (DERIVATIONS.md, Hall
+ * sensors). */
 static unsigned smoothing_log2(const hall_t *hall, int32_t sector_periods)
 {
     if (hall->sectors_timed < HALL_SECTORS || sector_periods >= 2 * HALL_HIGH_SPEED_PERIODS) {

@@ -5,15 +5,15 @@
  * Speed: the time of the latest sectors, up to one electrical turn, so that misplaced sensors
  * cancel. Angle: extrapolated between edges, corrected at each edge, always inside the sector that
  * the sensors report. At high speed the observed angle tells when in the last period an edge was
- * passed. When the next edge is overdue the speed decays; after a quarter of a second
- * the rotor counts as at standstill and the angle is the middle of the sector (within 30 degrees
- * for evenly spaced sensors: torque at least 87 % of the nominal).
+ * passed. When the next edge is overdue the speed decays; after a quarter of a second the rotor
+ * counts as at standstill and the angle is the middle of the sector (within 30 degrees for evenly
+ * spaced sensors: torque at least 87 % of the nominal).
  *
  * A reversal within an eighth of the last sector's time is a bounce and changes nothing. Four
- * readings are impossible for healthy sensors (README, Hall sensors): a skipped sector, a lasting
- * invalid state, a reversal or a stop faster than a rotor can. Each counts in faults and starts the
- * hall fault ride-through: valid is false and the angle continues by dead reckoning with the
- * plausible edges, so that the torque can be ramped down. It ends after six plausible edges in
+ * readings are impossible for healthy sensors (DERIVATIONS.md, Hall sensors): a skipped sector, a
+ * lasting invalid state, a reversal or a stop faster than a rotor can. Each counts in faults and
+ * starts the hall fault ride-through: valid is false and the angle continues by dead reckoning with
+ * the plausible edges, so that the torque can be ramped down. It ends after six plausible edges in
  * sequence, or at standstill with a possible state.
  */
 #ifndef FOC_HALL_H

@@ -8,8 +8,8 @@
  * the voltage of the current controller is the applied one.
  *
  * Dead-time compensation: a leg loses sign(i) t_d (v_dc + 2 V_f)/T of its mean voltage. The on-time
- * is corrected by that, proportionally to the current inside a zone around zero (README, Dead
- * time).
+ * is corrected by that, proportionally to the current inside a zone around zero (DERIVATIONS.md,
+ * Dead time).
  */
 #ifndef FOC_MODULATION_H
 #define FOC_MODULATION_H

@@ -6,7 +6,7 @@
  *
  *     r'[n] = b0 r[n] + b1 r[n-1] + b2 r[n-2]          b0 + b1 + b2 = 1
  *
- * Coefficients from the bandwidth: README, Reference prefilter.
+ * Coefficients from the bandwidth: DERIVATIONS.md, Reference prefilter.
  */
 #ifndef FOC_REFERENCE_PREFILTER_H
 #define FOC_REFERENCE_PREFILTER_H

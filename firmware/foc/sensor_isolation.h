@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * sensor_isolation.h: fault isolation of the three current sensors: which of them is wrong when
- * i_a + i_b + i_c is not zero, and which current is used meanwhile. Equations: README, Current
- * sensors.
+ * i_a + i_b + i_c is not zero, and which current is used meanwhile. Equations: DERIVATIONS.md,
+ * Current sensors.
  *
  * Called in a period whose sum of currents exceeds `suspect_pu`, that is a quarter of the
  * implausible sum; without a fault a period costs one comparison. From the first such period a
  * model predicts the current. Once the sum is implausible the sensor is the one whose residual
  * against the prediction makes up the sum; its phase is reconstructed from the other two in the
  * same period. Two periods in a row with the same answer name the sensor, and its phase is
- * reconstructed until a restart. A sum that no single sensor explains is replaced by
- * the prediction.
+ * reconstructed until a restart. A sum that no single sensor explains is replaced by the
+ * prediction.
  */
 #ifndef FOC_SENSOR_ISOLATION_H
 #define FOC_SENSOR_ISOLATION_H

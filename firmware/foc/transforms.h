@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * transforms.h: Park, its inverse and that of Clarke, amplitude-invariant, per-unit Q15 (Clarke
- * itself: sense.h). A
- * rotation by theta is the product with cos theta + j sin theta, the reverse rotation that with its
- * conjugate. All results are rounded down.
+ * itself: sense.h). A rotation by theta is the product with cos theta + j sin theta, the reverse
+ * rotation that with its conjugate. All results are rounded down.
  */
 #ifndef FOC_TRANSFORMS_H
 #define FOC_TRANSFORMS_H

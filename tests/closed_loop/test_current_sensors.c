@@ -216,7 +216,7 @@ void test_two_wrong_sensors_end_the_torque_before_the_current_leaves_its_limits(
     }
 }
 
-/* What moves too slowly for a residual: README of foc, Current sensors. */
+/* What moves too slowly for a residual: firmware/foc/DERIVATIONS.md, Current sensors. */
 void test_slow_drift_ends_in_a_fault_with_the_current_inside_its_limits(void)
 {
     const double trip_a = brake_at("lu2013", 0.66, 40.0);

@@ -2,8 +2,8 @@
 /*
  * Low-side shunts whose amplifiers need time to settle, and one of them dies: two remain, and the
  * one with the shortest window can no longer be left out. The voltage circle leaves every leg
- * drive.min_pulse before and after the sample, so the windows of any two suffice: README of foc,
- * Current sensors.
+ * drive.min_pulse before and after the sample, so the windows of any two suffice:
+ * firmware/foc/DERIVATIONS.md, Current sensors.
  */
 #include <math.h>
 #include <stdio.h>

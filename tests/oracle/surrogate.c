@@ -39,7 +39,7 @@ void surrogate_init(surrogate_t *wheel, const config_t *config, random_t *random
     wheel->inductance_q_h = config->motor.q_inductance_nH * 1e-9;
     wheel->pole_pairs = config->motor.pole_pairs;
     wheel->current_base_a = config->drive.current_full_scale_mA * 1e-3;
-    /* Of the EMF observer: firmware/foc/README.md. */
+    /* Of the EMF observer: foc/observer_design.h. */
     wheel->flux_base_wb =
         2.0 * wheel->flux_wb + 1.25 * wheel->inductance_q_h * wheel->current_base_a;
     wheel->circle_share = config->current_loop.modulation_limit_pu_q15 / Q15 / NUMBERS_SQRT3;

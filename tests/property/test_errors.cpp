@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 // Every kernel of the fast loop against its double-precision twin. Prints the largest errors, which
-// are those of the table in firmware/foc/README.md.
+// are those of the table in firmware/foc/DERIVATIONS.md, Errors.
 #include <cstdio>
 
 #include "errors.hpp"

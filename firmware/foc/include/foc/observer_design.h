@@ -2,7 +2,7 @@
 /*
  * observer_design.h: what a configuration makes of the EMF observer: the rate at which its flux
  * decays, and fluxes as shares of its full scale, 2 psi + 5/4 L_q I_base. Once, at the start; all
- * divide. Equations: README, EMF observer.
+ * divide. Equations: DERIVATIONS.md, EMF observer.
  */
 #ifndef FOC_OBSERVER_DESIGN_H
 #define FOC_OBSERVER_DESIGN_H

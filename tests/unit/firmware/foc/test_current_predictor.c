@@ -184,8 +184,8 @@ static int32_t nearest_q15(double x_q24)
     return (int32_t)floor((x_q24 + 256.0) / 512.0);
 }
 
-/* README, Current predictor: a = b^2, m = 1 - a (1 + a)/2, the shares of the first two periods; in
- * whole steps of Q24, rounded down. */
+/* DERIVATIONS.md, Current predictor: a = b^2, m = 1 - a (1 + a)/2, the shares of the first two
+ * periods; in whole steps of Q24, rounded down. */
 void test_shares_are_exact_to_the_last_unit(void)
 {
     const double one = 16777216.0;
