@@ -5,14 +5,14 @@
 #     [EXCEPT angle ...] [APART angle ...] [SOURCES x.c ...] [MOCKS hal/include/hal/inverter.h ...]
 #     [LABELS ...] [TIMEOUT seconds])
 #       One program of the files test_q15.c, test_angle.c, ... of this folder, by default all but
-#         EXCEPT (tests/unit/runner/suite.h). It is one test of ctest; each file that is APART is another.
-#         MOCKS are headers mocked by CMock. Run with sanitizers and to measure what they reach; the
-#         plain host build only knows how to make them (tools/mutants).
+#       EXCEPT (tests/unit/runner/suite.h). It is one test of ctest; each file that is APART is
+#       another. MOCKS are headers mocked by CMock. Run with sanitizers and to measure what they
+#       reach; the plain host build only knows how to make them (tools/mutants).
 #   hubfoc_add_python_test(NAME regen_table FILES test_a.py test_b.py [LABELS python] [TIMEOUT
 #     seconds] [INSTRUMENTED])
 #       pytest in the project's private environment. With sanitizers it is run again only if it is
-#         INSTRUMENTED: executes C
-#       that this build compiled, in an instrumented program or with the sanitizer loaded first.
+#       INSTRUMENTED: executes C that this build compiled, in an instrumented program or with the
+#       sanitizer loaded first.
 #   hubfoc_add_command_test(NAME name COMMAND ... [LABELS ...] [TIMEOUT seconds])
 
 hubfoc_require_test_tools()
