@@ -43,14 +43,13 @@ typedef enum { FINDING_REACTION_LIST(FINDING_REACTION_ENUM) } finding_reaction_t
  * X(check, reason, qualify time, heal time, explained by, reaction)
  *
  * A time is AT_ONCE; MS(n); FIELD(section, name), a field of the configuration in ms; RAMP(section,
- * name), such a field behind the time in which the torque ramps out; NEVER; or
- * OWN(text): the check has a filter of its own, which takes so long.
+ * name), such a field behind the time in which the torque ramps out; NEVER; or OWN(text): the check
+ * has a filter of its own, which takes so long.
  *
- * Explained by: findings that silence this one while they are present or suspected.
+ * Explained by: findings that silence this one while they are present or suspected. NONE: no other.
  *
  * The reason NONE: the fast monitor gives that of TRIP (findings_trip()); BATTERY_UNKNOWN has none
- * yet; READING_BY_STEPS, a rotor reading that steps out of order explain, is only a cause. Explained
- * by NONE: by no other finding.
+ * yet; READING_BY_STEPS only explains others: a rotor reading that steps out of order explain.
  */
 #define FINDING_FAULTS(X)                                                                          \
     X(STATE_DAMAGED, MEMORY, AT_ONCE, NEVER, NONE, SAFE_STATE)                                     \
@@ -63,7 +62,7 @@ typedef enum { FINDING_REACTION_LIST(FINDING_REACTION_ENUM) } finding_reaction_t
       SAFE_STATE)                                                                                  \
     X(CURRENT_MISSING, CURRENT_SENSOR, OWN("3 ms"), AT_ONCE, NONE, SAFE_STATE)                     \
     X(SUM, CURRENT_SUM, FIELD(monitor, sensor_fault_time_ms), AT_ONCE, NONE, SAFE_STATE)           \
-    X(SUM_UNDETERMINED, CURRENT_SUM, OWN("2 PWM periods"), AT_ONCE, NONE, SAFE_STATE)              \
+    X(SUM_UNDETERMINED, CURRENT_SUM, OWN("8 PWM periods"), AT_ONCE, NONE, SAFE_STATE)              \
     X(BUS_LOW, BUS_UNDERVOLTAGE,                                                                   \
       OWN("monitor.battery_message_time_ms + monitor.voltage_fault_time_ms"), AT_ONCE, NONE,       \
       SAFE_STATE)                                                                                  \

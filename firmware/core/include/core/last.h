@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * last.h: what a slow step needs of the one before: every unit delay between the parts of the slow
- * loop. The controller writes it at the end of a step (firmware/README.md, Unit delays); nothing
+ * loop. The controller writes it at the end of a step (firmware/README.md, The slow step); nothing
  * else is read from the step before. A part's own memory, such as a filter or a debounce, is in its
  * state.
  */
