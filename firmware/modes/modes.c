@@ -92,7 +92,7 @@ static bool angle_ready(const config_t *config, const measured_t *now, const mon
 
 /* A rising edge of fault_reset is accepted only at rest and without a torque demand, and never for
  * a fault that only a restart clears. It stays pending for some steps, because the fast loop must
- * clear its trip and check again before the monitor reports no fault. */
+ * clear its trip and check again before no fault is present. */
 static bool acknowledgement_pending(modes_state_t *state, bool reset, bool quiet)
 {
     const bool edge = reset && !state->reset_before;

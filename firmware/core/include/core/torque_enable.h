@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * torque_enable.h: the permitted share of driving and of braking torque, with its reason. Made by
- * modes at 1 kHz from the monitor's results; neither of them computes torque.
+ * modes at 1 kHz from the findings; it computes no torque.
  *
  * It acts at two places: as a line of the torque limits, and on the bridge, which switches while
  * either share is above zero.

@@ -7,11 +7,14 @@
  *       any of them but BOOT -> FAULT (latched) -> SELFTEST after an acknowledgement
  *
  * BOOT is left only with an accepted configuration, READY only with a known rotor angle, FAULT only
- * on a rising edge of `fault_reset` while no torque is demanded, the monitor reports no fault and
- * knows that the wheel is at rest, and never after a fault that only a restart clears
+ * on a rising edge of `fault_reset` while no torque is demanded, no fault is present and the
+ * monitor knows that the wheel is at rest, and never after a fault that only a restart clears
  * (core/fault.h). A fault never clears itself. Mode and fault have an inverted copy, and a
  * difference is a fault. A self-test or configuration that is withdrawn later is a fault. A demand
  * that was lost while torque was enabled leaves a warning, which the same acknowledgement clears.
+ *
+ * It sets the rows of the start, of the demand's sender and of its own memory, and then executes
+ * the reactions of the table of findings (core/findings.h).
  */
 #ifndef MODES_MODES_H
 #define MODES_MODES_H
@@ -34,7 +37,7 @@ enum {
     /* 0.5 s; averaging over 1024 PWM periods takes at most 256 ms. */
     MODES_CALIBRATION_TIMEOUT_STEPS = 500,
     MODES_CALIBRATION_SETTLE_STEPS = 5,
-    /* Slow steps within which the monitor must report no fault after an acknowledgement. */
+    /* Slow steps within which no fault may be present any more after an acknowledgement. */
     MODES_ACKNOWLEDGE_STEPS = 50
 };
 
@@ -55,7 +58,7 @@ typedef struct {
     operating_mode_t mode;
     reason_t fault;           /* latched, REASON_NONE when healthy */
     reason_t warning;         /* the latched one, else the present one */
-    reason_t present_warning; /* the monitor's, or that of the stored offsets */
+    reason_t present_warning; /* of the first warning row that is present */
     torque_enable_t torque_enable;
     waits_for_t waits_for; /* what driving torque waits for */
     bool calibrate_offsets;
