@@ -1,16 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * What the interrupts of the flashable image execute on rides of the bench's vehicle, for
- * tools/benchmark (rides.py).
+ * tools/benchmark (interrupt.py).
  *
  *     chip_ride ELF RIDE OUTPUT
  *
  *     ride          1.2 s at rest, forward to the highest speed, back and as far the other way,
- * with demands to drive and to brake that change every 50 ms stop          drives, brakes to
- * standstill encoder       as "ride", with an encoder in the place of the hall sensors faults at
- * ten moments of "ride" each of six faults, and 20 ms after it: a current sensor that shows more
- * than its range, none, or what it last showed, a hall wire that is broken, a gate driver that
- * reports a fault, a demand that no longer comes registers     none: boots only
+ *                   with demands to drive and to brake that change every 50 ms
+ *     stop          drives, brakes to standstill
+ *     encoder       as "ride", with an encoder in the place of the hall sensors
+ *     faults        at ten moments of "ride" each of six faults, and 20 ms after it: a current
+ *                   sensor that shows more than its range, none, or what it last showed; a hall
+ *                   wire that is broken; a gate driver that reports a fault; a demand that no
+ *                   longer comes
+ *     registers     none: boots only
  *
  * OUTPUT gets a line for each handled interrupt of the converters and of the millisecond, in the
  * order of their returns: "pwm" or "millisecond", what it met, its instructions, and the blocks of

@@ -4,7 +4,7 @@
  * firmware on the emulated core, so that the instructions are counted on inputs that the
  * controller's own outputs bring about.
  *
- * Rotor frame, peak phase quantities (physics.md's conventions in amplitude-invariant form):
+ * Rotor frame, peak phase quantities (amplitude-invariant):
  *
  *     L_d di_d/dt = u_d - R i_d + w L_q i_q          L_q di_q/dt = u_q - R i_q - w L_d i_d - w psi
  *
