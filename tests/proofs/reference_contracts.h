@@ -24,7 +24,7 @@ static void current_predictor_change_by_contract(current_predictor_t *predictor,
 }
 #define current_predictor_change current_predictor_change_by_contract
 
-/* prove_target */
+/* prove_target_with */
 static dq_t current_predictor_target_by_contract(const current_predictor_t *predictor,
                                                  const reference_change_t *change)
 {

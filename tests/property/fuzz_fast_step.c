@@ -17,7 +17,7 @@
 #include "config/bases.h"
 #include "controller/controller.h"
 #include "tuning.h"
-/* The source, because of what it keeps to itself: FIELDS and check_relations(). */
+/* The source, because of what it keeps to itself: relations_hold(). */
 #include "validate.c"
 
 extern const config_t CONFIG_LU2013, CONFIG_EBIKE36V, CONFIG_SCOOTER48V, CONFIG_IPM400V;

@@ -9,7 +9,7 @@
  * instruction takes one cycle of the core. Interrupts are taken at the boundaries of basic blocks,
  * by priority, with the stack frames of the architecture.
  *
- * What the manuals forbid is noted (chip_violation()) and has the effect they say, or none: a
+ * What the manuals forbid is noted (chip_violations()) and has the effect they say, or none: a
  * register of a peripheral without its clock, a reserved register, a write to a read-only one, a
  * flash faster than its wait states, a locked field, both switches of a leg on.
  */

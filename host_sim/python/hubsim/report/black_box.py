@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The record of the first fault that a controller kept, from the shell's ``blackbox``.
 
-The layout is that of firmware/monitor/include/app/recorder.h, format 1: little endian, a header
+The layout is that of firmware/app/include/app/recorder.h, format 1: little endian, a header
 of 168 bytes, the ring of PWM periods and the ring of slow steps, each from its oldest entry on at
 an index that the header gives.
 """
