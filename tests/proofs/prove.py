@@ -27,11 +27,11 @@ def prove(cbmc: str, name: str, arguments: Sequence[str]) -> int:
     """Print what CBMC finds wrong with a proof, or that it holds."""
     run = ["--function", f"prove_{name}", "--verbosity", "4"]
     files = [one for one in arguments if one.endswith(".c") or one.startswith("-I")]
-    reach = [*run, *files, "-DPROOF_EXPECT_REACHED", "--no-standard-checks", "--unwind", "70"]
+    to_the_end = [*run, *files, "-DPROOF_EXPECT_REACHED", "--no-standard-checks", "--unwind", "70"]
     kept = f"proof_{name}"
     outcomes = (
         proved.check(cbmc, [*run, *arguments], holds, kept, "every check holds"),
-        proved.check(cbmc, reach, is_reached, kept, "the end is reached"),
+        proved.check(cbmc, to_the_end, is_reached, kept, "the end is reached"),
     )
     wrong = [line for outcome in outcomes for line in outcome.wrong]
     cached = all(outcome.cached for outcome in outcomes)

@@ -29,7 +29,7 @@ add_library(hubfoc_run_suites OBJECT "${PROJECT_SOURCE_DIR}/tests/unit/runner/ru
 target_link_libraries(hubfoc_run_suites PRIVATE unity hubfoc_warnings)
 
 function(hubfoc_add_unit_tests)
-  cmake_parse_arguments(T "" "NAME;TIMEOUT" 
+  cmake_parse_arguments(T "" "NAME;TIMEOUT"
     "TESTS;EXCEPT;APART;SOURCES;LIBRARIES;MOCKS;LABELS" ${ARGN})
   set(gen "${CMAKE_CURRENT_BINARY_DIR}/${T_NAME}.gen")
   file(MAKE_DIRECTORY "${gen}")
