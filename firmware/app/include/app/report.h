@@ -62,9 +62,9 @@ bool report_limits(const report_status_t *status, const torque_limits_t *limits,
 /* One line for each sender that this wheel receives, with its error counts since the start. */
 bool report_can(const report_status_t *status, uint32_t number, text_t *line);
 
-/* Two lines for each row of the table of faults (core/fault.h) whose name begins with `prefix`:
- * number, name and meaning; then qualify and heal time, of an accepted configuration with the
- * values of its fields, reaction, clearing and what the driver is told. */
+/* For each fault (core/reason.h) whose name begins with `prefix`: number, name, meaning and what
+ * the driver is told; then a line for each check that finds it (core/findings.h): qualify time, of
+ * an accepted configuration with the value of its field, reaction, clearing, and the heal time. */
 bool report_faults(const boot_report_t *boot, const char *prefix, uint32_t number, text_t *line);
 
 /* What the black box holds, the counters of faults and starts that are not zero, and the

@@ -7,9 +7,9 @@
  * never renumber, never reuse. Codes below 64 are limits and warnings of a healthy controller,
  * codes from 64 are faults.
  *
- * fault.h explains the columns of a fault and gives them to the program. A new row is all that a
- * new code needs; then firmware/monitor/generate.py and firmware/comms/generate.py write it into
- * README and DBC.
+ * fault.h explains the columns of a fault and gives them to the program; findings.h has the checks
+ * that find it. A new row is all that a new code needs; then firmware/monitor/generate.py and
+ * firmware/comms/generate.py write it into README and DBC.
  */
 #ifndef CORE_REASON_H
 #define CORE_REASON_H

@@ -110,7 +110,7 @@ void test_a_warning_of_the_monitor_is_shown_before_that_of_the_stored_offsets(vo
 
 /* ---- warnings ---- */
 
-/* The table of faults gives this one no reaction: the driver is told, the torque stays. */
+/* The table of findings gives this one no reaction: the driver is told, the torque stays. */
 void test_a_warning_without_a_reaction_leaves_run_as_it_is(void)
 {
     start_in(MODE_RUN);
