@@ -76,7 +76,7 @@ void test_the_least_braking_torque_is_at_the_root_or_the_least_voltage_of_the_ci
         const plain_drive_t d = any(&random);
         const forced_t wanted = forced(&d);
         /* Driving in the lower voltage of no i_d; not permitted either. */
-        motor_point_t at = {.d_b = drive_units(1.0), .x_b = drive_units(8.0)};
+        motor_point_t at = {.d_b = plain_units(1.0), .x_b = plain_units(8.0)};
         drive_apply(&d, &motor);
         if (wanted.is_unclear || feasible_holds(&motor.set, at)) {
             continue;
@@ -86,8 +86,8 @@ void test_the_least_braking_torque_is_at_the_root_or_the_least_voltage_of_the_ci
         limited += wanted.is_limited;
         none += wanted.is_none;
         TEST_ASSERT_TRUE(feasible_forced(&motor.set, &at));
-        TEST_ASSERT_DOUBLE_WITHIN(4e-3, wanted.at.d, ldexp(at.d_b, -DRIVE_UNIT_LOG2));
-        TEST_ASSERT_DOUBLE_WITHIN(4e-3, wanted.at.x, ldexp(at.x_b, -DRIVE_UNIT_LOG2));
+        TEST_ASSERT_DOUBLE_WITHIN(4e-3, wanted.at.d, plain_value(at.d_b));
+        TEST_ASSERT_DOUBLE_WITHIN(4e-3, wanted.at.x, plain_value(at.x_b));
     }
     TEST_ASSERT_GREATER_THAN_INT(ROUNDS / 10, roots);
     TEST_ASSERT_GREATER_THAN_INT(ROUNDS / 20, least);
@@ -101,16 +101,16 @@ void test_voltage_for_the_point_or_for_zero_torque_forces_none(void)
     const plain_drive_t d = {
         .psi = 1.0, .x_d = 1.0, .x_q = 1.0, .emf = 4.0, .u = 1.0, .lowest = -3.0};
     drive_apply(&d, &motor);
-    motor_point_t at = {.d_b = drive_units(-3.0), .x_b = drive_units(4.0)};
+    motor_point_t at = {.d_b = plain_units(-3.0), .x_b = plain_units(4.0)};
     TEST_ASSERT_FALSE(feasible_forced(&motor.set, &at));
-    TEST_ASSERT_EQUAL_INT32(drive_units(-3.0), at.d_b);
-    TEST_ASSERT_EQUAL_INT32(drive_units(4.0), at.x_b);
+    TEST_ASSERT_EQUAL_INT32(plain_units(-3.0), at.d_b);
+    TEST_ASSERT_EQUAL_INT32(plain_units(4.0), at.x_b);
     /* At i_d = -1 zero torque takes 3, the point at i_d = -4 none. */
-    motor.set.weakest_d_b = drive_units(-1.0);
-    at = (motor_point_t){.d_b = drive_units(-4.0), .x_b = drive_units(0.5)};
+    motor.set.weakest_d_b = plain_units(-1.0);
+    at = (motor_point_t){.d_b = plain_units(-4.0), .x_b = plain_units(0.5)};
     TEST_ASSERT_FALSE(feasible_forced(&motor.set, &at));
-    TEST_ASSERT_EQUAL_INT32(drive_units(-4.0), at.d_b);
-    TEST_ASSERT_EQUAL_INT32(drive_units(0.5), at.x_b);
+    TEST_ASSERT_EQUAL_INT32(plain_units(-4.0), at.d_b);
+    TEST_ASSERT_EQUAL_INT32(plain_units(0.5), at.x_b);
 }
 
 /* Beyond the cancelled flux, u_q = -8 at i_d = -16, braking current takes more voltage: none. */
@@ -118,12 +118,12 @@ void test_where_braking_takes_more_voltage_the_torque_stays_zero_to_the_unit(voi
 {
     const plain_drive_t d = {
         .psi = 1.0, .r = 0.5, .x_d = 1.0, .emf = 8.0, .u = 1.0, .lowest = -16.0};
-    motor.constants.current_most_b = drive_units(18.0);
+    motor.constants.current_most_b = plain_units(18.0);
     drive_apply(&d, &motor);
-    motor_point_t at = {.d_b = 0, .x_b = drive_units(4.0)};
+    motor_point_t at = {.d_b = 0, .x_b = plain_units(4.0)};
     TEST_ASSERT_TRUE(feasible_forced(&motor.set, &at));
     TEST_ASSERT_EQUAL_INT32(0, at.x_b);
-    TEST_ASSERT_INT32_WITHIN(drive_units(16.0) >> 14, drive_units(-16.0), at.d_b);
+    TEST_ASSERT_INT32_WITHIN(plain_units(16.0) >> 14, plain_units(-16.0), at.d_b);
 }
 
 /* |u|^2 = 848 - 448 t + 56 t^2 from u_d = -8, u_q = 28: one at 3 rad. Half a radian of i_d = -16
@@ -132,18 +132,18 @@ void test_the_angle_towards_braking_ends_at_half_a_radian_to_the_unit(void)
 {
     const plain_drive_t d = {
         .psi = 1.0, .r = 0.5, .x_d = 0.125, .emf = 30.0, .u = 1.0, .lowest = -16.0};
-    motor.constants.current_most_b = drive_units(18.0);
+    motor.constants.current_most_b = plain_units(18.0);
     drive_apply(&d, &motor);
-    motor_point_t at = {.d_b = 0, .x_b = drive_units(4.0)};
+    motor_point_t at = {.d_b = 0, .x_b = plain_units(4.0)};
     TEST_ASSERT_TRUE(feasible_forced(&motor.set, &at));
-    TEST_ASSERT_EQUAL_INT32(drive_units(-8.0), at.x_b);
+    TEST_ASSERT_EQUAL_INT32(plain_units(-8.0), at.x_b);
 }
 
 void test_without_impedance_no_current_is_better_than_another(void)
 {
     const plain_drive_t d = {.psi = 1.0, .emf = 4.0, .u = 1.0, .lowest = -3.0};
     drive_apply(&d, &motor);
-    motor_point_t at = {.d_b = 0, .x_b = drive_units(2.0)};
+    motor_point_t at = {.d_b = 0, .x_b = plain_units(2.0)};
     TEST_ASSERT_TRUE(feasible_forced(&motor.set, &at));
     TEST_ASSERT_EQUAL_INT32(0, at.x_b);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * plain_drive.h: a plain motor of any inductance, resistance and iron loss in double precision, for
- * references of the current circle. A unit is 2^20 of the binary scale.
+ * references of the current circle.
  */
 #ifndef PLAIN_DRIVE_H
 #define PLAIN_DRIVE_H
@@ -10,8 +10,6 @@
 
 #include "plain_motor.h"
 #include "random_values.h"
-
-enum { DRIVE_UNIT_LOG2 = 20 };
 
 static const double MOST = 4.0;
 static const double CIRCLE = 4.0 * 255.0 / 256.0;
@@ -28,16 +26,6 @@ typedef struct {
     double d, x;
 } plain_point_t;
 
-static inline int32_t drive_units(double x)
-{
-    return (int32_t)lround(ldexp(x, DRIVE_UNIT_LOG2));
-}
-
-static inline int32_t drive_ratio(double x)
-{
-    return (int32_t)lround(ldexp(x, 24));
-}
-
 static inline double drive_a2(const plain_drive_t *d)
 {
     return 1.0 + d->x_d * d->iron * d->x_q * d->iron;
@@ -46,23 +34,24 @@ static inline double drive_a2(const plain_drive_t *d)
 static inline void drive_apply(const plain_drive_t *d, plain_motor_t *motor)
 {
     motor_model_t *m = &motor->model;
-    m->flux_b = drive_units(d->psi);
-    m->saliency_b = drive_ratio(d->saliency);
-    m->resistance_b = drive_ratio(d->r);
-    m->reactance_d_b = drive_ratio(d->x_d);
-    m->reactance_q_b = drive_ratio(d->x_q);
-    m->emf_b = drive_units(d->emf);
-    m->cross_d = drive_ratio(d->x_d * d->iron);
-    m->cross_q = drive_ratio(d->x_q * d->iron);
-    m->iron_current_b = drive_units(d->emf * d->iron);
-    m->one_plus_a2 = drive_ratio(drive_a2(d));
-    m->inverse_one_plus_a2 = drive_ratio(1.0 / drive_a2(d));
-    m->flux_per_x = drive_ratio(d->saliency * d->x_q * d->iron);
-    m->voltage_q_b = drive_units(d->emf * (1.0 + d->r * d->iron));
-    m->voltage_q_per_x = drive_ratio(d->r * drive_a2(d) + d->x_d * d->x_q * d->iron);
-    m->voltage_q_per_d = drive_ratio(d->x_d + d->r * d->x_d * d->iron);
-    motor->set.voltage_squared = (int64_t)ldexp(d->u * d->u, 2 * DRIVE_UNIT_LOG2);
-    motor->set.weakest_d_b = drive_units(d->lowest);
+    m->flux_b = plain_units(d->psi);
+    m->saliency_b = plain_ratio(d->saliency);
+    m->x_per_airgap_q23 = (int32_t)lround(ldexp(1.0 / d->psi, 23));
+    m->resistance_b = plain_ratio(d->r);
+    m->reactance_d_b = plain_ratio(d->x_d);
+    m->reactance_q_b = plain_ratio(d->x_q);
+    m->emf_b = plain_units(d->emf);
+    m->cross_d = plain_ratio(d->x_d * d->iron);
+    m->cross_q = plain_ratio(d->x_q * d->iron);
+    m->iron_current_b = plain_units(d->emf * d->iron);
+    m->one_plus_a2 = plain_ratio(drive_a2(d));
+    m->inverse_one_plus_a2 = plain_ratio(1.0 / drive_a2(d));
+    m->flux_per_x = plain_ratio(d->saliency * d->x_q * d->iron);
+    m->voltage_q_b = plain_units(d->emf * (1.0 + d->r * d->iron));
+    m->voltage_q_per_x = plain_ratio(d->r * drive_a2(d) + d->x_d * d->x_q * d->iron);
+    m->voltage_q_per_d = plain_ratio(d->x_d + d->r * d->x_d * d->iron);
+    motor->set.voltage_squared = (int64_t)ldexp(d->u * d->u, 2 * PLAIN_UNIT_LOG2);
+    motor->set.weakest_d_b = plain_units(d->lowest);
 }
 
 /* Of terminal currents, and the other way round. */

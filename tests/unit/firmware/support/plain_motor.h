@@ -50,6 +50,33 @@ static inline void plain_motor_init(plain_motor_t *motor)
     };
 }
 
+enum { PLAIN_UNIT_LOG2 = 20 };
+
+/* A unit is 2^20 of the binary scale; ratios have 24 fraction bits. */
+static inline int32_t plain_units(double x)
+{
+    return (int32_t)lround(ldexp(x, PLAIN_UNIT_LOG2));
+}
+
+static inline double plain_value(int32_t x_b)
+{
+    return ldexp(x_b, -PLAIN_UNIT_LOG2);
+}
+
+static inline int32_t plain_ratio(double x)
+{
+    return (int32_t)lround(ldexp(x, 24));
+}
+
+/* A reference that compares two numbers too near for the roundings of the firmware says so. */
+static bool plain_unclear;
+
+static inline bool plain_is_above(double a, double b)
+{
+    plain_unclear = plain_unclear || fabs(a - b) < 4e-3;
+    return a > b;
+}
+
 /* An entry of the map: an i_d between -8 and 8, to 2^-12. One is 2^unit_log2 units, and half as
  * many milliamperes (current_shift). */
 static inline int16_t plain_entry(plain_motor_t *motor, int32_t unit_log2, double i_d)

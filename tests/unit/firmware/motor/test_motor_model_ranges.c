@@ -236,15 +236,6 @@ void test_current_of_a_torque_without_saliency_ends_at_its_limit_also_beyond_32_
 
 /* ---- signs of the rotation ---- */
 
-void test_the_slowest_backward_rotation_changes_the_signs_of_torque_and_current(void)
-{
-    const motor_model_t m = model_of(-1);
-    TEST_ASSERT_EQUAL_INT32(-1000, motor_model_shaft_mNm(&m, 1000));
-    TEST_ASSERT_EQUAL_INT32(-1000, motor_model_airgap_of_shaft_b(&m, 1000));
-    const motor_current_t i = {.d_mA = 0, .q_mA = 100};
-    TEST_ASSERT_EQUAL_INT32(-1600, motor_model_point(&m, i).x_b);
-}
-
 /* 2^32 mN m count as 2^31 - 1, of either sign. */
 void test_the_largest_torque_and_current_change_their_sign_without_overflow(void)
 {

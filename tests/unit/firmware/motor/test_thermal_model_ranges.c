@@ -167,22 +167,6 @@ void test_means_of_a_round_contain_no_other_round(void)
     TEST_ASSERT_EQUAL_INT32(1, state.mean_mA);
 }
 
-/* Larger plus half the smaller less an eighth: 1.0078 at most (7/8 by 1/2), and the larger alone
- * 0.9701 where both are the same (1 by 1/4). */
-void test_the_length_of_the_current_is_within_3_per_cent_in_every_direction(void)
-{
-    start(2500, 2500);
-    for (int degrees = 0; degrees < 360; degrees++) {
-        const double angle = degrees * 3.14159265358979 / 180.0;
-        const int32_t d_mA = (int32_t)lround(1e6 * cos(angle));
-        const int32_t q_mA = (int32_t)lround(1e6 * sin(angle));
-        for (int ms = 0; ms < ROUND_ms; ms++) {
-            thermal_model_step(&state, &config, d_mA, q_mA, 0);
-        }
-        TEST_ASSERT_TRUE(state.mean_mA > 0.9700 * 1e6 && state.mean_mA < 1.0079 * 1e6);
-    }
-}
-
 /* ---- iron loss ---- */
 
 /* One component of the EMF alone: v = w (psi + L i) with w in rad/s; 3/2 v^2/R. */
@@ -205,26 +189,6 @@ void test_without_iron_loss_or_winding_its_heat_is_zero(void)
     config.motor.iron_loss_resistance_mOhm = 1;
     config.thermal.winding_heat_capacity_mJ_K = 0;
     TEST_ASSERT_EQUAL_INT32(0, iron_mW(100000000, 0, 0, 100000));
-}
-
-void test_the_smallest_resistance_has_an_iron_loss(void)
-{
-    config.motor.iron_loss_resistance_mOhm = 1;
-    config.motor.iron_loss_resistance_slope_nOhm_s = 0;
-    /* 3/2 (10 mV)^2 / 1 mOhm: 150 mW */
-    TEST_ASSERT_EQUAL_INT32(150, iron_mW(1000000, 0, 0, 10000));
-}
-
-/* 2^23 mV over 2^20 mOhm are 8 A; twice as much voltage is the same. */
-void test_the_voltage_of_the_iron_loss_ends_at_8388_V(void)
-{
-    config.motor.iron_loss_resistance_mOhm = 1 << 20;
-    config.motor.iron_loss_resistance_slope_nOhm_s = 0;
-    TEST_ASSERT_EQUAL_INT32(12 * (1 << 23), iron_mW(2000000000, 0, 0, 5000000));
-    TEST_ASSERT_EQUAL_INT32(12 * (1 << 23), iron_mW(2000000000, 0, 0, 10000000));
-    /* 4000 V: 3/2 3814 A/1000 4000 V, the current in 256ths of an ampere */
-    TEST_ASSERT_DOUBLE_WITHIN(1.5 * 4e6 / 256.0 + 1e4, 1.5e3 * 4e3 * 4e3 / 1048.576,
-                              iron_mW(1000000000, 0, 0, 4000000));
 }
 
 /* 2^31 nWb at 1 rad/s are 2.147 V: 3/2 (2.147 V)^2 / 1 ohm = 6.918 W; 256ths of 2.147 A are 0.2 %.
@@ -253,21 +217,6 @@ void test_losses_beyond_the_range_are_the_largest(void)
 }
 
 /* ---- heat at the ends of the range ---- */
-
-/* 4000 A on both axes through 100 ohm: 3/2 R i^2 ends at 2^31 of 2^-16 26388 mW, 865 kW, which
- * warms 2 MJ/K by 64 ms 865 kW/2 MJ/K = 0.0277 K a round. */
-void test_copper_loss_ends_at_865_kW(void)
-{
-    config.motor.phase_resistance_uOhm = 100000000;
-    config.motor.resistance_coefficient_ppm_K = 0;
-    winding_of(2000000000, 0, 0, 0);
-    start(2000, 2000);
-    advance(4000000, 4000000, 0);
-    const double rise_q16 = 6.4e-2 * 864.68e6 / 2e9 * 100.0 * 65536.0;
-    /* of 13.7 units per mW 13 are left, 5 % less */
-    TEST_ASSERT_TRUE(state.winding.inner_q16 - 2000 * 65536 <= rise_q16);
-    TEST_ASSERT_TRUE(state.winding.inner_q16 - 2000 * 65536 > 0.94 * rise_q16);
-}
 
 void test_a_bridge_loss_beyond_the_range_is_heat(void)
 {

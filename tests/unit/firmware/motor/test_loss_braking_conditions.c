@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Loss braking of a motor of powers of two: each condition at its limit, and the passes along the
- * current circle and over i_d in double precision. A unit is 2^20 of the binary scale, and 2^16 of
- * power.
+ * current circle and over i_d in double precision. A unit of power is 2^16 of the binary scale.
  */
 #include "motor/loss_braking.h"
 
@@ -13,7 +12,7 @@
 #include "random_values.h"
 #include "unity.h"
 
-enum { UNIT_LOG2 = 20, POWER_LOG2 = 16, ROUNDS = 3000, MOST_b = 1 << 22, WHOLE_b = 255 << 14 };
+enum { POWER_LOG2 = 16, ROUNDS = 3000, MOST_b = 1 << 22, WHOLE_b = 255 << 14 };
 
 static plain_motor_t motor;
 static const feasible_returned_t NO_POWER = {.power_b = 0, .margin_b = 0};
@@ -113,16 +112,6 @@ static double on_circle(const drive_t *d, double i_d, double x)
     return -sqrt(fmax(d->current * d->current - i_q * i_q, 0.0));
 }
 
-static int32_t units(double x)
-{
-    return (int32_t)lround(ldexp(x, UNIT_LOG2));
-}
-
-static int32_t ratio(double x)
-{
-    return (int32_t)lround(ldexp(x, 24));
-}
-
 static int32_t powers(double x)
 {
     return (int32_t)lround(ldexp(x, POWER_LOG2));
@@ -130,18 +119,18 @@ static int32_t powers(double x)
 
 static void apply(const drive_t *d)
 {
-    motor.set.power = (feasible_power_t){.a = ratio(d->a),
-                                         .b = units(d->b),
-                                         .b_d = ratio(d->b_d),
+    motor.set.power = (feasible_power_t){.a = plain_ratio(d->a),
+                                         .b = plain_units(d->b),
+                                         .b_d = plain_ratio(d->b_d),
                                          .c = powers(d->c),
-                                         .c_d = units(d->c_d),
-                                         .c_dd = ratio(d->c_dd)};
-    motor.constants.loss_b = units(d->loss);
-    motor.model.emf_b = units(d->emf);
-    motor.model.reactance_d_b = ratio(d->x_d);
-    motor.model.reactance_q_b = ratio(d->x_q);
-    motor.model.iron_current_b = units(d->iron);
-    motor.model.cross_d = ratio(d->cross);
+                                         .c_d = plain_units(d->c_d),
+                                         .c_dd = plain_ratio(d->c_dd)};
+    motor.constants.loss_b = plain_units(d->loss);
+    motor.model.emf_b = plain_units(d->emf);
+    motor.model.reactance_d_b = plain_ratio(d->x_d);
+    motor.model.reactance_q_b = plain_ratio(d->x_q);
+    motor.model.iron_current_b = plain_units(d->iron);
+    motor.model.cross_d = plain_ratio(d->cross);
 }
 
 static drive_t any(random_t *random)
@@ -179,9 +168,9 @@ void test_the_torque_on_the_circle_is_that_of_two_steps_of_newton_s_method(void)
             const double slope = d.emf + (d.x_d - d.x_q) * i_d;
             x = fmin(fmax(x - excess(&d, i_d, x, 0.0) / slope, -d.current), 0.0);
         }
-        loss_braking_t losses = {.current_b = units(d.current)};
+        loss_braking_t losses = {.current_b = plain_units(d.current)};
         const int32_t found_mNm = torque_mNm(&losses, 0);
-        TEST_ASSERT_DOUBLE_WITHIN(3e-3, -x, ldexp(found_mNm, -UNIT_LOG2));
+        TEST_ASSERT_DOUBLE_WITHIN(3e-3, -x, plain_value(found_mNm));
     }
 }
 
@@ -247,14 +236,6 @@ void test_a_setpoint_stays_where_it_returns_no_more_than_the_battery_takes(void)
     TEST_ASSERT_FALSE(stays(&losses, -1000));
 }
 
-/* Without resistance no i_d loses the power. */
-void test_without_resistance_the_setpoint_is_on_the_circle(void)
-{
-    motor.set.power = (feasible_power_t){.c = -100};
-    const loss_braking_t losses = {.current_b = MOST_b};
-    TEST_ASSERT_INT32_WITHIN(MOST_b >> 14, -MOST_b / 2, setpoint(&losses, -1000).i_d_mA);
-}
-
 /* i_d 3/5 of the phase current leaves 4/5 of it. */
 void test_i_q_is_what_i_d_leaves_of_the_phase_current(void)
 {
@@ -292,8 +273,8 @@ static void compare_setpoints(int passes, uint64_t seed)
         const double x = random_real(&random, -1.5, -0.1);
         const double highest = random_real(&random, -0.3, 0.0);
         const current_setpoint_t map = {
-            .i_d_mA = units(highest) / 2,
-            .i_q_mA = units(x + d.iron + d.cross * highest) / 2,
+            .i_d_mA = plain_units(highest) / 2,
+            .i_q_mA = plain_units(x + d.iron + d.cross * highest) / 2,
         };
         double i_d = highest;
         bool clear = fabs(excess(&d, i_d, x, d.taken)) > 0.02;
@@ -312,15 +293,16 @@ static void compare_setpoints(int passes, uint64_t seed)
             continue;
         }
         const loss_braking_t losses = {
-            .current_b = units(d.current),
+            .current_b = plain_units(d.current),
             .returned = {.power_b = powers(d.taken), .margin_b = INT32_MAX},
         };
-        const current_setpoint_t out = loss_braking_setpoint(&motor.set, &losses, units(x), map);
+        const current_setpoint_t out =
+            loss_braking_setpoint(&motor.set, &losses, plain_units(x), map);
         changed += i_d < highest;
-        TEST_ASSERT_DOUBLE_WITHIN(4e-3, i_d, ldexp(out.i_d_mA, 1 - UNIT_LOG2));
+        TEST_ASSERT_DOUBLE_WITHIN(4e-3, i_d, ldexp(out.i_d_mA, 1 - PLAIN_UNIT_LOG2));
         if (hypot(i_d, x + d.iron + d.cross * i_d) < 3.9) {
             TEST_ASSERT_DOUBLE_WITHIN(4e-3, x + d.iron + d.cross * i_d,
-                                      ldexp(out.i_q_mA, 1 - UNIT_LOG2));
+                                      ldexp(out.i_q_mA, 1 - PLAIN_UNIT_LOG2));
         }
     }
     TEST_ASSERT_GREATER_THAN_INT(ROUNDS / 10, changed);

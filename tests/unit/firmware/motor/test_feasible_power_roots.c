@@ -107,19 +107,6 @@ void test_an_uncertain_angle_takes_from_the_battery_s_power_what_exceeds_the_mar
     TEST_ASSERT_EQUAL_INT32(0, feasible_excess_b(&motor.set, ACROSS, returned));
 }
 
-/* (2^25 - 1) 2 2^25 2^-24 2 / 2^24: a little less than 8. */
-void test_the_smallest_angle_counts(void)
-{
-    make_the_angle_uncertain();
-    motor.constants.hall_angle_b = 1;
-    motor.model.speed_b = 1 << 25;
-    motor.model.emf_b = (1 << 26) - 1;
-    motor.model.reactance_d_b = motor.model.reactance_q_b;
-    const motor_point_t at = {.d_b = -(1 << 25), .x_b = 0};
-    const feasible_returned_t returned = {.power_b = 10000, .margin_b = 0};
-    TEST_ASSERT_EQUAL_INT32(9993, feasible_excess_b(&motor.set, at, returned));
-}
-
 void test_what_a_point_returns_less_ends_at_32_bits(void)
 {
     motor.set.power.c = 1 << 26;
@@ -129,18 +116,6 @@ void test_what_a_point_returns_less_ends_at_32_bits(void)
 }
 
 /* ---- power drawn ---- */
-
-/* At x = 2^20: a x^2 = 2^14, b x = 2^16, c. */
-void test_driving_torque_of_a_power_is_the_root_of_the_power(void)
-{
-    motor.set.power.c = 1000;
-    const int32_t power_b = (1 << 14) + (1 << 16) + 1000;
-    assert_near(1 << 20, driving_mNm(1 << 21, power_b));
-    TEST_ASSERT_EQUAL_INT32(FEASIBLE_UNBOUNDED, driving_mNm(1 << 20, power_b));
-    assert_near(1 << 20, driving_mNm((1 << 20) + 100, power_b));
-    motor.constants.negligible_power_b = 2 * power_b; /* counts for braking alone */
-    assert_near(1 << 20, driving_mNm(1 << 21, power_b));
-}
 
 /* b x = 1 at x = 2^4. */
 void test_driving_torque_of_one_unit_of_power_is_not_zero(void)
