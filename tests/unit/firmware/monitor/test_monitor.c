@@ -310,6 +310,10 @@ void test_torque_against_the_command_is_a_fault(void)
     assert_fault_after(TORQUE_TIME_ms, REASON_TORQUE_IMPLAUSIBLE);
     torque(-10000, TOLERANCE_mNm + 1);
     assert_fault_after(TORQUE_TIME_ms, REASON_TORQUE_IMPLAUSIBLE);
+    torque(10000, -TOLERANCE_mNm);
+    assert_never_a_fault();
+    torque(-10000, TOLERANCE_mNm);
+    assert_never_a_fault();
 }
 
 void test_torque_without_a_command_is_a_fault(void)
@@ -333,6 +337,17 @@ void test_torque_without_pwm_is_no_fault(void)
     torque(0, -20000); /* a short brakes */
     in.report.bridge = BRIDGE_OFF;
     assert_never_a_fault();
+}
+
+/* With an empty bus any voltage forces; a wheel at standstill counts as one that turns forwards. */
+void test_a_negative_torque_brakes_at_standstill_and_drives_a_wheel_that_rolls_back(void)
+{
+    torque(0, -TOLERANCE_mNm - 1);
+    in.now.bus_voltage_mV = 0;
+    in.now.speed_mrad_s = 0;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(TORQUE_TIME_ms + 10).fault);
+    in.now.speed_mrad_s = -1;
+    TEST_ASSERT_EQUAL_INT(REASON_TORQUE_IMPLAUSIBLE, run(TORQUE_TIME_ms + 10).fault);
 }
 
 /* ---- watchdog ---- */

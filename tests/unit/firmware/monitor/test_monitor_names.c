@@ -21,6 +21,30 @@ void test_sensor_at_its_rail_is_named_without_pwm(void)
 
 /* ---- program flow ---- */
 
+/* Every other slow step has the right number of fast steps, beginning with a wrong one: the step in
+ * which it is a fault, 0 for none of 20. */
+static int faulty_step(uint16_t wrong, uint16_t right)
+{
+    fast_steps_per_slow = right;
+    (void)step();
+    for (int n = 1; n <= 20; n++) {
+        fast_steps_per_slow = n % 2 == 1 ? wrong : right;
+        if (step().fault == REASON_PROGRAM_FLOW) {
+            return n;
+        }
+    }
+    return 0;
+}
+
+/* Of 20 kHz 80 periods are the 4 ms for which the fast loop waits; a longer gap is a fault at once.
+ */
+void test_a_gap_beyond_what_the_fast_loop_waits_for_is_a_fault_at_once(void)
+{
+    TEST_ASSERT_EQUAL_INT(5, faulty_step(80, 20));
+    setUp();
+    TEST_ASSERT_EQUAL_INT(1, faulty_step(81, 20));
+}
+
 void test_stopped_or_doubled_fast_loop_is_a_fault_in_the_third_step(void)
 {
     step();

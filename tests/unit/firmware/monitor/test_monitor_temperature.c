@@ -71,3 +71,13 @@ void test_missing_sensor_is_no_fault_with_its_limit_switched_off(void)
     in.now.switch_temperature_cC = 29999;
     assert_never_a_fault();
 }
+
+void test_a_temperature_limit_that_is_off_has_no_fault(void)
+{
+    config.monitor.highest_temperature_cC = 40000; /* beyond config_validate() */
+    in.now.winding_temperature_cC = 35000;
+    config.motor.max_winding_temperature_cC = MONITOR_TEMPERATURE_OFF_cC;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(100).fault);
+    config.motor.max_winding_temperature_cC = MONITOR_TEMPERATURE_OFF_cC - 1;
+    TEST_ASSERT_EQUAL_INT(REASON_WINDING_OVERTEMPERATURE, run(100).fault);
+}

@@ -123,23 +123,6 @@ void test_short_circuit_of_every_configuration_is_that_of_the_circuit(void)
     }
 }
 
-/* Far above R / L the current is psi / L_d: below and beyond 4.29 mH, up to which 1000 times a rest
- * of its division fits into 32 bits. */
-void test_short_circuit_at_high_speed_carries_flux_over_inductance(void)
-{
-    static const int32_t L_nH[] = {150000, 4294967, 4294968, 12345678};
-    for (unsigned k = 0; k < sizeof L_nH / sizeof L_nH[0]; k++) {
-        config.motor.d_inductance_nH = L_nH[k];
-        config.motor.q_inductance_nH = L_nH[k];
-        config.motor.flux_linkage_nWb = 987654321;
-        config.motor.phase_resistance_uOhm = 10;
-        in.bound_mrad_s = config.motor.max_speed_mrad_s;
-        const double expected_mA = 987654321e3 / L_nH[k];
-        TEST_ASSERT_DOUBLE_WITHIN(1.0 + 1e-4 * expected_mA, expected_mA,
-                                  short_of(&config, &in).current_mA);
-    }
-}
-
 void test_freewheel_of_every_configuration_is_that_of_the_circuit(void)
 {
     random_t random = random_seeded(2);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Side of a stuck switch at its limits, from sums made by hand: one electrical turn in each step,
- * of one pole pair and 6284 mrad; a trip current of 4096, so that a mean above 1024 has a side. */
+/* Side of a stuck switch by the windows of its sums, made by hand: one electrical turn in each
+ * step, of one pole pair and 6284 mrad; a trip current of 4096, so that a mean above 1024 has a
+ * side. */
 #include "monitor/monitor_stuck.h"
 
 #include <math.h>
@@ -65,27 +66,6 @@ void test_a_mean_above_a_quarter_of_the_trip_current_has_a_side(void)
     }
 }
 
-/* The largest mean M is that of b or c, the others have -M/2: alpha -M/2, beta +-sqrt(3)/2 M. Of a
- * factor that is rounded to 1774/1024 0.02 % are known. */
-void test_the_mean_of_the_other_phases_is_compared_likewise(void)
-{
-    for (int above = 0; above < 2; above++) {
-        for (int sign = -1; sign <= 1; sign += 2) {
-            for (int phase = -1; phase <= 1; phase += 2) {
-                setUp();
-                in.report.sequence = (uint16_t)(60000 - PERIODS);
-                state.begin_step = 0;
-                state.bridge = BRIDGE_OFF;
-                const double mean = sign * QUARTER_pu * 60000.0 * (above != 0 ? 1.0003 : 0.9995);
-                const bridge_mode_t side = sign > 0 ? BRIDGE_SHORT_HIGH : BRIDGE_SHORT;
-                TEST_ASSERT_EQUAL_INT(
-                    above != 0 ? side : BRIDGE_OFF,
-                    add(TURN_mrad, llround(-0.5 * mean), llround(phase * 0.5 * sqrt(3.0) * mean)));
-            }
-        }
-    }
-}
-
 /* Means M, -M/8 and -7/8 M: 6144 alpha = 14192 beta in units of 1024. A sensor that shows a
  * constant, the third phase computed, has M, 0 and -M. */
 void test_each_of_the_other_phases_brings_back_an_eighth_at_least(void)
@@ -124,28 +104,6 @@ void test_a_window_is_a_whole_turn_in_either_direction(void)
         TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, add(sign * (TURN_mrad - 1), much, 0));
         TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT_HIGH, add(sign * 1, 0, 0));
         TEST_ASSERT_EQUAL_INT32(0, state.turned_mrad);
-    }
-}
-
-void test_a_sensor_that_turns_back_has_not_turned(void)
-{
-    for (int n = 0; n < 100; n++) {
-        TEST_ASSERT_EQUAL_INT(BRIDGE_OFF,
-                              add(n % 2 == 0 ? 4000 : -4000, 4 * QUARTER_pu * PERIODS, 0));
-    }
-}
-
-void test_any_speed_has_its_windows(void)
-{
-    static const int32_t SPEEDS_mrad_s[] = {INT32_MIN, INT32_MAX};
-    config.motor.pole_pairs = 60;
-    for (int n = 0; n < 2; n++) {
-        state.side = BRIDGE_OFF;
-        in.now.speed_mrad_s = SPEEDS_mrad_s[n];
-        in.report.idle_alpha_pu += 4U * QUARTER_pu * PERIODS;
-        in.report.sequence = (uint16_t)(in.report.sequence + PERIODS);
-        TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT_HIGH,
-                              monitor_stuck_step(&state, &config, measured_of(&in), turning).side);
     }
 }
 
@@ -191,16 +149,6 @@ static int steps_to_side(void)
         steps++;
     }
     return steps;
-}
-
-/* The short begins in step 0; its own direct current has decayed in step 5, (L_d + L_q)/R; then
- * three windows. */
-void test_a_short_circuit_has_a_side_three_windows_after_its_own_current_has_decayed(void)
-{
-    config.motor.phase_resistance_uOhm = 1000;
-    config.motor.d_inductance_nH = 2000;
-    config.motor.q_inductance_nH = 3000;
-    TEST_ASSERT_EQUAL_INT(5 + MONITOR_STUCK_SHORT_WINDOWS - 1, steps_to_side());
 }
 
 void test_the_decay_is_waited_for_1000_steps(void)

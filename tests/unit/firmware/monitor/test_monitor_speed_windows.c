@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The speed upper bound at its limits: lengths of windows, thresholds and rates, each on both
- * sides. The vehicle is chosen so that they are whole numbers: 10 pole pairs at 20 kHz, of which 16
- * quadrant transitions in n periods are 50 265 600/n mrad/s; tyre grip slows the wheel by 100
- * mrad/s in a step, coasting by 1; the silence of the current sensors is 10 240 mA. */
+/* The speed upper bound by windows of a short circuit and by diode currents: lengths and
+ * thresholds, each on both sides. The vehicle is chosen so that they are whole numbers: 10 pole
+ * pairs at 20 kHz, of which 16 quadrant transitions in n periods are 50 265 600/n mrad/s; tyre grip
+ * slows the wheel by 100 mrad/s in a step, coasting by 1; the silence of the current sensors is 10
+ * 240 mA. */
 #include <math.h>
 
 #include "monitor/monitor_speed.h"
@@ -85,34 +86,6 @@ static void lose_sensor_and_short(void)
 
 /* ---- windows of the short circuit ---- */
 
-void test_a_short_circuit_holds_the_bound_until_its_second_window_ends(void)
-{
-    lose_sensor_and_short();
-    in.now.latest_i_d_mA = 1000000; /* far too much for any speed that was counted */
-    for (int n = 1; n <= 199; n++) {
-        (void)wait(1);
-        TEST_ASSERT_EQUAL_INT64(70000000, state.bound_urad_s);
-    }
-    for (int n = 1; n <= 400; n++) {
-        (void)wait(1);
-        TEST_ASSERT_EQUAL_INT64(70000000 - n * COASTING_urad_s, state.bound_urad_s);
-    }
-    TEST_ASSERT_EQUAL_INT32(2, state.windows);
-}
-
-/* Likewise what a stopped sensor does not lower, while the bound itself falls with the sensor. */
-void test_a_short_circuit_holds_rest_until_its_second_window_ends(void)
-{
-    lose_sensor_and_short();
-    in.now.angle_valid = true;
-    in.now.latest_i_d_mA = 1000000;
-    (void)wait(199);
-    TEST_ASSERT_EQUAL_INT64(70000000, state.rest_urad_s);
-    (void)wait(10);
-    TEST_ASSERT_EQUAL_INT64(70000000 - 10 * COASTING_urad_s, state.rest_urad_s);
-    TEST_ASSERT_EQUAL_INT64(70000000 - 10 * GRIP_urad_s, state.bound_urad_s);
-}
-
 /* A sensor that stops in the 100 steps before: rest falls as a coasting vehicle, the bound by what
  * a tyre can do; both stay until the short circuit has measured. */
 void test_a_short_circuit_holds_rest_above_the_bound_until_its_second_window_ends(void)
@@ -130,22 +103,6 @@ void test_a_short_circuit_holds_rest_above_the_bound_until_its_second_window_end
     }
     (void)wait(1);
     TEST_ASSERT_EQUAL_INT64(70000000 - 101 * COASTING_urad_s, state.rest_urad_s);
-}
-
-/* Windows before it, here of 71 808 mrad/s and of standstill, are of another short circuit. */
-void test_a_short_circuit_measures_with_two_windows_of_its_own(void)
-{
-    lose_sensor_and_short();
-    (void)transitions(16, 700, 200000);
-    TEST_ASSERT_EQUAL_INT32(SPEED_OF_700_mrad_s, transitions(16, 700, 200000));
-    in.report.bridge = BRIDGE_OFF;
-    in.now.latest_i_d_mA = 0;
-    (void)wait(10);
-    const int64_t before_urad_s = state.bound_urad_s;
-    in.report.bridge = BRIDGE_SHORT;
-    (void)transitions(16, 7000, 20000);
-    TEST_ASSERT_EQUAL_INT64(before_urad_s, state.bound_urad_s);
-    TEST_ASSERT_EQUAL_INT32(7180, transitions(16, 7000, 20000));
 }
 
 void test_what_a_short_circuit_measures_replaces_rest_of_a_stopped_sensor(void)
@@ -228,16 +185,6 @@ void test_a_short_circuit_begins_without_the_windows_of_the_one_before(void)
     TEST_ASSERT_EQUAL_INT64(0, state.bound_urad_s);
 }
 
-void test_current_of_an_earlier_window_does_not_count_in_a_later_one(void)
-{
-    lose_sensor_and_short();
-    (void)transitions(16, 2000, 20000);
-    TEST_ASSERT_EQUAL_INT32(25132, transitions(16, 2000, 20000));
-    in.now.latest_i_d_mA = 0;
-    (void)wait(200);
-    TEST_ASSERT_EQUAL_INT64(0, state.bound_urad_s);
-}
-
 /* ---- thresholds ---- */
 
 /* At the silence there is no current, above it one quarter turn in 2000 periods may be missed:
@@ -278,44 +225,6 @@ void test_current_up_to_twice_what_the_speed_drives_fits(void)
     }
 }
 
-void test_the_least_silence_is_no_current(void)
-{
-    config.drive.current_full_scale_mA = 1000;
-    config.monitor.current_sum_pu_q15 = 16;
-    lose_sensor_and_short();
-    TEST_ASSERT_EQUAL_INT32(0, wait(200));
-}
-
-/* What no motor does, and what has no undefined result. */
-void test_more_transitions_than_periods_saturate_the_speed(void)
-{
-    config.drive.pwm_frequency_Hz = 100000;
-    config.motor.pole_pairs = 1;
-    lose_sensor_and_short();
-    (void)transitions(INT16_MAX, 1, 20000);
-    TEST_ASSERT_EQUAL_INT32(INT32_MAX, transitions(INT16_MAX, 1, 20000));
-    setUp();
-    config.drive.pwm_frequency_Hz = 100000;
-    config.motor.d_inductance_nH = 1000000000;
-    lose_sensor_and_short();
-    (void)transitions(16, 1, 6000000); /* 6 kA in 2 kohm */
-    (void)transitions(16, 1, 6000000);
-    TEST_ASSERT_EQUAL_INT64(70000000 - COASTING_urad_s, state.bound_urad_s);
-}
-
-/* The quotient is rounded down to 10 urad/s: never faster than grip permits. */
-void test_the_bound_never_falls_faster_than_tyre_grip(void)
-{
-    config.vehicle.wheel_radius_um = 98010;
-    const double fall_urad_s = 9800e6 / 98010.0;
-    in.now.speed_mrad_s = 70000;
-    (void)step();
-    in.now.speed_mrad_s = 0;
-    (void)wait(500);
-    TEST_ASSERT_TRUE((double)state.bound_urad_s >= 70e6 - 500.0 * fall_urad_s);
-    TEST_ASSERT_TRUE((double)state.bound_urad_s <= 70e6 - 500.0 * (fall_urad_s - 10.0));
-}
-
 /* ---- diodes ---- */
 
 /* 1.02 v/(sqrt(3) psi p): 2 % beyond the speed at which the EMF reaches the bus. */
@@ -348,15 +257,6 @@ void test_a_valid_sensor_beyond_the_hand_over_speed_applies_in_either_direction(
     }
 }
 
-void test_steps_without_a_current_do_not_delay_a_diode_current(void)
-{
-    freewheel(false, 0, 0);
-    (void)wait(50);
-    in.now.latest_i_d_mA = 2 * SILENCE_mA;
-    TEST_ASSERT_EQUAL_INT32(0, wait(19));
-    TEST_ASSERT_INT32_WITHIN(1, bus_speed_mrad_s(), wait(1));
-}
-
 void test_a_step_with_pwm_begins_the_qualification_again(void)
 {
     freewheel(false, 0, 2 * SILENCE_mA);
@@ -366,18 +266,6 @@ void test_a_step_with_pwm_begins_the_qualification_again(void)
     in.report.bridge = BRIDGE_OFF;
     TEST_ASSERT_EQUAL_INT32(0, wait(19));
     TEST_ASSERT_INT32_WITHIN(1, bus_speed_mrad_s(), wait(1));
-}
-
-/* Every step with a current counts up, every one without counts down: with two of three the count
- * is 20 after 18 * 3 + 2 steps. */
-void test_a_diode_current_with_gaps_qualifies_when_it_flows_20_steps_more_than_not(void)
-{
-    freewheel(false, 0, 0);
-    for (int n = 1; n <= 56; n++) {
-        in.now.latest_i_d_mA = n % 3 == 0 ? 0 : 2 * SILENCE_mA;
-        const int32_t bound_mrad_s = wait(1);
-        TEST_ASSERT_INT32_WITHIN(1, n == 56 ? bus_speed_mrad_s() : 0, bound_mrad_s);
-    }
 }
 
 /* Another wheel, or this one, raised the bus while switching: in freewheel it still has to be
