@@ -13,6 +13,7 @@
 #include "unity.h"
 
 enum { FULL_DRIVE = 40000, FULL_BRAKE = 200000, KNEE = 40000, FAULT_TIME = 100, LONG_AGO = 5000 };
+enum { INVALID_q15 = -1 };
 static const double DEAD_BAND = 0.05;
 
 static config_t config;
@@ -113,6 +114,31 @@ void test_the_first_part_of_the_accelerator_is_lift_off_braking(void)
     TEST_ASSERT_EQUAL_INT32(-10000, pressed(0.0, 0.5).demand.drive_torque_mNm);
 }
 
+/* One channel on either side of the travel without torque. */
+void test_channels_around_the_end_of_lift_off_braking_demand_neither_torque(void)
+{
+    config.pedals.lift_off_torque_mNm = 10000;
+    config.pedals.lift_off_travel_q15 = 4915;
+    pressed(0.0, 0.0);
+    press(whole(0.145), 0.0);
+    in.ratio_q15[1] = ratio_q15(1, whole(0.155));
+    TEST_ASSERT_EQUAL_INT32(0, run(1).demand.drive_torque_mNm);
+}
+
+void test_an_accelerator_whose_fault_has_not_healed_does_not_brake(void)
+{
+    config.pedals.lift_off_torque_mNm = 10000;
+    config.pedals.lift_off_travel_q15 = 16384;
+    press(0.1, 0.0);
+    in.ratio_q15[1] = INVALID_q15;
+    run(FAULT_TIME);
+    press(0.1, 0.0);
+    for (int n = 1; n < FAULT_TIME; n++) {
+        TEST_ASSERT_EQUAL_INT32(0, run(1).demand.drive_torque_mNm);
+    }
+    TEST_ASSERT_LESS_THAN_INT32(0, run(1).demand.drive_torque_mNm);
+}
+
 void test_the_accelerator_must_be_released_once_before_it_drives(void)
 {
     const pedals_output_t locked = pressed(0.8, 0.0);
@@ -123,6 +149,20 @@ void test_the_accelerator_must_be_released_once_before_it_drives(void)
     const pedals_output_t again = pressed(whole(0.5), 0.0);
     assert_torque(0.5 * FULL_DRIVE, again.demand.drive_torque_mNm);
     TEST_ASSERT_EQUAL_INT(REASON_NONE, again.demand.reason);
+}
+
+void test_channels_that_are_not_valid_release_no_accelerator(void)
+{
+    for (int channel = 0; channel < 2; channel++) {
+        pedals_init(&state);
+        pressed(0.5, 0.0);
+        press(0.0, 0.0);
+        in.ratio_q15[channel] = INVALID_q15;
+        TEST_ASSERT_EQUAL_INT32(0, run(1).demand.drive_torque_mNm);
+        const pedals_output_t out = pressed(0.5, 0.0);
+        TEST_ASSERT_EQUAL_INT32(0, out.demand.drive_torque_mNm);
+        TEST_ASSERT_EQUAL_INT(REASON_ACCELERATOR_LOCKED, out.demand.reason);
+    }
 }
 
 /* Shorted to ground, open with a pull-down, shorted to the supply. */
@@ -187,6 +227,27 @@ void test_channels_that_differ_too_much_drive_with_the_smaller_travel_then_not_a
     TEST_ASSERT_EQUAL_INT(REASON_ACCELERATOR_SENSOR, out.demand.reason);
 }
 
+/* Two equal channels without a dead band: a travel is its ratio. */
+void test_channels_may_differ_by_exactly_the_configured_difference(void)
+{
+    for (int k = 0; k < 2; k++) {
+        config.pedals.lowest_q15[k] = config.pedals.released_q15[k] = 0;
+        config.pedals.highest_q15[k] = config.pedals.pressed_q15[k] = 32768;
+    }
+    config.pedals.dead_band_q15 = 0;
+    config.pedals.difference_q15 = 328;
+    for (int32_t apart_q15 = 328; apart_q15 <= 329; apart_q15++) {
+        pedals_init(&state);
+        pressed(0.0, 0.0);
+        in.ratio_q15[0] = 4096;
+        in.ratio_q15[1] = 4096 + apart_q15;
+        const pedals_output_t out = run(FAULT_TIME);
+        TEST_ASSERT_EQUAL_INT32(apart_q15 == 328 ? FULL_DRIVE / 8 : 0, out.demand.drive_torque_mNm);
+        TEST_ASSERT_EQUAL_INT(apart_q15 == 328 ? REASON_NONE : REASON_ACCELERATOR_SENSOR,
+                              out.demand.reason);
+    }
+}
+
 /* The travels at the same ratio x are (x - 0.15)/0.7 and (2 x - 0.15)/0.7: x/0.7 apart, more than
  * 10 % wherever one of them is not zero. */
 void test_two_channels_shorted_together_do_not_drive(void)
@@ -206,6 +267,7 @@ void test_proportional_interpretation_is_one_straight_line(void)
     for (double part = 0.0; part <= 1.0; part += 0.125) {
         assert_torque(part * FULL_BRAKE, pressed(0.0, whole(part)).demand.brake_torque_mNm);
     }
+    TEST_ASSERT_EQUAL_INT32(FULL_BRAKE, pressed(0.0, 1.05).demand.brake_torque_mNm);
 }
 
 /* 40 N m over the first 30 %, 160 N m over the other 70 %. */
@@ -301,6 +363,20 @@ void test_both_pedals_pressed_take_the_drive_until_the_accelerator_is_released(v
     assert_torque(FULL_DRIVE, pressed(1.0, 0.0).demand.drive_torque_mNm);
 }
 
+/* By CAN, from a brake pedal elsewhere. */
+void test_any_braking_beside_a_pressed_accelerator_takes_the_drive(void)
+{
+    config.pedals.brake_channels = 0;
+    in.received.direction = DRIVE_DIRECTION_FORWARD;
+    in.received_age_ms = 0;
+    pressed(0.0, 0.0);
+    assert_torque(0.5 * FULL_DRIVE, pressed(whole(0.5), 0.0).demand.drive_torque_mNm);
+    in.received.brake_torque_mNm = 1;
+    TEST_ASSERT_EQUAL_INT32(0, run(1).demand.drive_torque_mNm);
+    in.received.brake_torque_mNm = 0;
+    TEST_ASSERT_EQUAL_INT32(0, run(1).demand.drive_torque_mNm);
+}
+
 void test_switches_come_by_can_and_their_loss_leaves_the_brake_pedal_in_neutral(void)
 {
     const wheel_demand_t received = {
@@ -363,6 +439,26 @@ void test_each_wheel_has_its_share(void)
     TEST_ASSERT_EQUAL_INT32(7500, pedals_wheel_demand(&config, &demand, 2).brake_torque_mNm);
     config.pedals.brake_channels = 0;
     TEST_ASSERT_EQUAL_INT32(30000, pedals_wheel_demand(&config, &demand, 2).brake_torque_mNm);
+}
+
+void test_a_pedal_with_one_channel_is_a_pedal(void)
+{
+    config.pedals.accelerator_channels = 1;
+    config.pedals.brake_channels = 1;
+    press(0.0, whole(0.5));
+    in.ratio_q15[1] = in.ratio_q15[3] = INVALID_q15;
+    const pedals_output_t braking = run(FAULT_TIME);
+    assert_torque(0.5 * FULL_BRAKE, braking.demand.brake_torque_mNm);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, braking.demand.reason);
+    press(whole(0.5), 0.0);
+    in.ratio_q15[1] = in.ratio_q15[3] = INVALID_q15;
+    assert_torque(0.5 * FULL_DRIVE, run(1).demand.drive_torque_mNm);
+    const wheel_demand_t demand = {.drive_torque_mNm = 10000, .brake_torque_mNm = 30000};
+    config.pedals.drive_share_q15[0] = 16384;
+    config.pedals.brake_share_q15[0] = 16384;
+    const wheel_demand_t wheel = pedals_wheel_demand(&config, &demand, 0);
+    TEST_ASSERT_EQUAL_INT32(5000, wheel.drive_torque_mNm);
+    TEST_ASSERT_EQUAL_INT32(15000, wheel.brake_torque_mNm);
 }
 
 #define PEDALS(name, lowest, highest, unit, text)                                                  \
