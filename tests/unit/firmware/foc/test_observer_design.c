@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The EMF observer's constants. */
+#include "foc/observer_design.h"
+
 #include <math.h>
 
 #include "observer_config.h"
-#include "observer_design.c" /* its functions are private */
 #include "unity.h"
 
 enum { LIMIT_Q15 = 31003 /* of the modulation */ };
@@ -17,21 +18,7 @@ void setUp(void)
 
 void tearDown(void) {}
 
-void test_full_scale_is_twice_the_magnets_flux_and_more_than_that_of_the_current(void)
-{
-    TEST_ASSERT_EQUAL_INT64(32768000, full_scale_nWb(&config));
-}
-
-void test_share_of_the_full_scale_is_rounded_to_nearest_and_limited(void)
-{
-    TEST_ASSERT_EQUAL_INT32(0, share_q15(&config, 499, INT16_MAX));
-    TEST_ASSERT_EQUAL_INT32(1, share_q15(&config, 500, INT16_MAX));
-    TEST_ASSERT_EQUAL_INT32(32767, share_q15(&config, 32767000, 40000));
-    TEST_ASSERT_EQUAL_INT32(4095, share_q15(&config, 4095000, 4095));
-    TEST_ASSERT_EQUAL_INT32(4095, share_q15(&config, 4096000, 4095));
-    TEST_ASSERT_EQUAL_INT32(4095, share_q15(&config, 4294967296000, 4095)); /* 2^32 times it */
-}
-
+/* Magnets' flux and current against 2 * 11.384 mWb + 5/4 * 8 mWb. */
 void test_flux_linkage_is_a_share_in_q14_that_of_the_current_in_q15(void)
 {
     TEST_ASSERT_EQUAL_INT32(5692, observer_design_flux_q14(&config));
@@ -58,12 +45,17 @@ void test_leak_is_at_least_400_a_second_and_at_most_an_eighth_of_a_period(void)
     TEST_ASSERT_EQUAL_INT32(1 << 21, observer_design_leak_q24(&config));
 }
 
-/* 1 Ohm and 100 A for 1/16 384 s: 6.1 mWb. */
+/* 1 Ohm and 100 A for 1/16 384 s: 6.1 mWb. Rounded to nearest. */
 void test_resistance_is_that_of_winding_and_switch_and_at_most_an_eighth(void)
 {
     config.motor.phase_resistance_uOhm = 16384 * 5;
     config.drive.loss_resistance_uOhm = 16384 * 2;
     TEST_ASSERT_EQUAL_INT32(700, observer_design_resistance_q15(&config));
+    config.motor.phase_resistance_uOhm = 41; /* half of 1 uWb with a switch of as much */
+    config.drive.loss_resistance_uOhm = 41;
+    TEST_ASSERT_EQUAL_INT32(1, observer_design_resistance_q15(&config));
+    config.drive.loss_resistance_uOhm = 40;
+    TEST_ASSERT_EQUAL_INT32(0, observer_design_resistance_q15(&config));
     config.motor.phase_resistance_uOhm = 16384 * 50;
     TEST_ASSERT_EQUAL_INT32(4095, observer_design_resistance_q15(&config));
 }

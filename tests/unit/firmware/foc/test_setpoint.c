@@ -3,8 +3,9 @@
  * dead-time compensation. */
 #include <math.h>
 
-#include "setpoint.c" /* its functions are private */
-
+#include "current_controller.h"
+#include "current_predictor.h"
+#include "field_weakening.h"
 #include "foc_rig.h"
 
 void setUp(void)
@@ -221,23 +222,4 @@ void test_first_period_of_a_change_decouples_for_its_target(void)
     TEST_ASSERT_EQUAL_INT32(11 - share_q * q, foc.current.gains.forward_d_q25);
     TEST_ASSERT_EQUAL_INT32(22 + share_d * d, foc.current.gains.forward_q_q25);
     TEST_ASSERT_TRUE(d > -1024 && d < 0);
-}
-
-static bool due(int32_t sensor, int32_t periods_since_edge)
-{
-    foc.rotor.sensor = sensor;
-    foc.rotor.hall.periods_since_edge = periods_since_edge;
-    return is_due(&foc);
-}
-
-void test_setpoint_waits_once_and_for_a_hall_edge_only(void)
-{
-    foc.postponed = false;
-    TEST_ASSERT_TRUE(due(CONFIG_ROTOR_ANGLE, 0));
-    TEST_ASSERT_TRUE(due(CONFIG_ROTOR_HALL, 1));
-    TEST_ASSERT_FALSE(due(CONFIG_ROTOR_HALL, 0));
-    TEST_ASSERT_TRUE(due(CONFIG_ROTOR_HALL, 0));
-    TEST_ASSERT_FALSE(due(CONFIG_ROTOR_HALL, 0));
-    TEST_ASSERT_TRUE(due(CONFIG_ROTOR_HALL, 1));
-    TEST_ASSERT_FALSE(foc.postponed);
 }
