@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* When field weakening, the observer's acquisition and the look for frozen readings are due, and
  * for what they wait. */
-#include "spare_tasks.c" /* its functions are private */
+#include "spare_tasks.h"
 
 #include "foc_rig.h"
 
@@ -48,7 +48,6 @@ static uint32_t period_of_acquisition(uint32_t busy, bool edges, uint32_t which)
     rig_up();
     config.rotor.sensor = edges ? CONFIG_ROTOR_HALL : CONFIG_ROTOR_ANGLE;
     restart();
-    foc.sequence = setpoint.sequence;
     uint32_t sector = 0;
     for (uint32_t n = 1; n <= 20; n++) {
         const bool now = (busy >> n & 1U) != 0;
@@ -156,7 +155,7 @@ static void weaken(int32_t margin, int32_t current_q28)
     foc.sequence = 7;
     config.current_loop.field_weakening_gain_pu_q15 = 20;
     config.current_loop.field_weakening_current_pu_q15 = 6000;
-    weaken_field(&foc, &config);
+    (void)spare_tasks_run(&foc, &config, codes);
 }
 
 static void assert_weakened(int32_t current_q28, int32_t integrator_q30, int32_t sequence)
