@@ -1,40 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include <string.h>
-
-#include "comms/node.h"
-#include "unity.h"
+#include "node_rig.h"
 
 static const battery_limits_t PACK = {.charge_current_mA = 50000, .discharge_current_mA = 150000};
-static const node_limits_t LIMITS = {
-    .pack = {.charge_current_mA = 50000, .discharge_current_mA = 150000},
-    .largest_drive_mNm = 40000,
-    .largest_brake_mNm = 100000,
-    .demand_rise_ms = 20,
-    .demand_lost_frames = 2,
-};
 enum { DEMAND_CYCLE_ms = 10, BATTERY_CYCLE_ms = 100 }; /* the DBC's */
-
-static node_t node;
 
 void setUp(void)
 {
-    memset(&node, 0xA5, sizeof node); /* uninitialised fields are visible */
-    node_init(&node, MESSAGES_REAR_RIGHT, &LIMITS, 0);
+    node_up();
 }
 
 void tearDown(void) {}
-
-static messages_frame_t demand_frame(uint8_t counter, int32_t drive_torque_mNm)
-{
-    const wheel_demand_t demand = {.drive_torque_mNm = drive_torque_mNm, .enable = true};
-    return messages_demand(&demand, MESSAGES_REAR_RIGHT, counter);
-}
-
-static bool receive_demand(uint8_t counter, int32_t drive_torque_mNm, uint32_t now_ms)
-{
-    const messages_frame_t frame = demand_frame(counter, drive_torque_mNm);
-    return node_receive(&node, &frame, now_ms);
-}
 
 static bool receive_battery(uint8_t counter, int32_t charge_current_mA, uint32_t now_ms)
 {
@@ -43,20 +18,6 @@ static bool receive_battery(uint8_t counter, int32_t charge_current_mA, uint32_t
                                       .contactor = CONTACTOR_OPEN};
     const messages_frame_t frame = messages_battery(&battery, counter);
     return node_receive(&node, &frame, now_ms);
-}
-
-/* Counters 0, 1, 2 until 20 ms: 3 N m. */
-static void qualify_demand(void)
-{
-    (void)receive_demand(0, 1000, 0);
-    (void)receive_demand(1, 2000, 10);
-    TEST_ASSERT_TRUE(receive_demand(2, 3000, 20));
-}
-
-static void assert_demand_is_still_of(uint32_t time_ms, uint32_t now_ms)
-{
-    TEST_ASSERT_EQUAL_INT32(3000, node.command.demand.drive_torque_mNm);
-    TEST_ASSERT_EQUAL_UINT32(now_ms - time_ms, node_demand_age_ms(&node.command, now_ms));
 }
 
 /* ---- the demand ---- */

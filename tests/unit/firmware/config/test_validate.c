@@ -10,27 +10,12 @@
 #include "refusal.h"
 #include "unity.h"
 
-extern const config_t CONFIG_LU2013;
-
-static config_t config;
-
 void setUp(void)
 {
     config = CONFIG_LU2013;
 }
 
 void tearDown(void) {}
-
-static void seal(void)
-{
-    config.crc32 = config_crc32(&config, (uint32_t)offsetof(config_t, crc32));
-}
-
-static config_result_t sealed_result(void)
-{
-    seal();
-    return config_validate(&config, sizeof(config));
-}
 
 void test_the_papers_vehicle_is_accepted(void)
 {
@@ -168,14 +153,6 @@ void test_every_field_is_checked_against_the_range_of_the_header(void)
     CONFIG_PEDALS_ARRAY(CHECK_PEDALS_ARRAY)
     CONFIG_MODES_FIELDS(CHECK_MODES)
     CONFIG_MONITOR_FIELDS(CHECK_MONITOR)
-}
-
-static void assert_relation(const char *fields)
-{
-    const config_result_t result = sealed_result();
-    TEST_ASSERT_EQUAL_INT_MESSAGE(CONFIG_RESULT_RELATION, result.code, fields);
-    assert_text_names(&result, fields);
-    config = CONFIG_LU2013;
 }
 
 void test_torques_and_temperatures_must_be_in_order(void)

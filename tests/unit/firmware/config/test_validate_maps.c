@@ -7,30 +7,12 @@
 #include "refusal.h"
 #include "unity.h"
 
-extern const config_t CONFIG_LU2013;
-
-static config_t config;
-
 void setUp(void)
 {
     config = CONFIG_LU2013;
 }
 
 void tearDown(void) {}
-
-static config_result_t sealed_result(void)
-{
-    config.crc32 = config_crc32(&config, (uint32_t)offsetof(config_t, crc32));
-    return config_validate(&config, sizeof(config));
-}
-
-static void assert_relation(const char *fields)
-{
-    const config_result_t result = sealed_result();
-    TEST_ASSERT_EQUAL_INT_MESSAGE(CONFIG_RESULT_RELATION, result.code, fields);
-    assert_text_names(&result, fields);
-    config = CONFIG_LU2013;
-}
 
 /* One beyond an end is refused with field, value and range, the end itself is not. */
 static void assert_refused(const char *field, int32_t value, int32_t lowest, int32_t highest)

@@ -7,30 +7,12 @@
 #include "refusal.h"
 #include "unity.h"
 
-extern const config_t CONFIG_LU2013;
-
-static config_t config;
-
 void setUp(void)
 {
     config = CONFIG_LU2013;
 }
 
 void tearDown(void) {}
-
-static config_result_t sealed_result(void)
-{
-    config.crc32 = config_crc32(&config, (uint32_t)offsetof(config_t, crc32));
-    return config_validate(&config, sizeof(config));
-}
-
-static void assert_relation(const char *fields)
-{
-    const config_result_t result = sealed_result();
-    TEST_ASSERT_EQUAL_INT_MESSAGE(CONFIG_RESULT_RELATION, result.code, fields);
-    assert_text_names(&result, fields);
-    config = CONFIG_LU2013;
-}
 
 /* The travel lies inside the valid range, where a short or an open channel is never found, and
  * covers a tenth of the supply, 3277 of 32 768. Channels that are not wired do not count. */

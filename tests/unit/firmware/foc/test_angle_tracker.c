@@ -4,26 +4,16 @@
 
 #include "angle_tracker.h"
 #include "core/angle.h"
+#include "tracker_config.h"
 #include "unity.h"
-
-extern const config_t CONFIG_LU2013;
 
 static config_t config;
 static const angle_tracker_t FRESH;
 static angle_tracker_t tracker;
 
-static const double PI = 3.14159265358979323846;
-
 void setUp(void)
 {
-    config = CONFIG_LU2013;
-    config.rotor.sensor = CONFIG_ROTOR_ANGLE;
-    config.drive.pwm_frequency_Hz = 20000;
-    /* Critically damped at 50 Hz: 2 w T and (w T)^2. */
-    const double w_T = 2.0 * PI * 50.0 / 20000.0;
-    config.rotor.pll_bandwidth_Hz = 50;
-    config.rotor.pll_proportional_q16 = (int32_t)lround(2.0 * w_T * 65536.0);
-    config.rotor.pll_integral_q24 = (int32_t)lround(w_T * w_T * 16777216.0);
+    config = tracker_config();
     tracker = FRESH;
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* emf_motor.h: what the angle check sees of a motor in double precision, in a dq frame with an
- * angle error. */
+/* emf_motor.h: the angle check, and what it sees of a motor in double precision, in a dq frame with
+ * an angle error. */
 #ifndef TEST_EMF_MOTOR_H
 #define TEST_EMF_MOTOR_H
 
@@ -48,6 +48,27 @@ static inline monitor_case_t emf_measured(const config_t *config, double rpm, do
                 .angle_valid = true},
     };
     return out;
+}
+
+static config_t config;
+static monitor_emf_state_t state;
+
+static inline monitor_case_t measured(double rpm, double i_d_a, double i_q_a, double offset_deg,
+                                      const plant_t *plant)
+{
+    return emf_measured(&config, rpm, i_d_a, i_q_a, offset_deg, plant);
+}
+
+/* Milliseconds until the fault, or -1 within a second. */
+static inline int time_to_fault(const monitor_case_t *in)
+{
+    state.level = 0;
+    for (int n = 1; n <= 1000; n++) {
+        if (monitor_emf_step(&state, &config, measured_of(in))) {
+            return n;
+        }
+    }
+    return -1;
 }
 
 #endif

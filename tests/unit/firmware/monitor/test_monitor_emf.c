@@ -10,9 +10,6 @@
 #include "random_values.h"
 #include "unity.h"
 
-static config_t config;
-static monitor_emf_state_t state;
-
 void setUp(void)
 {
     config = paper_vehicle();
@@ -20,24 +17,6 @@ void setUp(void)
 }
 
 void tearDown(void) {}
-
-static monitor_case_t measured(double rpm, double i_d_a, double i_q_a, double offset_deg,
-                               const plant_t *plant)
-{
-    return emf_measured(&config, rpm, i_d_a, i_q_a, offset_deg, plant);
-}
-
-/* Milliseconds until the fault, or -1 within a second. */
-static int time_to_fault(const monitor_case_t *in)
-{
-    state.level = 0;
-    for (int n = 1; n <= 1000; n++) {
-        if (monitor_emf_step(&state, &config, measured_of(in))) {
-            return n;
-        }
-    }
-    return -1;
-}
 
 void test_angle_error_of_60_degrees_is_a_fault_within_20_ms_at_every_checked_speed_and_current(void)
 {

@@ -8,9 +8,6 @@
 #include "random_values.h"
 #include "unity.h"
 
-static config_t config;
-static monitor_emf_state_t state;
-
 void setUp(void)
 {
     config = paper_vehicle();
@@ -18,24 +15,6 @@ void setUp(void)
 }
 
 void tearDown(void) {}
-
-static monitor_case_t measured(double rpm, double i_d_a, double i_q_a, double offset_deg,
-                               const plant_t *plant)
-{
-    return emf_measured(&config, rpm, i_d_a, i_q_a, offset_deg, plant);
-}
-
-/* Milliseconds until the fault, or -1 within a second. */
-static int time_to_fault(const monitor_case_t *in)
-{
-    state.level = 0;
-    for (int n = 1; n <= 1000; n++) {
-        if (monitor_emf_step(&state, &config, measured_of(in))) {
-            return n;
-        }
-    }
-    return -1;
-}
 
 /* Between two edges of its halls a rotor that is braked to standstill still has the speed of the
  * latest. Its EMF is smaller than w psi, in the end zero, and the error may turn it anywhere. Half
