@@ -5,6 +5,7 @@
 
 #include <math.h>
 
+#include "core/scaled.h"
 #include "unity.h"
 
 /* The paper's vehicle, one motor of four: 62.5 A times four wheels in 12 milliohm are 3 V. */
@@ -203,4 +204,40 @@ void test_limit_is_zero_for_a_largest_current_of_zero(void)
         foldback_state_t state = {.allowed_q24 = 1 << 20};
         TEST_ASSERT_EQUAL_INT32(0, foldback_step(&state, &none, inside_mV[k], 1000));
     }
+}
+
+/* ---- one step ---- */
+
+enum { STEPS = 8 };
+static const double ONE = 16777216.0;
+
+/* Eight widths of 40 mV times 0.2997 and a 64th are 100.9 mV, the span in whole millivolts. The
+ * line is at 11 mV. */
+void test_from_the_span_on_the_gain_is_that_of_a_limit_in_use(void)
+{
+    const foldback_t f = {.most_mA = 64000, .width_mV = 40, .span_mV = 100, .rise_mV = 0};
+    foldback_state_t state = {.allowed_q24 = (int32_t)(0.2997 * ONE)};
+    foldback_step(&state, &f, 0, 0);
+    const double expected = 0.2997 - (0.2997 + 1.0 / 64.0) * 11.0 / 100.0 / STEPS;
+    TEST_ASSERT_DOUBLE_WITHIN(4.0 / ONE, expected, state.allowed_q24 / ONE);
+}
+
+/* A current the other way is none: exactly a 64th is left to fall from. Error 3 of 32 V. */
+void test_the_limit_drops_to_a_64th_where_the_current_flows_the_other_way(void)
+{
+    const foldback_t f = {.most_mA = 64000, .width_mV = 4096, .span_mV = 65536, .rise_mV = 0};
+    for (int32_t flowing_mA = -64000; flowing_mA <= 0; flowing_mA += 32000) {
+        foldback_state_t state = {.allowed_q24 = SCALED_ONE / 2};
+        foldback_step(&state, &f, -1024, flowing_mA);
+        TEST_ASSERT_EQUAL_INT32((SCALED_ONE / 64) - 3 * (SCALED_ONE / 32) / 8, state.allowed_q24);
+    }
+}
+
+void test_a_line_without_width_lets_no_current_outside_the_end(void)
+{
+    const foldback_t f = {.most_mA = 64000, .width_mV = 0, .span_mV = 60000, .rise_mV = 0};
+    foldback_state_t state = {.allowed_q24 = SCALED_ONE};
+    TEST_ASSERT_EQUAL_INT32(64000, foldback_step(&state, &f, 1, 0));
+    TEST_ASSERT_EQUAL_INT32(0, foldback_step(&state, &f, -1, 0));
+    TEST_ASSERT_EQUAL_INT32(0, state.allowed_q24);
 }

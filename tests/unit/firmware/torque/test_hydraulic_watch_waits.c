@@ -1,27 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* When the watch of the hydraulic brake rolls, waits, follows the road and sums, in single steps
- * from given states. Findings: test_hydraulic_watch_steps.c. */
-#include "hydraulic_watch_rig.h"
+ * from given states. Findings: test_hydraulic_watch_findings.c. */
+#include "hydraulic_watch_states.h"
 
 /* A finding: of 10.3 kg m2 and 0.48 rad/s, and a sixteenth more. */
-enum { FAST_mrad_s = 30000, END_mNm_ms = 10300 * 480 / 16 * 17, MODELLED_mNm = 40000 };
+enum { END_mNm_ms = 10300 * 480 / 16 * 17, MODELLED_mNm = 40000 };
 
 void setUp(void)
 {
-    rig_up();
-    config.brake.hydraulic_gain_band_q15 = 8192;
-    config.brake.hydraulic_tolerance_mNm = 400;
-    config.brake.hydraulic_timeout_ms = 50;
-    config.rotor.sensor = CONFIG_ROTOR_ANGLE;
-    in.speed_mrad_s = FAST_mrad_s;
+    heavy_up();
 }
 
 void tearDown(void) {}
-
-static void step(void)
-{
-    hydraulic_watch_step(&watch, &config, &in);
-}
 
 /* As long as its road is known and the speed constant; so much is missing of a modelled torque. */
 static void rolling(int32_t modelled_mNm, int32_t lacking_mNm)

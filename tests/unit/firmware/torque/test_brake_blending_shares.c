@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Single steps of brake blending from given states, to the unit. */
+/* What motor and hydraulic brake get of a demand in a single step, from given states. */
 #include <string.h>
 
 #include "blending_rig.h"
@@ -76,20 +76,6 @@ void test_beside_a_measured_brake_the_motor_arrives_in_half_its_build_up(void)
     TEST_ASSERT_EQUAL_INT32(DEMAND_mNm - 5300, step().hydraulic_mNm);
 }
 
-void test_expected_torques_of_the_largest_numbers_do_not_overflow(void)
-{
-    config.brake.motor_arrival_ms = 100;
-    in.motor_growth_mNm = INT32_MAX;
-    motor_follows(5000);
-    TEST_ASSERT_EQUAL_INT32(DEMAND_mNm - 24000, step().hydraulic_mNm);
-    config.brake.torque_rate_mNm_s = 2000000000; /* 2 kN m in each of 1100 ms: beyond 2^31 mN m */
-    config.brake.hydraulic_dead_time_ms = 100;
-    config.brake.hydraulic_time_constant_ms = 1000;
-    motor_follows(24000);
-    abs_active = true;
-    TEST_ASSERT_EQUAL_INT32(DEMAND_mNm, step().hydraulic_mNm);
-}
-
 /* The motor may release 400 mN m in each of 100 ms: all of its 24 N m. What it then lacks is not
  * to be covered; of 1 mN m that it keeps, it is. */
 void test_a_shortfall_counts_only_of_a_motor_that_is_to_make_torque(void)
@@ -145,27 +131,6 @@ void test_a_command_is_smaller_by_no_more_than_the_motor_can_make_up_for(void)
     TEST_ASSERT_EQUAL_INT32(60000 + 7500, commanded_mNm(60000, 10000));
 }
 
-/* A motor that is to fall counts as zero, however fast. */
-void test_a_motor_without_torque_changes_no_command(void)
-{
-    slow_brake(0);
-    makes_at_most_its_command();
-    in.motor_growth_mNm = -100000;
-    config.brake.torque_rate_mNm_s = 400000;
-    in.brake_torque_mNm = 20000;
-    motor_follows(1000);
-    TEST_ASSERT_EQUAL_INT32(20000, step().hydraulic_mNm);
-}
-
-void test_commands_of_the_largest_numbers_do_not_overflow(void)
-{
-    measured(0, 16384);
-    in.brake_torque_mNm = INT32_MAX;
-    in.motor_command_mNm = -INT32_MAX;
-    in.motor_achieved_mNm = 0;
-    TEST_ASSERT_EQUAL_INT32(config.brake.max_hydraulic_torque_mNm, step().hydraulic_mNm);
-}
-
 /* ---- what the motor may make ---- */
 
 /* 40 N m of a brake whose interval is a half wide: 20 N m may be missing, so the motor's bound of
@@ -212,26 +177,6 @@ void test_the_bound_never_falls_by_what_may_be_missing(void)
     TEST_ASSERT_EQUAL_INT32(30000, step().electric_mNm);
 }
 
-void test_the_bound_does_not_rise_in_the_step_of_the_first_or_after_the_last_report(void)
-{
-    slow_brake(40000);
-    reported(0, 8192);
-    capability.optimal = limit_init(0, REASON_LOSS_OPTIMUM);
-    TEST_ASSERT_EQUAL_INT32(0, step().electric_mNm);
-    TEST_ASSERT_TRUE(state.feedback.seen);
-    capability.optimal = limit_init(24000, REASON_LOSS_OPTIMUM);
-    brake_blending_init(&state, &config);
-    slow_brake(40000);
-    measured(0, 8192);
-    for (int ms = 1; ms <= 50; ms++) {
-        (void)hydraulic_feedback_step(&state.feedback, &config, &state.hydraulic, &in.hydraulic);
-    }
-    in.brake_torque_mNm = 100000;
-    const brake_blending_out_t out = step(); /* 51 ms old: not used */
-    TEST_ASSERT_EQUAL_INT32(24000, out.electric_mNm);
-    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_FEEDBACK, out.hydraulic_reason);
-}
-
 /* Beside a brake that its reports show to be short the motor brakes to standstill: from a quarter
  * of the blend-out's end, 838/4 + 1 = 210 mrad/s, down to zero. */
 static int32_t beside_weak_mNm(int32_t speed_mrad_s)
@@ -263,23 +208,6 @@ void test_the_motor_beside_a_short_brake_fades_to_zero_at_standstill(void)
 }
 
 /* ---- beside the hydraulic torque ---- */
-
-/* 24 N m over 61 ms are 393 mN m, and one more, as demand_handed_over_mNm() has it. */
-void test_beside_a_brake_system_with_its_own_path_the_motor_leaves_with_the_lag(void)
-{
-    slow_brake(0);
-    config.brake.hydraulic_rate_mNm_s = 2000000;
-    in.handed_over = true;
-    motor_follows(24000);
-    brake_blending_out_t out = step();
-    TEST_ASSERT_EQUAL_INT32(24000 - 394, out.electric_mNm);
-    TEST_ASSERT_EQUAL_INT32(24000 - 394, out.uncovered_mNm);
-    TEST_ASSERT_EQUAL_INT32(DEMAND_mNm, out.rise_mNm);
-    motor_follows(0);
-    out = step();
-    TEST_ASSERT_EQUAL_INT32(0, out.electric_mNm);
-    TEST_ASSERT_EQUAL_INT32(0, out.uncovered_mNm);
-}
 
 void test_hydraulic_torque_that_is_added_is_none_of_the_demand(void)
 {
@@ -347,39 +275,4 @@ void test_an_open_bridge_is_waited_for_8_steps_and_after_as_many_closed_ones_the
     TEST_ASSERT_EQUAL_INT32(20000, hydraulic_after(1000, true));
     TEST_ASSERT_EQUAL_INT32(20000, hydraulic_after(7, false));
     TEST_ASSERT_EQUAL_INT32(0, hydraulic_after(1, false));
-}
-
-/* Any demand counts, and one closed step takes back what one open step has counted. */
-void test_a_bridge_open_for_one_step_is_counted_with_any_demand_and_forgotten_in_one(void)
-{
-    in.brake_torque_mNm = 0;
-    hydraulic_after(1, true);
-    TEST_ASSERT_EQUAL_UINT8(0, state.open_steps);
-    in.brake_torque_mNm = 1;
-    hydraulic_after(1, true);
-    TEST_ASSERT_EQUAL_UINT8(1, state.open_steps);
-    hydraulic_after(1, false);
-    TEST_ASSERT_EQUAL_UINT8(0, state.open_steps);
-}
-
-void test_a_bridge_that_closes_for_moments_only_leaves_the_demand_to_the_hydraulic_brake(void)
-{
-    in.brake_torque_mNm = 20000;
-    for (int n = 0; n < 100; n++) {
-        hydraulic_after(3, true);
-        const int32_t hydraulic_mNm = hydraulic_after(2, false);
-        if (n > 8) { /* one step more of 5 */
-            TEST_ASSERT_EQUAL_INT32(20000, hydraulic_mNm);
-        }
-    }
-}
-
-void test_an_open_bridge_that_is_shorted_counts_with_what_the_short_brakes(void)
-{
-    in.brake_torque_mNm = 20000;
-    in.short_mNm = 8000;
-    in.motor_achieved_mNm = -8000;
-    TEST_ASSERT_EQUAL_INT32(12000, hydraulic_after(9, true));
-    in.motor_achieved_mNm = -999; /* less than an eighth: no current flows */
-    TEST_ASSERT_EQUAL_INT32(20000, hydraulic_after(1, true));
 }

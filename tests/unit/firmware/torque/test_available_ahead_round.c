@@ -9,7 +9,7 @@
 #include "paper_vehicle.h"
 #include "unity.h"
 
-enum { MOST = 1 << 25, STEP_mNm = 2500 /* a 16th of 40 N m */, FASTEST_mrad_s = 67021 / 4 * 5 };
+enum { MOST = 1 << 25, FASTEST_mrad_s = 67021 / 4 * 5 };
 enum { INPUTS, BRAKING, SOLVE_BRAKING, DRIVING, SOLVE_DRIVING, STRATEGY, OTHERS, RESULTS };
 
 static config_t config;
@@ -316,41 +316,7 @@ void test_a_line_without_a_bound_passes_its_reason_on(void)
     TEST_ASSERT_TRUE(state.driving[3].known);
 }
 
-void test_loss_braking_is_the_least_of_the_bound_by_returned_power(void)
-{
-    give(false, TORQUE_LINE_RETURNED, 5000);
-    limits.losses.torque_mNm = 6000;
-    phase(BRAKING);
-    assert_limit(6000, REASON_VOLTAGE, state.braking_lines[TORQUE_LINE_RETURNED]);
-    limits.losses.torque_mNm = 4000;
-    phase(BRAKING);
-    TEST_ASSERT_EQUAL_INT32(5000, state.braking_lines[TORQUE_LINE_RETURNED].torque_mNm);
-}
-
 /* ---- other lines and results ---- */
-
-/* A table of other numbers in each step: what the step does not make stays. */
-void test_each_step_of_a_round_makes_its_own_lines_only(void)
-{
-    for (uint32_t step = INPUTS; step <= RESULTS; step++) {
-        setUp();
-        state.drawn = (available_slope_t){.value = 7, .low_passed_q3 = 56, .known = true};
-        state.driving[AVAILABLE_SLOPED_LINES - 1] = state.drawn;
-        for (int line = 0; line < TORQUE_LINE_COUNT; line++) {
-            state.driving_lines[line] = limit_init(1000, REASON_ABS);
-            state.braking_lines[line] = limit_init(1000, REASON_ABS);
-        }
-        phase(step);
-        const bool strategy = state.braking_lines[TORQUE_LINE_LOSS_OPTIMUM].torque_mNm != 1000;
-        const bool others = state.driving_lines[TORQUE_LINE_MAX_TORQUE].torque_mNm != 1000;
-        TEST_ASSERT_TRUE(strategy == (step == STRATEGY));
-        TEST_ASSERT_TRUE(others == (step == OTHERS));
-        TEST_ASSERT_TRUE((state.ahead.driving.torque_mNm == 1000) == (step == RESULTS));
-        TEST_ASSERT_TRUE(state.drawn.known);
-        TEST_ASSERT_EQUAL_INT32(step == INPUTS ? MOST : 7, state.drawn.value);
-        TEST_ASSERT_TRUE(step == DRIVING || state.driving[AVAILABLE_SLOPED_LINES - 1].known);
-    }
-}
 
 void test_lines_without_a_slope_are_the_present_ones(void)
 {

@@ -1,34 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Bookkeeping of the watch of the hydraulic brake, in single steps from given states: what a start,
  * an acknowledgement, a pause and a finding leave, and where its counters and sums end. */
-#include <string.h>
-
-#include "hydraulic_watch_rig.h"
+#include "hydraulic_watch_states.h"
 
 /* A finding without reports needs a sixteenth more. */
-enum {
-    ONE_q15 = 32768,
-    FAST_mrad_s = 30000,
-    ENOUGH_mNm_ms = 10300 * 480,
-    END_mNm_ms = ENOUGH_mNm_ms / 16 * 17
-};
+enum { ONE_q15 = 32768, HEAVY_mNm_ms = 10300 * 480, END_mNm_ms = HEAVY_mNm_ms / 16 * 17 };
 
 void setUp(void)
 {
-    rig_up();
-    config.brake.hydraulic_gain_band_q15 = 8192;
-    config.brake.hydraulic_tolerance_mNm = 400;
-    config.brake.hydraulic_timeout_ms = 50;
-    config.rotor.sensor = CONFIG_ROTOR_ANGLE;
-    in.speed_mrad_s = FAST_mrad_s;
+    heavy_up();
 }
 
 void tearDown(void) {}
-
-static void step(void)
-{
-    hydraulic_watch_step(&watch, &config, &in);
-}
 
 static void sums_of(int32_t missing, int32_t excess, int32_t report)
 {
@@ -119,13 +102,6 @@ void test_confirmed_reports_are_the_torque_that_is_known(void)
     TEST_ASSERT_EQUAL_INT32(-3000 * 64, watch.known_lp_mNm.accumulator);
 }
 
-void test_the_largest_speed_does_not_overflow(void)
-{
-    in.speed_mrad_s = INT32_MAX;
-    step();
-    TEST_ASSERT_EQUAL_INT32(INT32_MAX, watch.speed_lp_q8_mrad_s);
-}
-
 void test_a_wheel_without_trust_or_watch_does_not_roll(void)
 {
     rolling(0, 0);
@@ -173,31 +149,6 @@ void test_a_pause_clears_the_sums_and_leaves_the_road(void)
     TEST_ASSERT_NOT_EQUAL_INT32(road_q8_mNm, watch.road_q8_mNm);
 }
 
-void test_missing_torque_is_not_summed_while_the_road_is_acquired(void)
-{
-    rolling(40000, 30000);
-    watch.acquired_ms = HYDRAULIC_WATCH_ACQUIRE_ms - 1;
-    sums_of(8, 9, 10);
-    step();
-    TEST_ASSERT_EQUAL_INT32(8, watch.missing_mNm_ms);
-    TEST_ASSERT_EQUAL_INT32(HYDRAULIC_WATCH_ACQUIRE_ms, watch.acquired_ms);
-    step();
-    TEST_ASSERT_EQUAL_INT32(HYDRAULIC_WATCH_ACQUIRE_ms, watch.acquired_ms);
-    TEST_ASSERT_GREATER_THAN_INT32(8, watch.missing_mNm_ms);
-}
-
-/* A 32nd of the difference in each step, of 256 units. */
-void test_the_road_is_acquired_by_a_32nd_of_what_it_differs_by(void)
-{
-    rolling(0, 0);
-    watch.acquired_ms = 0;
-    watch.known_lp_mNm.accumulator = -3200 * 64;
-    in.motor_mNm = -3200;
-    step();
-    TEST_ASSERT_EQUAL_INT32(3200, watch.road_mNm);
-    TEST_ASSERT_EQUAL_INT32(3200 * 256 / 32, watch.road_q8_mNm);
-}
-
 void test_a_road_that_is_provisional_is_acquired_anew_without_hydraulic_torque(void)
 {
     rolling(0, 0);
@@ -206,24 +157,6 @@ void test_a_road_that_is_provisional_is_acquired_anew_without_hydraulic_torque(v
     step();
     TEST_ASSERT_FALSE(watch.provisional);
     TEST_ASSERT_EQUAL_INT32(0, watch.acquired_ms);
-}
-
-void test_quiet_is_counted_to_its_end_without_a_finding_only(void)
-{
-    rolling(0, 0);
-    watch.quiet_ms = 5;
-    step();
-    TEST_ASSERT_EQUAL_INT32(6, watch.quiet_ms);
-    watch.quiet_ms = HYDRAULIC_WATCH_QUIET_ms;
-    step();
-    TEST_ASSERT_EQUAL_INT32(HYDRAULIC_WATCH_QUIET_ms, watch.quiet_ms);
-    watch.reason = REASON_HYDRAULIC_LATE;
-    step();
-    TEST_ASSERT_EQUAL_INT32(0, watch.quiet_ms);
-    rolling(40000, 0);
-    watch.quiet_ms = 5;
-    step();
-    TEST_ASSERT_EQUAL_INT32(0, watch.quiet_ms);
 }
 
 /* ---- the age of a finding ---- */
@@ -279,15 +212,6 @@ void test_a_slip_ends_an_excess_that_is_younger_than_its_pause(void)
 }
 
 /* ---- the torque of a finding ---- */
-
-void test_the_corrected_torque_is_within_the_range_of_numbers(void)
-{
-    watch.gain_q15 = 2 * ONE_q15;
-    TEST_ASSERT_EQUAL_INT32(INT32_MAX, hydraulic_watch_corrected_mNm(&watch, INT32_MAX));
-    TEST_ASSERT_EQUAL_INT32(0, hydraulic_watch_corrected_mNm(&watch, -100));
-    watch.extra_mNm = INT32_MAX;
-    TEST_ASSERT_EQUAL_INT32(INT32_MAX, hydraulic_watch_corrected_mNm(&watch, 100));
-}
 
 /* The last millisecond of a sum: what is missing of the modelled torque is missing of the gain. */
 static void found_missing(int32_t modelled_mNm, int32_t lacking_mNm)
@@ -440,19 +364,4 @@ void test_reports_that_contradict_are_weighed_against_the_deceleration(void)
     TEST_ASSERT_EQUAL_INT32(100 - 30000, decided_mNm_ms(40001, 1, true));
     TEST_ASSERT_EQUAL_INT32(0, decided_mNm_ms(4000, 0, true));
     TEST_ASSERT_EQUAL_INT32(0, decided_mNm_ms(4000, -1, false));
-}
-
-/* Only a finding by reports has an end by them. */
-void test_reports_that_are_refuted_end_no_finding_of_the_deceleration(void)
-{
-    rolling(40000, 0);
-    in.reported = true;
-    in.reported_mNm = 0;
-    in.contradicts_mNm = -10000;
-    watch.reason = REASON_HYDRAULIC_STRONG;
-    watch.report_mNm_ms = -ENOUGH_mNm_ms;
-    step();
-    TEST_ASSERT_EQUAL_INT32(-ENOUGH_mNm_ms / 3, watch.report_mNm_ms);
-    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_STRONG, watch.reason);
-    TEST_ASSERT_EQUAL_INT32(0, watch.pause_ms);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Lines of the table of torque limits at their limits, in whole numbers: a largest torque of 32.768
+ * Single lines of the table of torque limits, in whole numbers: a largest torque of 32.768
  * N m, of which a share in Q15 is as many millinewtonmetres.
  */
 #include "torque_limits_rig.h"
@@ -50,15 +50,6 @@ void test_a_temperature_line_is_linear_between_its_two_temperatures(void)
                         sides[side][TORQUE_LINE_SWITCH]);
         }
     }
-}
-
-/* A share of 1 - 2^-15 is whole; the next one is 2 mN m less than the largest torque. */
-void test_a_share_below_one_is_a_bound(void)
-{
-    config.motor.derate_winding_temperature_cC = 0;
-    config.motor.max_winding_temperature_cC = 32768;
-    assert_line(WHOLE_mNm - 2, REASON_WINDING_TEMPERATURE, torque_limits_winding(&config, 2));
-    assert_line(FEASIBLE_UNBOUNDED, REASON_WINDING_TEMPERATURE, torque_limits_winding(&config, 1));
 }
 
 void test_the_last_quarter_of_the_speed_fades_driving_in_either_direction(void)
@@ -139,28 +130,6 @@ void test_the_power_line_is_the_quotient_of_power_and_speed(void)
 
 /* ---- blend-out and strategy ---- */
 
-/* From 4 to 2 rad/s: half at 3 rad/s, of the largest torque or of the brake's rating. */
-void test_the_blend_out_scales_what_the_strategy_has(void)
-{
-    static const int32_t STRATEGIES[] = {CONFIG_STRATEGY_SERIES_OPTIMAL,
-                                         CONFIG_STRATEGY_PARALLEL_RATIO};
-    config.brake.blend_out_start_mrad_s = 4000;
-    config.brake.blend_out_end_mrad_s = 2000;
-    config.brake.electric_rated_torque_mNm = 16384;
-    for (int k = 0; k < 2; k++) {
-        config.brake.strategy = STRATEGIES[k];
-        const int32_t half_mNm = k == 0 ? WHOLE_mNm / 2 : 8192;
-        for (int32_t sign = -1; sign <= 1; sign += 2) {
-            assert_line(0, REASON_BLEND_OUT, torque_limits_blend_out(&config, sign * 2000));
-            assert_line(half_mNm, REASON_BLEND_OUT, torque_limits_blend_out(&config, sign * 3000));
-            assert_line(half_mNm / 8, REASON_BLEND_OUT,
-                        torque_limits_blend_out(&config, sign * 2125));
-            assert_line(FEASIBLE_UNBOUNDED, REASON_BLEND_OUT,
-                        torque_limits_blend_out(&config, sign * 4000));
-        }
-    }
-}
-
 /* Over 32 768 mrad/s: two below the start are a share of 1 - 2^-14, one is as good as whole. */
 void test_a_blend_out_of_less_than_the_whole_is_a_bound(void)
 {
@@ -169,19 +138,6 @@ void test_a_blend_out_of_less_than_the_whole_is_a_bound(void)
     config.brake.blend_out_end_mrad_s = 2000;
     assert_line(WHOLE_mNm - 2, REASON_BLEND_OUT, torque_limits_blend_out(&config, 34766));
     assert_line(FEASIBLE_UNBOUNDED, REASON_BLEND_OUT, torque_limits_blend_out(&config, 34767));
-}
-
-/* Zero up to the end speed and whole from the next one on. */
-void test_a_blend_out_without_width_is_a_step(void)
-{
-    config.brake.blend_out_start_mrad_s = 2000;
-    config.brake.blend_out_end_mrad_s = 2000;
-    assert_line(0, REASON_BLEND_OUT, torque_limits_blend_out(&config, 2000));
-    assert_line(FEASIBLE_UNBOUNDED, REASON_BLEND_OUT, torque_limits_blend_out(&config, 2001));
-    config.brake.blend_out_start_mrad_s = 0;
-    config.brake.blend_out_end_mrad_s = 0;
-    assert_line(0, REASON_BLEND_OUT, torque_limits_blend_out(&config, 0));
-    assert_line(FEASIBLE_UNBOUNDED, REASON_BLEND_OUT, torque_limits_blend_out(&config, 1));
 }
 
 static void assert_strategy(int32_t optimum_mNm, int32_t rated_mNm, int32_t share_mNm,
@@ -254,15 +210,6 @@ void test_loss_braking_is_derated_by_the_warmer_part(void)
     TEST_ASSERT_EQUAL_INT32(whole_b / 4, loss_braking_current_b(14500, 9000));
 }
 
-void test_an_intervention_has_a_line_of_the_table(void)
-{
-    conditions.abs_active = true;
-    conditions.abs_share_percent = 30;
-    conditions.brake_torque_mNm = 10000;
-    (void)at_speed(30000);
-    assert_line(3000, REASON_ABS, table.braking[TORQUE_LINE_ABS]);
-}
-
 static limit_t anti_lock(void)
 {
     const wheel_demand_t wheel = torque_limits_case_demand(&conditions);
@@ -290,18 +237,5 @@ void test_an_intervention_leaves_its_share_and_holds_it(void)
     conditions.brake_torque_mNm = 8000;
     assert_line(2000, REASON_ABS, anti_lock());
     assert_line(FEASIBLE_UNBOUNDED, REASON_ABS, anti_lock());
-    assert_line(FEASIBLE_UNBOUNDED, REASON_ABS, anti_lock());
-}
-
-void test_an_intervention_without_a_demand_leaves_no_torque(void)
-{
-    config.brake.abs_hold_ms = 0;
-    conditions.abs_active = true;
-    conditions.abs_share_percent = 100;
-    conditions.brake_torque_mNm = -5000;
-    assert_line(0, REASON_ABS, anti_lock());
-    conditions.brake_torque_mNm = 1;
-    assert_line(1, REASON_ABS, anti_lock());
-    conditions.abs_active = false;
     assert_line(FEASIBLE_UNBOUNDED, REASON_ABS, anti_lock());
 }

@@ -69,12 +69,6 @@ void test_the_smallest_driving_demand_is_bounded_and_has_its_sign(void)
     }
 }
 
-void test_braking_acts_against_the_smallest_speed(void)
-{
-    TEST_ASSERT_EQUAL_INT32(-5000, settle(1, 0, 5000));
-    TEST_ASSERT_EQUAL_INT32(5000, settle(-1, 0, 5000));
-}
-
 /* 600, on the way from 1000 to 1. */
 void test_the_torque_is_falling_towards_the_smallest_one_of_its_sign(void)
 {
@@ -107,17 +101,6 @@ void test_anti_lock_bounds_a_driving_demand_against_the_rotation(void)
 }
 
 /* ---- what goes at once, and what does not ---- */
-
-/* A speed of zero may be a stuck hall line: what braked is not withdrawn as driving torque. */
-void test_braking_torque_at_zero_speed_is_not_withdrawn(void)
-{
-    for (int32_t sign = -1; sign <= 1; sign += 2) {
-        settle(sign * FORWARD, 0, 20000);
-        in.drive_withdrawn = true;
-        TEST_ASSERT_EQUAL_INT32(-sign * 19600, command(0, 0, 0));
-        TEST_ASSERT_EQUAL_INT32(-sign * 19200, command(0, 0, 0));
-    }
-}
 
 /* From 1 mN m of braking on; a driving demand then takes it over. */
 void test_the_smallest_braking_torque_still_counts_as_braking_at_zero_speed(void)
@@ -164,16 +147,6 @@ void test_a_driving_demand_of_the_opposite_sign_does_not_keep_the_braking_torque
     }
 }
 
-void test_after_the_bridge_was_open_the_torque_begins_at_zero(void)
-{
-    settle(FORWARD, 30000, 0);
-    in.bridge_open = true;
-    TEST_ASSERT_EQUAL_INT32(400, command(FORWARD, 30000, 0));
-    TEST_ASSERT_EQUAL_INT32(400, command(FORWARD, 30000, 0));
-    in.bridge_open = false;
-    TEST_ASSERT_EQUAL_INT32(800, command(FORWARD, 30000, 0));
-}
-
 /* ---- what the hydraulic brake has taken over ---- */
 
 void test_one_millinewton_metre_of_the_hydraulic_brake_is_taken_over(void)
@@ -181,15 +154,6 @@ void test_one_millinewton_metre_of_the_hydraulic_brake_is_taken_over(void)
     settle(FORWARD, 0, 20000);
     in.rise_mNm = 1;
     TEST_ASSERT_EQUAL_INT32(-19999, command(FORWARD, 0, 20000));
-}
-
-/* 5 N m have arrived, but 18 of 20 N m are left beside the hydraulic brake. */
-void test_the_motor_keeps_what_the_demand_leaves_beside_the_hydraulic_brake(void)
-{
-    settle(FORWARD, 0, 20000);
-    in.rise_mNm = 5000;
-    in.uncovered_mNm = 18000;
-    TEST_ASSERT_EQUAL_INT32(-18000, command(FORWARD, 0, 10000));
 }
 
 void test_the_hydraulic_brake_takes_over_neither_driving_torque_nor_what_the_driver_demands(void)

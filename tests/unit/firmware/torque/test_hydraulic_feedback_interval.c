@@ -20,28 +20,6 @@ void test_the_gain_begins_with_one_in_the_whole_band(void)
     TEST_ASSERT_EQUAL_INT32(1, state.between_ms);
 }
 
-/* 9900/10000 is 32440, 10100/10000 33095: a quarter of the way from 24576, and from 40960. */
-void test_a_report_moves_the_interval_a_quarter_of_the_way_to_what_it_permits(void)
-{
-    settled(10000, 10000, 1);
-    assert_interval(24576 + (32440 - 24576) / 4, 40960 - (40960 - 33095) / 4);
-    TEST_ASSERT_EQUAL_INT32(ONE_q15, state.gain_q15);
-}
-
-/* Models 1600 mN m apart, whichever is the largest and the smallest, add a 16th of that to the
- * noise: 8800/10000 is 28835, 9200/8400 35888. */
-void test_models_that_differ_permit_more(void)
-{
-    static const int32_t MODELS[][3] = {
-        {9000, 10000, 8400}, {9000, 8400, 10000}, {8400, 10000, 10000}, {10000, 8400, 8400}};
-    for (int n = 0; n < 4; n++) {
-        begin();
-        modelled(MODELS[n][0], MODELS[n][1], MODELS[n][2]);
-        reported(9000, 0);
-        assert_interval(24576 + (28835 - 24576) / 4, 40960 - (40960 - 35888) / 4);
-    }
-}
-
 void test_a_torque_below_a_64th_of_the_largest_changes_no_gain(void)
 {
     settled(SIGNIFICANT_mNm - 1, SIGNIFICANT_mNm - 1, 10);
@@ -67,34 +45,6 @@ void test_lasting_reports_close_the_interval_and_leave_the_band_never(void)
     settled(10000, 20000, 1);
     const int32_t least_q15 = 32440 - 3 + (HIGHEST_q15 - (32440 - 3)) / 4;
     assert_interval(least_q15, least_q15);
-}
-
-/* The gain follows an end of the interval that passes it, and takes the other end along:
- * 8100/10000 is 26542, 11900/10000 38993. */
-void test_a_gain_that_changes_moves_both_ends(void)
-{
-    settled(10000, 10000, 60);
-    settled(10000, 8000, 800);
-    TEST_ASSERT_EQUAL_INT32(26542 + 63, state.most_q15);
-    TEST_ASSERT_EQUAL_INT32(26542 + 63, state.gain_q15);
-    settled(10000, 12000, 800);
-    TEST_ASSERT_EQUAL_INT32(38993 - 63, state.least_q15);
-    TEST_ASSERT_EQUAL_INT32(38993 - 63, state.gain_q15);
-}
-
-/* From 2^17 mN m on both sides of a ratio lose bits: 131071 and 131072 of 140000 are 30678. */
-void test_ratios_keep_17_bits(void)
-{
-    config.brake.max_hydraulic_torque_mNm = 300000; /* noise 585 */
-    for (int32_t above = 131071; above <= 131072; above++) {
-        begin();
-        settled(140000, above + 585, 60);
-        TEST_ASSERT_EQUAL_INT32(30678 - 3, state.least_q15);
-    }
-    begin(); /* less than the noise is zero */
-    modelled(0, 140000, 0);
-    reported(584, 0);
-    assert_interval(LOWEST_q15, HIGHEST_q15);
 }
 
 /* A brake of 64 mN m, whose noise is zero: the least a ratio is made of. */
@@ -158,53 +108,6 @@ void test_the_time_outside_the_band_is_counted_to_either_side(void)
 }
 
 /* ---- the age of reports ---- */
-
-void test_the_time_between_two_reports_is_that_between_their_measurements(void)
-{
-    reported(1000, 5); /* it is older than the controller */
-    TEST_ASSERT_EQUAL_INT32(1, state.between_ms);
-    TEST_ASSERT_EQUAL_INT32(5, state.since_ms);
-    TEST_ASSERT_EQUAL_INT32(0, state.change_mNm);
-    for (int n = 0; n < 7; n++) {
-        silent();
-    }
-    TEST_ASSERT_EQUAL_INT32(12, state.since_ms);
-    reported(3000, 3); /* 13 ms later the one before would be 13 ms old */
-    TEST_ASSERT_EQUAL_INT32(10, state.between_ms);
-    TEST_ASSERT_EQUAL_INT32(2000, state.change_mNm);
-    reported(2500, 3); /* a new one, of the next millisecond */
-    TEST_ASSERT_EQUAL_INT32(1, state.between_ms);
-    TEST_ASSERT_EQUAL_INT32(-500, state.change_mNm);
-    reported(2000, 4); /* the one before */
-    TEST_ASSERT_EQUAL_INT32(2500, state.report_mNm);
-    for (int n = 0; n < 100; n++) {
-        silent();
-    }
-    reported(2500, 0);
-    TEST_ASSERT_EQUAL_INT32(HYDRAULIC_FEEDBACK_PAST_ms, state.between_ms);
-}
-
-void test_the_age_of_a_report_ends_at_the_largest_number(void)
-{
-    reported(0, INT32_MAX - 1U);
-    TEST_ASSERT_EQUAL_INT32(INT32_MAX - 1, state.since_ms);
-    silent();
-    TEST_ASSERT_EQUAL_INT32(INT32_MAX, state.since_ms);
-    silent();
-    TEST_ASSERT_EQUAL_INT32(INT32_MAX, state.since_ms);
-    reported(0, 0);
-    TEST_ASSERT_EQUAL_INT32(HYDRAULIC_FEEDBACK_PAST_ms, state.between_ms);
-}
-
-void test_reported_torque_counts_from_zero_to_33_kNm(void)
-{
-    reported(-5, 0);
-    TEST_ASSERT_EQUAL_INT32(0, state.report_mNm);
-    reported(1, 0);
-    TEST_ASSERT_EQUAL_INT32(1, state.report_mNm);
-    reported(INT32_MAX, 0);
-    TEST_ASSERT_EQUAL_INT32(1 << 25, state.report_mNm);
-}
 
 void test_reports_are_ignored_without_a_timeout(void)
 {
@@ -318,12 +221,4 @@ void test_torque_is_carried_forward_for_63_ms_at_most_and_not_below_zero(void)
     TEST_ASSERT_EQUAL_INT32(20000 + 63 * 100, carried_mNm(100, 20000, 150, 150));
     TEST_ASSERT_EQUAL_INT32(0, carried_mNm(-100, 400, -100, 10));
     TEST_ASSERT_EQUAL_INT32(0, carried_mNm(0, 0, 0, 10));
-}
-
-/* A report that is made 20 ms after its measurement is that much older. */
-void test_the_delay_of_the_reports_is_part_of_their_age(void)
-{
-    config.brake.hydraulic_report_delay_ms = 20;
-    TEST_ASSERT_EQUAL_INT32(20000 + 50 * 30, carried_mNm(100, 20000, 50, 10));
-    TEST_ASSERT_EQUAL_INT32(20000 + 50 * 63, carried_mNm(100, 20000, 50, 50));
 }
