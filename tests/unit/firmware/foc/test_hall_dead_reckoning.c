@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The hall fault ride-through from one chosen state to the next: which edges it follows, and what
  * ends it. */
-#include "hall.c" /* its functions are private */
+#include "hall.h"
+
 #include "hall_state.h"
 
 void setUp(void)
@@ -11,16 +12,6 @@ void setUp(void)
 }
 
 void tearDown(void) {}
-
-static void sensors_read(uint8_t sensors)
-{
-    hall_process_event(&hall, &config, sensors, UNKNOWN);
-}
-
-static void event(uint8_t sector)
-{
-    sensors_read(STATE_OF_SECTOR[sector]);
-}
 
 /* `expected` goes on by a period without an edge. */
 static void expect_period(void)

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Hall sensors that turn back, bounce, are late or impossible, from one chosen state to the next:
  * what is a reversal, what is a fault, and the dead reckoning from a fault on. */
-#include "hall.c" /* its functions are private */
+#include "hall.h"
+
 #include "hall_state.h"
 
 void setUp(void)
@@ -10,16 +11,6 @@ void setUp(void)
 }
 
 void tearDown(void) {}
-
-static void sensors_read(uint8_t sensors)
-{
-    hall_process_event(&hall, &config, sensors, UNKNOWN);
-}
-
-static void event(uint8_t sector)
-{
-    sensors_read(STATE_OF_SECTOR[sector]);
-}
 
 /* ---- Reversal, bounce, the same sector ---- */
 
@@ -79,8 +70,7 @@ void test_reversal_to_forward_waits_at_the_begin_of_the_sector_entered(void)
 
 void test_first_edge_after_a_standstill_gives_the_direction_only(void)
 {
-    reset_movement(&hall);
-    expected = hall;
+    start_in(2);
     event(3);
     expect_sector(3, EDGE_3, WIDTH_3);
     expected.direction = 1;
@@ -91,58 +81,50 @@ void test_first_edge_after_a_standstill_gives_the_direction_only(void)
     assert_expected_state();
 }
 
+/* Back from sector 2 in the last of so many periods: dead reckoning begins. */
+static bool reversal_is_impossible(int32_t periods, int32_t overdue_periods, uint8_t sectors_timed)
+{
+    forward_in_sector_2(periods - 1);
+    hall.overdue_periods = overdue_periods;
+    hall.sectors_timed = sectors_timed;
+    event(1);
+    TEST_ASSERT_EQUAL_INT(-1, hall.valid ? hall.direction : -1);
+    return !hall.valid;
+}
+
 void test_reversal_is_impossible_before_a_fast_edge_is_overdue(void)
 {
-    hall.overdue_periods = REVERSAL_PERIODS - 1;
-    hall.periods_since_edge = hall.overdue_periods;
-    TEST_ASSERT_TRUE(impossible_reversal(&hall, -1));
-    TEST_ASSERT_FALSE(impossible_reversal(&hall, 1));
-    hall.periods_since_edge++;
-    TEST_ASSERT_FALSE(impossible_reversal(&hall, -1));
-    hall.overdue_periods = REVERSAL_PERIODS;
-    hall.periods_since_edge = hall.overdue_periods;
-    TEST_ASSERT_FALSE(impossible_reversal(&hall, -1));
-    hall.overdue_periods = REVERSAL_PERIODS - 1;
-    hall.sectors_timed = 1;
-    hall.periods_since_edge = 1;
-    TEST_ASSERT_TRUE(impossible_reversal(&hall, -1));
-    hall.sectors_timed = 0;
-    TEST_ASSERT_FALSE(impossible_reversal(&hall, -1));
+    const int32_t fast = REVERSAL_PERIODS - 1;
+    TEST_ASSERT_TRUE(reversal_is_impossible(fast, fast, HALL_SECTORS));
+    TEST_ASSERT_FALSE(reversal_is_impossible(fast + 1, fast, HALL_SECTORS));
+    TEST_ASSERT_FALSE(reversal_is_impossible(fast + 1, fast + 1, HALL_SECTORS));
+    TEST_ASSERT_TRUE(reversal_is_impossible(20, fast, 1));
+    TEST_ASSERT_FALSE(reversal_is_impossible(20, fast, 0));
+}
+
+/* In sector 2 in the last of so many periods since an edge of such a speed. */
+static bool stop_is_impossible(int32_t periods, int32_t speed_q32, int32_t overdue_periods,
+                               uint8_t sectors_timed)
+{
+    forward_in_sector_2(periods - 1);
+    hall.edge_speed_q32 = speed_q32;
+    hall.overdue_periods = overdue_periods;
+    hall.sectors_timed = sectors_timed;
+    event(2);
+    return !hall.valid;
 }
 
 /* One and a half times the 9 600 of sector 2 are 14 400. */
 void test_stop_is_impossible_beyond_one_and_a_half_fast_sectors(void)
 {
-    hall.sectors_timed = 1;
-    hall.overdue_periods = REVERSAL_PERIODS / 2 - 1;
-    hall.edge_speed_q32 = 100 * 65536;
-    hall.periods_since_edge = 144;
-    TEST_ASSERT_FALSE(impossible_stop(&hall));
-    hall.edge_speed_q32 = -1 * 65536;
-    hall.periods_since_edge = 14401;
-    TEST_ASSERT_TRUE(impossible_stop(&hall));
-    hall.edge_speed_q32 = 2 * 65536 - 1; /* rounded towards zero */
-    TEST_ASSERT_TRUE(impossible_stop(&hall));
-    hall.periods_since_edge = 14400;
-    TEST_ASSERT_FALSE(impossible_stop(&hall));
-    hall.periods_since_edge = 14401;
-    hall.overdue_periods++;
-    TEST_ASSERT_FALSE(impossible_stop(&hall));
-    hall.overdue_periods--;
-    hall.sectors_timed = 0;
-    TEST_ASSERT_FALSE(impossible_stop(&hall));
-}
-
-/* A quarter of a turn a period less one LSB: dividing by 65 535 would make it a quarter. */
-void test_distance_of_a_stop_is_in_whole_steps_of_a_turn(void)
-{
-    hall.overdue_periods = REVERSAL_PERIODS / 2 - 1;
-    hall.span_q32 = angle_q32(10922) + 65535U; /* times 3/2: 16 383 */
-    hall.edge_speed_q32 = (1 << 30) - 1;
-    hall.periods_since_edge = 1;
-    TEST_ASSERT_FALSE(impossible_stop(&hall));
-    hall.edge_speed_q32 = 1 << 30;
-    TEST_ASSERT_TRUE(impossible_stop(&hall));
+    const int32_t fast = REVERSAL_PERIODS / 2 - 1;
+    TEST_ASSERT_FALSE(stop_is_impossible(144, 100 * 65536, fast, 1));
+    TEST_ASSERT_TRUE(stop_is_impossible(145, 100 * 65536, fast, 1));
+    TEST_ASSERT_TRUE(stop_is_impossible(14401, -1 * 65536, fast, 1));
+    TEST_ASSERT_TRUE(stop_is_impossible(14401, 2 * 65536 - 1, fast, 1)); /* rounded towards zero */
+    TEST_ASSERT_FALSE(stop_is_impossible(14400, 2 * 65536 - 1, fast, 1));
+    TEST_ASSERT_FALSE(stop_is_impossible(14401, 2 * 65536 - 1, fast + 1, 1));
+    TEST_ASSERT_FALSE(stop_is_impossible(14401, 2 * 65536 - 1, fast, 0));
 }
 
 void test_angle_inside_the_same_sector_stops_at_its_end_and_decays_when_overdue(void)
@@ -178,7 +160,7 @@ void test_periods_since_an_edge_are_counted_to_65535(void)
 
 void test_skipped_sector_of_an_unknown_direction_is_a_fault(void)
 {
-    reset_movement(&hall);
+    start_in(2);
     event(4);
     TEST_ASSERT_EQUAL_UINT16(1, hall.faults);
     TEST_ASSERT_FALSE(hall.valid);
@@ -201,32 +183,27 @@ static void expect_ride_through(int32_t periods)
     expected.steady_sensors = HALL_NO_READING;
 }
 
+/* A skipped sector begins it. */
 void test_dead_reckoning_begins_at_the_last_plausible_edge_with_its_speed(void)
 {
-    for (int direction = -1; direction <= 1; direction++) {
+    static const int32_t SPEEDS_q32[] = {-SPEED_q32, -1, 0, 1, SPEED_q32};
+    for (int k = 0; k < 5; k++) {
         forward_in_sector_2(48);
         hall.direction = 0;
         hall.speed_q32 = 5;
         hall.plausible_edges = 4;
-        hall.edge_speed_q32 = direction * SPEED_q32;
+        hall.edge_speed_q32 = SPEEDS_q32[k];
         hall.overdue_periods = STANDSTILL_PERIODS / 2;
         expected = hall;
-        start_ride_through(&hall);
-        expect_ride_through(48);
+        event(4);
+        expect_ride_through(49);
+        expect_sector(4, EDGE_4, EDGE_5 - EDGE_4);
         assert_expected_state();
-        hall.overdue_periods = STANDSTILL_PERIODS / 2 + 1;
-        start_ride_through(&hall);
-        TEST_ASSERT_EQUAL_INT32(STANDSTILL_PERIODS, hall.overdue_periods);
     }
-}
-
-void test_slowest_speed_of_dead_reckoning_has_a_direction(void)
-{
-    for (int direction = -1; direction <= 1; direction += 2) {
-        hall.edge_speed_q32 = direction;
-        start_ride_through(&hall);
-        TEST_ASSERT_EQUAL_INT(direction, hall.direction);
-    }
+    forward_in_sector_2(48);
+    hall.overdue_periods = STANDSTILL_PERIODS / 2 + 1;
+    event(4);
+    TEST_ASSERT_EQUAL_INT32(STANDSTILL_PERIODS, hall.overdue_periods);
 }
 
 void test_64th_impossible_state_in_a_row_starts_dead_reckoning(void)
@@ -272,14 +249,6 @@ void test_impossible_state_soon_after_a_ride_through_is_ignored_as_before(void)
     sensors_read(7);
     TEST_ASSERT_FALSE(hall.valid);
     TEST_ASSERT_EQUAL_UINT16(2, hall.faults);
-}
-
-void test_skipped_sector_starts_dead_reckoning_in_the_sector_reported(void)
-{
-    event(4);
-    expect_ride_through(49);
-    expect_sector(4, EDGE_4, EDGE_5 - EDGE_4);
-    assert_expected_state();
 }
 
 void test_impossible_reversal_starts_dead_reckoning_in_the_sector_reported(void)

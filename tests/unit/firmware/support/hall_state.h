@@ -96,6 +96,30 @@ static inline void hall_state_up(void)
     forward_in_sector_2(48);
 }
 
+/* A period in which the sensors read a state, or report a sector. */
+static inline void sensors_read(uint8_t sensors)
+{
+    hall_process_event(&hall, &config, sensors, UNKNOWN);
+}
+
+static inline void event(uint8_t sector)
+{
+    sensors_read(STATE_OF_SECTOR[sector]);
+}
+
+static inline void event_observed(uint8_t sector, hall_observed_t observed)
+{
+    hall_process_event(&hall, &config, STATE_OF_SECTOR[sector], observed);
+}
+
+/* The first state ever. */
+static inline void start_in(uint8_t sector)
+{
+    hall_init(&hall, &config);
+    event(sector);
+    expected = hall;
+}
+
 /* `expected` enters a sector. */
 static inline void expect_sector(uint8_t sector, int32_t begin_turn, int32_t width_turn)
 {
