@@ -266,17 +266,6 @@ void test_bounds_follow_their_slope_unless_they_step_by_a_16th_of_the_largest_to
     }
 }
 
-/* A 16th of 10 mN m counts as one. 1 mN m is 2.9 ahead, rounded down. */
-void test_the_smallest_motor_has_slopes_of_1_mNm(void)
-{
-    config.motor.max_torque_mNm = 10;
-    (void)carried_mNm(true, TORQUE_LINE_DRAWN, 5);
-    TEST_ASSERT_EQUAL_INT32(6 + 2, carried_mNm(true, TORQUE_LINE_DRAWN, 6));
-    available_ahead_init(&state);
-    (void)carried_mNm(true, TORQUE_LINE_DRAWN, 5);
-    TEST_ASSERT_EQUAL_INT32(7, carried_mNm(true, TORQUE_LINE_DRAWN, 7));
-}
-
 /* A bound that was expected begins with the slope that leads there: 3220 N m are 161 times 20. */
 void test_a_bound_that_was_expected_comes_as_expected(void)
 {
@@ -302,18 +291,6 @@ void test_a_bound_that_was_expected_comes_as_expected(void)
         give(drives, line, FEASIBLE_UNBOUNDED);
         available_ahead_init(&state);
     }
-}
-
-void test_a_line_without_a_bound_passes_its_reason_on(void)
-{
-    give(true, TORQUE_LINE_DRAWN, MOST + 1);
-    phase(DRIVING);
-    assert_limit(FEASIBLE_UNBOUNDED, REASON_VOLTAGE, state.driving_lines[TORQUE_LINE_DRAWN]);
-    TEST_ASSERT_FALSE(state.driving[3].known);
-    give(true, TORQUE_LINE_DRAWN, MOST);
-    phase(DRIVING);
-    assert_limit(MOST, REASON_VOLTAGE, state.driving_lines[TORQUE_LINE_DRAWN]);
-    TEST_ASSERT_TRUE(state.driving[3].known);
 }
 
 /* ---- other lines and results ---- */

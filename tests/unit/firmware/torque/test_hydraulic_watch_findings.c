@@ -183,14 +183,6 @@ void test_a_weak_brake_of_less_than_a_quarter_is_dead_after_its_time(void)
     TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_LATE, aged(REASON_HYDRAULIC_LATE, 0, dead_ms));
 }
 
-void test_the_age_of_a_finding_ends_at_half_a_minute(void)
-{
-    (void)aged(REASON_HYDRAULIC_WEAK, ONE_q15, INT16_MAX);
-    TEST_ASSERT_EQUAL_INT32(INT16_MAX, watch.found_ms);
-    step();
-    TEST_ASSERT_EQUAL_INT32(INT16_MAX, watch.found_ms);
-}
-
 static reason_t after_slip(reason_t reason, int32_t found_ms)
 {
     rolling(0, 0);
