@@ -5,12 +5,12 @@
 
 #define PI 3.14159265358979323846
 
-enum { FROM_mrad_s = 31664, LACKING_STEPS = 5 };
+enum { USED_FROM_mrad_s = 31664, LACKING_STEPS = 5 };
 
 void setUp(void)
 {
-    rig_up_salient(FROM_mrad_s);
-    config.rotor.observer_speed_mrad_s = FROM_mrad_s;
+    rig_up_salient(USED_FROM_mrad_s);
+    config.rotor.observer_speed_mrad_s = USED_FROM_mrad_s;
     config.rotor.sensor = CONFIG_ROTOR_ENCODER;
 }
 
@@ -94,7 +94,7 @@ void test_when_it_is_judged(void)
         for (int k = 0; k < 6; k++) {
             setUp();
             displace(180.0, -121.0, -152.0, 1.0);
-            at.sensor_mrad_s = sign * (k == 1 ? FROM_mrad_s / 2 - 2 : FROM_mrad_s / 2);
+            at.sensor_mrad_s = sign * (k == 1 ? USED_FROM_mrad_s / 2 - 2 : USED_FROM_mrad_s / 2);
             at.sensor_valid = k != 2;
             at.switching = k != 3;
             at.acquired = k != 4;

@@ -2,7 +2,7 @@
 /* A sensor that contradicts itself where no observer sees whether it is right afterwards. */
 #include "angle_choice_rig.h"
 
-enum { FROM_mrad_s = 16000, HALF_mrad_s = FROM_mrad_s / 2, INVALID_ms = 5, LONG_ms = 5000 };
+enum { HALF_mrad_s = FROM_mrad_s / 2, INVALID_ms = 5, LONG_ms = 5000 };
 
 /* Creeping, the observer still without the magnets' flux. */
 void setUp(void)

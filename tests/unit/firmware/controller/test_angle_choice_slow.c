@@ -2,22 +2,13 @@
 /* Sensor against observer below the observer's speed. */
 #include "angle_choice_rig.h"
 
-/* 60 and 30 degrees of 65 536, rounded up; times of the header. */
-enum {
-    FROM_mrad_s = 16000,
-    OPPOSED = 10923,
-    ASKEW = 5461,
-    LEAST_PU = 2048, /* a sixteenth of the current's full scale */
-    SLOW_SLIP_ms = 6,
-    SLOW_ms = 12,
-    HEAL_ms = 20
-};
+/* 30 degrees of 65 536, rounded up; a sixteenth of the current's full scale; a time of the header.
+ */
+enum { ASKEW = 5461, LEAST_PU = 2048, SLOW_SLIP_ms = 6 };
 
 void setUp(void)
 {
-    rig_up(&ROLLING);
-    config.rotor.observer_speed_mrad_s = FROM_mrad_s;
-    config.monitor.rotor_warning_time_ms = HEAL_ms;
+    rig_up_to_compare();
 }
 
 void tearDown(void) {}

@@ -42,6 +42,16 @@ static inline void rig_up(const rotor_view_t *view)
     seen = fresh;
 }
 
+/* The observer's speed, an angle of 60 degrees, rounded up, and times of the header. */
+enum { FROM_mrad_s = 16000, OPPOSED = 10923, SLOW_ms = 12, HEAL_ms = 20 };
+
+static inline void rig_up_to_compare(void)
+{
+    rig_up(&ROLLING);
+    config.rotor.observer_speed_mrad_s = FROM_mrad_s;
+    config.monitor.rotor_warning_time_ms = HEAL_ms;
+}
+
 static inline void run(int steps)
 {
     for (int n = 0; n < steps; n++) {
