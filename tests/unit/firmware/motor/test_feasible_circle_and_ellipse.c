@@ -208,6 +208,18 @@ void test_where_the_circle_does_not_meet_the_ellipse_it_is_left_only_towards_les
 
 /* ---- which of them bounds ---- */
 
+void test_a_cap_with_voltage_up_to_the_circle_itself_has_no_bound_by_current(void)
+{
+    const int32_t circle_b = (4 << 20) - (4 << 12);
+    feasible_circle_t circle = {.known = false};
+    feasible_side_t side = plain_side(&motor, SIDE_DRIVING, circle_b);
+    TEST_ASSERT_EQUAL_INT32(FEASIBLE_UNBOUNDED, feasible_by_current_mNm(&side, &circle));
+    TEST_ASSERT_FALSE(circle.known);
+    side = plain_side(&motor, SIDE_DRIVING, circle_b + 1);
+    TEST_ASSERT_LESS_THAN_INT32(FEASIBLE_UNBOUNDED, feasible_by_current_mNm(&side, &circle));
+    TEST_ASSERT_TRUE(circle.known);
+}
+
 /* u_q = 2 + d, u_d = -x, U = 2: a torque of 1 takes i_d = sqrt(3) - 2; the circle leaves 2.6. */
 void test_a_cap_below_the_end_of_the_circle_goes_to_the_ellipse(void)
 {

@@ -22,6 +22,21 @@ void setUp(void)
 
 void tearDown(void) {}
 
+/* u_d = -4 2^20, u_q = 2^20: |u|^2 = 17 2^40, a 16th more than 2^44. */
+void test_a_point_holds_up_to_a_sixteenth_more_of_the_squared_voltage(void)
+{
+    motor.model.reactance_q_b = SCALED_ONE;
+    motor.model.voltage_q_b = 1 << 20;
+    motor.set.voltage_squared = INT64_C(1) << 44;
+    motor_point_t at = {.d_b = 0, .x_b = 4 << 20};
+    TEST_ASSERT_TRUE(feasible_holds(&motor.set, at));
+    at.x_b++;
+    TEST_ASSERT_FALSE(feasible_holds(&motor.set, at));
+    at.x_b = 0;
+    motor.model.voltage_q_b = (4 << 20) + (1 << 18);
+    TEST_ASSERT_FALSE(feasible_holds(&motor.set, at));
+}
+
 /* ---- the lowest i_d of field weakening ---- */
 
 static int32_t weakest_b(int32_t phase_mV)
@@ -35,6 +50,19 @@ void test_a_voltage_of_zero_or_less_is_none(void)
     TEST_ASSERT_TRUE(feasible_set_at(&motor.model, 1).voltage_squared == 256);
     TEST_ASSERT_TRUE(feasible_set_at(&motor.model, 0).voltage_squared == 0);
     TEST_ASSERT_TRUE(feasible_set_at(&motor.model, -1).voltage_squared == 0);
+}
+
+/* A flux that the circle cannot weaken to zero: down to the circle, hot only to the configured. */
+void test_field_weakening_ends_at_the_circle_and_hot_at_the_configured_current(void)
+{
+    motor.constants.inductance_d_b = SCALED_ONE;
+    motor.constants.weakening_most_b = 1 << 20;
+    motor.model.speed_b = 1 << 22;
+    TEST_ASSERT_INT32_WITHIN(CIRCLE_b >> 14, -CIRCLE_b, weakest_b(1 << 20));
+    motor.model.winding_temperature_cC = 15000;
+    TEST_ASSERT_EQUAL_INT32(-(1 << 20), weakest_b(1 << 20));
+    motor.constants.weakening_most_b = 1 << 23;
+    TEST_ASSERT_EQUAL_INT32(-CIRCLE_b, weakest_b(1 << 20));
 }
 
 void test_field_does_not_rise_where_the_voltage_would_bear_a_higher_flux(void)

@@ -167,6 +167,22 @@ void test_means_of_a_round_contain_no_other_round(void)
     TEST_ASSERT_EQUAL_INT32(1, state.mean_mA);
 }
 
+/* Larger plus half the smaller less an eighth: 1.0078 at most (7/8 by 1/2), and the larger alone
+ * 0.9701 where both are the same (1 by 1/4). */
+void test_the_length_of_the_current_is_within_3_per_cent_in_every_direction(void)
+{
+    start(2500, 2500);
+    for (int degrees = 0; degrees < 360; degrees++) {
+        const double angle = degrees * 3.14159265358979 / 180.0;
+        const int32_t d_mA = (int32_t)lround(1e6 * cos(angle));
+        const int32_t q_mA = (int32_t)lround(1e6 * sin(angle));
+        for (int ms = 0; ms < ROUND_ms; ms++) {
+            thermal_model_step(&state, &config, d_mA, q_mA, 0);
+        }
+        TEST_ASSERT_TRUE(state.mean_mA > 0.9700 * 1e6 && state.mean_mA < 1.0079 * 1e6);
+    }
+}
+
 /* ---- iron loss ---- */
 
 /* One component of the EMF alone: v = w (psi + L i) with w in rad/s; 3/2 v^2/R. */
