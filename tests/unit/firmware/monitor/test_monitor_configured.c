@@ -4,19 +4,9 @@
 #include "monitor/monitor_temperature.h"
 #include "monitor_rig.h"
 
-static const monitor_case_t HEALTHY = {
-    .report = {.offsets_done = true,
-               .offset_q4 = {MID_OFFSET_Q4, MID_OFFSET_Q4, MID_OFFSET_Q4},
-               .bridge = BRIDGE_PWM},
-    .now = {.angle_valid = true,
-            .bus_voltage_mV = 53000,
-            .winding_temperature_cC = 2500,
-            .switch_temperature_cC = 2500},
-};
-
 void setUp(void)
 {
-    rig_up(&HEALTHY);
+    rig_up(&SWITCHING);
 }
 
 void tearDown(void) {}

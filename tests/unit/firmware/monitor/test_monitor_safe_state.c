@@ -3,14 +3,9 @@
 #include "monitor_rig.h"
 #include "safe_state_case.h"
 
-static const monitor_case_t HEALTHY = {
-    .report = {.offsets_done = true, .bridge = BRIDGE_PWM},
-    .now = {.angle_valid = true, .bus_voltage_mV = 53000},
-};
-
 void setUp(void)
 {
-    rig_up(&HEALTHY);
+    rig_up(&SWITCHING);
 }
 
 void tearDown(void) {}

@@ -2,16 +2,9 @@
 /* Temperatures: faults 10 K above the end of derating; a broken sensor is a warning. */
 #include "monitor_rig.h"
 
-static const monitor_case_t HEALTHY = {
-    .now = {.angle_valid = true,
-            .bus_voltage_mV = 53000,
-            .winding_temperature_cC = 2500,
-            .switch_temperature_cC = 2500},
-};
-
 void setUp(void)
 {
-    rig_up(&HEALTHY);
+    rig_up(&SWITCHING);
     config.motor.max_winding_temperature_cC = 15000;
     config.drive.max_switch_temperature_cC = 10000;
 }

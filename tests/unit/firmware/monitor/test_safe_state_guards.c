@@ -5,17 +5,9 @@
 
 static safe_state_case_t at;
 
-static const monitor_case_t HEALTHY = {
-    .report = {.offsets_done = true, .bridge = BRIDGE_PWM},
-    .now = {.angle_valid = true,
-            .bus_voltage_mV = 53000,
-            .winding_temperature_cC = 2500,
-            .switch_temperature_cC = 2500},
-};
-
 void setUp(void)
 {
-    rig_up(&HEALTHY);
+    rig_up(&SWITCHING);
     const safe_state_case_t still = {.winding_temperature_cC = 2500,
                                      .bus_voltage_mV = 53000,
                                      .charge_current_mA = 50000,

@@ -15,6 +15,17 @@
 
 enum { FAST_PER_SLOW = 20 /* 20 kHz over 1 kHz */, MID_OFFSET_Q4 = 2048 * 16 };
 
+/* At standstill. */
+static const monitor_case_t SWITCHING = {
+    .report = {.offsets_done = true,
+               .offset_q4 = {MID_OFFSET_Q4, MID_OFFSET_Q4, MID_OFFSET_Q4},
+               .bridge = BRIDGE_PWM},
+    .now = {.angle_valid = true,
+            .bus_voltage_mV = 53000,
+            .winding_temperature_cC = 2500,
+            .switch_temperature_cC = 2500},
+};
+
 /* At 30 rad/s, with 10 N m as commanded. */
 static const monitor_case_t TURNING = {
     .report = {.offsets_done = true,
