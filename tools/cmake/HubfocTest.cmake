@@ -3,7 +3,7 @@
 #
 #   hubfoc_add_unit_tests(NAME unit_core LIBRARIES hubfoc_core [TESTS q15 angle ...]
 #     [EXCEPT angle ...] [APART angle ...] [SOURCES x.c ...] [MOCKS hal/include/hal/inverter.h ...]
-#     [LABELS ...] [TIMEOUT seconds])
+#     [LABELS ...] [TIMEOUT seconds] [PLAIN])
 #       One program of the files test_q15.c, test_angle.c, ... of this folder, by default all but
 #       EXCEPT (tests/unit/runner/suite.h). It is one test of ctest; each file that is APART is
 #       another. MOCKS are headers mocked by CMock. Run with sanitizers and to measure what they
@@ -29,7 +29,7 @@ add_library(hubfoc_run_suites OBJECT "${PROJECT_SOURCE_DIR}/tests/unit/runner/ru
 target_link_libraries(hubfoc_run_suites PRIVATE unity hubfoc_warnings)
 
 function(hubfoc_add_unit_tests)
-  cmake_parse_arguments(T "" "NAME;TIMEOUT"
+  cmake_parse_arguments(T "PLAIN" "NAME;TIMEOUT"
     "TESTS;EXCEPT;APART;SOURCES;LIBRARIES;MOCKS;LABELS" ${ARGN})
   set(gen "${CMAKE_CURRENT_BINARY_DIR}/${T_NAME}.gen")
   file(MAKE_DIRECTORY "${gen}")
@@ -57,7 +57,10 @@ function(hubfoc_add_unit_tests)
   target_include_directories(${T_NAME} SYSTEM PRIVATE "${gen}")
   target_include_directories(${T_NAME} PRIVATE "${PROJECT_SOURCE_DIR}/tests/unit/runner")
   target_link_libraries(${T_NAME} PRIVATE hubfoc_run_suites unity ${T_LIBRARIES} hubfoc_warnings)
-  if(NOT HUBFOC_SANITIZE AND NOT HUBFOC_COVERAGE AND NOT HUBFOC_MCDC)
+  if(T_PLAIN AND HUBFOC_SANITIZE)
+    list(APPEND T_LABELS full)
+  endif()
+  if(NOT T_PLAIN AND NOT HUBFOC_SANITIZE AND NOT HUBFOC_COVERAGE AND NOT HUBFOC_MCDC)
     set_property(TARGET ${T_NAME} PROPERTY EXCLUDE_FROM_ALL ON)
     return()
   endif()
