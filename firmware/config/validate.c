@@ -239,25 +239,7 @@ typedef struct {
 #define BELOW(lower, upper) ORDER(lower, upper, 1)
 #define AT_MOST(lower, upper) ORDER(lower, upper, 0)
 
-static const order_t ORDERS[] = {
-    AT_MOST(motor.rated_torque_mNm, motor.max_torque_mNm) BELOW(motor.derate_winding_temperature_cC,
-                                                                motor.max_winding_temperature_cC)
-        AT_MOST(drive.derate_switch_temperature_cC, drive.max_switch_temperature_cC) BELOW(
-            current_loop.max_current_pu_q15,
-            monitor.overcurrent_pu_q15) AT_MOST(current_loop.field_weakening_current_pu_q15,
-                                                current_loop.max_current_pu_q15)
-            BELOW(battery.undervoltage_trip_mV,
-                  battery.min_voltage_mV) BELOW(battery.min_voltage_mV, battery.foldback_voltage_mV)
-                BELOW(battery.min_voltage_mV, battery.discharge_foldback_voltage_mV) BELOW(
-                    battery.discharge_foldback_voltage_mV, battery.max_voltage_mV)
-                    BELOW(battery.foldback_voltage_mV, battery.max_voltage_mV) BELOW(
-                        battery.max_voltage_mV, battery.overvoltage_trip_mV)
-                        AT_MOST(battery.overvoltage_trip_mV, drive.device_voltage_mV) AT_MOST(
-                            brake.blend_out_end_mrad_s, brake.blend_out_start_mrad_s)
-                            AT_MOST(brake.stop_lamp_off_mm_s2, brake.stop_lamp_on_mm_s2)
-                                AT_MOST(driver.hold_torque_mNm, brake.max_hydraulic_torque_mNm)
-                                    AT_MOST(pedals.free_travel_torque_mNm, pedals.brake_torque_mNm)
-                                        AT_MOST(monitor.coasting_mm_s2, monitor.tyre_grip_mm_s2)};
+static const order_t ORDERS[] = {CONFIG_ORDERS(BELOW, AT_MOST)};
 
 /* The fields are looked for only where their names are needed. In 64 bits the difference of two
  * values cannot overflow. */

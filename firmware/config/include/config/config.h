@@ -460,6 +460,26 @@
     Y(current_d_lsb, CONFIG_CURRENT_MAP_POINTS_MAX, -32767, 32767, "2^lsb_log2 mA", \
       "terminal i_d of least loss, before field weakening; all 0: i_d = 0")
 
+/* Relations of two fields: BELOW(lower, upper) for lower < upper, AT_MOST for lower <= upper. */
+#define CONFIG_ORDERS(BELOW, AT_MOST) \
+    AT_MOST(motor.rated_torque_mNm, motor.max_torque_mNm) \
+    BELOW(motor.derate_winding_temperature_cC, motor.max_winding_temperature_cC) \
+    AT_MOST(drive.derate_switch_temperature_cC, drive.max_switch_temperature_cC) \
+    BELOW(current_loop.max_current_pu_q15, monitor.overcurrent_pu_q15) \
+    AT_MOST(current_loop.field_weakening_current_pu_q15, current_loop.max_current_pu_q15) \
+    BELOW(battery.undervoltage_trip_mV, battery.min_voltage_mV) \
+    BELOW(battery.min_voltage_mV, battery.foldback_voltage_mV) \
+    BELOW(battery.min_voltage_mV, battery.discharge_foldback_voltage_mV) \
+    BELOW(battery.discharge_foldback_voltage_mV, battery.max_voltage_mV) \
+    BELOW(battery.foldback_voltage_mV, battery.max_voltage_mV) \
+    BELOW(battery.max_voltage_mV, battery.overvoltage_trip_mV) \
+    AT_MOST(battery.overvoltage_trip_mV, drive.device_voltage_mV) \
+    AT_MOST(brake.blend_out_end_mrad_s, brake.blend_out_start_mrad_s) \
+    AT_MOST(brake.stop_lamp_off_mm_s2, brake.stop_lamp_on_mm_s2) \
+    AT_MOST(driver.hold_torque_mNm, brake.max_hydraulic_torque_mNm) \
+    AT_MOST(pedals.free_travel_torque_mNm, pedals.brake_torque_mNm) \
+    AT_MOST(monitor.coasting_mm_s2, monitor.tyre_grip_mm_s2)
+
 #define CONFIG_SCALAR_MEMBER(name, lowest, highest, unit, text) int32_t name;
 #define CONFIG_ARRAY_MEMBER(name, count, lowest, highest, unit, text) int32_t name[count];
 #define CONFIG_MAP_MEMBER(name, count, lowest, highest, unit, text) int16_t name[count];
