@@ -24,6 +24,11 @@ static const torque_line_t SLOPED[AVAILABLE_SLOPED_LINES] = {
     TORQUE_LINE_MAX_POWER, TORQUE_LINE_PHASE_CURRENT, TORQUE_LINE_VOLTAGE, TORQUE_LINE_DRAWN,
     TORQUE_LINE_RETURNED};
 
+/* Lines that are taken for their present bounds. */
+enum { PRESENT = true, EXPECTED = false };
+#define LINE_STAYS(name, deferrable, ahead) [TORQUE_LINE_##name] = (ahead),
+static const bool STAYS[TORQUE_LINE_COUNT] = {TORQUE_LINES(LINE_STAYS)};
+
 void available_ahead_init(available_ahead_state_t *state)
 {
     const available_t none = {.driving = limit_init(0, REASON_TORQUE_ENABLE),
@@ -219,13 +224,13 @@ static void expect_strategy(available_ahead_state_t *state, const config_t *conf
 static void expect_other_lines(available_ahead_state_t *state, const config_t *config,
                                const torque_limits_t *limits)
 {
-    static const torque_line_t PRESENT[] = {TORQUE_LINE_MAX_TORQUE, TORQUE_LINE_ROTOR,
-                                            TORQUE_LINE_ENABLE, TORQUE_LINE_ABS};
     const available_inputs_t *then = &state->expected;
     limit_t *braking = state->braking_lines;
-    for (size_t i = 0; i < sizeof PRESENT / sizeof PRESENT[0]; i++) {
-        state->driving_lines[PRESENT[i]] = limits->driving[PRESENT[i]];
-        braking[PRESENT[i]] = limits->braking[PRESENT[i]];
+    for (torque_line_t line = 0; line < TORQUE_LINE_COUNT; line++) {
+        if (STAYS[line]) {
+            state->driving_lines[line] = limits->driving[line];
+            braking[line] = limits->braking[line];
+        }
     }
     braking[TORQUE_LINE_WINDING] = torque_limits_winding(config, then->winding_temperature_cC);
     braking[TORQUE_LINE_SWITCH] = torque_limits_switch(config, then->switch_temperature_cC);

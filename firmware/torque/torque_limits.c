@@ -27,7 +27,7 @@ void torque_limits_init(torque_limits_state_t *state, torque_limits_t *table)
 bool torque_limits_deferrable(torque_line_t line)
 {
     static const bool DEFERRABLE[TORQUE_LINE_COUNT] = {
-#define TORQUE_LINE_CLASS(name, deferrable) [TORQUE_LINE_##name] = (deferrable),
+#define TORQUE_LINE_CLASS(name, deferrable, ahead) [TORQUE_LINE_##name] = (deferrable),
         TORQUE_LINES(TORQUE_LINE_CLASS)
 #undef TORQUE_LINE_CLASS
     };
@@ -68,7 +68,7 @@ torque_limits_classes_t torque_limits_classes(const limit_t braking[TORQUE_LINE_
 {
     torque_limits_classes_t out = {.hard_mNm = FEASIBLE_UNBOUNDED,
                                    .deferrable_mNm = FEASIBLE_UNBOUNDED};
-#define TORQUE_LINE_SORT(name, deferrable)                                                         \
+#define TORQUE_LINE_SORT(name, deferrable, ahead)                                                  \
     sort_line(&out, TORQUE_LINE_##name, (deferrable), braking[TORQUE_LINE_##name].torque_mNm);
     TORQUE_LINES(TORQUE_LINE_SORT)
 #undef TORQUE_LINE_SORT
@@ -100,7 +100,7 @@ torque_line_t torque_limits_tightest_line(const limit_t lines[TORQUE_LINE_COUNT]
 const char *torque_limits_line_text(torque_line_t line)
 {
     static const char *const TEXTS[TORQUE_LINE_COUNT] = {
-#define TORQUE_LINE_TEXT(name, deferrable) [TORQUE_LINE_##name] = #name,
+#define TORQUE_LINE_TEXT(name, deferrable, ahead) [TORQUE_LINE_##name] = #name,
         TORQUE_LINES(TORQUE_LINE_TEXT)
 #undef TORQUE_LINE_TEXT
     };

@@ -21,27 +21,28 @@
 #include "torque/foldback.h"
 #include "torque/limit.h"
 
-/* X(identifier, deferrable: transferred to the hydraulic brake as fast as its torque rises) */
+/* X(identifier, deferrable: transferred to the hydraulic brake as fast as its torque rises, what it
+ * is taken for 300 ms later: its present bound, or what available_ahead expects of it) */
 #define TORQUE_LINES(X)                                                                            \
-    X(MAX_TORQUE, false)                                                                           \
-    X(MAX_POWER, false)                                                                            \
-    X(PHASE_CURRENT, false)                                                                        \
-    X(VOLTAGE, false)                                                                              \
-    X(DRAWN, true)                                                                                 \
-    X(RETURNED, true)                                                                              \
-    X(RETURNED_PEAK, false)                                                                        \
-    X(MAX_SPEED, true)                                                                             \
-    X(WINDING, true)                                                                               \
-    X(SWITCH, true)                                                                                \
-    X(ROTOR, false)                                                                                \
-    X(ENABLE, false)                                                                               \
-    X(LOSS_OPTIMUM, true)                                                                          \
-    X(ELECTRIC_RATED, true)                                                                        \
-    X(BLEND_OUT, true)                                                                             \
-    X(ELECTRIC_SHARE, true)                                                                        \
-    X(ABS, false)
+    X(MAX_TORQUE, false, PRESENT)                                                                  \
+    X(MAX_POWER, false, EXPECTED)                                                                  \
+    X(PHASE_CURRENT, false, EXPECTED)                                                              \
+    X(VOLTAGE, false, EXPECTED)                                                                    \
+    X(DRAWN, true, EXPECTED)                                                                       \
+    X(RETURNED, true, EXPECTED)                                                                    \
+    X(RETURNED_PEAK, false, EXPECTED)                                                              \
+    X(MAX_SPEED, true, EXPECTED)                                                                   \
+    X(WINDING, true, EXPECTED)                                                                     \
+    X(SWITCH, true, EXPECTED)                                                                      \
+    X(ROTOR, false, PRESENT)                                                                       \
+    X(ENABLE, false, PRESENT)                                                                      \
+    X(LOSS_OPTIMUM, true, EXPECTED)                                                                \
+    X(ELECTRIC_RATED, true, EXPECTED)                                                              \
+    X(BLEND_OUT, true, EXPECTED)                                                                   \
+    X(ELECTRIC_SHARE, true, EXPECTED)                                                              \
+    X(ABS, false, PRESENT)
 
-#define TORQUE_LINE_ENUM(name, deferrable) TORQUE_LINE_##name,
+#define TORQUE_LINE_ENUM(name, deferrable, ahead) TORQUE_LINE_##name,
 typedef enum { TORQUE_LINES(TORQUE_LINE_ENUM) TORQUE_LINE_COUNT } torque_line_t;
 #undef TORQUE_LINE_ENUM
 
