@@ -78,8 +78,8 @@ def test_a_new_reason_is_detected_and_written_into_the_value_tables_of_the_dbc(
     header = copy.parent / "core" / "include" / "core" / "reason.h"
     text = header.read_text(encoding="utf-8")
     header.write_text(
-        text.replace('X(16, ABS, "', 'X(31, INVENTED, "invented") X(16, ABS, "').replace(
-            "X(31, ", "\n    X(31, "
+        text.replace('X(16, ABS, "', 'X(63, INVENTED, "invented") X(16, ABS, "').replace(
+            "X(63, ", "\n    X(63, "
         ),
         encoding="utf-8",
     )
@@ -90,7 +90,7 @@ def test_a_new_reason_is_detected_and_written_into_the_value_tables_of_the_dbc(
     dbc = (copy / "hubfoc.dbc").read_text(encoding="utf-8")
     tables = [line for line in dbc.splitlines() if re.match(r"VAL_ \d+ \w*reason ", line)]
     assert len(tables) >= 8
-    assert all('30 "ACCELERATOR_LOCKED" 31 "INVENTED" 64 ' in line for line in tables)
+    assert all('30 "ACCELERATOR_LOCKED" 63 "INVENTED" 64 ' in line for line in tables)
 
 
 def test_a_changed_message_is_detected_in_code_and_tables_and_updated_by_one_run(
