@@ -76,8 +76,8 @@ def blending() -> Sheet:
     for x, name, colour in (
         (185, "motor", BLUE),
         (240, "hydraulic brake (dashed: its command)", RED),
-        (530, "both", INK),
-        (580, "dotted: the motor's limit", GREY),
+        (550, "both", INK),
+        (605, "dotted: the motor's limit", GREY),
     ):
         sheet.text((x, 315), name, "start", colour, "bold")
     return sheet
