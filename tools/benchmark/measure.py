@@ -403,7 +403,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument(
         "--update-readme",
         action="store_true",
-        help="write the tables of firmware/foc/README.md and tools/benchmark/README.md",
+        help="write the tables of tools/benchmark/README.md",
     )
     parser.add_argument(
         "--states",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The table of instructions in firmware/foc/README.md, written from a count."""
+"""The table of instructions in this folder's README, written from a count."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import Any
 
 from benchmark.build import ROOT
 
-README = ROOT / "firmware" / "foc" / "README.md"
+README = ROOT / "tools" / "benchmark" / "README.md"
 COLUMNS = ("min", "median", "p99", "max")
-_ROW = re.compile(r"^\| `(\w+)` \| ([\w-]+) \| (\d+) \| (\d+) \| (\d+) \| (\d+) \| (.*) \|$", re.M)
+_ROW = re.compile(r"^\| `(\w+)` \| ([\w-]+) \| (\d+) \| (\d+) \| (\d+) \| (\d+) \|$", re.M)
 
 
 def measured(report: dict[str, Any]) -> dict[tuple[str, str], list[int]]:
@@ -34,7 +34,7 @@ def updated(text: str, report: dict[str, Any]) -> str:
         figures = found.get((match[1], match[2]))
         if figures is None:
             return match[0]
-        return f"| `{match[1]}` | {match[2]} | {' | '.join(map(str, figures))} | {match[7]} |"
+        return f"| `{match[1]}` | {match[2]} | {' | '.join(map(str, figures))} |"
 
     return _ROW.sub(row, text)
 

@@ -164,7 +164,7 @@ Usage: tools/dev bench [--config NAME] [--no-simulation] [--update-readme]
 Measures both step functions on emulated cores (instructions, code, stack), the interrupts of the
 flashable images on the models of their chips, the firmware's size and the simulation's speed;
 prints them and writes build/bench.json. A missed budget is a failure. --update-readme writes the
-tables of firmware/foc/README.md and tools/benchmark/README.md.
+tables of tools/benchmark/README.md.
 TEXT
 }
 
