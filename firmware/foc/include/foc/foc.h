@@ -7,8 +7,8 @@
  *     rotor sensors  --> rotor estimate --'
  *
  * Per-unit volts, amperes and angles only. No division by a run-time value, no loop over data, no
- * floating point. Pure: every result follows from the arguments. Formats, equations and the cost
- * in instructions: README.md; why they are so: DERIVATIONS.md.
+ * floating point. Pure: every result follows from the arguments. Equations: README.md; formats, and
+ * why they are so: DERIVATIONS.md.
  *
  * Timing: the converters sample in the middle of the low-side interval; compare values take effect
  * one period later, so that the voltage acts on average 1.5 periods after the sample.
