@@ -9,6 +9,7 @@
 #include "app/console.h"
 #include "app/double_buffer.h"
 #include "app/fault_journal.h"
+#include "app/kept_temperature.h"
 #include "app/pedal_link.h"
 #include "app/recorder.h"
 #include "app/report_timer.h"
@@ -46,6 +47,14 @@ typedef struct {
 
 /* The one instance: interrupts have no other way to find their data. Each member has one writer,
  * named on the right. */
+/* In memory that keeps its content over a reset. */
+typedef struct {
+    recorder_memory_t recorder;
+    kept_temperature_t temperature;
+} retained_t;
+
+_Static_assert(sizeof(retained_t) <= 8192, "the ports keep 8 KiB");
+
 static struct {
     boot_report_t boot; /* boot */
     const config_t
@@ -60,6 +69,7 @@ static struct {
     fast_input_t fast_input;             /* PWM period; zero what the rotor sensor does not give */
     volatile uint32_t fast_cycles_worst; /* PWM period */
     recorder_t recorder;                 /* millisecond, and at boot */
+    retained_t *retained;                /* likewise; NULL: this board has none */
     recorder_memory_t *volatile samples; /* millisecond; NULL: no more for the black box */
     controller_t controller;             /* .fast: PWM period, .slow: millisecond */
 
@@ -93,11 +103,11 @@ static void start_recorder(const config_t *config)
                                     .was_watchdog = app.boot.reset_cause == RESET_WATCHDOG ||
                                                     app.boot.reset_cause == RESET_WINDOW_WATCHDOG,
                                     .reset_cause = (uint8_t)app.boot.reset_cause};
-    const bool fits = 4U * retained.words >= sizeof(recorder_memory_t);
+    const bool fits = 4U * retained.words >= sizeof(retained_t);
     /* Not volatile for the recorder: one core, and a compiler does not move stores beyond a call.
      */
-    recorder_init(&app.recorder, fits ? (recorder_memory_t *)(uintptr_t)retained.begin : NULL,
-                  &start);
+    app.retained = fits ? (retained_t *)(uintptr_t)retained.begin : NULL;
+    recorder_init(&app.recorder, fits ? &app.retained->recorder : NULL, &start);
     if (app.recorder.memory != NULL) {
         fault_journal_number(&app.journal, app.recorder.memory);
     }
@@ -112,6 +122,10 @@ static void start_control(const config_t *config)
     app.damaged_passes = 0;
     const int32_t timer_Hz = (int32_t)inverter_timer_Hz();
     controller_init(&app.controller, config, timer_Hz);
+    if (app.retained != NULL) {
+        controller_start_warm(&app.controller.slow,
+                              kept_temperature_read(&app.retained->temperature));
+    }
     for (int i = 0; i < 2; i++) {
         app.fast_setpoint[i] = controller_initial_setpoint(config, timer_Hz);
         controller_fast_report(&app.controller.fast, &app.fast_report[i]);
@@ -310,6 +324,10 @@ void app_millisecond_isr(void)
                                    short circuit that a stuck switch calls for; never on its own */
     }
     recorder_slow(&app.recorder, &snapshot->output, &snapshot->temperature);
+    if (app.retained != NULL) {
+        kept_temperature_write(&app.retained->temperature,
+                               controller_temperatures(&app.controller.slow));
+    }
     app.samples = app.recorder.takes_samples ? app.recorder.memory : NULL;
     double_buffer_swap(&app.to_fast);
     double_buffer_mark(&app.from_slow);

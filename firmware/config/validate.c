@@ -300,8 +300,23 @@ static const char *broken_in_drive(const config_t *c)
     return NULL;
 }
 
+/* A temperature with a limit has a sensor or an estimate. */
+static bool temperatures_known(const config_t *c)
+{
+    const bool winding = c->monitor.winding_sensor_fitted != 0 ||
+                         c->thermal.winding_heat_capacity_mJ_K > 0 ||
+                         c->motor.max_winding_temperature_cC >= CONFIG_TEMPERATURE_OFF_cC;
+    const bool switches = c->monitor.switch_sensor_fitted != 0 ||
+                          c->thermal.switch_heat_capacity_mJ_K > 0 ||
+                          c->drive.max_switch_temperature_cC >= CONFIG_TEMPERATURE_OFF_cC;
+    return winding && switches;
+}
+
 static const char *broken_in_battery(const config_t *c)
 {
+    REQUIRE(temperatures_known(c),
+            "thermal.winding_heat_capacity_mJ_K, switch_heat_capacity_mJ_K where "
+            "monitor.winding_sensor_fitted, switch_sensor_fitted is 0");
     REQUIRE(stored_offsets_plausible(c),
             "drive.offset_a_q4, _b_q4, _c_q4 within monitor.offset_tolerance_codes of mid-range");
     /* The converter's last code is 4095 of 4096. */

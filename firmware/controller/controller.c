@@ -108,6 +108,11 @@ const torque_limits_t *controller_limits(const controller_slow_t *slow)
     return torque_limits_of(&slow->torque);
 }
 
+void controller_start_warm(controller_slow_t *slow, int32_t warmest_cC)
+{
+    slow->measure.temperatures.kept_cC = warmest_cC;
+}
+
 wheel_temperatures_t controller_temperatures(const controller_slow_t *slow)
 {
     return slow->last.temperature;

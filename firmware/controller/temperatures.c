@@ -1,46 +1,101 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "controller/temperatures.h"
 
+#include "core/q15.h"
+
 void temperatures_init(temperatures_t *state, const config_t *config)
 {
     thermal_model_init(&state->model, config);
-    monitor_temperature_init(&state->winding_sensor);
-    monitor_temperature_init(&state->switch_sensor);
+    state->kept_cC = TEMPERATURE_NONE_cC;
+    state->winding_offset_q16 = 0;
+    state->switch_offset_q16 = 0;
 }
 
-/* A sensor on the switches may sit on their heat sink. */
+/* What is known of one temperature. */
+typedef struct {
+    int32_t shown_cC;
+    bool expected; /* a sensor is fitted, and its limit is on */
+    bool shows;    /* a sensor is fitted, and its reading lies within its range */
+} sensor_t;
+
+static sensor_t sensor_of(const config_t *config, bool fitted, int32_t limit_cC, int32_t shown_cC)
+{
+    const config_monitor_t *monitor = &config->monitor;
+    const bool inside =
+        shown_cC <= monitor->highest_temperature_cC && shown_cC >= monitor->lowest_temperature_cC;
+    const sensor_t out = {.shown_cC = shown_cC,
+                          .expected = fitted && limit_cC < CONFIG_TEMPERATURE_OFF_cC,
+                          .shows = fitted && inside};
+    return out;
+}
+
+/* The model's temperature, corrected by what the sensor shows. */
+static int32_t modelled_cC(int32_t *offset_q16, const thermal_lumps_t *row, const sensor_t *sensor)
+{
+    const int32_t model_cC = thermal_model_inner_cC(row);
+    if (sensor->shows) {
+        const int32_t apart_cC =
+            q_clamp(sensor->shown_cC - model_cC, TEMPERATURES_COLDER_cC, TEMPERATURES_HOTTER_cC);
+        *offset_q16 += (apart_cC * (1 << 16) - *offset_q16) >> TEMPERATURES_OFFSET_LOG2;
+    }
+    return model_cC + (*offset_q16 >> 16);
+}
+
+/* The hotter of sensor and model. */
+static int32_t hotter_cC(int32_t *offset_q16, const thermal_lumps_t *row, const sensor_t *sensor,
+                         int32_t unknown_cC)
+{
+    if (row->known) {
+        const int32_t model_cC = modelled_cC(offset_q16, row, sensor);
+        return sensor->shows ? q_max(sensor->shown_cC, model_cC) : model_cC;
+    }
+    return sensor->shows      ? sensor->shown_cC
+           : sensor->expected ? TEMPERATURES_BROKEN_cC
+                              : unknown_cC;
+}
+
+/* By which braking torque may be taken away: a sensor, or what is left without one and model. */
+static int32_t sensed_cC(const thermal_lumps_t *row, const sensor_t *sensor, int32_t used_cC)
+{
+    const int32_t without_cC = row->known ? TEMPERATURE_NONE_cC : used_cC;
+    return sensor->shows ? sensor->shown_cC : without_cC;
+}
+
+static void start(temperatures_t *state, const config_t *config, const sensor_t *winding,
+                  const sensor_t *switches)
+{
+    const int32_t by_winding_cC = winding->shows ? winding->shown_cC : TEMPERATURE_NONE_cC;
+    const int32_t by_switches_cC = switches->shows ? switches->shown_cC : TEMPERATURE_NONE_cC;
+    const int32_t unknown_cC = winding->shows || switches->shows
+                                   ? TEMPERATURE_NONE_cC
+                                   : config->monitor.warmest_ambient_cC;
+    thermal_model_start(
+        &state->model, config,
+        q_max(q_max(by_winding_cC, by_switches_cC), q_max(state->kept_cC, unknown_cC)));
+}
+
 void temperatures_step(temperatures_t *state, const config_t *config,
-                       const wheel_temperatures_t *shown, measured_t *now)
+                       const wheel_temperatures_t *shown, measured_t *now, findings_t *findings)
 {
     thermal_model_state_t *const model = &state->model;
+    const sensor_t winding = sensor_of(config, config->monitor.winding_sensor_fitted != 0,
+                                       config->motor.max_winding_temperature_cC, shown->winding_cC);
+    const sensor_t switches = sensor_of(config, config->monitor.switch_sensor_fitted != 0,
+                                        config->drive.max_switch_temperature_cC, shown->switch_cC);
     if (!model->started) {
-        thermal_model_start(model, config, shown->winding_cC,
-                            monitor_temperature_outside(config, shown->winding_cC),
-                            shown->switch_cC,
-                            monitor_temperature_outside(config, shown->switch_cC));
+        start(state, config, &winding, &switches);
     }
-    const int32_t winding_cC = thermal_model_inner_cC(&model->winding);
-    const monitor_temperature_input_t winding = {
-        .measured_cC = shown->winding_cC,
-        .estimate_cC = winding_cC,
-        .slowest_cC = winding_cC,
-        .estimated = model->winding.known,
-        .limit_cC = config->motor.max_winding_temperature_cC,
-    };
-    const monitor_temperature_output_t of_winding =
-        monitor_temperature_step(&state->winding_sensor, config, &winding);
-    const monitor_temperature_input_t switches = {
-        .measured_cC = shown->switch_cC,
-        .estimate_cC = thermal_model_inner_cC(&model->switches),
-        .slowest_cC = thermal_model_outer_cC(&model->switches),
-        .estimated = model->switches.known,
-        .limit_cC = config->drive.max_switch_temperature_cC,
-    };
-    const monitor_temperature_output_t of_switches =
-        monitor_temperature_step(&state->switch_sensor, config, &switches);
-    now->winding_temperature_cC = of_winding.used_cC;
-    now->switch_temperature_cC = of_switches.used_cC;
-    now->winding_sensor_broken = of_winding.broken;
-    now->switch_sensor_broken = of_switches.broken;
+    const int32_t unknown_cC = config->motor.reference_temperature_cC;
+    now->shown = shown;
+    now->winding_temperature_cC =
+        hotter_cC(&state->winding_offset_q16, &model->winding, &winding, unknown_cC);
+    now->switch_temperature_cC =
+        hotter_cC(&state->switch_offset_q16, &model->switches, &switches, unknown_cC);
+    now->sensed.winding_cC = sensed_cC(&model->winding, &winding, now->winding_temperature_cC);
+    now->sensed.switch_cC = sensed_cC(&model->switches, &switches, now->switch_temperature_cC);
+    now->winding_lasting_mA = model->winding_lasting_mA;
+    now->switch_lasting_mA = model->switch_lasting_mA;
+    findings_set(findings, FINDING_WINDING_THERMISTOR, winding.expected && !winding.shows);
+    findings_set(findings, FINDING_SWITCH_THERMISTOR, switches.expected && !switches.shows);
     thermal_model_step(model, config, now->i_d_mA, now->i_q_mA, now->speed_mrad_s);
 }

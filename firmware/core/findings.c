@@ -158,11 +158,16 @@ static finding_t first_of(const findings_t *findings, const rows_t *rows)
 #define IF_FAULT(check, name, qualify, heal, explanation, reacts) | BIT(check)
 #define IF_SHOWN(check, name, qualify, heal, explanation, reacts)                                  \
     | (REASON_##name == REASON_NONE ? UINT64_C(0) : BIT(check))
+#define IF_LIMITING(check, name, qualify, heal, explanation, reacts)                               \
+    | (REASON_##name == REASON_NONE || FINDING_REACTION_##reacts == FINDING_REACTION_NONE          \
+           ? UINT64_C(0)                                                                           \
+           : BIT(check))
 #define IF_OFF(check, name, qualify, heal, explanation, reacts)                                    \
     | (FINDING_REACTION_##reacts == FINDING_REACTION_OFF ? BIT(check) : UINT64_C(0))
 
 static const rows_t FAULTS = ROWS_OF(UINT64_C(0) FINDING_FAULTS(IF_FAULT));
 static const rows_t SHOWN = ROWS_OF(UINT64_C(0) FINDING_WARNINGS(IF_SHOWN));
+static const rows_t LIMITING = ROWS_OF(UINT64_C(0) FINDING_WARNINGS(IF_LIMITING));
 static const rows_t OFF = ROWS_OF(UINT64_C(0) FINDING_WARNINGS(IF_OFF));
 
 finding_t findings_fault(const findings_t *findings)
@@ -173,6 +178,11 @@ finding_t findings_fault(const findings_t *findings)
 finding_t findings_warning(const findings_t *findings)
 {
     return first_of(findings, &SHOWN);
+}
+
+finding_t findings_limiting(const findings_t *findings)
+{
+    return first_of(findings, &LIMITING);
 }
 
 bool findings_off(const findings_t *findings)

@@ -55,18 +55,21 @@ static bool drive_demanded(const wheel_demand_t *demand)
     return sign > 0 ? drive_mNm > 0 : sign < 0 ? drive_mNm < 0 : drive_mNm != 0;
 }
 
-/* The warning of this step. */
+/* The warnings of this step. */
 typedef struct {
-    finding_t row; /* FINDING_COUNT: none */
-    reason_t reason;
+    reason_t reason;    /* of the first one; REASON_NONE: there is none */
+    finding_t limiting; /* the first one that leaves less torque; FINDING_COUNT: none does */
+    reason_t limiting_reason;
     bool off; /* a finding takes all torque away, named or not */
 } warning_t;
 
 static warning_t warning_of(const findings_t *findings)
 {
-    const finding_t row = findings_warning(findings);
-    const warning_t out = {
-        .row = row, .reason = findings_reason(findings, row), .off = findings_off(findings)};
+    const finding_t limiting = findings_limiting(findings);
+    const warning_t out = {.reason = findings_reason(findings, findings_warning(findings)),
+                           .limiting = limiting,
+                           .limiting_reason = findings_reason(findings, limiting),
+                           .off = findings_off(findings)};
     return out;
 }
 
@@ -146,13 +149,13 @@ static void calibrate(modes_state_t *state, const config_modes_t *config, const 
 
 /* RUN and LIMP. Never to READY while rolling: switching off must not take the electric brake
  * away. */
-static void run(modes_state_t *state, const request_t *request, bool rolling, finding_t warning)
+static void run(modes_state_t *state, const request_t *request, bool rolling, bool limited)
 {
     if (!request->enable && !rolling) {
         enter(state, MODE_READY);
         return;
     }
-    const bool limps = findings_reaction(warning) != FINDING_REACTION_NONE || state->offsets_stored;
+    const bool limps = limited || state->offsets_stored;
     if (limps != (state->mode == MODE_LIMP)) {
         enter(state, limps ? MODE_LIMP : MODE_RUN);
     }
@@ -160,7 +163,7 @@ static void run(modes_state_t *state, const request_t *request, bool rolling, fi
 
 static void advance(modes_state_t *state, const config_t *config, const measured_t *now,
                     const monitored_t *watch, const slow_input_t *in, const request_t *request,
-                    bool acknowledged, finding_t warning)
+                    bool acknowledged, bool limited)
 {
     switch (state->mode) {
     case MODE_BOOT:
@@ -184,7 +187,7 @@ static void advance(modes_state_t *state, const config_t *config, const measured
         break;
     case MODE_RUN:
     case MODE_LIMP:
-        run(state, request, watch->bound_mrad_s > config->brake.blend_out_end_mrad_s, warning);
+        run(state, request, watch->bound_mrad_s > config->brake.blend_out_end_mrad_s, limited);
         break;
     case MODE_FAULT:
         if (acknowledged) { /* and no fault is present: modes_step() */
@@ -213,7 +216,7 @@ static torque_enable_t torque_enable_of(const modes_state_t *state, const config
     case MODE_LIMP:
         out.drive_q15 = (int16_t)(enable ? config->limp_drive_share_q15 : 0);
         out.brake_q15 = Q15_ONE;
-        out.reason = warning->reason;
+        out.reason = warning->limiting_reason;
         break;
     case MODE_FAULT:
         out.reason = state->fault;
@@ -232,9 +235,18 @@ static torque_enable_t torque_enable_of(const modes_state_t *state, const config
         out.drive_q15 = 0;
         out.brake_q15 = 0;
         /* Without a name in the first millisecond; stored offsets take no torque away. */
-        out.reason = warning->row < FINDING_OFFSETS_OLD ? warning->reason : REASON_TORQUE_ENABLE;
+        out.reason = warning->limiting < FINDING_OFFSETS_OLD ? warning->limiting_reason
+                                                             : REASON_TORQUE_ENABLE;
     }
     return out;
+}
+
+/* What torque waits for that a finding takes away; NONE: none does. */
+static waits_for_t off_waits_for(const warning_t *warning)
+{
+    const bool hot =
+        warning->limiting == FINDING_WINDING_HOT || warning->limiting == FINDING_SWITCH_HOT;
+    return !warning->off ? WAITS_FOR_NONE : hot ? WAITS_FOR_COOLING : WAITS_FOR_BATTERY;
 }
 
 /* What keeps READY from RUN, and then what keeps RUN from driving. */
@@ -247,7 +259,7 @@ static waits_for_t of_the_driver(const request_t *request)
 }
 
 static waits_for_t waits_for(const modes_state_t *state, const monitored_t *watch,
-                             const request_t *request, bool ready, bool off, bool neutral)
+                             const request_t *request, bool ready, waits_for_t off, bool neutral)
 {
     waits_for_t out = WAITS_FOR_NONE;
     switch (state->mode) {
@@ -265,7 +277,7 @@ static waits_for_t waits_for(const modes_state_t *state, const monitored_t *watc
         return out == WAITS_FOR_NONE && !ready ? WAITS_FOR_ROTOR_ANGLE : out;
     case MODE_RUN:
     case MODE_LIMP:
-        out = off ? WAITS_FOR_BATTERY : of_the_driver(request);
+        out = off != WAITS_FOR_NONE ? off : of_the_driver(request);
         return out == WAITS_FOR_NONE && neutral ? WAITS_FOR_DIRECTION : out;
     case MODE_FAULT:
         if (fault_clearing(state->fault) == FAULT_CLEARING_RESTART) {
@@ -342,7 +354,8 @@ modes_output_t modes_step(modes_state_t *state, const config_t *config, const me
     if (fault != FINDING_COUNT && state->mode != MODE_BOOT) {
         fail(state, findings_reason(findings, fault));
     } else {
-        advance(state, config, now, watch, in, &request, acknowledged, warning.row);
+        advance(state, config, now, watch, in, &request, acknowledged,
+                warning.limiting != FINDING_COUNT);
     }
     latch_warning(state, &request, in->demand.reason);
     state->inverted = inverted_copy(state);
@@ -354,7 +367,7 @@ modes_output_t modes_step(modes_state_t *state, const config_t *config, const me
         .warning = state->warning != REASON_NONE ? state->warning : warning.reason,
         .present_warning = warning.reason,
         .torque_enable = torque_enable_of(state, &config->modes, request.enable, ready, &warning),
-        .waits_for = waits_for(state, watch, &request, ready, warning.off,
+        .waits_for = waits_for(state, watch, &request, ready, off_waits_for(&warning),
                                last->engaged == DRIVE_DIRECTION_NEUTRAL),
         .calibrate_offsets =
             calibrates_offsets(state, now->report->bridge == BRIDGE_OFF, watch->emf_conducts),

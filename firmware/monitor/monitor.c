@@ -3,7 +3,6 @@
 #include "config/bases.h"
 #include "core/divide.h"
 #include "core/q15.h"
-#include "monitor/monitor_temperature.h"
 
 enum {
     FLOW_TOLERANCE_SHARE = 4, /* fast steps in a slow step may differ by a quarter */
@@ -134,31 +133,21 @@ static bool bus_unexplained(monitor_state_t *state, const config_t *config, cons
                          (uint32_t)qualify_ms, 1U);
 }
 
-static bool too_hot(const config_t *config, int32_t temperature_cC, int32_t limit_cC)
+/* A reading at an end of the sensor's range is none. */
+static bool too_hot(const config_t *config, int32_t shown_cC, int32_t limit_cC)
 {
-    return limit_cC < MONITOR_TEMPERATURE_OFF_cC &&
-           !monitor_temperature_outside(config, temperature_cC) &&
-           temperature_cC > limit_cC + config->monitor.overtemperature_margin_cC;
+    const config_monitor_t *monitor = &config->monitor;
+    return limit_cC < CONFIG_TEMPERATURE_OFF_cC && shown_cC <= monitor->highest_temperature_cC &&
+           shown_cC > limit_cC + monitor->overtemperature_margin_cC;
 }
 
-/* An estimate in place of a broken sensor derates, but is no fault. */
-static void check_temperatures(monitor_state_t *state, const config_t *config,
-                               const measured_t *now, findings_t *findings)
+/* By the sensors alone: an estimate is no fault. The limits have taken the torque before. */
+static void check_temperatures(const config_t *config, const measured_t *now, findings_t *findings)
 {
-    const bool winding =
-        !now->winding_sensor_broken &&
-        too_hot(config, now->winding_temperature_cC, config->motor.max_winding_temperature_cC);
-    const bool switches =
-        !now->switch_sensor_broken &&
-        too_hot(config, now->switch_temperature_cC, config->drive.max_switch_temperature_cC);
-    const bool lasts = debounce_step(&state->temperature, winding || switches,
-                                     (uint32_t)config->monitor.sensor_fault_time_ms, 1U);
-    findings_set_named(findings, FINDING_WINDING_HOT, FINDING_SWITCH_HOT,
-                       !lasts    ? REASON_NONE
-                       : winding ? REASON_WINDING_OVERTEMPERATURE
-                                 : REASON_SWITCH_OVERTEMPERATURE);
-    findings_set(findings, FINDING_WINDING_THERMISTOR, now->winding_sensor_broken);
-    findings_set(findings, FINDING_SWITCH_THERMISTOR, now->switch_sensor_broken);
+    findings_set(findings, FINDING_WINDING_HOT,
+                 too_hot(config, now->shown->winding_cC, config->motor.max_winding_temperature_cC));
+    findings_set(findings, FINDING_SWITCH_HOT,
+                 too_hot(config, now->shown->switch_cC, config->drive.max_switch_temperature_cC));
 }
 
 /* A skipped sector is a warning for a while: one may be dirt, a dead sensor makes one every
@@ -303,7 +292,7 @@ monitored_t monitor_step(monitor_state_t *state, const config_t *config, const m
     findings_set_named(findings, FINDING_NO_CURRENT_SUM, FINDING_NO_CURRENT_PHASE, no_current);
     check_bus(state, config, now, findings);
     check_trip(state, now, findings);
-    check_temperatures(state, config, now, findings);
+    check_temperatures(config, now, findings);
     check_voltages(state, now, findings);
 
     const int32_t bound_mrad_s = monitor_speed_step(&state->speed, config, now);

@@ -3,19 +3,25 @@
 
 #include "config/bases.h"
 #include "core/divide.h"
+#include "core/isqrt.h"
 #include "core/q15.h"
 #include "core/scaled.h"
 
 enum {
     STEP_US = THERMAL_MODEL_STEP_MS * 1000,
     STEP_LOG2 = 6,
-    IRON_STEP = 0, /* of the next 64; the switches come after the winding */
+    IRON_STEP = 0, /* of the next 64 */
     WINDING_STEP = 1,
-    RISE_PER_WATT = 419430,       /* 64 ms 100/1000 2^16: over the capacity in mJ/K */
-    MOST_q16 = 32700 << 16,       /* 327 degC */
-    MOST_CURRENT_mA = 4000000,    /* the largest base of current */
-    SQUARE_SHIFT = 12,            /* to 2^12 mA^2, so that any resistance's heat fits 64 bits */
-    THREE_HALVES_NANO_q16 = 26388 /* 3/2 1e-9 2^12 2^16, 2^16: uOhm 2^12 mA^2 to mW */
+    SWITCH_STEP = 2,
+    LASTING_STEP = 3,
+    LEAST_SHARE = 8,               /* a lasting current is never below this part of the largest */
+    RISE_PER_WATT = 419430,        /* 64 ms 100/1000 2^16: over the capacity in mJ/K */
+    MOST_q16 = 32700 << 16,        /* 327 degC */
+    MOST_CURRENT_mA = 4000000,     /* the largest base of current */
+    SQUARE_SHIFT = 12,             /* to 2^12 mA^2, so that any resistance's heat fits 64 bits */
+    THREE_HALVES_NANO_q16 = 26388, /* 3/2 1e-9 2^12 2^16, 2^16: uOhm 2^12 mA^2 to mW */
+    TWO_THIRDS_GIGA = 666666667,   /* mW/uOhm to mA^2 */
+    MILLI_PER_CENTI = 10000        /* hundredths of a kelvin by mK/W to mW */
 };
 
 _Static_assert(1 << STEP_LOG2 == THERMAL_MODEL_STEP_MS, "a mean of a step is a shift");
@@ -43,6 +49,10 @@ static thermal_lumps_t row_of(int32_t inner_mJ_K, int32_t inner_mK_W, int32_t ou
     const int32_t per_mW_q16 = scaled_constant(RISE_PER_WATT, inner_mJ_K, 16);
     out.inner_per_mW_q16 =
         (int32_t)(((int64_t)per_mW_q16 * ((1 << 30) - out.inner_share_q30)) >> 30);
+    const int64_t whole_mK_W = (int64_t)inner_mK_W + outer_mK_W;
+    const bool insulated = whole_mK_W == 0 || (has_outer && (inner_mK_W == 0 || outer_mK_W == 0));
+    out.steady_mW_cK_q16 = insulated ? 0 : scaled_constant(MILLI_PER_CENTI, whole_mK_W, 16);
+    out.outer_share_q15 = insulated || !has_outer ? 0 : scaled_constant(outer_mK_W, whole_mK_W, 15);
     if (has_outer) {
         out.outer_per_mW_q16 = scaled_constant(RISE_PER_WATT, outer_mJ_K, 16);
         out.outer_gain_q30 =
@@ -52,9 +62,52 @@ static thermal_lumps_t row_of(int32_t inner_mJ_K, int32_t inner_mK_W, int32_t ou
     return out;
 }
 
+/* 3/2 R i^2. square: mean of i^2, 2^12 mA^2. */
+static int32_t heat_mW(int64_t square, int32_t resistance_uOhm)
+{
+    const int32_t part = q_saturate64((square * resistance_uOhm) >> 16);
+    return (int32_t)(((int64_t)part * THREE_HALVES_NANO_q16) >> 16); /* less than the part */
+}
+
+static int32_t bridge_mW(const config_t *config, int64_t square, int32_t length_mA)
+{
+    const config_drive_t *drive = &config->drive;
+    const int64_t by_current_mW =
+        divide_by_million((int64_t)drive->loss_per_ampere_uW_A * length_mA);
+    return q_saturate64(by_current_mW + heat_mW(square, drive->loss_resistance_uOhm));
+}
+
+/* What a row leads away with its inner lump at limit_cC, less what is made in its outer one. */
+static int32_t steady_mW(const thermal_lumps_t *row, int32_t limit_cC, int32_t ambient_cC,
+                         int32_t outer_mW)
+{
+    const int64_t away_mW = ((int64_t)(limit_cC - ambient_cC) * row->steady_mW_cK_q16) >> 16;
+    return q_saturate64(away_mW - (((int64_t)outer_mW * row->outer_share_q15) >> 15));
+}
+
+static int32_t least_lasting_mA(const config_t *config)
+{
+    return config->motor.max_phase_current_mA / LEAST_SHARE;
+}
+
+/* c1 i + 3/2 c2 i^2 = P, with the warmest ambient: i = 2 P/(c1 + sqrt(c1^2 + 6 c2 P)), the voltages
+ * in 16 uV; c1 in uW/A is in uV, c2 P in uOhm mW in 1000 uV^2. */
+static int32_t switch_lasting_mA(const config_t *config, const thermal_lumps_t *row)
+{
+    const config_drive_t *drive = &config->drive;
+    const int64_t heat_mW = q_max(
+        steady_mW(row, drive->max_switch_temperature_cC, config->monitor.warmest_ambient_cC, 0), 0);
+    const int64_t threshold = drive->loss_per_ampere_uW_A >> 4;
+    const int64_t by_resistance = 6000 * ((drive->loss_resistance_uOhm * heat_mW) >> 8);
+    const int64_t sum = threshold + isqrt64((uint64_t)(threshold * threshold + by_resistance));
+    const int32_t lasting_mA = scaled_constant(2000000 / 16 * heat_mW, sum + 1, 0);
+    return q_max(q_min(lasting_mA, MOST_CURRENT_mA), least_lasting_mA(config));
+}
+
 void thermal_model_init(thermal_model_state_t *state, const config_t *config)
 {
     const config_thermal_t *thermal = &config->thermal;
+    const config_motor_t *motor = &config->motor;
     const thermal_model_state_t fresh = {
         .winding =
             row_of(thermal->winding_heat_capacity_mJ_K, thermal->winding_thermal_resistance_mK_W,
@@ -64,6 +117,11 @@ void thermal_model_init(thermal_model_state_t *state, const config_t *config)
                    thermal->heatsink_heat_capacity_mJ_K, thermal->heatsink_thermal_resistance_mK_W),
     };
     *state = fresh;
+    const int32_t hot_uOhm = bases_at_winding_temperature(config, motor->phase_resistance_uOhm,
+                                                          motor->max_winding_temperature_cC);
+    state->square_per_mW = scaled_constant(TWO_THIRDS_GIGA, q_max(hot_uOhm, 1), 0);
+    state->winding_lasting_mA = least_lasting_mA(config);
+    state->switch_lasting_mA = switch_lasting_mA(config, &state->switches);
 }
 
 static int32_t in_q16(int32_t temperature_cC)
@@ -78,15 +136,12 @@ static void start(thermal_lumps_t *row, int32_t temperature_cC, int32_t ambient_
     row->ambient_q16 = in_q16(ambient_cC);
 }
 
-void thermal_model_start(thermal_model_state_t *state, const config_t *config, int32_t winding_cC,
-                         bool winding_broken, int32_t switch_cC, bool switch_broken)
+void thermal_model_start(thermal_model_state_t *state, const config_t *config, int32_t warmest_cC)
 {
-    const int32_t warmest_cC = config->monitor.warmest_ambient_cC;
-    const int32_t one_cC = winding_broken ? warmest_cC : winding_cC;
-    const int32_t other_cC = switch_broken ? warmest_cC : switch_cC;
-    const int32_t ambient_cC = q_min(q_min(one_cC, other_cC), warmest_cC);
-    start(&state->winding, winding_broken ? other_cC : winding_cC, ambient_cC);
-    start(&state->switches, switch_broken ? one_cC : switch_cC, ambient_cC);
+    const int32_t from_cC = q_max(warmest_cC, config->monitor.coldest_ambient_cC);
+    const int32_t ambient_cC = q_min(from_cC, config->monitor.warmest_ambient_cC);
+    start(&state->winding, from_cC, ambient_cC);
+    start(&state->switches, from_cC, ambient_cC);
     state->started = true;
 }
 
@@ -114,13 +169,6 @@ static void advance(thermal_lumps_t *row, int32_t inner_mW, int32_t outer_mW)
         warmed_q16(outer_q16, outer_mW, row->outer_per_mW_q16,
                    levelled_q16(row->inner_q16, outer_q16, row->outer_gain_q30) -
                        levelled_q16(outer_q16, row->ambient_q16, row->ambient_share_q30));
-}
-
-/* 3/2 R i^2. square: mean of i^2, 2^12 mA^2. */
-static int32_t heat_mW(int64_t square, int32_t resistance_uOhm)
-{
-    const int32_t part = q_saturate64((square * resistance_uOhm) >> 16);
-    return (int32_t)(((int64_t)part * THREE_HALVES_NANO_q16) >> 16); /* less than the part */
 }
 
 static int32_t copper_mW(const config_t *config, int64_t square, int32_t winding_cC)
@@ -159,20 +207,24 @@ static int32_t iron_mW(const config_t *config, int32_t i_d_mA, int32_t i_q_mA, i
     return q_saturate64(part_mW);
 }
 
-static int32_t bridge_mW(const config_t *config, int64_t square, int32_t length_mA)
-{
-    const config_drive_t *drive = &config->drive;
-    const int64_t by_current_mW =
-        divide_by_million((int64_t)drive->loss_per_ampere_uW_A * length_mA);
-    return q_saturate64(by_current_mW + heat_mW(square, drive->loss_resistance_uOhm));
-}
-
 /* Within 3 %. */
 static int32_t length_mA(int32_t i_d_mA, int32_t i_q_mA)
 {
     const int32_t large_mA = q_max(q_abs(i_d_mA), q_abs(i_q_mA));
     const int32_t small_mA = q_min(q_abs(i_d_mA), q_abs(i_q_mA));
     return q_max(large_mA, large_mA - (large_mA >> 3) + (small_mA >> 1));
+}
+
+/* 3/2 R i^2 = P, R at the winding's limit. */
+static int32_t winding_lasting_mA(const thermal_model_state_t *state, const config_t *config)
+{
+    const thermal_lumps_t *row = &state->winding;
+    const int32_t heat_mW = steady_mW(row, config->motor.max_winding_temperature_cC,
+                                      row->ambient_q16 >> 16, state->iron_mW);
+    const uint64_t square = (uint64_t)q_max(heat_mW, 0) * (uint64_t)state->square_per_mW;
+    const uint32_t most_mA = MOST_CURRENT_mA;
+    const uint32_t root_mA = isqrt64(square);
+    return q_max((int32_t)(root_mA < most_mA ? root_mA : most_mA), least_lasting_mA(config));
 }
 
 /* One part of what the heat of the 64 ms before calls for. */
@@ -187,10 +239,12 @@ static void add_heat(thermal_model_state_t *state, const config_t *config, int32
             advance(winding, copper_mW(config, state->square, thermal_model_inner_cC(winding)),
                     state->iron_mW);
         }
-    } else {
+    } else if (state->steps == SWITCH_STEP) {
         if (state->switches.known) {
             advance(&state->switches, bridge_mW(config, state->square, state->mean_mA), 0);
         }
+    } else {
+        state->winding_lasting_mA = winding_lasting_mA(state, config);
         state->heat_due = false;
     }
 }

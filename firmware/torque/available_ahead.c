@@ -232,10 +232,13 @@ static void expect_other_lines(available_ahead_state_t *state, const config_t *c
             braking[line] = limits->braking[line];
         }
     }
-    braking[TORQUE_LINE_WINDING] = torque_limits_winding(config, then->winding_temperature_cC);
-    braking[TORQUE_LINE_SWITCH] = torque_limits_switch(config, then->switch_temperature_cC);
-    state->driving_lines[TORQUE_LINE_WINDING] = braking[TORQUE_LINE_WINDING];
-    state->driving_lines[TORQUE_LINE_SWITCH] = braking[TORQUE_LINE_SWITCH];
+    limit_t *driving = state->driving_lines;
+    driving[TORQUE_LINE_WINDING] = torque_limits_winding(config, then->winding_temperature_cC);
+    driving[TORQUE_LINE_SWITCH] = torque_limits_switch(config, then->switch_temperature_cC);
+    braking[TORQUE_LINE_WINDING] =
+        torque_limits_braking_hot(driving[TORQUE_LINE_WINDING], limits->least_winding_mNm);
+    braking[TORQUE_LINE_SWITCH] =
+        torque_limits_braking_hot(driving[TORQUE_LINE_SWITCH], limits->least_switch_mNm);
     state->driving_lines[TORQUE_LINE_MAX_SPEED] =
         torque_limits_max_speed(config, then->speed_mrad_s);
 }

@@ -204,7 +204,25 @@ static battery_limit_t battery_limit(foldback_state_t *state, const config_batte
     return out;
 }
 
-/* Lines equal for driving and braking. */
+/* The braking torque that an estimate of a temperature does not take away: what the current makes
+ * that the part bears for ever, and the hydraulic brake has the rest; all of it where there is no
+ * other brake. A sensor may take it. */
+static int32_t least_hot_mNm(const motor_model_t *model, int32_t lasting_mA, limit_t sensed)
+{
+    const motor_point_t lasting = {.d_b = 0,
+                                   .x_b = -motor_model_current_b(model->constants, lasting_mA)};
+    const int32_t lasting_mNm =
+        q_clamp(-motor_model_torque_mNm(model, lasting), 0, model->config->motor.max_torque_mNm);
+    const bool alone = model->config->driver.no_other_brake != 0;
+    return alone ? sensed.torque_mNm : q_min(sensed.torque_mNm, lasting_mNm);
+}
+
+limit_t torque_limits_braking_hot(limit_t driving, int32_t least_mNm)
+{
+    return limit_init(q_max(driving.torque_mNm, least_mNm), driving.reason);
+}
+
+/* Lines of which only the temperatures differ for driving and braking. */
 static int32_t common_lines(torque_limits_t *out, const config_t *config,
                             const motor_model_t *model, const measured_t *now)
 {
@@ -222,8 +240,14 @@ static int32_t common_lines(torque_limits_t *out, const config_t *config,
     limit_t *braking = out->braking;
     braking[TORQUE_LINE_MAX_TORQUE] = line[TORQUE_LINE_MAX_TORQUE];
     braking[TORQUE_LINE_MAX_POWER] = line[TORQUE_LINE_MAX_POWER];
-    braking[TORQUE_LINE_WINDING] = line[TORQUE_LINE_WINDING];
-    braking[TORQUE_LINE_SWITCH] = line[TORQUE_LINE_SWITCH];
+    out->least_winding_mNm = least_hot_mNm(model, now->winding_lasting_mA,
+                                           torque_limits_winding(config, now->sensed.winding_cC));
+    out->least_switch_mNm = least_hot_mNm(model, now->switch_lasting_mA,
+                                          torque_limits_switch(config, now->sensed.switch_cC));
+    braking[TORQUE_LINE_WINDING] =
+        torque_limits_braking_hot(line[TORQUE_LINE_WINDING], out->least_winding_mNm);
+    braking[TORQUE_LINE_SWITCH] =
+        torque_limits_braking_hot(line[TORQUE_LINE_SWITCH], out->least_switch_mNm);
     braking[TORQUE_LINE_ROTOR] = line[TORQUE_LINE_ROTOR];
     return q_min(winding_q15, switch_q15);
 }

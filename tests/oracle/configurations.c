@@ -125,7 +125,7 @@ static const variation_t VARIATIONS[] = {
     VARY(monitor.standstill_mrad_s, PER_MILLE, 200, 5000),
     VARY(monitor.short_release_permille, ABSOLUTE, 500, 999),
     VARY(monitor.flux_tolerance_permille, ABSOLUTE, 50, 300),
-    VARY(monitor.stuck_rise_cC, ABSOLUTE, 0, 500),
+    VARY(monitor.coldest_ambient_cC, ABSOLUTE, -5000, 2000),
     VARY(thermal.winding_heat_capacity_mJ_K, PER_MILLE, 1, 100),
     VARY(thermal.winding_thermal_resistance_mK_W, PER_MILLE, 0, 2000),
     VARY(thermal.housing_heat_capacity_mJ_K, PER_MILLE, 0, 100),

@@ -26,7 +26,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "monitor": ("monitor/monitor", "monitor/monitor_fast",
                 "monitor/monitor_bus", "monitor/monitor_gain", "monitor/monitor_window",
                 "monitor/monitor_current", "monitor/monitor_open",
-                "monitor/monitor_stuck", "monitor/monitor_temperature"),
+                "monitor/monitor_stuck"),
     "recorder": ("app/recorder",),
     "controller": ("controller/angle_choice", "controller/bridge_choice",
                    "controller/current_expectation", "controller/temperatures"),
@@ -144,6 +144,7 @@ CHECKS = (
 UNWIND = 20
 UNWIND_OF_TYPE = {"findings_t": 65, "controller_t": 65, "controller_slow_t": 65}
 UNWIND_OF = {"finding_times": 65, "recorder_init": 401, "recorder_slow": 70,
+             "thermal_model_init": 34, "thermal_model_step": 34,
              "loss_maps_row_d_mA": 131, "loss_maps_row_rise_mA": 131}  # fmt: skip
 OVERFLOW_CHECKS = ("--signed-overflow-check", "--undefined-shift-check")
 CORE_HEADERS = tuple(path.name for path in sorted(FIRMWARE.glob("core/include/core/*.h")))

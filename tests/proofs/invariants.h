@@ -164,20 +164,22 @@ enum { MOST_ROW_POINTS = 65 };
 
 #define lumps_hold(row)                                                                            \
     (is_within((row)->inner_q16, -32700 * 65536, 32700 * 65536) &&                                 \
-     is_within((row)->outer_q16, -32700 * 65536, 32700 * 65536))
+     is_within((row)->outer_q16, -32700 * 65536, 32700 * 65536) &&                                 \
+     is_within((row)->ambient_q16, -32700 * 65536, 32700 * 65536) &&                               \
+     is_within((row)->steady_mW_cK_q16, 0, 1 << 30) &&                                             \
+     is_within((row)->outer_share_q15, 0, 1 << 30))
 
 #define thermal_model_holds(s)                                                                     \
-    (lumps_hold(&(s)->winding) && lumps_hold(&(s)->switches) && (s)->steps < THERMAL_MODEL_STEP_MS)
+    (lumps_hold(&(s)->winding) && lumps_hold(&(s)->switches) &&                                    \
+     (s)->steps < THERMAL_MODEL_STEP_MS && is_within((s)->square_per_mW, 0, 1 << 30) &&            \
+     (s)->winding_lasting_mA >= 0 && (s)->switch_lasting_mA >= 0 && (s)->iron_mW >= 0)
 
-#define temperature_sensor_holds(s)                                                                \
-    (is_within((s)->kept_cC, -20000, 29998) && is_within((s)->kept_estimate_cC, -32700, 32700) &&  \
-     is_within((s)->offset_q16, -MONITOR_TEMPERATURE_OFFSET_MOST_cC * 65536,                       \
-               MONITOR_TEMPERATURE_OFFSET_MOST_cC * 65536) &&                                      \
-     (s)->heal_steps <= MONITOR_TEMPERATURE_HEAL_STEPS)
+#define temperature_offset_holds(offset_q16)                                                       \
+    is_within(offset_q16, TEMPERATURES_COLDER_cC * 65536, TEMPERATURES_HOTTER_cC * 65536)
 
 #define temperatures_hold(s)                                                                       \
-    (thermal_model_holds(&(s)->model) && temperature_sensor_holds(&(s)->winding_sensor) &&         \
-     temperature_sensor_holds(&(s)->switch_sensor))
+    (thermal_model_holds(&(s)->model) && temperature_offset_holds((s)->winding_offset_q16) &&      \
+     temperature_offset_holds((s)->switch_offset_q16))
 
 /* findings.h: times of at least one step, those of checks with a filter of their own one; a row is
  * present as long as its debounce says; what is present is active. */

@@ -364,5 +364,6 @@ def _monitor(drive: Drive) -> dict[str, Any]:
         "torque_tolerance_mNm": nearest(torque * 1e3),
         "overtemperature_margin_cC": nearest(monitor.overtemperature_margin_k * 1e2),
         "short_release_permille": nearest(monitor.short_release_share * 1e3),
-        "stuck_rise_cC": nearest(monitor.stuck_rise_k * 1e2),
+        "winding_sensor_fitted": int(monitor.winding_sensor != "none"),
+        "switch_sensor_fitted": int(monitor.switch_sensor != "none"),
     }

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the independent monitor tolerates, and for how long; every key has a default."""
 
-from typing import Annotated
+from typing import Annotated, Literal
+
+from pydantic import Field
 
 from regen_table.plant_sections import Section, number
 
@@ -141,14 +143,26 @@ class Monitor(Section):
             "of the speed where it begins, below which an active short circuit ends",
         ),
     ] = 0.9
+    winding_sensor: Annotated[
+        Literal["thermistor", "none"],
+        Field(description="none: the controller estimates the winding's temperature alone"),
+    ] = "thermistor"
+    switch_sensor: Annotated[
+        Literal["thermistor", "none"],
+        Field(description="none: likewise of the switches"),
+    ] = "thermistor"
+    coldest_ambient_c: Annotated[
+        float,
+        number(-50.0, 50.0, "degC", "the controller's estimate never starts below it"),
+    ] = 20.0
     warmest_ambient_c: Annotated[
         float,
         number(
             0.0,
             100.0,
             "degC",
-            "the controller's estimate takes the colder sensor's reading at the start for the"
-            " ambient, at most this",
+            "the controller's estimate takes the warmest reading at the start for the ambient, at"
+            " most this",
         ),
     ] = 40.0
     flux_tolerance: Annotated[
@@ -160,13 +174,3 @@ class Monitor(Section):
             "the back-EMF differs this share, and its uncertainty, from the magnets': a warning",
         ),
     ] = 0.15
-    stuck_rise_k: Annotated[
-        float,
-        number(
-            0.0,
-            200.0,
-            "K",
-            "a temperature sensor that moves less than a quarter of it while the estimate moves by"
-            " it is stuck; 0: not checked",
-        ),
-    ] = 15.0

@@ -72,8 +72,8 @@ class Bms(Section):
 class Thermal(Section):
     """Heat of one motor and one inverter.
 
-    The simulated plant warms up where a scenario lets it; the controller estimates a temperature
-    whose sensor is broken.
+    The simulated plant warms up where a scenario lets it; the controller estimates both
+    temperatures beside their sensors.
     """
 
     winding_heat_capacity_j_per_k: Annotated[float, number(0.0, 2e6, "J/K", "copper")] = 0.0

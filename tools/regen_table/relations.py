@@ -72,7 +72,43 @@ def warnings(drive: Drive) -> list[str]:
             f" max_phase_current_a = {motor.max_phase_current_a:g} A and a broken sensor is not"
             f" noticed; the winding is derated up to {motor.max_winding_temperature_c:g} degC"
         )
+    thermal = drive.thermal
+    for part, capacity in (
+        ("winding", thermal.winding_heat_capacity_j_per_k),
+        ("switch", thermal.switch_heat_capacity_j_per_k),
+    ):
+        if capacity == 0.0:
+            found.append(
+                f"thermal.{part}_heat_capacity_j_per_k: absent, so the controller does not estimate"
+                f" this temperature: a sensor that lags or reads low is not noticed, and a broken"
+                " one ends the torque"
+            )
     return found
+
+
+def _temperature_sensors(drive: Drive) -> Iterator[str]:
+    monitor, thermal = drive.monitor, drive.thermal
+    hottest = drive.inverter.max_switch_temperature_c
+    if monitor.winding_sensor == "none" and thermal.winding_heat_capacity_j_per_k == 0.0:
+        yield (
+            'monitor.winding_sensor: "none", accepted: "thermistor", or an estimate by'
+            " thermal.winding_heat_capacity_j_per_k and its kin"
+        )
+    if (
+        monitor.switch_sensor == "none"
+        and hottest is not None
+        and thermal.switch_heat_capacity_j_per_k == 0.0
+    ):
+        yield (
+            'monitor.switch_sensor: "none", accepted: "thermistor", an estimate by'
+            " thermal.switch_heat_capacity_j_per_k and its kin, or no"
+            " inverter.max_switch_temperature_c"
+        )
+    if monitor.coldest_ambient_c > monitor.warmest_ambient_c:
+        yield (
+            f"monitor.coldest_ambient_c: {monitor.coldest_ambient_c:g} degC, accepted: at most"
+            f" warmest_ambient_c = {monitor.warmest_ambient_c:g} degC"
+        )
 
 
 def _inductances(drive: Drive) -> Iterator[str]:
@@ -451,6 +487,6 @@ def _regeneration(drive: Drive) -> Iterator[str]:
 
 _CHECKS: tuple[Callable[[Drive], Iterator[str]], ...] = (
     _inductances, _iron, _torques, _currents, _battery, _foldback, _derating, _stop_lamp, _hold,
-    _pedals, _trips, _devices, _torque_growth, _grid, _temperatures, _handover, _hall,
-    _hall_hand_over, _encoder, _emf, _regeneration,
+    _pedals, _trips, _devices, _torque_growth, _grid, _temperatures, _temperature_sensors,
+    _handover, _hall, _hall_hand_over, _encoder, _emf, _regeneration,
 )  # fmt: skip

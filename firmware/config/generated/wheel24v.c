@@ -16,7 +16,7 @@ extern const config_t CONFIG_WHEEL24V;
 
 CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 17,
+    .format_version = 18,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "wheel24v",
@@ -356,15 +356,18 @@ CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
         /* [permille] of the speed where it begins, below which an active short circuit ends;
          * default 900 */
         .short_release_permille    = 900,
-        /* [cC] the ambient of the estimate is the colder sensor's reading at the start, at
-         * most this; default 4000 */
+        /* 1: a winding temperature sensor is fitted, default; 0: none, the estimate stands
+         * alone */
+        .winding_sensor_fitted     = 1,
+        .switch_sensor_fitted      = 1, /* likewise of the switches */
+        /* [cC] the estimate of temperatures never starts below it; default 2000 */
+        .coldest_ambient_cC        = 2000,
+        /* [cC] the ambient of the estimate is the warmest reading at the start, at most this;
+         * default 4000 */
         .warmest_ambient_cC        = 4000,
         /* [permille] the back-EMF differs this much, and its uncertainty, from the magnets':
          * a warning; default 150 */
         .flux_tolerance_permille   = 150,
-        /* [cC] a temperature sensor that moves less than a quarter of it while the estimate
-         * moves by it is stuck; 0: not checked; default 1500 */
-        .stuck_rise_cC             = 1500,
     },
     .thermal = {
         /* [mJ/K] of one motor's winding; 0: its temperature is not estimated, and a broken
@@ -442,5 +445,5 @@ CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
             -69, -93, -74, -137, -157,
         },
     },
-    .crc32 = 0xF06A40CF,
+    .crc32 = 0x31F794E1,
 };

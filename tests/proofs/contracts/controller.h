@@ -171,20 +171,30 @@ POST(operating_point_initial_setpoint, setpoint->torque_enabled == old(setpoint-
 
 /* controller/temperatures.h */
 POST(temperatures_init, !state->model.started)
-POST(temperatures_init, !state->winding_sensor.started && !state->switch_sensor.started)
+POST(temperatures_init, state->winding_offset_q16 == 0 && state->switch_offset_q16 == 0 &&
+     state->kept_cC == TEMPERATURE_NONE_cC)
 POST(temperatures_init, temperatures_hold(state))
 
 PRE(temperatures_step, is_within(shown->winding_cC, -100000, 100000) && is_within(shown->switch_cC,
      -100000, 100000))
-PRE(temperatures_step, temperatures_hold(state))
+PRE(temperatures_step, temperatures_hold(state) && findings_hold(findings))
 POST(temperatures_step, temperatures_hold(state) && state->model.started)
-POST(temperatures_step, config->motor.max_winding_temperature_cC < 30000 ||
-     (!now->winding_sensor_broken && now->winding_temperature_cC == shown->winding_cC))
-POST(temperatures_step, !is_within(shown->winding_cC, config->monitor.lowest_temperature_cC,
-     config->monitor.highest_temperature_cC) || now->winding_temperature_cC >= shown->winding_cC)
-POST(temperatures_step, state->model.winding.known || now->winding_temperature_cC >=
-     shown->winding_cC || now->winding_temperature_cC == MONITOR_TEMPERATURE_BROKEN_cC)
-POST(temperatures_step, state->model.switches.known || now->switch_temperature_cC >=
-     shown->switch_cC || now->switch_temperature_cC == MONITOR_TEMPERATURE_BROKEN_cC)
+POST(temperatures_step, now->shown == shown)
+POST(temperatures_step, config->monitor.winding_sensor_fitted == 0 ||
+     !is_within(shown->winding_cC, config->monitor.lowest_temperature_cC,
+     config->monitor.highest_temperature_cC) || (now->winding_temperature_cC >= shown->winding_cC &&
+     now->sensed.winding_cC == shown->winding_cC))
+POST(temperatures_step, config->monitor.switch_sensor_fitted == 0 ||
+     !is_within(shown->switch_cC, config->monitor.lowest_temperature_cC,
+     config->monitor.highest_temperature_cC) || (now->switch_temperature_cC >= shown->switch_cC &&
+     now->sensed.switch_cC == shown->switch_cC))
+POST(temperatures_step, !state->model.winding.known || now->winding_temperature_cC >=
+     old(thermal_model_inner_cC(&state->model.winding)) + TEMPERATURES_COLDER_cC ||
+     !old(state->model.started))
+POST(temperatures_step, is_within(now->winding_temperature_cC, -34700, 34700) &&
+     is_within(now->switch_temperature_cC, -34700, 34700))
+POST(temperatures_step, now->winding_lasting_mA >= 0 && now->switch_lasting_mA >= 0)
+POST(temperatures_step, findings_hold(findings))
 POST(temperatures_step, now->speed_mrad_s == old(now->speed_mrad_s) && now->trip == old(now->trip)
      && now->angle_valid == old(now->angle_valid))
+

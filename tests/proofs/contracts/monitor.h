@@ -22,7 +22,7 @@ POST(monitor_fast_intact, !result || (state->trip_periods == config->monitor.ove
 
 POST(monitor_init, !state->started && !state->release_trip && state->steps == 0 &&
      state->return_steps == 0)
-POST(monitor_init, state->flow_level == 0 && state->bus.count == 0 && state->temperature.count == 0)
+POST(monitor_init, state->flow_level == 0 && state->bus.count == 0)
 POST(monitor_init, state->emf.level == 0 && state->emf.flux_level == 0 && state->emf.missing_q20 ==
      0 && state->current.missing_pu == 0 && state->swing.swing_mV == 0)
 POST(monitor_init, monitor_window_holds(&state->contradiction) && monitor_window_holds(&state->gain)
@@ -205,36 +205,6 @@ POST(monitor_stuck_step, result.side == BRIDGE_OFF || old(state->side) != BRIDGE
      now->angle_valid))
 POST(monitor_stuck_step, !(now->trip != REASON_NONE || turning) || old(state->side) == BRIDGE_OFF ||
      result.side == old(state->side))
-
-/* monitor/monitor_temperature.h */
-POST(monitor_temperature_init, !state->started && !state->stuck && state->heal_steps == 0 &&
-     state->offset_q16 == 0)
-POST(monitor_temperature_init, temperature_sensor_holds(state))
-
-POST(monitor_temperature_outside, !result || measured_cC < 0 || measured_cC > 10000)
-POST(monitor_temperature_outside, result || is_within(measured_cC, -20000, 29998))
-
-PRE(monitor_temperature_step, is_within(in->measured_cC, -100000, 100000) &&
-     is_within(in->estimate_cC, -32700, 32700) && is_within(in->slowest_cC, -32700, 32700))
-PRE(monitor_temperature_step, is_within(state->kept_cC, -20000, 29998) &&
-     is_within(state->kept_estimate_cC, -32700, 32700))
-PRE(monitor_temperature_step, is_within(state->offset_q16, -MONITOR_TEMPERATURE_OFFSET_MOST_cC *
-     65536, MONITOR_TEMPERATURE_OFFSET_MOST_cC * 65536) && state->heal_steps <=
-     MONITOR_TEMPERATURE_HEAL_STEPS)
-POST(monitor_temperature_step, is_within(state->kept_cC, -20000, 29998) &&
-     is_within(state->kept_estimate_cC, -32700, 32700))
-POST(monitor_temperature_step, is_within(state->offset_q16, -MONITOR_TEMPERATURE_OFFSET_MOST_cC *
-     65536, MONITOR_TEMPERATURE_OFFSET_MOST_cC * 65536) && state->heal_steps <=
-     MONITOR_TEMPERATURE_HEAL_STEPS)
-POST(monitor_temperature_step, in->limit_cC < MONITOR_TEMPERATURE_OFF_cC || (!result.broken &&
-     result.used_cC == in->measured_cC))
-POST(monitor_temperature_step, in->limit_cC >= MONITOR_TEMPERATURE_OFF_cC ||
-     is_within(in->measured_cC, config->monitor.lowest_temperature_cC,
-     config->monitor.highest_temperature_cC) ? result.used_cC >= in->measured_cC : in->estimated ?
-     is_within(result.used_cC, in->estimate_cC - 2000, in->estimate_cC + 2000) : result.used_cC ==
-     MONITOR_TEMPERATURE_BROKEN_cC)
-POST(monitor_temperature_step, in->limit_cC >= MONITOR_TEMPERATURE_OFF_cC || result.broken ==
-     (state->heal_steps > 0))
 
 /* monitor/monitor_window.h */
 POST(monitor_window_restart, every(i, 2, window->lowest[i] == 0 && window->highest[i] == 0))

@@ -261,7 +261,7 @@ POST(thermal_model_init, state->winding.known == (config->thermal.winding_heat_c
 POST(thermal_model_init, is_within(state->winding.inner_share_q30, 0, 1 << 30) &&
      is_within(state->winding.ambient_share_q30, 0, 1 << 30) &&
      is_within(state->switches.inner_share_q30, 0, 1 << 30))
-POST(thermal_model_init, lumps_hold(&state->winding) && lumps_hold(&state->switches))
+POST(thermal_model_init, thermal_model_holds(state))
 
 POST(thermal_model_start, state->started)
 POST(thermal_model_start, is_within(state->winding.inner_q16, -32700 * 65536, 32700 * 65536) &&
@@ -275,6 +275,9 @@ POST(thermal_model_start, state->steps == old(state->steps))
 POST(thermal_model_start, !state->winding.known == !old(state->winding.known) &&
      !state->switches.known == !old(state->switches.known))
 
+PRE(thermal_model_start, thermal_model_holds(state))
+POST(thermal_model_start, thermal_model_holds(state))
+
 PRE(thermal_model_step, thermal_model_holds(state))
 POST(thermal_model_step, thermal_model_holds(state))
 POST(thermal_model_step, !state->started == !old(state->started) && !state->winding.known ==
@@ -282,7 +285,7 @@ POST(thermal_model_step, !state->started == !old(state->started) && !state->wind
 POST(thermal_model_step, state->winding.known || state->winding.inner_q16 ==
      old(state->winding.inner_q16))
 POST(thermal_model_step, !state->heat_due == !(state->steps == 0 || (old(state->heat_due) &&
-     old(state->steps) < 2)))
+     old(state->steps) < 3)))
 POST(thermal_model_step, state->winding.ambient_q16 == old(state->winding.ambient_q16))
 
 PRE(thermal_model_inner_cC, is_within(row->inner_q16, -32700 * 65536, 32700 * 65536))

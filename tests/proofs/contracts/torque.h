@@ -357,6 +357,9 @@ POST(torque_limits_switch, temperature_cC > config->drive.derate_switch_temperat
      result.torque_mNm == FEASIBLE_UNBOUNDED)
 POST(torque_limits_switch, result.reason == REASON_SWITCH_TEMPERATURE)
 
+POST(torque_limits_braking_hot, result.torque_mNm >= driving.torque_mNm && result.torque_mNm >=
+     least_mNm && result.reason == driving.reason)
+
 POST(torque_limits_max_speed, is_unbounded_or_permitted(result, config))
 POST(torque_limits_max_speed, q_abs(speed_mrad_s) <= config->motor.max_speed_mrad_s ||
      result.torque_mNm == 0)

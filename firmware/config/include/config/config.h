@@ -25,7 +25,7 @@
 #include <stdint.h>
 
 #define CONFIG_MAGIC 0x434F4648 /* "HFOC" in memory, little endian */
-#define CONFIG_FORMAT_VERSION 17
+#define CONFIG_FORMAT_VERSION 18
 #define CONFIG_NAME_LENGTH 32
 #define CONFIG_HALL_EDGES 6
 #define CONFIG_PEDAL_CHANNELS 4     /* accelerator a and b, brake pedal a and b */
@@ -45,6 +45,9 @@
 #define CONFIG_ROTOR_ANGLE 0
 #define CONFIG_ROTOR_HALL 1    /* three hall sensors */
 #define CONFIG_ROTOR_ENCODER 2 /* incremental encoder with index */
+
+/* a temperature limit of this or more is switched off */
+#define CONFIG_TEMPERATURE_OFF_cC 30000
 
 #define CONFIG_PEDAL_PROPORTIONAL 0
 #define CONFIG_PEDAL_FREE_TRAVEL 1
@@ -383,15 +386,18 @@
       "speed upper bound below which the wheel counts as at standstill; default 300") \
     X(short_release_permille,                500,       999,        "permille", \
       "of the speed where it begins, below which an active short circuit ends; default 900") \
+    X(winding_sensor_fitted,                 0,         1,          "1", \
+      "1: a winding temperature sensor is fitted, default; 0: none, the estimate stands alone") \
+    X(switch_sensor_fitted,                  0,         1,          "1", \
+      "likewise of the switches") \
+    X(coldest_ambient_cC,                    -5000,     5000,       "cC", \
+      "the estimate of temperatures never starts below it; default 2000") \
     X(warmest_ambient_cC,                    0,         10000,      "cC", \
-      "the ambient of the estimate is the colder sensor's reading at the start, at most this; " \
+      "the ambient of the estimate is the warmest reading at the start, at most this; " \
       "default 4000") \
     X(flux_tolerance_permille,               20,        1000,       "permille", \
       "the back-EMF differs this much, and its uncertainty, from the magnets': a warning; " \
-      "default 150") \
-    X(stuck_rise_cC,                         0,         20000,      "cC", \
-      "a temperature sensor that moves less than a quarter of it while the estimate moves by it " \
-      "is stuck; 0: not checked; default 1500")
+      "default 150")
 
 #define CONFIG_THERMAL_FIELDS(X) \
     X(winding_heat_capacity_mJ_K,            0,         2000000000, "mJ/K", \
@@ -464,6 +470,7 @@
 #define CONFIG_ORDERS(BELOW, AT_MOST) \
     AT_MOST(motor.rated_torque_mNm, motor.max_torque_mNm) \
     BELOW(motor.derate_winding_temperature_cC, motor.max_winding_temperature_cC) \
+    AT_MOST(monitor.coldest_ambient_cC, monitor.warmest_ambient_cC) \
     AT_MOST(drive.derate_switch_temperature_cC, drive.max_switch_temperature_cC) \
     BELOW(current_loop.max_current_pu_q15, monitor.overcurrent_pu_q15) \
     AT_MOST(current_loop.field_weakening_current_pu_q15, current_loop.max_current_pu_q15) \

@@ -106,6 +106,10 @@ void controller_fast_report_complete(fast_report_t *report);
  * of controller_slow_step(). */
 const torque_limits_t *controller_limits(const controller_slow_t *slow);
 
+/* Between controller_init() and the first slow step: the thermal model starts at warmest_cC or
+ * more. TEMPERATURE_NONE_cC: nothing is known from before. */
+void controller_start_warm(controller_slow_t *slow, int32_t warmest_cC);
+
 /* The temperatures in use in the latest slow step; before the first the reference temperature. */
 wheel_temperatures_t controller_temperatures(const controller_slow_t *slow);
 

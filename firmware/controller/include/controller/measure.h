@@ -24,8 +24,8 @@ typedef struct {
 void measure_init(measure_t *state, const config_t *config, int32_t timer_Hz);
 
 /* Once per slow step, first. report and in must stay valid as long as the result is used: it points
- * to them. in: temperatures -1000 .. 1000 degC. Sets the findings of the rotor sensor. A trip of
- * the report that the fast monitor cannot have given is REASON_MEMORY. */
+ * to them. in: temperatures -1000 .. 1000 degC. Sets the findings of rotor and temperature sensors.
+ * A trip of the report that the fast monitor cannot have given is REASON_MEMORY. */
 measured_t measure_step(measure_t *state, const config_t *config, const fast_report_t *report,
                         const slow_input_t *in, const last_t *last, findings_t *findings);
 

@@ -1,7 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * temperatures.h: the temperatures the controller uses: what the sensors show, or where one is
- * broken or stuck an estimate from the losses. Slow loop, 1 kHz.
+ * temperatures.h: the temperatures that the controller uses: the hotter of what a sensor shows and
+ * what the thermal model estimates from the losses. Slow loop, 1 kHz.
+ *
+ * A sensor at an end of its range is named and leaves the temperature to the model; one that lags
+ * or reads low is not told from a cold motor, and need not be: the model is hotter then. A good
+ * sensor corrects the model slowly and by little, so that it takes over without a step.
+ * motor/DERIVATIONS.md, Thermal model.
  */
 #ifndef CONTROLLER_TEMPERATURES_H
 #define CONTROLLER_TEMPERATURES_H
@@ -10,23 +15,33 @@
 #include <stdint.h>
 
 #include "config/config.h"
+#include "core/findings.h"
 #include "core/measured.h"
 #include "core/slow_messages.h"
-#include "monitor/monitor_temperature.h"
 #include "motor/thermal_model.h"
+
+enum {
+    /* Of a broken sensor without a model: no torque. As hal/analog.h reports. */
+    TEMPERATURES_BROKEN_cC = 29999,
+    /* By how much a sensor corrects the model, over 2^14 ms. */
+    TEMPERATURES_COLDER_cC = -500,
+    TEMPERATURES_HOTTER_cC = 2000,
+    TEMPERATURES_OFFSET_LOG2 = 14
+};
 
 typedef struct {
     thermal_model_state_t model;
-    monitor_temperature_state_t winding_sensor, switch_sensor;
+    int32_t kept_cC; /* warmest estimate before a reset, TEMPERATURE_NONE_cC: not known */
+    int32_t winding_offset_q16, switch_offset_q16; /* sensor less model, cC */
 } temperatures_t;
 
 /* Divides; once at start. */
 void temperatures_init(temperatures_t *state, const config_t *config);
 
-/* Writes the temperatures of now and whether a sensor is broken; it has this millisecond's currents
- * and speed already. shown: by the sensors, -1000 .. 1000 degC; the estimate is used where one is
- * broken, the hotter of both where it is stuck. motor/DERIVATIONS.md, Thermal model. */
+/* Writes the temperatures of now and sets the findings of the sensors; now has this millisecond's
+ * currents and speed already. shown: by the sensors, -1000 .. 1000 degC. The first step starts the
+ * model with the warmest of both sensors and state->kept_cC. */
 void temperatures_step(temperatures_t *state, const config_t *config,
-                       const wheel_temperatures_t *shown, measured_t *now);
+                       const wheel_temperatures_t *shown, measured_t *now, findings_t *findings);
 
 #endif

@@ -72,10 +72,6 @@ typedef enum { FINDING_REACTION_LIST(FINDING_REACTION_ENUM) } finding_reaction_t
     X(TORQUE, TORQUE_IMPLAUSIBLE, FIELD(monitor, torque_fault_time_ms), AT_ONCE, NONE,             \
       SAFE_STATE)                                                                                  \
     X(GAIN, CURRENT_GAIN, OWN("200 ms"), AT_ONCE, NONE, SAFE_STATE)                                \
-    X(WINDING_HOT, WINDING_OVERTEMPERATURE, OWN("monitor.sensor_fault_time_ms"), AT_ONCE, NONE,    \
-      SAFE_STATE)                                                                                  \
-    X(SWITCH_HOT, SWITCH_OVERTEMPERATURE, OWN("monitor.sensor_fault_time_ms"), AT_ONCE, NONE,      \
-      SAFE_STATE)                                                                                  \
     X(SWITCH_STUCK, HARDWARE_BREAK, OWN("5 to 22 ms"), AT_ONCE, NONE, TRIP)                        \
     X(CONFIGURATION, CONFIG_INVALID, AT_ONCE, AT_ONCE, NONE, SAFE_STATE)                           \
     X(SELFTEST, SELFTEST_FAILED, OWN("modes.selftest_timeout_ms"), AT_ONCE, NONE, SAFE_STATE)      \
@@ -85,13 +81,17 @@ typedef enum { FINDING_REACTION_LIST(FINDING_REACTION_ENUM) } finding_reaction_t
     X(BUS_JUMPED, BUS_SENSOR, AT_ONCE, OWN("100 ms"), NONE, OFF)                                   \
     X(BATTERY_LEFT, BATTERY_DISCONNECTED, AT_ONCE, OWN("100 ms"), NONE, OFF)                       \
     X(BATTERY_UNKNOWN, NONE, AT_ONCE, OWN("100 ms"), NONE, OFF)                                    \
+    X(WINDING_HOT, WINDING_OVERTEMPERATURE, FIELD(monitor, sensor_fault_time_ms), MS(1000), NONE,  \
+      OFF)                                                                                         \
+    X(SWITCH_HOT, SWITCH_OVERTEMPERATURE, FIELD(monitor, sensor_fault_time_ms), MS(1000), NONE,    \
+      OFF)                                                                                         \
     X(CURRENT_A, CURRENT_SENSOR_A, OWN("2 PWM periods"), OWN("at restart"), BATTERY, LIMIT)        \
     X(CURRENT_B, CURRENT_SENSOR_B, OWN("2 PWM periods"), OWN("at restart"), BATTERY, LIMIT)        \
     X(CURRENT_C, CURRENT_SENSOR_C, OWN("2 PWM periods"), OWN("at restart"), BATTERY, LIMIT)        \
-    X(WINDING_THERMISTOR, WINDING_SENSOR, OWN("monitor.sensor_fault_time_ms"), OWN("1000 ms"),     \
-      BATTERY, LIMIT)                                                                              \
-    X(SWITCH_THERMISTOR, SWITCH_SENSOR, OWN("monitor.sensor_fault_time_ms"), OWN("1000 ms"),       \
-      BATTERY, LIMIT)                                                                              \
+    X(WINDING_THERMISTOR, WINDING_SENSOR, FIELD(monitor, sensor_fault_time_ms), MS(1000), BATTERY, \
+      NONE)                                                                                        \
+    X(SWITCH_THERMISTOR, SWITCH_SENSOR, FIELD(monitor, sensor_fault_time_ms), MS(1000), BATTERY,   \
+      NONE)                                                                                        \
     X(ROTOR_READING, ROTOR_UNCERTAIN, AT_ONCE, FIELD(monitor, rotor_warning_time_ms),              \
       BATTERY_OR_STEPS, LIMIT)                                                                     \
     X(READING_BY_STEPS, NONE, AT_ONCE, AT_ONCE, NONE, NONE)                                        \
@@ -217,6 +217,9 @@ static inline bool findings_present(const findings_t *findings, finding_t row)
 /* The first present row of the faults, and of the warnings with a reason; FINDING_COUNT: none. */
 finding_t findings_fault(const findings_t *findings);
 finding_t findings_warning(const findings_t *findings);
+
+/* The first present row of those warnings that leave less torque; FINDING_COUNT: none. */
+finding_t findings_limiting(const findings_t *findings);
 
 /* True while a row with the reaction OFF is present, named or not. */
 bool findings_off(const findings_t *findings);

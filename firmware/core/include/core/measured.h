@@ -24,6 +24,8 @@
 /* Whose rotor angle is in use. */
 typedef enum { ANGLE_BY_SENSOR = 0, ANGLE_BY_OBSERVER = 1 } angle_by_t;
 
+enum { TEMPERATURE_NONE_cC = -32700 }; /* no temperature: colder than any */
+
 typedef struct {
     const fast_report_t *report;     /* as the fast loop sent it */
     const battery_limits_t *battery; /* as the battery management reported it */
@@ -43,9 +45,13 @@ typedef struct {
     int32_t phase_voltage_mV; /* mean that may be commanded, a reserve below field weakening */
     int32_t latest_i_d_mA, latest_i_q_mA; /* sampled */
     int32_t latest_u_d_mV, latest_u_q_mV; /* applied */
-    /* In use: what a sensor shows, or an estimate in its place */
-    int32_t winding_temperature_cC, switch_temperature_cC;
-    bool winding_sensor_broken, switch_sensor_broken;
+    /* Temperatures */
+    const wheel_temperatures_t *shown;                     /* by the sensors, of any value */
+    int32_t winding_temperature_cC, switch_temperature_cC; /* the hotter of sensor and model */
+    wheel_temperatures_t sensed; /* by a sensor alone; TEMPERATURE_NONE_cC: only a model says how
+                                    hot it is, and braking torque keeps to these currents, peak
+                                    phase, which last for ever */
+    int32_t winding_lasting_mA, switch_lasting_mA;
 } measured_t;
 
 /* True if the bridge has switched since the last step. */

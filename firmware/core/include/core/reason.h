@@ -59,8 +59,8 @@
     X(67, OVERCURRENT, "phase over-current", ACKNOWLEDGED, NO_MOTOR)                               \
     X(68, BUS_OVERVOLTAGE, "bus over-voltage", ACKNOWLEDGED, NO_MOTOR)                             \
     X(69, BUS_UNDERVOLTAGE, "bus under-voltage", ACKNOWLEDGED, NO_MOTOR)                           \
-    X(70, WINDING_OVERTEMPERATURE, "winding over-temperature", ACKNOWLEDGED, NO_MOTOR)             \
-    X(71, SWITCH_OVERTEMPERATURE, "inverter over-temperature", ACKNOWLEDGED, NO_MOTOR)             \
+    X(70, WINDING_OVERTEMPERATURE, "winding over-temperature", HEALS, NO_MOTOR)                    \
+    X(71, SWITCH_OVERTEMPERATURE, "inverter over-temperature", HEALS, NO_MOTOR)                    \
     X(72, CURRENT_SUM, "phase currents do not add up to zero", ACKNOWLEDGED, SERVICE)              \
     X(73, ROTOR_LOST, "rotor position lost", ACKNOWLEDGED, SERVICE)                                \
     X(74, TORQUE_IMPLAUSIBLE, "torque differs from what is permitted", ACKNOWLEDGED, NO_MOTOR)     \
@@ -69,9 +69,9 @@
     X(77, HARDWARE_BREAK, "power stage reported a fault", ACKNOWLEDGED, SERVICE)                   \
     X(78, CURRENT_SENSOR, "current sensor saturated or stuck", ACKNOWLEDGED, SERVICE)              \
     X(79, ROTOR_IMPLAUSIBLE, "rotor angle contradicts the back-EMF", ACKNOWLEDGED, SERVICE)        \
-    X(80, WINDING_SENSOR, "winding temperature sensor broken or stuck, estimated",                 \
+    X(80, WINDING_SENSOR, "winding temperature sensor beyond its range, estimated",                \
       HEALS, SERVICE)                                                                              \
-    X(81, SWITCH_SENSOR, "inverter temperature sensor broken or stuck, estimated",                 \
+    X(81, SWITCH_SENSOR, "inverter temperature sensor beyond its range, estimated",                \
       HEALS, SERVICE)                                                                              \
     X(82, ACCELERATOR_SENSOR, "accelerator channels implausible or out of range", SHOWN, SERVICE)  \
     X(83, BRAKE_PEDAL_SENSOR, "brake pedal channels implausible or out of range", SHOWN, SERVICE)  \

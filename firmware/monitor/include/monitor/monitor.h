@@ -58,9 +58,7 @@ enum {
     MONITOR_BUS_JUMP_PU = 2560,
     MONITOR_BUS_LEAST_JUMP_PU = 512,
     /* Less than what drives a current through a motor, so no motor empties a bus so far: 1/64. */
-    MONITOR_BUS_EMPTY_SHARE = 64,
-    /* A temperature limit of this value is switched off, for example if there is no sensor. */
-    MONITOR_TEMPERATURE_OFF_cC = 30000
+    MONITOR_BUS_EMPTY_SHARE = 64
 };
 
 /* ---- fast ---- */
@@ -108,7 +106,6 @@ bool monitor_fast_intact(const monitor_fast_state_t *state, const config_t *conf
 
 typedef struct {
     debounce_t bus; /* beyond a trip and not back */
-    debounce_t temperature;
     uint16_t flow_level; /* weighted sum of wrong and right steps */
     uint16_t last_fast_step;
     uint16_t last_rotor_faults;

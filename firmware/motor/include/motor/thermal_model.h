@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * thermal_model.h: temperatures of winding and switches estimated from their losses, for a sensor
- * that is broken or stuck. Two lumps of heat capacity in a row each; DERIVATIONS.md, Thermal model.
+ * thermal_model.h: temperatures of winding and switches estimated from their losses, beside or in
+ * place of a sensor. Two lumps of heat capacity in a row each; DERIVATIONS.md, Thermal model.
  *
  *     C1 dT1/dt = P1 - (T1 - T2)/R1                      winding, switches
  *     C2 dT2/dt = P2 + (T1 - T2)/R1 - (T2 - T_a)/R2      housing, heat sink
@@ -26,6 +26,9 @@ typedef struct {
      * of temperature that one step levels out, 2^30. */
     int32_t inner_per_mW_q16, outer_per_mW_q16;
     int32_t inner_share_q30, outer_gain_q30, ambient_share_q30;
+    /* Of the steady state, made once: mW that a row leads away for each hundredth of a kelvin from
+     * its limit to the ambient, 2^16; the share of P2 that this takes away, 2^15. */
+    int32_t steady_mW_cK_q16, outer_share_q15;
     bool known; /* the row is configured */
 } thermal_lumps_t;
 
@@ -37,6 +40,10 @@ typedef struct {
     int64_t square; /* mean of the square, 2^12 mA^2 */
     int32_t mean_mA;
     int32_t iron_mW;
+    /* mA^2 of each mW of copper loss at motor.max_winding_temperature; the current that winding and
+     * switches bear for ever, peak phase. */
+    int32_t square_per_mW;
+    int32_t winding_lasting_mA, switch_lasting_mA;
     uint16_t steps; /* of the present 64 ms */
     bool heat_due;
     bool started;
@@ -45,14 +52,13 @@ typedef struct {
 /* Divides; once at start. */
 void thermal_model_init(thermal_model_state_t *state, const config_t *config);
 
-/* First step: the temperatures that the sensors show, and where one is broken the other's; the
- * colder is the ambient, at most monitor.warmest_ambient. */
-void thermal_model_start(thermal_model_state_t *state, const config_t *config, int32_t winding_cC,
-                         bool winding_broken, int32_t switch_cC, bool switch_broken);
+/* First step: every lump at warmest_cC, at least monitor.coldest_ambient; the ambient likewise, at
+ * most monitor.warmest_ambient. */
+void thermal_model_start(thermal_model_state_t *state, const config_t *config, int32_t warmest_cC);
 
 /* i_d_mA, i_q_mA: means of the millisecond, peak phase; speed mechanical, signed. Any values. What
- * comes once in 64 steps is spread over the first three of the next ones: iron loss, winding,
- * switches. */
+ * comes once in 64 steps is spread over the first four of the next ones: iron loss, winding,
+ * switches, lasting currents. */
 void thermal_model_step(thermal_model_state_t *state, const config_t *config, int32_t i_d_mA,
                         int32_t i_q_mA, int32_t speed_mrad_s);
 

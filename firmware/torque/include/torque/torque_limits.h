@@ -77,6 +77,8 @@ typedef struct {
     limit_t braking[TORQUE_LINE_COUNT];
     loss_braking_t losses; /* for the current setpoint */
     int32_t drawn_b;       /* feasible_power_b() of the discharge current */
+    int32_t least_winding_mNm, least_switch_mNm; /* the lines WINDING and SWITCH fall no lower,
+                                                    braking, while only an estimate is hot */
 } torque_limits_t;
 
 /* No bounds, whole battery currents. */
@@ -109,6 +111,9 @@ limit_t torque_limits_blend_out(const config_t *config, int32_t speed_mrad_s);
 limit_t torque_limits_winding(const config_t *config, int32_t temperature_cC);
 
 limit_t torque_limits_switch(const config_t *config, int32_t temperature_cC);
+
+/* The same line braking. least_mNm: of torque_limits_t. */
+limit_t torque_limits_braking_hot(limit_t driving, int32_t least_mNm);
 
 limit_t torque_limits_max_speed(const config_t *config, int32_t speed_mrad_s);
 

@@ -4,6 +4,8 @@
 #include <string.h>
 
 #include "app/app.h"
+#include "app/kept_temperature.h"
+#include "app/recorder.h"
 #include "app/supervisor.h"
 #include "comms/messages.h"
 #include "config/validate.h"
@@ -257,6 +259,31 @@ void test_hardware_fault_is_latched_until_an_acknowledgement(void)
     TEST_ASSERT_TRUE(board.clearings > 0);
     TEST_ASSERT_EQUAL_INT(MODE_READY, mode_on_can());
     TEST_ASSERT_TRUE(app_finish());
+}
+
+/* Behind the black box. */
+static kept_temperature_t *kept(void)
+{
+    return (kept_temperature_t *)(uintptr_t)((const volatile char *)retained(0).begin +
+                                             sizeof(recorder_memory_t));
+}
+
+/* The thermal model goes on where it was before a reset; a word that the supply's return left is
+ * none. */
+void test_the_warmest_temperature_is_kept_over_a_reset(void)
+{
+    milliseconds(10);
+    TEST_ASSERT_INT32_WITHIN(5, 2500, kept_temperature_read(kept()));
+    const wheel_temperatures_t hot = {.winding_cC = 13000, .switch_cC = 4000};
+    kept_temperature_write(kept(), hot);
+    app_boot();
+    milliseconds(10);
+    TEST_ASSERT_INT32_WITHIN(5, 13000, kept_temperature_read(kept()));
+    kept()->inverted++;
+    TEST_ASSERT_EQUAL_INT32(TEMPERATURE_NONE_cC, kept_temperature_read(kept()));
+    app_boot();
+    milliseconds(10);
+    TEST_ASSERT_INT32_WITHIN(5, 2500, kept_temperature_read(kept()));
 }
 
 void test_watchdog_is_fed_once_in_every_window(void)

@@ -43,6 +43,12 @@ void test_fields_of_the_configuration_are_times_in_milliseconds(void)
     assert_times(23, 1, FINDING_TORQUE);
     assert_times(1, 3100, FINDING_ROTOR_READING);
     assert_times(1, 1000, FINDING_FORCED_TORQUE); /* fixed */
+    for (finding_t row = FINDING_WINDING_HOT; row <= FINDING_SWITCH_HOT; row++) {
+        assert_times(17, 1000, row);
+    }
+    for (finding_t row = FINDING_WINDING_THERMISTOR; row <= FINDING_SWITCH_THERMISTOR; row++) {
+        assert_times(17, 1000, row);
+    }
 }
 
 /* Without a valid angle the torque leaves in its ramp, which must not be cut off in the middle. */
@@ -55,12 +61,15 @@ void test_a_missing_angle_is_waited_for_behind_the_ramp_of_the_largest_torque(vo
 
 void test_every_other_row_has_a_filter_of_its_own_and_counts_at_once(void)
 {
-    static const finding_t TIMED[] = {FINDING_CURRENT_RAIL,  FINDING_SUM,
-                                      FINDING_TORQUE,        FINDING_ROTOR_READING,
-                                      FINDING_FORCED_TORQUE, FINDING_ANGLE_MISSING};
+    static const finding_t TIMED[] = {
+        FINDING_CURRENT_RAIL,      FINDING_SUM,           FINDING_TORQUE,
+        FINDING_ROTOR_READING,     FINDING_FORCED_TORQUE, FINDING_ANGLE_MISSING,
+        FINDING_WINDING_HOT,       FINDING_SWITCH_HOT,    FINDING_WINDING_THERMISTOR,
+        FINDING_SWITCH_THERMISTOR,
+    };
     for (int row = 0; row < FINDING_COUNT; row++) {
         bool timed = false;
-        for (int k = 0; k < 6; k++) {
+        for (unsigned k = 0; k < sizeof TIMED / sizeof TIMED[0]; k++) {
             timed = timed || TIMED[k] == (finding_t)row;
         }
         if (!timed) {

@@ -91,6 +91,10 @@ static void begin_cause(finding_t row)
         in->temperature.winding_cC = 29999;
     } else if (row == FINDING_SWITCH_THERMISTOR) {
         in->temperature.switch_cC = 29999;
+    } else if (row == FINDING_WINDING_HOT) {
+        in->temperature.winding_cC = rig.config.motor.max_winding_temperature_cC + 1001;
+    } else if (row == FINDING_SWITCH_HOT) {
+        in->temperature.switch_cC = rig.config.drive.max_switch_temperature_cC + 1001;
     } else if (row == FINDING_BRAKE_REPORT) { /* there has been one */
         rig.config.brake.hydraulic_timeout_ms = 5;
         in->hydraulic.valid = true;
@@ -304,8 +308,22 @@ static void return_to_bus(void)
     rig.fast_in.bus_voltage_code = rig_bus_code(&rig, 53.0);
 }
 
+/* Until a second after its sensor shows less. */
+static void check_hot(finding_t row)
+{
+    run_with(row);
+    assert_no_torque(findings_row(row).reason);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, rig.out.fault_reason);
+    run_without(row);
+    assert_healed(findings_row(row).reason);
+}
+
 static void check_off(finding_t row)
 {
+    if (row == FINDING_WINDING_HOT || row == FINDING_SWITCH_HOT) {
+        check_hot(row);
+        return;
+    }
     const reason_t reason = findings_row(row).reason;
     leave_bus(row);
     assert_no_torque(reason);

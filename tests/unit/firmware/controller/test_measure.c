@@ -342,31 +342,24 @@ void test_an_acknowledgement_at_rest_makes_a_wrong_sensor_right(void)
 
 /* ---- temperatures ---- */
 
-void test_temperatures_are_those_of_the_sensors(void)
+void test_the_hotter_of_sensor_and_model_is_used(void)
 {
     in.temperature.winding_cC = 4321;
     in.temperature.switch_cC = 3210;
     run(100);
     TEST_ASSERT_EQUAL_INT32(4321, now.winding_temperature_cC);
-    TEST_ASSERT_EQUAL_INT32(3210, now.switch_temperature_cC);
-    TEST_ASSERT_FALSE(now.winding_sensor_broken || now.switch_sensor_broken);
+    TEST_ASSERT_INT32_WITHIN(20, 4321, now.switch_temperature_cC); /* as the winding at start */
+    TEST_ASSERT_EQUAL_INT32(3210, now.sensed.switch_cC);
+    TEST_ASSERT_EQUAL_PTR(&in.temperature, now.shown);
 }
 
-/* Each by its own; the winding's keeps the temperature that was measured last, without a current.
- */
-void test_a_broken_temperature_sensor_is_replaced_by_an_estimate(void)
+void test_a_broken_temperature_sensor_is_a_finding(void)
 {
     run(100);
     in.temperature.winding_cC = 29999;
-    run(config.monitor.sensor_fault_time_ms + 1);
-    TEST_ASSERT_TRUE(now.winding_sensor_broken);
-    TEST_ASSERT_FALSE(now.switch_sensor_broken);
-    TEST_ASSERT_INT32_WITHIN(5, 2500, now.winding_temperature_cC);
-    in.temperature.winding_cC = 2500;
-    in.temperature.switch_cC = -20000;
-    run(2000);
-    TEST_ASSERT_TRUE(now.switch_sensor_broken);
-    TEST_ASSERT_FALSE(now.winding_sensor_broken);
+    run(config.monitor.sensor_fault_time_ms);
+    TEST_ASSERT_TRUE(findings_present(&findings, FINDING_WINDING_THERMISTOR));
+    TEST_ASSERT_FALSE(findings_present(&findings, FINDING_SWITCH_THERMISTOR));
 }
 
 /* ---- the setpoint ---- */

@@ -1,20 +1,29 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Which temperatures the controller uses, with the estimate of the paper's vehicle. */
+/* Which temperatures the controller uses, with the thermal model of the paper's vehicle. */
 #include "controller/temperatures.h"
+
+#include "config/finding_times.h"
 #include "paper_vehicle.h"
 #include "unity.h"
 
 static config_t config;
 static temperatures_t state;
-static wheel_temperatures_t measured;
+static wheel_temperatures_t shown;
+static findings_t findings;
 static measured_t now;
 
 void setUp(void)
 {
     config = paper_vehicle();
+    config.monitor.highest_temperature_cC = 29000;
+    config.monitor.lowest_temperature_cC = -6000;
+    config.monitor.sensor_fault_time_ms = 20;
     temperatures_init(&state, &config);
+    finding_times_t times[FINDING_COUNT];
+    finding_times(&config, times);
+    findings_init(&findings, times);
     const wheel_temperatures_t as_ambient = {.winding_cC = 2500, .switch_cC = 2500};
-    measured = as_ambient;
+    shown = as_ambient;
 }
 
 void tearDown(void) {}
@@ -24,44 +33,149 @@ static void run(int milliseconds, int32_t i_q_mA)
     now.i_q_mA = i_q_mA;
     now.speed_mrad_s = 20000;
     for (int n = 0; n < milliseconds; n++) {
-        temperatures_step(&state, &config, &measured, &now);
+        temperatures_step(&state, &config, &shown, &now, &findings);
     }
 }
 
-void test_good_sensors_are_used(void)
+static reason_t warning(void)
 {
-    measured.winding_cC = 4321;
-    measured.switch_cC = 3210;
-    run(100, 40000);
-    TEST_ASSERT_EQUAL_INT(4321, now.winding_temperature_cC);
-    TEST_ASSERT_EQUAL_INT(3210, now.switch_temperature_cC);
-    TEST_ASSERT_FALSE(now.winding_sensor_broken || now.switch_sensor_broken);
+    return findings_reason(&findings, findings_warning(&findings));
 }
 
-/* 3/2 0.031 ohm (60 A)^2 = 167 W into 580 J/K for 10 s: 2.9 K, less what flows into the housing. */
-void test_each_broken_sensor_is_replaced_by_its_own_estimate(void)
+void test_a_sensor_hotter_than_the_model_is_used(void)
 {
-    measured.winding_cC = 29999;
+    run(1, 0);
+    shown.winding_cC = 14321;
+    shown.switch_cC = 13210;
+    run(1, 0);
+    TEST_ASSERT_EQUAL_INT(14321, now.winding_temperature_cC);
+    TEST_ASSERT_EQUAL_INT(13210, now.switch_temperature_cC);
+    TEST_ASSERT_EQUAL_INT(14321, now.sensed.winding_cC);
+    TEST_ASSERT_EQUAL_INT(13210, now.sensed.switch_cC);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, warning());
+}
+
+/* 3/2 0.031 ohm (60 A)^2 = 167 W into 580 J/K for 10 s: 2.9 K, less what flows into the housing.
+ * One that never moves takes 5 K of it in the end, 1 - exp(-10/16.4) of that after 10 s. */
+void test_a_sensor_that_stays_behind_leaves_the_temperature_to_the_model(void)
+{
     run(10000, 60000);
-    TEST_ASSERT_TRUE(now.winding_sensor_broken);
-    TEST_ASSERT_FALSE(now.switch_sensor_broken);
-    TEST_ASSERT_INT_WITHIN(20, 2500 + 285, now.winding_temperature_cC);
-    TEST_ASSERT_EQUAL_INT(2500, now.switch_temperature_cC);
-    setUp();
-    measured.switch_cC = -20000;
+    TEST_ASSERT_INT_WITHIN(5, 2500, now.sensed.winding_cC);
+    const int32_t model_cC = thermal_model_inner_cC(&state.model.winding);
+    TEST_ASSERT_INT_WITHIN(20, 2500 + 285, model_cC);
+    TEST_ASSERT_TRUE(now.winding_temperature_cC > 2500);
+    TEST_ASSERT_TRUE(now.winding_temperature_cC <= model_cC);
+    run(60000, 75000);
+    const int32_t later_cC = thermal_model_inner_cC(&state.model.winding);
+    TEST_ASSERT_INT_WITHIN(20, later_cC - 500, now.winding_temperature_cC);
+    TEST_ASSERT_EQUAL_INT(2500, now.sensed.winding_cC);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, warning());
+}
+
+/* 1 - exp(-6) of 20 K after six time constants of 2^14 ms, however hot the sensor is; 20 rad/s warm
+ * the iron a little. */
+void test_a_hotter_sensor_corrects_the_model_by_at_most_20_kelvin(void)
+{
+    run(1, 0);
+    shown.winding_cC = 10000;
+    run(6 * 16384, 0);
+    shown.winding_cC = 29999;
+    run(1, 0);
+    TEST_ASSERT_INT_WITHIN(20, 2500 + 2000, now.winding_temperature_cC);
+}
+
+void test_a_reading_beyond_its_range_is_replaced_at_once_and_named_after_the_qualify_time(void)
+{
+    static const int32_t BROKEN_cC[] = {29999, 29001, -6001, -100000, 100000};
+    for (int k = 0; k < 5; k++) {
+        setUp();
+        run(10, 0);
+        shown.winding_cC = BROKEN_cC[k];
+        run(1, 0);
+        TEST_ASSERT_INT_WITHIN(5, 2500, now.winding_temperature_cC);
+        TEST_ASSERT_EQUAL_INT(TEMPERATURE_NONE_cC, now.sensed.winding_cC);
+        run(18, 0);
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, warning());
+        run(1, 0);
+        TEST_ASSERT_EQUAL_INT(REASON_WINDING_SENSOR, warning());
+        shown.winding_cC = 29000;
+        run(999, 0);
+        TEST_ASSERT_EQUAL_INT(29000, now.winding_temperature_cC);
+        TEST_ASSERT_EQUAL_INT(REASON_WINDING_SENSOR, warning());
+        run(1, 0);
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, warning());
+    }
+}
+
+void test_each_sensor_has_its_own_finding(void)
+{
+    shown.switch_cC = -20000;
     run(10000, 60000);
-    TEST_ASSERT_TRUE(now.switch_sensor_broken);
-    TEST_ASSERT_FALSE(now.winding_sensor_broken);
+    TEST_ASSERT_EQUAL_INT(REASON_SWITCH_SENSOR, warning());
     TEST_ASSERT_TRUE(now.switch_temperature_cC > 2700 && now.switch_temperature_cC < 5000);
-    TEST_ASSERT_EQUAL_INT(2500, now.winding_temperature_cC);
+    TEST_ASSERT_EQUAL_INT(TEMPERATURE_NONE_cC, now.sensed.switch_cC);
+    TEST_ASSERT_EQUAL_INT(2500, now.sensed.winding_cC);
 }
 
-/* 15 K at 260 W and 580 J/K take half a minute. */
-void test_a_winding_sensor_that_never_moves_is_found_while_the_motor_works_hard(void)
+void test_the_ends_of_the_range_are_plausible(void)
 {
-    run(20000, 75000);
-    TEST_ASSERT_FALSE(now.winding_sensor_broken);
-    run(30000, 75000);
-    TEST_ASSERT_TRUE(now.winding_sensor_broken);
-    TEST_ASSERT_TRUE(now.winding_temperature_cC > 4000);
+    shown.winding_cC = 29000;
+    shown.switch_cC = -6000;
+    run(100, 0);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, warning());
+}
+
+void test_without_a_model_the_sensor_is_used_as_it_is_and_a_broken_one_leaves_no_torque(void)
+{
+    config.thermal.winding_heat_capacity_mJ_K = 0;
+    temperatures_init(&state, &config);
+    run(10000, 75000);
+    TEST_ASSERT_EQUAL_INT(2500, now.winding_temperature_cC);
+    shown.winding_cC = 29001;
+    run(1, 0);
+    TEST_ASSERT_EQUAL_INT(TEMPERATURES_BROKEN_cC, now.winding_temperature_cC);
+    TEST_ASSERT_EQUAL_INT(TEMPERATURES_BROKEN_cC, now.sensed.winding_cC);
+}
+
+void test_without_a_sensor_the_model_stands_alone(void)
+{
+    config.monitor.winding_sensor_fitted = 0;
+    config.monitor.switch_sensor_fitted = 0;
+    shown.winding_cC = 12000; /* whatever the open input shows */
+    shown.switch_cC = 29999;
+    run(10000, 60000);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, warning());
+    TEST_ASSERT_INT_WITHIN(20, config.monitor.warmest_ambient_cC + 285, now.winding_temperature_cC);
+    TEST_ASSERT_EQUAL_INT(TEMPERATURE_NONE_cC, now.sensed.winding_cC);
+    TEST_ASSERT_EQUAL_INT(TEMPERATURE_NONE_cC, now.sensed.switch_cC);
+}
+
+void test_a_limit_that_is_off_expects_no_sensor(void)
+{
+    config.drive.max_switch_temperature_cC = CONFIG_TEMPERATURE_OFF_cC;
+    config.thermal.switch_heat_capacity_mJ_K = 0;
+    temperatures_init(&state, &config);
+    shown.switch_cC = 29999;
+    run(100, 0);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, warning());
+    TEST_ASSERT_EQUAL_INT(config.motor.reference_temperature_cC, now.switch_temperature_cC);
+}
+
+/* The warmest of both sensors and of what was known before a reset. */
+void test_the_model_starts_warm(void)
+{
+    shown.winding_cC = 3000;
+    shown.switch_cC = 7000;
+    run(1, 0);
+    TEST_ASSERT_INT_WITHIN(2, 7000, now.winding_temperature_cC);
+    setUp();
+    state.kept_cC = 9000;
+    run(1, 0);
+    TEST_ASSERT_INT_WITHIN(2, 9000, now.winding_temperature_cC);
+    TEST_ASSERT_INT_WITHIN(2, 9000, now.switch_temperature_cC);
+    setUp();
+    shown.winding_cC = 29999; /* a broken one says nothing */
+    shown.switch_cC = 3000;
+    run(1, 0);
+    TEST_ASSERT_INT_WITHIN(2, 3000, now.winding_temperature_cC);
 }

@@ -53,24 +53,23 @@ static const finding_t FAULTS[] = {
     FINDING_ANGLE,
     FINDING_TORQUE,
     FINDING_GAIN,
-    FINDING_WINDING_HOT,
-    FINDING_SWITCH_HOT,
     FINDING_SWITCH_STUCK,
     FINDING_CONFIGURATION,
     FINDING_SELFTEST,
     FINDING_OFFSETS_WRONG,
 };
 static const finding_t WARNINGS[] = {
-    FINDING_BUS_JUMPED,         FINDING_BATTERY_LEFT,      FINDING_BATTERY_UNKNOWN,
-    FINDING_CURRENT_A,          FINDING_CURRENT_B,         FINDING_CURRENT_C,
-    FINDING_WINDING_THERMISTOR, FINDING_SWITCH_THERMISTOR, FINDING_ROTOR_READING,
-    FINDING_READING_BY_STEPS,   FINDING_FORCED_TORQUE,     FINDING_ROTOR_SLIPS,
-    FINDING_ROTOR_FREEZES,      FINDING_ROTOR_REVERSES,    FINDING_ROTOR_UNNAMED,
-    FINDING_OBSERVER_IN_USE,    FINDING_BRAKE_WEAK,        FINDING_BRAKE_DEAD,
-    FINDING_BRAKE_STRONG,       FINDING_BRAKE_STUCK,       FINDING_BRAKE_LATE,
-    FINDING_BRAKE_REPORT,       FINDING_ACCELERATOR,       FINDING_BRAKE_PEDAL,
-    FINDING_DEMAND_OLD,         FINDING_DEMAND_REFUSED,    FINDING_BUS_CONTRADICTED,
-    FINDING_FLUX_LOW,           FINDING_FLUX_HIGH,         FINDING_OFFSETS_OLD,
+    FINDING_BUS_JUMPED,        FINDING_BATTERY_LEFT,     FINDING_BATTERY_UNKNOWN,
+    FINDING_WINDING_HOT,       FINDING_SWITCH_HOT,       FINDING_CURRENT_A,
+    FINDING_CURRENT_B,         FINDING_CURRENT_C,        FINDING_WINDING_THERMISTOR,
+    FINDING_SWITCH_THERMISTOR, FINDING_ROTOR_READING,    FINDING_READING_BY_STEPS,
+    FINDING_FORCED_TORQUE,     FINDING_ROTOR_SLIPS,      FINDING_ROTOR_FREEZES,
+    FINDING_ROTOR_REVERSES,    FINDING_ROTOR_UNNAMED,    FINDING_OBSERVER_IN_USE,
+    FINDING_BRAKE_WEAK,        FINDING_BRAKE_DEAD,       FINDING_BRAKE_STRONG,
+    FINDING_BRAKE_STUCK,       FINDING_BRAKE_LATE,       FINDING_BRAKE_REPORT,
+    FINDING_ACCELERATOR,       FINDING_BRAKE_PEDAL,      FINDING_DEMAND_OLD,
+    FINDING_DEMAND_REFUSED,    FINDING_BUS_CONTRADICTED, FINDING_FLUX_LOW,
+    FINDING_FLUX_HIGH,         FINDING_OFFSETS_OLD,
 };
 enum {
     FAULT_COUNT = sizeof FAULTS / sizeof FAULTS[0],
@@ -334,6 +333,21 @@ void test_the_first_warning_that_is_not_explained_is_shown(void)
     }
 }
 
+/* A warning that is only reported hides none that leaves less torque. */
+void test_the_first_warning_that_leaves_less_torque_is_limiting(void)
+{
+    find(FINDING_BATTERY_UNKNOWN);
+    find(FINDING_WINDING_THERMISTOR);
+    TEST_ASSERT_EQUAL_INT(FINDING_COUNT, findings_limiting(&findings));
+    find(FINDING_BRAKE_PEDAL);
+    TEST_ASSERT_EQUAL_INT(FINDING_BRAKE_PEDAL, findings_limiting(&findings));
+    setUp();
+    find(FINDING_WINDING_THERMISTOR);
+    find(FINDING_ACCELERATOR);
+    TEST_ASSERT_EQUAL_INT(FINDING_WINDING_THERMISTOR, findings_warning(&findings));
+    TEST_ASSERT_EQUAL_INT(FINDING_ACCELERATOR, findings_limiting(&findings));
+}
+
 void test_faults_and_warnings_are_shown_side_by_side(void)
 {
     find(FINDING_FLUX_LOW);
@@ -412,11 +426,12 @@ void test_a_trip_has_the_name_that_the_fast_monitor_gave_it(void)
     TEST_ASSERT_EQUAL_INT(REASON_NONE, findings_reason(&findings, FINDING_TRIP));
 }
 
-void test_a_bus_without_a_battery_switches_off_named_or_not(void)
+void test_a_bus_without_a_battery_and_a_hot_part_switch_off_named_or_not(void)
 {
     for (int row = 0; row < FINDING_COUNT; row++) {
         const bool off = row == FINDING_BUS_JUMPED || row == FINDING_BATTERY_LEFT ||
-                         row == FINDING_BATTERY_UNKNOWN;
+                         row == FINDING_BATTERY_UNKNOWN || row == FINDING_WINDING_HOT ||
+                         row == FINDING_SWITCH_HOT;
         setUp();
         find((finding_t)row);
         TEST_ASSERT_EQUAL_INT(off, findings_off(&findings));

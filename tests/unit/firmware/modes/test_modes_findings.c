@@ -61,7 +61,9 @@ static void check_warning(const modes_output_t *out, reason_t reason, finding_re
         assert_mode(named ? MODE_LIMP : MODE_RUN, *out);
         assert_enabled(0, 0, out);
         TEST_ASSERT_EQUAL_INT(named ? reason : REASON_TORQUE_ENABLE, out->torque_enable.reason);
-        TEST_ASSERT_EQUAL_INT(WAITS_FOR_BATTERY, out->waits_for);
+        const bool hot =
+            reason == REASON_WINDING_OVERTEMPERATURE || reason == REASON_SWITCH_OVERTEMPERATURE;
+        TEST_ASSERT_EQUAL_INT(hot ? WAITS_FOR_COOLING : WAITS_FOR_BATTERY, out->waits_for);
     } else {
         assert_mode(MODE_LIMP, *out);
         assert_enabled(config.modes.limp_drive_share_q15, Q15_ONE, out);
@@ -91,7 +93,7 @@ void test_each_row_takes_the_torque_that_its_reaction_says(void)
         in.warning = FINDING_COUNT;
         assert_mode(latches(columns.reaction) ? MODE_FAULT : MODE_RUN, step());
     }
-    TEST_ASSERT_GREATER_THAN_INT(15, faults);
+    TEST_ASSERT_GREATER_THAN_INT(10, faults);
     TEST_ASSERT_GREATER_THAN_INT(20, warnings);
 }
 

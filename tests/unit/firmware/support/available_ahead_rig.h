@@ -13,7 +13,9 @@ static inline void ahead_step(available_ahead_state_t *state, const motor_consta
 {
     const measured_t now = {.speed_mrad_s = in->speed_mrad_s,
                             .winding_temperature_cC = in->winding_temperature_cC,
-                            .switch_temperature_cC = in->switch_temperature_cC};
+                            .switch_temperature_cC = in->switch_temperature_cC,
+                            .sensed = {.winding_cC = in->winding_temperature_cC,
+                                       .switch_cC = in->switch_temperature_cC}};
     available_ahead_step(state, motor, config, limits, &now, in->phase_voltage_mV,
                          in->brake_torque_mNm);
 }

@@ -12,7 +12,8 @@
 typedef struct {
     fast_report_t report;
     battery_limits_t battery;
-    measured_t now; /* without its two pointers */
+    wheel_temperatures_t shown;
+    measured_t now; /* without its pointers */
     last_t last;
 } monitor_case_t;
 
@@ -23,6 +24,7 @@ static inline const measured_t *measured_of(const monitor_case_t *at)
     seen = *at;
     seen.now.report = &seen.report;
     seen.now.battery = &seen.battery;
+    seen.now.shown = &seen.shown;
     return &seen.now;
 }
 

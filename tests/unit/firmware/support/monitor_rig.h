@@ -20,10 +20,8 @@ static const monitor_case_t SWITCHING = {
     .report = {.offsets_done = true,
                .offset_q4 = {MID_OFFSET_Q4, MID_OFFSET_Q4, MID_OFFSET_Q4},
                .bridge = BRIDGE_PWM},
-    .now = {.angle_valid = true,
-            .bus_voltage_mV = 53000,
-            .winding_temperature_cC = 2500,
-            .switch_temperature_cC = 2500},
+    .now = {.angle_valid = true, .bus_voltage_mV = 53000, .winding_temperature_cC = 2500},
+    .shown = {.winding_cC = 2500, .switch_cC = 2500},
 };
 
 /* At 30 rad/s, with 10 N m as commanded. */
@@ -35,8 +33,8 @@ static const monitor_case_t TURNING = {
             .bus_voltage_mV = 53000,
             .speed_mrad_s = 30000,
             .winding_temperature_cC = 2500,
-            .switch_temperature_cC = 2500,
             .latest_u_q_mV = 14076}, /* 30 rad/s * 23 * 20.4 mWb */
+    .shown = {.winding_cC = 2500, .switch_cC = 2500},
     .last = {.torque_command_mNm = 10000, .torque_estimate_mNm = 10000},
 };
 

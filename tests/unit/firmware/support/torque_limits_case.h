@@ -16,6 +16,8 @@ typedef struct {
     int32_t bus_current_mA;
     int32_t bms_charge_current_mA, bms_discharge_current_mA, bms_charge_peak_mA;
     int32_t switch_temperature_cC;
+    bool only_modelled; /* no sensor shows the temperatures */
+    int32_t lasting_mA;
     bool angle_valid;
     bool abs_active;
     uint8_t abs_share_percent;
@@ -36,10 +38,16 @@ static inline void torque_limits_case_step(torque_limits_state_t *state, const f
     const battery_limits_t battery = {.charge_current_mA = at->bms_charge_current_mA,
                                       .discharge_current_mA = at->bms_discharge_current_mA,
                                       .charge_peak_current_mA = at->bms_charge_peak_mA};
+    const wheel_temperatures_t sensed = {
+        .winding_cC = at->only_modelled ? TEMPERATURE_NONE_cC : set->model->winding_temperature_cC,
+        .switch_cC = at->only_modelled ? TEMPERATURE_NONE_cC : at->switch_temperature_cC};
     const measured_t now = {.battery = &battery,
                             .angle_valid = at->angle_valid,
                             .bus_voltage_mV = at->bus_voltage_mV,
-                            .switch_temperature_cC = at->switch_temperature_cC};
+                            .switch_temperature_cC = at->switch_temperature_cC,
+                            .sensed = sensed,
+                            .winding_lasting_mA = at->lasting_mA,
+                            .switch_lasting_mA = at->lasting_mA};
     const torque_limits_input_t in = {.demanded = at->demanded,
                                       .brake_torque_mNm = at->brake_torque_mNm,
                                       .battery_voltage_mV = at->battery_voltage_mV,

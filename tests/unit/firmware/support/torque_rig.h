@@ -127,6 +127,7 @@ static inline torque_output_t torque_case_step(void)
         .phase_voltage_mV = in.phase_voltage_mV,
         .winding_temperature_cC = in.winding_temperature_cC,
         .switch_temperature_cC = in.switch_temperature_cC,
+        .sensed = {.winding_cC = in.winding_temperature_cC, .switch_cC = in.switch_temperature_cC},
     };
     const monitored_t watch = {
         .safe = in.safe,

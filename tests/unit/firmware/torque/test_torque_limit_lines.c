@@ -52,6 +52,43 @@ void test_a_temperature_line_is_linear_between_its_two_temperatures(void)
     }
 }
 
+/* 3/2 23 20.4 mWb 10 A = 7.038 N m at the reference temperature: what only an estimate takes away
+ * leaves that while braking, and all of it without another brake; driving ends. */
+void test_an_estimate_alone_leaves_the_braking_torque_that_lasts(void)
+{
+    config.motor.derate_winding_temperature_cC = 13000;
+    config.motor.max_winding_temperature_cC = 15000;
+    config.motor.reference_temperature_cC = 15000;
+    config.drive.derate_switch_temperature_cC = 8000;
+    config.drive.max_switch_temperature_cC = 10000;
+    conditions.only_modelled = true;
+    conditions.lasting_mA = 10000;
+    static const torque_line_t LINES[] = {TORQUE_LINE_WINDING, TORQUE_LINE_SWITCH};
+    for (int alone = 0; alone <= 1; alone++) {
+        config.driver.no_other_brake = alone;
+        winding_temperature_cC = 15000;
+        conditions.switch_temperature_cC = 10000;
+        (void)at_speed(1000);
+        for (int k = 0; k < 2; k++) {
+            TEST_ASSERT_EQUAL_INT32(0, table.driving[LINES[k]].torque_mNm);
+            const int32_t braking_mNm = table.braking[LINES[k]].torque_mNm;
+            if (alone == 1) {
+                TEST_ASSERT_EQUAL_INT32(FEASIBLE_UNBOUNDED, braking_mNm);
+            } else {
+                TEST_ASSERT_INT32_WITHIN(75, 7038, braking_mNm);
+            }
+        }
+    }
+    config.driver.no_other_brake = 0;
+    winding_temperature_cC = 13200; /* nine tenths are more than that */
+    (void)at_speed(1000);
+    TEST_ASSERT_INT32_WITHIN(10, WHOLE_mNm * 9 / 10, table.braking[TORQUE_LINE_WINDING].torque_mNm);
+    conditions.lasting_mA = 1000000; /* no line is beyond the largest torque */
+    winding_temperature_cC = 15000;
+    (void)at_speed(1000);
+    TEST_ASSERT_EQUAL_INT32(WHOLE_mNm, table.braking[TORQUE_LINE_WINDING].torque_mNm);
+}
+
 void test_the_last_quarter_of_the_speed_fades_driving_in_either_direction(void)
 {
     config.motor.max_speed_mrad_s = 64000;
