@@ -34,6 +34,7 @@ measured_t measure_step(measure_t *state, const config_t *config, const fast_rep
 {
     measured_t now = {
         .report = report,
+        .in = in,
         .battery = &in->bms,
         .trip = trip_of(report),
     };

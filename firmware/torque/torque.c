@@ -84,8 +84,8 @@ static int32_t phase_voltage_mV(const config_t *config, const measured_t *now,
 
 /* The inputs of the table have a function of their own, so that they share the stack. */
 static void step_limits(torque_state_t *state, const feasible_set_t *set, const measured_t *now,
-                        const slow_input_t *in, const torque_enable_t *enable,
-                        const demand_t *demand, motor_point_t flowing, const findings_t *findings)
+                        const torque_enable_t *enable, const demand_t *demand,
+                        motor_point_t flowing, const findings_t *findings)
 {
     const bool contradicts = findings_present(findings, FINDING_BUS_CONTRADICTED) ||
                              findings_present(findings, FINDING_FLUX_HIGH);
@@ -96,7 +96,7 @@ static void step_limits(torque_state_t *state, const feasible_set_t *set, const 
         .battery_voltage_mV = contradicts ? now->battery->voltage_mV : 0,
         .bus_current_mA = motor_model_bus_current_mA(set->model, flowing, now->bus_voltage_mV),
     };
-    torque_limits_step(&state->limits, set, now, &in->demand, enable, &limited_by, &state->table);
+    torque_limits_step(&state->limits, set, now, enable, &limited_by, &state->table);
 }
 
 /* What is lost of the flux is missing in the torque; the hydraulic brake makes up for it. */
@@ -147,7 +147,7 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
         motor_now(config, now, watch, motor_model_torque_mNm(&model, flowing));
     const demand_t demand =
         demand_step(&state->demand, config, in, now->speed_mrad_s, watch->standstill);
-    step_limits(state, &set, now, in, enable, &demand, flowing, findings);
+    step_limits(state, &set, now, enable, &demand, flowing, findings);
     const brake_blending_out_t split =
         blend(state, config, now, last, in, watch, enable, &demand, &motor);
     brake_blending_report(&state->blending, findings);

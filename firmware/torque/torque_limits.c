@@ -402,9 +402,8 @@ limit_t torque_limits_anti_lock(torque_limits_state_t *state, const config_t *co
 }
 
 void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
-                        const measured_t *now, const wheel_demand_t *wheel,
-                        const torque_enable_t *enable, const torque_limits_input_t *in,
-                        torque_limits_t *table)
+                        const measured_t *now, const torque_enable_t *enable,
+                        const torque_limits_input_t *in, torque_limits_t *table)
 {
     const motor_model_t *model = set->model;
     static const reason_t DISCHARGE[2] = {REASON_DISCHARGE_CURRENT, REASON_BUS_VOLTAGE_LOW};
@@ -445,5 +444,5 @@ void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
     torque_limits_strategy(table->braking, config, model->speed_mrad_s, optimum_mNm,
                            q_max(in->brake_torque_mNm, 0));
     table->braking[TORQUE_LINE_ABS] =
-        torque_limits_anti_lock(state, config, wheel, in->brake_torque_mNm);
+        torque_limits_anti_lock(state, config, &now->in->demand, in->brake_torque_mNm);
 }

@@ -130,7 +130,8 @@ POINTEES = {
     "feasible_set_t": {"model": "motor_model_t"},
     "feasible_side_t": {"set": "feasible_set_t"},
     "recorder_t": {"memory": "recorder_memory_t"},
-    "measured_t": {"report": "fast_report_t", "battery": "battery_limits_t"},
+    "measured_t": {"report": "fast_report_t", "in": "slow_input_t",
+                   "battery": "battery_limits_t"},  # fmt: skip
 }
 CHECKS = (
     "--signed-overflow-check",

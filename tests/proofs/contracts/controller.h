@@ -118,7 +118,7 @@ PRE(measure_step, vector_holds(dq_of(report->observer.flux_q14)))
 PRE(measure_step, is_within(in->temperature.winding_cC, -100000, 100000) &&
      is_within(in->temperature.switch_cC, -100000, 100000))
 POST(measure_step, measure_holds(state, config) && findings_hold(findings))
-POST(measure_step, result.report == report && result.battery == &in->bms)
+POST(measure_step, result.report == report && result.in == in && result.battery == &in->bms)
 POST(measure_step, result.trip == REASON_NONE || result.trip == report->trip || result.trip ==
      REASON_MEMORY)
 POST(measure_step, report->trip != REASON_HARDWARE_BREAK || result.trip == REASON_HARDWARE_BREAK)

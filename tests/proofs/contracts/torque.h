@@ -308,7 +308,7 @@ POST(torque_limits_step, enable->drive_q15 > 0 || table->driving[TORQUE_LINE_ENA
      0)
 POST(torque_limits_step, enable->brake_q15 > 0 || table->braking[TORQUE_LINE_ENABLE].torque_mNm ==
      0)
-POST(torque_limits_step, !wheel->abs_active || table->braking[TORQUE_LINE_ABS].torque_mNm <=
+POST(torque_limits_step, !now->in->demand.abs_active || table->braking[TORQUE_LINE_ABS].torque_mNm <=
      q_max(in->brake_torque_mNm, 0))
 POST(torque_limits_step, q_abs(set->model->speed_mrad_s) >
      set->model->config->brake.blend_out_end_mrad_s ||

@@ -7,8 +7,9 @@
  * over the averaging window, the PWM periods since the previous report. Motor torque, current and
  * speed are positive when they drive forward, the bus current out of the battery.
  *
- * The raw report stands beside what is derived from it: the monitor reads that, with coarse bounds
- * of its own, so that one wrong derivation cannot deceive torque and monitor alike.
+ * The raw report and the input stand beside what is derived from them: the monitor reads the report
+ * with coarse bounds of its own, so that one wrong derivation cannot deceive torque and monitor
+ * alike; a limit or a check reads an input that nothing is derived from where it was sent.
  */
 #ifndef CORE_MEASURED_H
 #define CORE_MEASURED_H
@@ -28,7 +29,8 @@ enum { TEMPERATURE_NONE_cC = -32700 }; /* no temperature: colder than any */
 
 typedef struct {
     const fast_report_t *report;     /* as the fast loop sent it */
-    const battery_limits_t *battery; /* as the battery management reported it */
+    const slow_input_t *in;          /* as vehicle, battery and board sent it */
+    const battery_limits_t *battery; /* of it, as the battery management reported it */
     reason_t trip;                   /* of the fast monitor; MEMORY where the word is damaged */
     /* Rotor */
     bool angle_valid; /* the angle in use may make torque */

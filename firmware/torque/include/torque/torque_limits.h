@@ -92,9 +92,8 @@ void torque_limits_init(torque_limits_state_t *state, torque_limits_t *table);
  * solved ones (PHASE_CURRENT, VOLTAGE, DRAWN, RETURNED) come once in a turn, so that they are up to
  * TORQUE_LIMITS_TURN_steps old; the cap that the latter two begin with, two steps more. */
 void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
-                        const measured_t *now, const wheel_demand_t *wheel,
-                        const torque_enable_t *enable, const torque_limits_input_t *in,
-                        torque_limits_t *table);
+                        const measured_t *now, const torque_enable_t *enable,
+                        const torque_limits_input_t *in, torque_limits_t *table);
 
 /* The lines of the braking strategy, LOSS_OPTIMUM to ELECTRIC_SHARE. optimum_mNm: shaft torque that
  * returns the most energy now, below 0 counts as 0; brake_torque_mNm: of both brakes together, >=

@@ -82,6 +82,7 @@ void test_the_raw_report_and_the_battery_s_values_stand_beside_what_is_derived(v
 {
     step();
     TEST_ASSERT_EQUAL_PTR(&report, now.report);
+    TEST_ASSERT_EQUAL_PTR(&in, now.in);
     TEST_ASSERT_EQUAL_PTR(&in.bms, now.battery);
 }
 

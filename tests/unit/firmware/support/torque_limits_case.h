@@ -24,24 +24,28 @@ typedef struct {
     torque_enable_t torque_enable;
 } torque_limits_case_t;
 
-static inline wheel_demand_t torque_limits_case_demand(const torque_limits_case_t *at)
+static inline slow_input_t torque_limits_case_input(const torque_limits_case_t *at)
 {
-    const wheel_demand_t out = {.brake_torque_mNm = at->brake_torque_mNm,
-                                .abs_active = at->abs_active,
-                                .abs_motor_share_percent = at->abs_share_percent};
+    const slow_input_t out = {
+        .demand = {.brake_torque_mNm = at->brake_torque_mNm,
+                   .abs_active = at->abs_active,
+                   .abs_motor_share_percent = at->abs_share_percent},
+        .bms = {.charge_current_mA = at->bms_charge_current_mA,
+                .discharge_current_mA = at->bms_discharge_current_mA,
+                .charge_peak_current_mA = at->bms_charge_peak_mA},
+    };
     return out;
 }
 
 static inline void torque_limits_case_step(torque_limits_state_t *state, const feasible_set_t *set,
                                            const torque_limits_case_t *at, torque_limits_t *table)
 {
-    const battery_limits_t battery = {.charge_current_mA = at->bms_charge_current_mA,
-                                      .discharge_current_mA = at->bms_discharge_current_mA,
-                                      .charge_peak_current_mA = at->bms_charge_peak_mA};
+    const slow_input_t sent = torque_limits_case_input(at);
     const wheel_temperatures_t sensed = {
         .winding_cC = at->only_modelled ? TEMPERATURE_NONE_cC : set->model->winding_temperature_cC,
         .switch_cC = at->only_modelled ? TEMPERATURE_NONE_cC : at->switch_temperature_cC};
-    const measured_t now = {.battery = &battery,
+    const measured_t now = {.in = &sent,
+                            .battery = &sent.bms,
                             .angle_valid = at->angle_valid,
                             .bus_voltage_mV = at->bus_voltage_mV,
                             .switch_temperature_cC = at->switch_temperature_cC,
@@ -52,8 +56,7 @@ static inline void torque_limits_case_step(torque_limits_state_t *state, const f
                                       .brake_torque_mNm = at->brake_torque_mNm,
                                       .battery_voltage_mV = at->battery_voltage_mV,
                                       .bus_current_mA = at->bus_current_mA};
-    const wheel_demand_t wheel = torque_limits_case_demand(at);
-    torque_limits_step(state, set, &now, &wheel, &at->torque_enable, &in, table);
+    torque_limits_step(state, set, &now, &at->torque_enable, &in, table);
 }
 
 #endif

@@ -115,6 +115,7 @@ static inline torque_output_t torque_case_step(void)
     };
     const measured_t now = {
         .report = &report,
+        .in = &sent,
         .battery = &sent.bms,
         .angle_valid = in.angle_valid,
         .angle_by = in.angle_by,

@@ -249,8 +249,8 @@ void test_loss_braking_is_derated_by_the_warmer_part(void)
 
 static limit_t anti_lock(void)
 {
-    const wheel_demand_t wheel = torque_limits_case_demand(&conditions);
-    return torque_limits_anti_lock(&state, &config, &wheel, conditions.brake_torque_mNm);
+    const slow_input_t sent = torque_limits_case_input(&conditions);
+    return torque_limits_anti_lock(&state, &config, &sent.demand, conditions.brake_torque_mNm);
 }
 
 void test_an_intervention_leaves_its_share_and_holds_it(void)
