@@ -60,16 +60,6 @@ static bool hydraulic_is_seen(const torque_limits_t *table, const measured_t *no
            table->braking[TORQUE_LINE_ABS].torque_mNm == FEASIBLE_UNBOUNDED;
 }
 
-/* Whose lines bound the demand of this step: of a driving demand against the rotation, by a wheel
- * that rolls back, those of braking. */
-static side_t demanded_side(const demand_t *demand, int32_t speed_mrad_s)
-{
-    const bool brakes = demand->brake_torque_mNm > 0 || demand->lift_off_mNm > 0;
-    return brakes || torque_command_is_against(demand->drive_torque_mNm, speed_mrad_s)
-               ? SIDE_BRAKING
-               : SIDE_DRIVING;
-}
-
 /* That PWM has, or would have if it took over from diodes that charge the battery. */
 static int32_t phase_voltage_mV(const config_t *config, const measured_t *now,
                                 const monitored_t *watch, const torque_enable_t *enable)
@@ -90,7 +80,6 @@ static void step_limits(torque_state_t *state, const feasible_set_t *set, const 
     const bool contradicts = findings_present(findings, FINDING_BUS_CONTRADICTED) ||
                              findings_present(findings, FINDING_FLUX_HIGH);
     const torque_limits_input_t limited_by = {
-        .demanded = demanded_side(demand, now->speed_mrad_s),
         .brake_torque_mNm = demand->brake_torque_mNm,
         /* Behind an open contactor it limits what is zero already. */
         .battery_voltage_mV = contradicts ? now->battery->voltage_mV : 0,

@@ -12,7 +12,6 @@ void torque_limits_init(torque_limits_state_t *state, torque_limits_t *table)
 {
     const torque_limits_state_t fresh = {.charge = {.allowed_q24 = SCALED_ONE},
                                          .discharge = {.allowed_q24 = SCALED_ONE},
-                                         .turn = {.side = SIDE_BOTH},
                                          .abs_hold_steps = 0};
     *state = fresh;
     const loss_braking_t no_losses = {.by_map_mNm = FEASIBLE_UNBOUNDED};
@@ -286,55 +285,24 @@ static void solve_returned(torque_limits_t *out, const feasible_side_t *side,
     }
 }
 
-/* What a step solves of a side. */
-typedef struct {
-    bool ends, battery;
-} solved_t;
-
-/* A side without a demand: circle and ellipse in one step of the turn, the battery in another.
- * available_ahead works in the even ones. */
-static solved_t solved_of(const torque_limits_turn_t *turn, side_t sign, side_t demanded)
-{
-    const bool whole = demanded == SIDE_BOTH || demanded == sign;
-    const solved_t out = {
-        .ends = whole || turn->step == 1U,
-        .battery = whole || (turn->step == 3U && turn->side == sign),
-    };
-    return out;
-}
-
-static void feasible_lines(torque_limits_state_t *state, torque_limits_t *out,
-                           const feasible_set_t *set, side_t demanded,
+static void feasible_lines(torque_limits_t *out, const feasible_set_t *set,
                            const battery_limit_t *discharge, const battery_limit_t *charge,
                            int32_t bus_mV)
 {
     const int32_t cap_mNm = q_min(out->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm,
                                   out->driving[TORQUE_LINE_MAX_POWER].torque_mNm);
-    torque_limits_turn_t *turn = &state->turn;
     feasible_circle_t circle = {.known = false};
     static const side_t SIDES[2] = {SIDE_DRIVING, SIDE_BRAKING};
     for (int k = 0; k < 2; k++) {
-        const side_t sign = SIDES[k];
-        limit_t *line = sign == SIDE_DRIVING ? out->driving : out->braking;
-        const solved_t solved = solved_of(turn, sign, demanded);
-        feasible_side_t side = {.set = set, .sign = (int32_t)sign, .cap = turn->cap};
-        if (solved.ends) {
-            side = feasible_side_at(set, sign, cap_mNm);
-            solve_ends(line, &side, &circle);
-        }
-        if (solved.ends && !solved.battery) {
-            turn->side = sign;
-            turn->cap = side.cap;
-        }
-        if (solved.battery) {
-            line[TORQUE_LINE_DRAWN] =
-                limit_init(feasible_by_drawn_mNm(&side, out->drawn_b), discharge->reason);
-        }
-        if (solved.battery && sign == SIDE_BRAKING) {
+        limit_t *line = SIDES[k] == SIDE_DRIVING ? out->driving : out->braking;
+        feasible_side_t side = feasible_side_at(set, SIDES[k], cap_mNm);
+        solve_ends(line, &side, &circle);
+        line[TORQUE_LINE_DRAWN] =
+            limit_init(feasible_by_drawn_mNm(&side, out->drawn_b), discharge->reason);
+        if (SIDES[k] == SIDE_BRAKING) {
             solve_returned(out, &side, charge, bus_mV);
         }
     }
-    turn->step = (turn->step + 1U) % TORQUE_LIMITS_TURN_steps;
 }
 
 /* Zero at and below the end speed, even where the range has no width or ends at standstill. */
@@ -434,7 +402,7 @@ void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
         set, returned_at(model, charge.current_mA, charge.margin_mA, bus_mV), derating_q15);
     table->losses.current_b = losses.current_b;
     table->losses.returned = losses.returned;
-    feasible_lines(state, table, set, in->demanded, &discharge, &charge, bus_mV);
+    feasible_lines(table, set, &discharge, &charge, bus_mV);
     table->driving[TORQUE_LINE_MAX_SPEED] = torque_limits_max_speed(config, model->speed_mrad_s);
     table->driving[TORQUE_LINE_ENABLE] = share_line(config, enable->drive_q15, enable->reason);
     table->braking[TORQUE_LINE_ENABLE] = share_line(config, enable->brake_q15, enable->reason);

@@ -284,7 +284,6 @@ static void begin_anew(void)
     /* What takes turns: at any step of its round. */
     static uint32_t step;
     now.slow.torque.ahead.step = step % AVAILABLE_AHEAD_ROUND_steps;
-    now.slow.torque.limits.turn.step = step % TORQUE_LIMITS_TURN_steps;
     step++;
 }
 

@@ -21,7 +21,7 @@
 
 #define FEASIBLE_UNBOUNDED INT32_MAX
 
-typedef enum { SIDE_BOTH = 0, SIDE_DRIVING = 1, SIDE_BRAKING = -1 } side_t;
+typedef enum { SIDE_DRIVING = 1, SIDE_BRAKING = -1 } side_t;
 
 /* The sum u_d i_d + u_q i_q over i_qt = x: a x^2 + (b + b_d d) x + c + (c_d + c_dd d) d. */
 typedef struct {

@@ -10,9 +10,8 @@
  * it is solved at the expected speed and voltage, in a step that has saved effort.
  *
  * The work is spread over a round of AVAILABLE_AHEAD_ROUND_steps; results are two rounds old at
- * most, of the side without a demand TORQUE_LIMITS_TURN_steps more. What changes by a step (torque
- * enable, anti-lock, a new limit of the battery) is taken as it is now. Error: DERIVATIONS.md,
- * Available torque.
+ * most. What changes by a step (torque enable, anti-lock, a new limit of the battery) is taken as
+ * it is now. Error: DERIVATIONS.md, Available torque.
  */
 #ifndef TORQUE_AVAILABLE_AHEAD_H
 #define TORQUE_AVAILABLE_AHEAD_H

@@ -47,25 +47,14 @@ typedef enum { TORQUE_LINES(TORQUE_LINE_ENUM) TORQUE_LINE_COUNT } torque_line_t;
 #undef TORQUE_LINE_ENUM
 
 typedef struct {
-    side_t demanded;          /* the other side is solved in turns; SIDE_BOTH: both in every step */
-    int32_t brake_torque_mNm; /* demanded, magnitude; a parallel brake takes a share of it */
+    int32_t brake_torque_mNm;   /* demanded, magnitude; a parallel brake takes a share of it */
     int32_t battery_voltage_mV; /* where it contradicts the bus voltage: each limit takes the more
                                    dangerous of both; 0: it does not */
     int32_t bus_current_mA;     /* of this motor by its model, positive out of the battery */
 } torque_limits_input_t;
 
-enum { TORQUE_LIMITS_TURN_steps = 8 };
-
-/* The side without a demand between its two steps of a turn. */
-typedef struct {
-    uint32_t step; /* of the turn */
-    side_t side;   /* of the cap; SIDE_BOTH: none */
-    motor_point_t cap;
-} torque_limits_turn_t;
-
 typedef struct {
     foldback_state_t charge, discharge;
-    torque_limits_turn_t turn;
     int32_t abs_hold_steps; /* remaining slow steps with the bound of the intervention */
     int32_t abs_share_percent;
 } torque_limits_state_t;
@@ -85,12 +74,9 @@ typedef struct {
 void torque_limits_init(torque_limits_state_t *state, torque_limits_t *table);
 
 /* Slow loop, once per step. now: bus voltage (clamped to 0 .. twice the over-voltage trip),
- * temperatures and the battery's limits, of any value. table: from torque_limits_init(); all bounds
- * are >= 0, lines that the strategy or the direction does not use stay FEASIBLE_UNBOUNDED.
- *
- * All lines of the demanded side are of this step. Of the other one, which bounds no torque, the
- * solved ones (PHASE_CURRENT, VOLTAGE, DRAWN, RETURNED) come once in a turn, so that they are up to
- * TORQUE_LIMITS_TURN_steps old; the cap that the latter two begin with, two steps more. */
+ * temperatures and the battery's limits, of any value. table: from torque_limits_init(); all lines
+ * of both sides are of this step. All bounds are >= 0, lines that the strategy or the direction
+ * does not use stay FEASIBLE_UNBOUNDED. */
 void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
                         const measured_t *now, const torque_enable_t *enable,
                         const torque_limits_input_t *in, torque_limits_t *table);

@@ -9,7 +9,6 @@
 
 /* What torque_limits_step() reads of its records. */
 typedef struct {
-    side_t demanded;
     int32_t brake_torque_mNm; /* demanded, magnitude */
     int32_t bus_voltage_mV;
     int32_t battery_voltage_mV; /* where it contradicts the bus voltage; 0: it does not */
@@ -52,8 +51,7 @@ static inline void torque_limits_case_step(torque_limits_state_t *state, const f
                             .sensed = sensed,
                             .winding_lasting_mA = at->lasting_mA,
                             .switch_lasting_mA = at->lasting_mA};
-    const torque_limits_input_t in = {.demanded = at->demanded,
-                                      .brake_torque_mNm = at->brake_torque_mNm,
+    const torque_limits_input_t in = {.brake_torque_mNm = at->brake_torque_mNm,
                                       .battery_voltage_mV = at->battery_voltage_mV,
                                       .bus_current_mA = at->bus_current_mA};
     torque_limits_step(state, set, &now, &at->torque_enable, &in, table);

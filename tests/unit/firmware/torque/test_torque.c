@@ -446,16 +446,15 @@ void test_the_reason_shown_on_a_bound_is_that_of_the_table_s_tightest_line(void)
 }
 
 /* The battery takes or gives nothing from the step on in which a demand comes: the bound of its
- * side is of that step, whichever side was demanded before and in whichever step of its turn. */
+ * side is of that step, whichever side was demanded before. */
 void test_a_new_demand_meets_a_bound_of_the_same_step(void)
 {
     enum { BRAKE, LIFT_OFF, ROLLING_BACK, DRIVE, DEMANDS };
-    for (int n = 0; n < DEMANDS * TORQUE_LIMITS_TURN_steps; n++) {
-        const int kind = n / TORQUE_LIMITS_TURN_steps;
+    for (int kind = 0; kind < DEMANDS; kind++) {
         torque_rig_reset();
         in.drive_torque_mNm = kind == DRIVE ? 0 : 10000;
         in.brake_torque_mNm = kind == DRIVE ? 10000 : 0;
-        (void)run(100 + n % TORQUE_LIMITS_TURN_steps);
+        (void)run(100);
         in.bms_charge_current_mA = 0;
         in.bms_discharge_current_mA = 0;
         in.drive_torque_mNm = kind == LIFT_OFF ? -10000 : kind == BRAKE ? 0 : 10000;

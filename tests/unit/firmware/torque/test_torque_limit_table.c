@@ -131,7 +131,6 @@ void test_a_table_begins_without_bounds_and_without_folding_back(void)
     TEST_ASSERT_EQUAL_INT32(SCALED_ONE, state.charge.allowed_q24);
     TEST_ASSERT_EQUAL_INT32(SCALED_ONE, state.discharge.allowed_q24);
     TEST_ASSERT_EQUAL_INT32(0, state.abs_hold_steps);
-    TEST_ASSERT_EQUAL_INT(SIDE_BOTH, state.turn.side);
     TEST_ASSERT_EQUAL_INT32(FEASIBLE_UNBOUNDED, table.losses.by_map_mNm);
     TEST_ASSERT_EQUAL_STRING("ABS", torque_limits_line_text(TORQUE_LINE_ABS));
 }

@@ -366,6 +366,47 @@ void test_limits_are_magnitudes_up_to_max_torque_under_random_conditions(void)
     }
 }
 
+/* Phase current for 0.7038 N m/A: 35 N m of 50 A. */
+static void assert_current_line(int32_t max_torque_mNm, int32_t power_torque_mNm, bool open)
+{
+    enum { SPEED_rad_s = 30 };
+    config.motor.max_phase_current_mA = 50000;
+    config.motor.max_torque_mNm = max_torque_mNm;
+    config.motor.max_power_mW = power_torque_mNm * SPEED_rad_s;
+    (void)at_speed(SPEED_rad_s * 1000);
+    const limit_t *const sides[] = {table.driving, table.braking};
+    for (int n = 0; n < 2; n++) {
+        TEST_ASSERT_EQUAL_INT32(max_torque_mNm, sides[n][TORQUE_LINE_MAX_TORQUE].torque_mNm);
+        TEST_ASSERT_EQUAL_INT32(power_torque_mNm, sides[n][TORQUE_LINE_MAX_POWER].torque_mNm);
+        const int32_t found_mNm = sides[n][TORQUE_LINE_PHASE_CURRENT].torque_mNm;
+        TEST_ASSERT_INT32_WITHIN(open ? 0 : 3000, open ? FEASIBLE_UNBOUNDED : 35000, found_mNm);
+    }
+}
+
+void test_no_bound_beyond_largest_torque_and_power_is_solved(void)
+{
+    assert_current_line(80000, 80000, false);
+    assert_current_line(80000, 20000, true);
+    assert_current_line(20000, 80000, true);
+}
+
+/* Only the fold-back and the anti-lock hold remember a step before: they are the state. */
+void test_the_lines_of_a_step_do_not_depend_on_the_table_before(void)
+{
+    random_t random = random_seeded(31);
+    for (int n = 0; n < 2000; n++) {
+        random_conditions(&random);
+        phase_mV = random_between(&random, 5000, 30000);
+        const int32_t speed_mrad_s = random_between(&random, -100000, 100000);
+        (void)at_speed(speed_mrad_s); /* from the table of the last conditions */
+        const torque_limits_t used = table;
+        torque_limits_state_t unused;
+        torque_limits_init(&unused, &table);
+        (void)at_speed(speed_mrad_s);
+        TEST_ASSERT_EQUAL_MEMORY(&table, &used, sizeof used);
+    }
+}
+
 void test_limits_are_symmetric_in_the_direction_of_rotation(void)
 {
     random_t random = random_seeded(2);
