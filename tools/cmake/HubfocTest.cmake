@@ -48,8 +48,8 @@ function(hubfoc_add_unit_tests)
   # Mocks are their generator's business; the tests are held to the project's warnings.
   set_source_files_properties(${mock_sources} PROPERTIES COMPILE_OPTIONS "-w;-O0;-g0")
   # What tests do is done in the modules' libraries; their own code takes longer to optimise than to
-  # run. For the compiler's warnings it is optimised once: the firmware's tests for the emulator,
-  # all others with sanitizers.
+  # run. For the compiler's warnings it is optimised once: the firmware's tests for the emulator
+  # (most of them with --full), all others with sanitizers.
   if(NOT HUBFOC_SANITIZE OR CMAKE_CURRENT_SOURCE_DIR MATCHES "/tests/unit/firmware/")
     set_source_files_properties(${suites} ${T_SOURCES} PROPERTIES COMPILE_OPTIONS -O0)
   endif()
@@ -59,6 +59,7 @@ function(hubfoc_add_unit_tests)
   target_link_libraries(${T_NAME} PRIVATE hubfoc_run_suites unity ${T_LIBRARIES} hubfoc_warnings)
   if(T_PLAIN AND HUBFOC_SANITIZE)
     list(APPEND T_LABELS full)
+    hubfoc_only_full(${T_NAME})
   endif()
   if(NOT T_PLAIN AND NOT HUBFOC_SANITIZE AND NOT HUBFOC_COVERAGE AND NOT HUBFOC_MCDC)
     set_property(TARGET ${T_NAME} PROPERTY EXCLUDE_FROM_ALL ON)

@@ -81,9 +81,10 @@ def main() -> int:
         tests = choose.of_folder(tests, ROOT, options.folders)
     if options.list_targets:
         for preset in presets:
-            mine = [test for test in tests if test.preset == preset]
+            mine = [test for test in tests if test.preset == preset
+                    and (options.full or ctest.FULL_LABEL not in test.labels)]  # fmt: skip
             if mine:
-                print(" ".join(targets_of(preset, mine, suite)))
+                print(" ".join(targets_of(preset, mine, suite, full=options.full)))
         return 0
     if options.folders:
         presets = [name for name in presets if any(test.preset == name for test in tests)]
@@ -97,8 +98,8 @@ def ended(run: Run, suite: Suite, times: Times, options: argparse.Namespace) -> 
     return 0 if run.good else 1
 
 
-def targets_of(preset: str, tests: Sequence[Test], suite: Suite) -> list[str]:
-    """Return what has to be built for tests; "all" where that is not known yet.
+def targets_of(preset: str, tests: Sequence[Test], suite: Suite, *, full: bool) -> list[str]:
+    """Return what has to be built for tests; everything where that is not known yet.
 
     Tests that need nothing built need the build's own list to be up to date.
     """
@@ -110,7 +111,7 @@ def targets_of(preset: str, tests: Sequence[Test], suite: Suite) -> list[str]:
         for test in tests
     ]
     if not all(known):
-        return ["all"]
+        return ["all", "full_tests"] if full else ["all"]
     needed = {path for test in tests for path in choose.products(test, graph, suite.opened)}
     return sorted(str(path.relative_to(directory)) for path in needed) or ["build.ninja"]
 

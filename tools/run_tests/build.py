@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Build several configured presets at the same time, so that no core waits for another's linker.
 
-``python -m run_tests.build LOGS PRESET[:TARGET...]...``: the first preset is built beside the
+``python -m run_tests.build LOGS PRESET:TARGET...``: the first preset is built beside the
 others, which follow one another. Each has its log in the folder LOGS, ``build-PRESET.log``; the
 names of those that failed are written to ``build-failed`` there, the ends of their logs to stdout,
 and how long each took is added to ``times``.
@@ -20,10 +20,9 @@ SHOWN_LINES = 20
 
 
 def build(logs: Path, preset: str, targets: Sequence[str]) -> bool:
-    """Build targets of a preset, by default all; show the progress; return False on failure."""
+    """Build targets of a preset; show the progress; return False on failure."""
     command = ["cmake", "--build", "--preset", preset, "--parallel", str(jobs())]
-    if targets:
-        command += ["--target", *targets]
+    command += ["--target", *targets]
     begin = time.monotonic()
     with (logs / f"build-{preset}.log").open("w", encoding="utf-8") as log:
         process = subprocess.Popen(

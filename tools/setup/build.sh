@@ -85,11 +85,12 @@ configure_host() {
     configure host "HUBFOC_TESTS=$tests" "$@"
 }
 
-# build_targets PRESET [TARGET...], in a configured directory
+# build_targets PRESET [TARGET...], in a configured directory; all of it but what only tests labelled
+# full need (tools/cmake/HubfocFull.cmake)
 build_targets() {
     local preset=$1 targets=()
     shift
-    (($#)) && targets=(--target "$@")
+    if (($#)); then targets=(--target "$@"); else targets=(--target all); fi
     (cd "$ROOT" && LAST_LINE_IF_IDLE="ninja: no work to do." \
         run_logged "Building $preset" "build-$preset" \
             cmake --build --preset "$preset" "${targets[@]}")
@@ -108,12 +109,14 @@ build() {
     configure "$preset" HUBFOC_TESTS=ON && build_targets "$preset" "$@"
 }
 
-# build_for_tests [FOLDER...]: all presets, or what the tests of these folders need of them. Leaves
-# the presets' names in BUILT and NOT_BUILT, and what each took in the file times of LOG_DIR.
+# build_for_tests FULL [FOLDER...]: all presets, or what the tests of these folders need of them, and
+# if FULL is not empty what the tests labelled full need. Leaves the presets' names in BUILT and
+# NOT_BUILT, and what each took in the file times of LOG_DIR.
 BUILT=()
 NOT_BUILT=()
 build_for_tests() {
-    local preset begin took_us targets builds=()
+    local full=$1 preset begin took_us targets builds=()
+    shift
     BUILT=()
     NOT_BUILT=()
     mkdir -p "$LOG_DIR"
@@ -127,9 +130,10 @@ build_for_tests() {
         took_us=$((${EPOCHREALTIME/[.,]/} - begin))
         printf '%s configure %d.%02d\n' "$preset" $((took_us / 1000000)) \
             $((took_us / 10000 % 100)) >>"$LOG_DIR/times"
-        targets=''
+        targets=all${full:+ full_tests}
         if (($#)); then
-            targets=$("$VENV_PYTHON" -m run_tests --presets "$preset" --list-targets "$@") ||
+            targets=$("$VENV_PYTHON" -m run_tests ${full:+--full} --presets "$preset" \
+                --list-targets "$@") ||
                 fail "test: ctest cannot list the tests"
             [[ -n $targets ]] || continue
         fi
