@@ -25,12 +25,13 @@ foreach(module IN LISTS fuzzed_modules ITEMS app)
   list(APPEND compile "-I${PROJECT_SOURCE_DIR}/firmware/${module}/include")
 endforeach()
 
-# fuzzed_object(OBJECT SOURCE)
+# fuzzed_object(OBJECT SOURCE OPTION...)
 function(fuzzed_object object source)
   cmake_path(GET object PARENT_PATH folder)
   file(MAKE_DIRECTORY "${folder}")
   add_custom_command(OUTPUT "${object}" DEPFILE "${object}.d" DEPENDS "${source}"
-    COMMAND ${compile} -MD -MF "${object}.d" -MT "${object}" -c "${source}" -o "${object}" VERBATIM)
+    COMMAND ${compile} ${ARGN} -MD -MF "${object}.d" -MT "${object}" -c "${source}" -o "${object}"
+    VERBATIM)
 endfunction()
 
 # What the fuzzers run, compiled once.
@@ -56,6 +57,28 @@ set(library "${CMAKE_CURRENT_BINARY_DIR}/libfuzzed.a")
 add_custom_command(OUTPUT "${library}" DEPENDS ${objects} VERBATIM
   COMMAND "${CMAKE_COMMAND}" -E rm -f "${library}"
   COMMAND "${CMAKE_AR}" qcs "${library}" ${objects})
+
+# The sequences of tests/target by these objects of clang print what those of gcc print, with
+# sanitizers and without.
+set(traced "${PROJECT_SOURCE_DIR}/tests/target")
+set(program "${CMAKE_CURRENT_BINARY_DIR}/trace_by_clang")
+set(objects "")
+foreach(name IN ITEMS trace digest print print_host wheel)
+  fuzzed_object("${CMAKE_CURRENT_BINARY_DIR}/traced/${name}.o" "${traced}/${name}.c" "-I${traced}"
+    -DCONFIG_IMAGE=CONFIG_LU2013)
+  list(APPEND objects "${CMAKE_CURRENT_BINARY_DIR}/traced/${name}.o")
+endforeach()
+add_custom_command(OUTPUT "${program}" DEPENDS ${objects} "${library}" VERBATIM
+  COMMAND "${HUBFOC_CLANG}" -fsanitize=fuzzer-no-link,address,undefined ${objects} "${library}"
+    -o "${program}")
+add_custom_target(build_trace_by_clang ALL DEPENDS "${program}")
+add_dependencies(build_trace_by_clang hubfoc_app_commit)
+set(HUBFOC_TRACE "${PROJECT_SOURCE_DIR}/build/host/tests/target/hubfoc_trace"
+  CACHE FILEPATH "The host preset's program of the input sequences")
+add_test(NAME trace_by_clang_is_that_by_gcc COMMAND "${CMAKE_COMMAND}"
+  "-DPROGRAMS=${HUBFOC_TRACE};$<TARGET_FILE:hubfoc_trace>;${program}"
+  -P "${traced}/same_output.cmake")
+hubfoc_test_properties(trace_by_clang_is_that_by_gcc target 300)
 
 # hubfoc_add_fuzzer(NAME RUNS LONG_RUNS OPTION...)
 function(hubfoc_add_fuzzer name runs long_runs)

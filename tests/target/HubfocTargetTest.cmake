@@ -101,7 +101,12 @@ function(hubfoc_add_unit_tests)
     LIBRARIES hubfoc_run_suites unity_target ${T_LIBRARIES})
   target_include_directories(${T_NAME} PRIVATE "${PROJECT_SOURCE_DIR}/tests/unit/runner")
   target_link_options(${T_NAME} PRIVATE ${HUBFOC_TEST_CORE})
+  set(labels unit)
+  if(NOT T_NAME IN_LIST HUBFOC_UNITS_OF_THE_CORE)
+    list(APPEND labels full)
+    hubfoc_only_full(${T_NAME})
+  endif()
   hubfoc_add_qemu_test(NAME ${T_NAME} ELF ${T_NAME} MACHINE ${HUBFOC_TEST_MACHINE}
     MILLIONS 400000 TIMELESS
-    EXPECT "Tests 0 Failures 0 Ignored" LABELS unit)
+    EXPECT "Tests 0 Failures 0 Ignored" LABELS ${labels})
 endfunction()

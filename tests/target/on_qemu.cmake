@@ -71,6 +71,8 @@ hubfoc_add_qemu_test(NAME firmware_finds_one_wrong_byte_in_itself
 
 # ---- the same input sequences on host and target ----
 
+set(module_libraries ${modules})
+list(TRANSFORM module_libraries PREPEND "hubfoc_")
 set(module_sources "")
 set(module_includes "")
 foreach(module IN LISTS modules)
@@ -81,37 +83,30 @@ foreach(module IN LISTS modules)
   list(APPEND module_includes "${directory}/include")
 endforeach()
 list(TRANSFORM trace_sources PREPEND "${CMAKE_CURRENT_LIST_DIR}/" OUTPUT_VARIABLE trace_files)
-list(TRANSFORM module_includes PREPEND "-I" OUTPUT_VARIABLE include_options)
-file(GLOB_RECURSE module_headers CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/firmware/*/include/*.h"
-  "${CMAKE_CURRENT_LIST_DIR}/*.h")
 
-set(trace_on_host "${CMAKE_CURRENT_BINARY_DIR}/trace_on_host")
-if(HUBFOC_HOST_CC)
-  set(host_files ${trace_files} "${CMAKE_CURRENT_LIST_DIR}/print_host.c" ${module_sources}
-    "${config_image}")
-  add_custom_command(OUTPUT trace_on_host
-    COMMAND "${HUBFOC_HOST_CC}" -std=c11 -O2 ${include_options}
-    "-I${PROJECT_SOURCE_DIR}/tests/unit/firmware/support" "-D${trace_definitions}"
-      ${host_files} -o trace_on_host
-    DEPENDS ${host_files} ${module_headers} VERBATIM)
-  add_custom_target(hubfoc_trace_on_host ALL DEPENDS trace_on_host)
-endif()
+set(HUBFOC_TRACE "${PROJECT_SOURCE_DIR}/build/host/tests/target/hubfoc_trace"
+  CACHE FILEPATH "The host preset's program of the input sequences")
 
-# trace(NAME OPTION...): compares the sequences, compiled for the emulated core with these options,
-# with those on the host.
-function(trace name)
-  hubfoc_add_target_program(NAME ${name} OPTIONS ${ARGN}
-    SOURCES ${trace_files} "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/print_target.c" ${module_sources}
-    "${config_image}")
+# trace(NAME LABELS SOURCES ... LIBRARIES ... OPTIONS ...): compares the sequences on the emulated
+# core with those on the host.
+function(trace name labels)
+  hubfoc_add_target_program(NAME ${name} ${ARGN})
+  target_sources(${name} PRIVATE ${trace_files} "${config_image}"
+    "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/print_target.c")
   target_include_directories(${name} PRIVATE ${module_includes}
     "${PROJECT_SOURCE_DIR}/tests/unit/firmware/support")
   target_compile_definitions(${name} PRIVATE ${trace_definitions})
   hubfoc_add_qemu_test(NAME ${name}_is_the_hosts_bit_for_bit ELF ${name} MILLIONS 30000
-    SAME_AS "${trace_on_host}")
+    SAME_AS "${HUBFOC_TRACE}" LABELS ${labels})
+  if("full" IN_LIST labels)
+    hubfoc_only_full(${name})
+  endif()
 endfunction()
-trace(trace_cortex_m4)
-trace(trace_cortex_m4_portable -U__ARM_FEATURE_SAT) # q15.h's own clamps instead of SSAT
-trace(trace_cortex_m4_unoptimised -O0)
+# As the image has the modules; with q15.h's own clamps instead of SSAT; unoptimised; on smaller
+# instruction sets. What differs between those of the same core is the compiler's work alone.
+trace(trace_cortex_m4 "" LIBRARIES ${module_libraries})
+trace(trace_cortex_m4_portable full SOURCES ${module_sources} OPTIONS -U__ARM_FEATURE_SAT)
+trace(trace_cortex_m4_unoptimised full SOURCES ${module_sources} OPTIONS -O0)
 set(HUBFOC_OTHER_CORE cortex-m3)
 set(HUBFOC_OTHER_CORE_OPTIONS -O2)
 add_subdirectory(other_core cortex_m3)
@@ -126,9 +121,9 @@ set(HUBFOC_RECORD_CYCLE "${PROJECT_SOURCE_DIR}/build/host/tests/target/hubfoc_re
   CACHE FILEPATH
   "The host preset's program that records the urban cycle")
 hubfoc_add_target_program(NAME replay_cycle
-  SOURCES replay_cycle.c cycle.c digest.c print.c print_target.c ${module_sources}
-    "${PROJECT_SOURCE_DIR}/firmware/config/generated/lu2013.c")
-target_include_directories(replay_cycle PRIVATE ${module_includes})
+  SOURCES replay_cycle.c cycle.c digest.c print.c print_target.c "${config_image}"
+  LIBRARIES ${module_libraries})
+hubfoc_only_full(replay_cycle)
 add_test(NAME whole_cycle_is_the_hosts_bit_for_bit
   COMMAND "${CMAKE_COMMAND}" "-DRECORDER=${HUBFOC_RECORD_CYCLE}" "-DCYCLE=${cycle_points}"
     "-DELF=$<TARGET_FILE:replay_cycle>" "-DQEMU=${HUBFOC_QEMU}"
@@ -166,9 +161,12 @@ foreach(path IN LISTS scenarios)
     "test_scenarios.py::test_the_emulated_run_is_the_hosts[${scenario}]")
 endforeach()
 
-# Every way to compile and to execute the steps: the sequences in those that are not above, and
-# whole scenarios in all of them, a minute or more a cell. Both compile into build/matrix.
+# Every way to compile and to execute the steps: whole scenarios and the sequences in all of them, a
+# minute or more a cell; in every run the sequences in the one that no build has. Both compile into
+# build/matrix.
 pil_test(matrix bit_exactness_of_sequences 600 python test_sequences.py)
+set_property(TEST bit_exactness_of_sequences APPEND PROPERTY ENVIRONMENT
+  "HUBFOC_TRACE_ELF=$<TARGET_FILE:trace_cortex_m4>")
 pil_test(matrix bit_exactness 14400 "python;full" test_matrix.py)
 set_tests_properties(bit_exactness_of_sequences bit_exactness PROPERTIES RESOURCE_LOCK matrix)
 
@@ -201,6 +199,10 @@ if(HUBFOC_PYTHON AND CMOCK_DIR)
   target_compile_definitions(hubfoc_run_suites PRIVATE SUITES_WITHOUT_ARGUMENTS)
   target_compile_options(hubfoc_run_suites PRIVATE ${HUBFOC_TEST_CORE})
   target_link_libraries(hubfoc_run_suites PRIVATE unity_target hubfoc_warnings)
+  # Only these look at what the core has: its saturating, packed and counting instructions. The
+  # other modules' arithmetic is plain C, which the sequences above compare; with --full theirs run
+  # too.
+  set(HUBFOC_UNITS_OF_THE_CORE unit_core unit_foc)
   foreach(module IN LISTS modules)
     if(EXISTS "${PROJECT_SOURCE_DIR}/tests/unit/firmware/${module}/CMakeLists.txt")
       add_subdirectory("${PROJECT_SOURCE_DIR}/tests/unit/firmware/${module}" "unit_${module}")
