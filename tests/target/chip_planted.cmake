@@ -3,7 +3,8 @@
 # with what (planted.cmake).
 
 # planted(NAME FILE OLD NEW FINDS [LABEL]): in the driver; found in a stop, by the gate driver's
-# test or by the faults'. Those that only the whole stop finds are labelled full, but for two.
+# test or by the faults'. Of those that take seconds one a program is in every run, the others are
+# labelled full.
 function(planted name file old new finds)
   set(folder hal/stm32)
   if(NOT EXISTS "${PROJECT_SOURCE_DIR}/${folder}/${file}")
@@ -27,17 +28,19 @@ endfunction()
 # The same build without an error.
 planted_image(no_error stm32f405 hal/stm32 inverter.c "TIM1->PSC = 0;" "TIM1->PSC = 0;")
 chip_test(chip_finds_no_error stop "$<TARGET_FILE:planted_no_error>")
+set_tests_properties(chip_finds_no_error PROPERTIES LABELS "target;full")
+hubfoc_only_full(planted_no_error)
 
 planted(a_gate_of_reversed_polarity inverter.c "TIM_CCER_CC1NE |" "TIM_CCER_CC1NE | (1U << 3) |"
   "leg 0: a gate of reversed polarity")
 planted(a_gate_that_is_not_enabled inverter.c "TIM_CCER_CC2NE |" ""
   "leg 1: only some of its gates are driven" full)
 planted(a_short_dead_time inverter.c "(dead_time_code <<" "(dead_time_code / 4U <<"
-  "dead time shorter than configured")
+  "dead time shorter than configured" full)
 planted(a_trigger_at_the_bottom inverter.c ": top_counts + trigger_counts" ": 1"
   "currents are not held in the middle of the low pulses" full)
 planted(a_trigger_at_the_top inverter.c "top_counts + trigger_counts" "top_counts - 1"
-  "currents are not held in the middle of the low pulses")
+  "currents are not held in the middle of the low pulses" full)
 planted(a_sampling_time_too_short analog.c "SAMPLE_15_CYCLES = 1" "SAMPLE_15_CYCLES = 0"
   "ADC1: 3 cycles of sampling are too few")
 planted(an_update_at_both_ends inverter.c "TIM1->RCR = 1;" "TIM1->RCR = 0;"
@@ -45,13 +48,13 @@ planted(an_update_at_both_ends inverter.c "TIM1->RCR = 1;" "TIM1->RCR = 0;"
 planted(compare_values_at_once inverter.c "TIM_CCMR1_OC1PE |" ""
   "CCR1 acts at once, without preload" full)
 planted(a_driver_fault_of_wrong_polarity gate_driver.c "EXTI->FTSR |=" "EXTI->RTSR |="
-  "a short circuit takes all gates within a microsecond")
+  "a short circuit takes all gates within a microsecond" full)
 planted(a_driver_fault_of_low_priority gate_driver.c "PRIORITY_DRIVER_FAULT);"
-  "PRIORITY_MILLISECOND);" "a short circuit takes all gates within a microsecond")
+  "PRIORITY_MILLISECOND);" "a short circuit takes all gates within a microsecond" full)
 planted(a_driver_not_read_back gate_driver.c "return first && second;" "return first || true;"
   "names a silent driver")
 planted(a_driver_with_a_wrong_threshold gate_driver.c "OC_ADJ_SET_Pos = 6" "OC_ADJ_SET_Pos = 5"
-  "the board's largest current through hot switches is no fault")
+  "the board's largest current through hot switches is no fault" full)
 planted(a_driver_that_limits_instead_of_latching gate_driver.c "SHUTDOWN = 1 << 4" "SHUTDOWN = 0"
   "a short circuit takes all gates within a microsecond")
 planted(gates_of_another_timer inverter.c "BOARD_AF_GATE_LOW_C, GPIO" "BOARD_AF_TIM3, GPIO"
@@ -73,7 +76,7 @@ planted(a_watchdog_not_fed watchdog.c "void watchdog_feed(void)
     IWDG->KR = IWDG_KR_KEY_RELOAD;" "void watchdog_feed(void)
 {" "boots without a reset")
 planted(a_line_on_another_dma_channel serial_line.h "SERIAL_CHANNEL = 4" "SERIAL_CHANNEL = 3"
-  "greets on its serial line")
+  "greets on its serial line" full)
 planted(a_line_that_does_not_receive serial_line.h "SERIAL_STREAM_RECEIVE = 1"
   "SERIAL_STREAM_RECEIVE = 2" "answers the shell")
 planted(a_transfer_with_flags_of_the_last serial_line.h "DMA_LIFCR_CTCIF3;" "0;"
@@ -125,7 +128,7 @@ planted_image(flash_written_while_switching stm32f405 firmware/app app.c "${look
 unset(PLANTED_ALSO)
 chip_finds(chip_finds_flash_written_while_switching
   "$<TARGET_FILE:planted_flash_written_while_switching>"
-  "programming of the flash while the gates switch" target chip_bridge port)
+  "programming of the flash while the gates switch" "target;full" chip_bridge port)
 
 # planted_cut(NAME FOLDER FILE OLD NEW FINDS [SOURCE]): found by cuts of the supply.
 function(planted_cut name folder file old new finds)

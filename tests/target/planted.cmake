@@ -67,4 +67,7 @@ function(chip_finds name elf finds labels program)
   add_test(NAME ${name} COMMAND "${PROJECT_SOURCE_DIR}/build/host/tests/target/chip/${program}"
     "${elf}" ${ARGN} --finds "${finds}")
   set_tests_properties(${name} PROPERTIES LABELS "${labels}" TIMEOUT 300)
+  if("full" IN_LIST labels AND elf MATCHES "TARGET_FILE:([a-z0-9_]+)>")
+    hubfoc_only_full(${CMAKE_MATCH_1})
+  endif()
 endfunction()
