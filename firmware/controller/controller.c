@@ -3,21 +3,8 @@
 
 #include "config/finding_times.h"
 #include "core/q15.h"
+#include "fast_output.h"
 #include "monitor/monitor_fast.h"
-
-static uint16_t whole_counts(int32_t on_q16)
-{
-    return (uint16_t)((uint32_t)on_q16 >> 16);
-}
-
-static void update_output(controller_fast_t *fast, bridge_mode_t bridge)
-{
-    const int32_t *on_q16 = foc_on_times_q16(&fast->foc);
-    for (int x = 0; x < SENSE_PHASES; x++) {
-        fast->output.compare_counts[x] = whole_counts(on_q16[x]);
-    }
-    fast->output.bridge = bridge;
-}
 
 void controller_init(controller_t *controller, const config_t *config, int32_t timer_Hz)
 {
@@ -25,7 +12,7 @@ void controller_init(controller_t *controller, const config_t *config, int32_t t
     controller_slow_t *slow = &controller->slow;
     foc_init(&fast->foc, config, timer_Hz);
     monitor_fast_init(&fast->monitor, config);
-    update_output(fast, BRIDGE_OFF);
+    fast_output_write(fast, BRIDGE_OFF);
     measure_init(&slow->measure, config, timer_Hz);
     monitor_init(&slow->monitor);
     modes_init(&slow->modes);
@@ -50,46 +37,6 @@ fast_setpoint_t controller_initial_setpoint(const config_t *config, int32_t time
     fast_setpoint_t out = {.torque_enabled = false, .safe_bridge = BRIDGE_OFF};
     operating_point_initial_setpoint(config, timer_Hz, &out);
     return out;
-}
-
-/* What the bridge does; the only place that decides it. */
-static bridge_mode_t bridge_command(const fast_setpoint_t *setpoint, bool enabled, reason_t trip)
-{
-    return enabled && trip == REASON_NONE ? BRIDGE_PWM : setpoint->safe_bridge;
-}
-
-const fast_output_t *controller_fast_step(controller_fast_t *fast, const config_t *config,
-                                          const fast_setpoint_t *setpoint, const fast_input_t *in)
-{
-    const bool enabled = setpoint->torque_enabled;
-    if (enabled && fast->monitor.trip == REASON_NONE) {
-        if (foc_step(&fast->foc, config, setpoint, in)) {
-            monitor_fast_trip(&fast->monitor, REASON_CURRENT_SENSOR);
-        }
-    } else {
-        foc_idle_step(&fast->foc, config, setpoint, in);
-    }
-
-    const foc_period_t *period = foc_latest(&fast->foc);
-    const monitor_fast_input_t watched = {
-        .i_pu = period->i_pu,
-        .v_dc_pu = period->v_dc_pu,
-        .power_stage_fault = in->power_stage_fault,
-        .switching = enabled,
-        .clear_trip = setpoint->clear_trip,
-        .slow_step_count = setpoint->sequence,
-        .least_square = setpoint->least_square,
-    };
-    const reason_t trip = monitor_fast_step(&fast->monitor, &watched);
-    update_output(fast, bridge_command(setpoint, enabled, trip));
-    return &fast->output;
-}
-
-void controller_fast_report_copy(const controller_fast_t *fast, fast_report_t *report)
-{
-    report->trip = fast->monitor.trip;
-    report->bridge = fast->output.bridge;
-    foc_report_copy(&fast->foc, report);
 }
 
 void controller_fast_report_complete(fast_report_t *report)
