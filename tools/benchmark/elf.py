@@ -20,6 +20,7 @@ _SYMBOL = re.compile(r"^\s*\d+: ([0-9a-f]+)\s+(\d+|0x[0-9a-f]+) (FUNC|OBJECT)\s.
 _HEAD = re.compile(r"^([0-9a-f]+) <(\S+)>:$")
 _LINE = re.compile(r"^\s*([0-9a-f]+):\t(\S+)\s*(.*)$")
 _TARGET = re.compile(r"\b([0-9a-f]+) <([^>+]+)(\+0x[0-9a-f]+)?>")
+_LITERAL = re.compile(r"\bpc, \[pc\b.*@ ([0-9a-f]+) ")
 
 
 @dataclass(frozen=True)
@@ -50,21 +51,28 @@ class Function:
     """Stack that its instructions take, by the instructions themselves."""
     indirect: bool = False
     """Calls through a pointer."""
+    variable: bool = False
+    """Takes stack by the content of a register."""
 
 
 def _run(tool: str, *arguments: str) -> str:
     return subprocess.run([tool, *arguments], check=True, capture_output=True, text=True).stdout
 
 
-def symbols(elf: Path, prefix: str = "arm-none-eabi-") -> dict[str, Symbol]:
-    """Functions and objects of an ELF by name; of several static ones with one name, the last."""
-    found = {}
+def all_symbols(elf: Path, prefix: str = "arm-none-eabi-") -> list[Symbol]:
+    """Functions and objects of an ELF."""
+    found = []
     for line in _run(prefix + "readelf", "-sW", str(elf)).splitlines():
         match = _SYMBOL.match(line)
         if match:
             address, size, kind, name = match.groups()
-            found[name] = Symbol(name, int(address, 16) & ~1, int(size, 0), kind == "FUNC")
+            found.append(Symbol(name, int(address, 16) & ~1, int(size, 0), kind == "FUNC"))
     return found
+
+
+def symbols(elf: Path, prefix: str = "arm-none-eabi-") -> dict[str, Symbol]:
+    """Functions and objects of an ELF by name; of several static ones with one name, the last."""
+    return {symbol.name: symbol for symbol in all_symbols(elf, prefix)}
 
 
 def _registers(operands: str) -> int:
@@ -90,54 +98,92 @@ def _pushed(mnemonic: str, operands: str) -> int:
     return int(match.group(1)) if match and name.startswith("str") else 0
 
 
-def _note_jump_or_call(function: Function, mnemonic: str, operands: str, following: int) -> None:
-    name = mnemonic.removesuffix(".w").removesuffix(".n")
-    target = _TARGET.search(operands)
-    if name == "bl" and target and target.group(3) and target.group(2) == function.name:
-        return  # ARMv6-M has no other jump that reaches farther than 2 KiB
-    if name == "bl" and target:
-        function.calls.add(target.group(2))
-        function.return_sites.setdefault(target.group(2), []).append(following)
-    elif name == "blx" and not target:
-        function.indirect = True
-    elif (
-        target
-        and not target.group(3)
-        and target.group(2) != function.name
-        and (name.startswith("b") or name.startswith("cb"))
-    ):
-        function.calls.add(target.group(2))
-        function.jumps.add(target.group(2))
+def _lowers_by_register(mnemonic: str, operands: str) -> bool:
+    """Whether an instruction lowers the stack pointer by the content of a register."""
+    return mnemonic.startswith("sub") and operands.startswith("sp, ") and "#" not in operands
+
+
+class _Reader:
+    """Goes through a disassembly, in which a call names what stands at an address."""
+
+    def __init__(self, lines: list[str]) -> None:
+        self.found: dict[str, Function] = {}
+        self._at: dict[int, Function] = {}  # of each instruction
+        for line in lines:
+            if head := _HEAD.match(line):
+                address, name = int(head.group(1), 16), head.group(2)
+                # Static functions of one name have their addresses behind it, but for the first.
+                key = f"{name}@{address:x}" if name in self.found else name
+                current = self.found[key] = self._at[address] = Function(key, address)
+            elif instruction := _LINE.match(line):
+                self._at[int(instruction.group(1), 16)] = current
+
+    def _note_jump_or_call(
+        self, function: Function, mnemonic: str, operands: str, following: int
+    ) -> None:
+        name = mnemonic.removesuffix(".w").removesuffix(".n")
+        target = _TARGET.search(operands)
+        if (name == "blx" and not target) or (name == "bx" and operands[:2] != "lr"):
+            function.indirect = True
+        if not target or not name.startswith(("b", "cb")):
+            return
+        address = int(target.group(1), 16)
+        at = self._at.get(address)
+        # ARMv6-M reaches farther than 2 KiB in a function by bl alone.
+        if at is function and (name != "bl" or address != function.address):
+            return
+        called = at.name if at else target.group(2)
+        function.calls.add(called)
+        if name == "bl":
+            function.return_sites.setdefault(called, []).append(following)
+        else:
+            function.jumps.add(called)
+
+    def read(self, lines: list[str]) -> None:
+        """Note what each function does."""
+        current: Function | None = None
+        high: dict[str, int] = {}
+        low: dict[str, int] = {}
+        literal = 0
+        for line in lines:
+            head = _HEAD.match(line)
+            if head:
+                current = self._at[int(head.group(1), 16)]
+                high, low = {}, {}
+                continue
+            match = _LINE.match(line)
+            if not match or current is None:
+                continue
+            address, mnemonic, operands = int(match.group(1), 16), match.group(2), match.group(3)
+            if mnemonic == ".word":
+                word = int(operands.split()[0], 16)
+                current.words.add(word)
+                if address == literal:  # of the linker's jump between flash and RAM
+                    called = self._at.get(word & ~1)
+                    name = called.name if called else f"{word:#x}"
+                    current.calls.add(name)
+                    current.jumps.add(name)
+            elif mnemonic.startswith(("movw", "movt")):
+                register, _, value = operands.partition(", #")
+                half = low if mnemonic.startswith("movw") else high
+                half[register] = int(value.split()[0])
+                if register in low and register in high:
+                    current.words.add(low[register] | high[register] << 16)
+            else:
+                current.pushed_bytes += _pushed(mnemonic, operands)
+                current.variable |= _lowers_by_register(mnemonic, operands)
+                loaded = _LITERAL.search(operands)
+                literal = int(loaded.group(1), 16) if loaded else literal
+                self._note_jump_or_call(current, mnemonic, operands, address + 4)
 
 
 def functions(elf: Path, prefix: str = "arm-none-eabi-") -> dict[str, Function]:
     """Every function of an ELF, disassembled."""
-    found: dict[str, Function] = {}
-    current: Function | None = None
-    high: dict[str, int] = {}
-    low: dict[str, int] = {}
-    for line in _run(prefix + "objdump", "-d", "--no-show-raw-insn", "-w", str(elf)).splitlines():
-        head = _HEAD.match(line)
-        if head:
-            current = found[head.group(2)] = Function(head.group(2), int(head.group(1), 16))
-            high, low = {}, {}
-            continue
-        match = _LINE.match(line)
-        if not match or current is None:
-            continue
-        address, mnemonic, operands = int(match.group(1), 16), match.group(2), match.group(3)
-        if mnemonic == ".word":
-            current.words.add(int(operands.split()[0], 16))
-        elif mnemonic.startswith(("movw", "movt")):
-            register, _, value = operands.partition(", #")
-            half = low if mnemonic.startswith("movw") else high
-            half[register] = int(value.split()[0])
-            if register in low and register in high:
-                current.words.add(low[register] | high[register] << 16)
-        else:
-            current.pushed_bytes += _pushed(mnemonic, operands)
-            _note_jump_or_call(current, mnemonic, operands, address + 4)
-    return found
+    text = _run(prefix + "objdump", "-d", "--no-show-raw-insn", "-w", str(elf))
+    lines = text.splitlines()
+    reader = _Reader(lines)
+    reader.read(lines)
+    return reader.found
 
 
 def reachable(start: str, all_functions: dict[str, Function]) -> set[str]:

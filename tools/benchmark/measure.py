@@ -103,7 +103,7 @@ def measure_ride(
     if core is build.CORES[0]:
         blocks.check_equal(program, functions, each, BEGIN, EQUAL_CALLS)
     counts = {name: count.summary(values) for name, values in each.items()}
-    frames = stack_report.compiled_frames([program.parent, Path(shared[0]).parent])
+    frames = stack_report.compiled_frames(program, [program.parent, Path(shared[0]).parent])
     result = {
         "flags": " ".join([*core.flags, core.optimise]),
         "machine": core.machine,

@@ -6,13 +6,17 @@ From the compiler's own figures and the call graph of the linked program.
 ``python3 stack_report.py --elf firmware.elf --objects DIR --limit BYTES --root main --interrupt
 adc_handler ...``
 
-The compiler writes for every file it compiles (``-fcallgraph-info=su``) what each function puts on
-the stack; functions of the run-time library, which come compiled, are measured by the instructions
-that move the stack pointer. Each interrupt that can preempt the ones before it adds its own worst
-path and the frame that the core pushes; one with a stack of its own adds that frame alone. Calls
-that a function makes before interrupts are enabled (``--before-interrupts CALLER:CALLED,...``) are
-a case of their own, with the faults of the core (``--own-stack``) on top. The result also goes into
-``firmware.stack.json`` beside the program.
+The compiler writes (``-fcallgraph-info=su``) what each function puts on the stack: of a program
+that is optimised whole when it is linked, beside the program; of a file that it compiles apart,
+beside the object. Functions of the run-time library, which come compiled, are measured by the
+instructions that move the stack pointer. Whatever is called must be in the program: an unknown name
+is an error, as a call through a pointer is, and no path of zero bytes.
+
+Each interrupt that can preempt the ones before it adds its own worst path and the frame that the
+core pushes; one with a stack of its own adds that frame alone. Calls that a function makes before
+interrupts are enabled (``--before-interrupts CALLER:CALLED,...``) are a case of their own, with the
+faults of the core (``--own-stack``) on top. The result also goes into ``firmware.stack.json``
+beside the program.
 
 Standard library only, because it runs after every link of the firmware.
 """
@@ -23,6 +27,7 @@ import argparse
 import json
 import re
 import sys
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -56,13 +61,10 @@ class StackError(Exception):
     """
 
 
-def compiled_frames(objects: list[Path]) -> dict[str, int]:
-    """Stack of every function the compiler reported, in bytes.
-
-    Of several with one name, the largest.
-    """
+def _frames_of(graphs: Iterable[Path]) -> dict[str, int]:
+    """Stack of every function in call graphs, in bytes; of several with one name, the largest."""
     frames: dict[str, int] = {}
-    for path in sorted(found for directory in objects for found in directory.rglob("*.ci")):
+    for path in sorted(graphs):
         for title, label in _NODE.findall(path.read_text(errors="replace")):
             size = _BYTES.search(label)
             if not size:
@@ -74,9 +76,27 @@ def compiled_frames(objects: list[Path]) -> dict[str, int]:
     return frames
 
 
-def _base_name(name: str) -> str:
-    """Return the function a compiler's clone was made from: step.isra.0 -> step."""
-    return name.split(".", maxsplit=1)[0]
+def compiled_frames(elf: Path, objects: list[Path]) -> dict[str, int]:
+    """Stack of every function the compiler reported, in bytes.
+
+    What was optimised with the whole program has the figure of its link; anything else that of its
+    object.
+    """
+    linked = _frames_of(elf.parent.glob(f"{elf.name}.ltrans*.ci"))
+    apart = _frames_of(
+        found
+        for directory in objects
+        for found in directory.rglob("*.ci")
+        if ".ltrans" not in found.name
+    )
+    return apart | linked
+
+
+def function_named(name: str, functions: dict[str, elf_reader.Function]) -> elf_reader.Function:
+    """Return a function of the program, or raise StackError."""
+    if name not in functions:
+        raise StackError(f"{name}: no such function in the program")
+    return functions[name]
 
 
 def worst_path(
@@ -86,23 +106,22 @@ def worst_path(
     left_out: frozenset[tuple[str, str]] = frozenset(),
 ) -> CallPath:
     """Deepest chain of calls from a function, without the calls that are left out."""
-    if start not in functions:
-        raise StackError(f"{start}: no such function in the program")
     known: dict[str, CallPath] = {}
 
     def visit(name: str, above: tuple[str, ...]) -> CallPath:
         if name in above:
             raise StackError("recursion: " + " -> ".join([*above[above.index(name) :], name]))
         if name not in known:
-            function = functions[name]
+            function = function_named(name, functions)
             if function.indirect:
                 raise StackError(f"{name}: calls through a pointer")
-            # The compiler's figure covers what it inlined; a clone or a library function is
-            # measured by its instructions.
-            own = max(frames.get(_base_name(name), 0), function.pushed_bytes)
+            if function.variable:
+                raise StackError(f"{name}: stack of variable size")
+            # A library function is measured by its instructions.
+            own = max(frames.get(name.partition("@")[0], 0), function.pushed_bytes)
             deepest = CallPath(0, ())
             for called in sorted(function.calls):
-                if called in functions and (name, called) not in left_out:
+                if (name, called) not in left_out:
                     below = visit(called, (*above, name))
                     deepest = max(deepest, below, key=lambda path: path.bytes)
             known[name] = CallPath(own + deepest.bytes, (name, *deepest.functions))
@@ -130,7 +149,10 @@ def report(
     """
     cases = cases or Cases()
     functions = elf_reader.functions(elf)
-    frames = compiled_frames(objects)
+    for caller, called in sorted(cases.early):
+        if caller not in functions or called not in functions[caller].calls:
+            raise StackError(f"no call of {called} by {caller} in the program")
+    frames = compiled_frames(elf, objects)
     if not frames:
         raise StackError(
             f"no .ci files in {', '.join(map(str, objects))}; compile with -fcallgraph-info=su"
@@ -138,8 +160,7 @@ def report(
     elsewhere = frozenset(
         (name, called)
         for name in cases.own_stack
-        if name in functions
-        for called in functions[name].calls
+        for called in function_named(name, functions).calls
     )
     left_out = cases.early | elsewhere
     rows = [(root, worst_path(root, functions, frames, left_out))]
@@ -157,7 +178,7 @@ def early_case(
     elf: Path, objects: list[Path], root: str, rows: list[tuple[str, CallPath]], cases: Cases
 ) -> list[tuple[str, CallPath]]:
     """Return the root with its early calls, and the interrupts that come on any stack."""
-    path = worst_path(root, elf_reader.functions(elf), compiled_frames(objects))
+    path = worst_path(root, elf_reader.functions(elf), compiled_frames(elf, objects))
     return [(root, path), *(row for row in rows[1:] if row[0] in cases.own_stack)]
 
 

@@ -41,12 +41,40 @@ function(hubfoc_optimise MODULE)
   endforeach()
 endfunction()
 
+# Firmware for a board is optimised once more, whole, when it is linked: in a release build with
+# GCC. Its objects have ordinary code too, of which every other program is linked (-fno-lto).
+#
+# hubfoc_optimise_whole(TARGET [APART source...]): the objects; sources that keep out of it.
+# hubfoc_link_whole(TARGET): the program. One partition, so that the result does not depend on how
+# many there are, and the prefixes of the compiler's own options for what it writes itself.
+if(CMAKE_CROSSCOMPILING AND CMAKE_C_COMPILER_ID STREQUAL "GNU"
+    AND CMAKE_BUILD_TYPE STREQUAL "Release")
+  set(HUBFOC_WHOLE ON)
+endif()
+
+function(hubfoc_optimise_whole target)
+  cmake_parse_arguments(W "" "" "APART" ${ARGN})
+  if(HUBFOC_WHOLE)
+    target_compile_options(${target} PRIVATE -flto -ffat-lto-objects)
+    set_property(SOURCE ${W_APART} APPEND PROPERTY COMPILE_OPTIONS -fno-lto)
+  endif()
+endfunction()
+
+function(hubfoc_link_whole target)
+  if(HUBFOC_WHOLE)
+    target_link_options(${target} PRIVATE -flto -flto-partition=one -fcallgraph-info=su
+      "-ffile-prefix-map=${PROJECT_BINARY_DIR}=build"
+      "-ffile-prefix-map=${PROJECT_SOURCE_DIR}=.")
+  endif()
+endfunction()
+
 function(hubfoc_add_module)
-  cmake_parse_arguments(MODULE "" "NAME" "SOURCES;DEPENDS" ${ARGN})
+  cmake_parse_arguments(MODULE "" "NAME" "SOURCES;APART;DEPENDS" ${ARGN})
   add_library(hubfoc_${MODULE_NAME} STATIC ${MODULE_SOURCES})
   target_include_directories(hubfoc_${MODULE_NAME} PUBLIC "${CMAKE_CURRENT_SOURCE_DIR}/include")
   target_link_libraries(hubfoc_${MODULE_NAME} PUBLIC ${MODULE_DEPENDS} PRIVATE hubfoc_warnings)
   hubfoc_optimise(${MODULE_NAME})
+  hubfoc_optimise_whole(hubfoc_${MODULE_NAME} APART ${MODULE_APART})
   if(HUBFOC_SANITIZE)
     # Most of the instrumented tests' time is spent here: an eighth less than with -O1.
     target_compile_options(hubfoc_${MODULE_NAME} PRIVATE -O2)

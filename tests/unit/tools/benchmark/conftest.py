@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
@@ -16,10 +16,10 @@ CORE = build.CORES[0]
 def program(tmp_path: Path) -> Callable[..., Path]:
     """Compile C text (and the port's start-up) into an ELF.
 
-    Flags beyond the core's own are passed through.
+    Flags beyond the core's own are passed through; link: further ones of the linker.
     """
 
-    def make(text: str, *flags: str) -> Path:
+    def make(text: str, *flags: str, link: Sequence[str] = ()) -> Path:
         source = tmp_path / "program.c"
         source.write_text(text)
         port = build.ROOT / "hal" / "qemu_mps2"
@@ -38,13 +38,15 @@ def program(tmp_path: Path) -> Callable[..., Path]:
             target = tmp_path / f"{path.stem}.o"
             build.run([*command, "-c", str(path), "-o", str(target)], f"compiling {path.name}")
             objects.append(str(target))
-        link = [
+        linked = [
+            *link,
+            "-fcallgraph-info=su",
             "-nostartfiles",
             "--specs=nano.specs",
             f"-T{port / 'link.ld'}",
             "-Wl,--defsym=link_stack_size=0x4000",
         ]
-        build.run([build.PREFIX + "gcc", *CORE.flags, *link, *objects, "-o", str(elf)], "linking")
+        build.run([build.PREFIX + "gcc", *CORE.flags, *linked, *objects, "-o", str(elf)], "linking")
         return elf
 
     return make

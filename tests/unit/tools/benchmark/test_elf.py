@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
 from benchmark import elf
 from benchmark.elf import size_of
 
@@ -41,3 +42,67 @@ def test_every_call_has_its_return_address(program: Callable[..., Path]) -> None
         < sites[0]
         < functions["step"].address + elf.symbols(image)["step"].size
     )
+
+
+DISASSEMBLY = """
+08000000 <first>:
+ 8000000:\tpush\t{r4, lr}
+ 8000002:\tbl\t8000010 <put>
+ 8000006:\tb.n\t8000008 <link_stack_size>
+ 8000008:\tpop\t{r4, pc}
+
+08000010 <put>:
+ 8000010:\tpush\t{r4, r5, r6, lr}
+ 8000012:\tpop\t{r4, r5, r6, pc}
+
+08000014 <second>:
+ 8000014:\tpush\t{r4, lr}
+ 8000016:\tbl\t8000020 <put>
+ 800001a:\tbl\t8000030 <__erase_veneer>
+ 800001e:\tpop\t{r4, pc}
+
+08000020 <put>:
+ 8000020:\tsub\tsp, #64\t@ 0x40
+ 8000022:\tbx\tlr
+
+08000030 <__erase_veneer>:
+ 8000030:\tldr.w\tpc, [pc]\t@ 8000034 <__erase_veneer+0x4>
+ 8000034:\t.word\t0x20000101
+ 8000038:\t.word\t0x08000011
+
+20000100 <erase>:
+20000100:\tpush\t{r4, lr}
+20000102:\tpop\t{r4, pc}
+"""
+
+
+def test_two_static_functions_of_one_name_are_two_functions(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(elf, "_run", lambda *_: DISASSEMBLY)
+    functions = elf.functions(Path("program.elf"))
+    assert functions["first"].calls == {"put"}
+    assert functions["put"].pushed_bytes == 16
+    assert functions["put@8000020"].pushed_bytes == 64
+    assert "put@8000020" in functions["second"].calls
+
+
+def test_a_jump_within_a_function_is_none_whatever_else_its_address_is_called(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(elf, "_run", lambda *_: DISASSEMBLY)
+    assert elf.functions(Path("program.elf"))["first"].jumps == set()
+
+
+def test_the_linkers_jump_to_a_far_function_is_a_call_of_that(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(elf, "_run", lambda *_: DISASSEMBLY)
+    functions = elf.functions(Path("program.elf"))
+    assert functions["__erase_veneer"].calls == {"erase"}
+    assert elf.reachable("second", functions) == {
+        "second",
+        "put@8000020",
+        "__erase_veneer",
+        "erase",
+    }

@@ -86,7 +86,7 @@ def test_the_compilers_figure_applies_if_larger_than_that_of_the_instructions(
         "__attribute__((noinline)) int f(int n) { volatile char b[300]; b[n] = 1; return b[0]; }"
         " int main(void) { return f(3); }"
     )
-    frames = stack_report.compiled_frames([tmp_path])
+    frames = stack_report.compiled_frames(image, [tmp_path])
     assert frames["f"] >= 300
     assert stack_report.worst_path("f", elf.functions(image), frames).bytes == frames["f"]
 
@@ -109,12 +109,62 @@ def test_stack_of_a_call_through_a_pointer_is_unbounded(program: Callable[..., P
 def test_stack_of_a_variable_size_frame_is_unbounded(
     program: Callable[..., Path], tmp_path: Path
 ) -> None:
-    program(
+    image = program(
         "__attribute__((noinline)) int f(int n) { volatile char b[n]; b[0] = 1; return b[0]; } int"
         " main(void) { return f(3); }"
     )
     with pytest.raises(stack_report.StackError, match="variable size"):
-        stack_report.compiled_frames([tmp_path])
+        stack_report.compiled_frames(image, [tmp_path])
+
+
+def test_stack_of_the_size_in_a_register_is_unbounded_without_the_compilers_figure(
+    program: Callable[..., Path],
+) -> None:
+    image = program(
+        "__attribute__((naked, noinline)) void f(void) {"
+        ' __asm volatile("sub sp, sp, r0\\n add sp, sp, r0\\n bx lr"); }'
+        " int main(void) { f(); return 0; }"
+    )
+    with pytest.raises(stack_report.StackError, match="f: stack of variable size"):
+        stack_report.worst_path("main", elf.functions(image), {})
+
+
+def test_a_called_name_that_the_program_does_not_have_is_an_error() -> None:
+    functions = {"main": elf.Function("main", 0x8000, calls={"removed"})}
+    with pytest.raises(stack_report.StackError, match="removed: no such function"):
+        stack_report.worst_path("main", functions, {})
+
+
+def test_a_call_that_is_left_out_must_be_in_the_program(
+    program: Callable[..., Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["--elf", str(program(CHAIN)), "--objects", str(tmp_path), "--limit", "500"]
+    for call in ("top:leaf", "removed:middle"):
+        assert stack_report.main([*arguments, "--root", "top", "--before-interrupts", call]) == 1
+        caller, _, called = call.partition(":")
+        assert f"no call of {called} by {caller}" in capsys.readouterr().err
+
+
+def test_a_program_optimised_whole_has_the_frames_of_its_link(
+    program: Callable[..., Path], tmp_path: Path
+) -> None:
+    image = program(
+        "__attribute__((noipa)) int f(int n) { volatile char b[300]; b[n] = 1; return b[0]; }"
+        " int main(void) { return f(3); }",
+        "-flto",
+        "-ffat-lto-objects",
+        link=("-flto", "-flto-partition=one"),
+    )
+    frames = stack_report.compiled_frames(image, [tmp_path])
+    assert 300 <= frames["f"] < 400
+    apart = tmp_path / "apart" / "program.ci"
+    apart.parent.mkdir()
+    apart.write_text(
+        'node: { title: "program.o:f" label: "f\\nprogram.c:1:1\\n9000 bytes (static)" }\n'
+        'node: { title: "program.o:g" label: "g\\nprogram.c:2:1\\n16 bytes (static)" }\n'
+    )
+    both = stack_report.compiled_frames(image, [apart.parent])
+    assert (both["f"], both["g"]) == (frames["f"], 16)
 
 
 def test_too_little_stack_fails_the_link_step_with_the_missing_size(
