@@ -1,10 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Flash, RAM and stack of a linked image, in all and by module of the firmware."""
+"""Flash, RAM and stack of a linked image, in all and by module of the firmware.
+
+An image that is optimised whole has no parts that belong to one object. Its bytes are counted by
+the debugger's information: code by the source line that it comes from, so that an inlined function
+counts for the module that has written it, and variables and tables by the file that defines them.
+"""
 
 from __future__ import annotations
 
 import json
+import posixpath
 import re
+from bisect import bisect_right
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
@@ -14,6 +21,7 @@ from typing import Any
 from rich.console import Console
 
 from benchmark import build, stack_report
+from benchmark import elf as elf_reader
 
 FLASH_AT_MOST = 192 * 1024
 """Of the image for the STM32F405, whose flash has 1 MiB."""
@@ -25,14 +33,19 @@ STACK_AT_MOST = 2560
 RAM_BEGINS = 0x20000000
 RETAINED = ".retained"
 """The section of the black box, whose size a port chooses."""
+NAMELESS = "constants"
+"""Texts, tables that the compiler made, padding: what neither a line nor a variable owns."""
+LIBRARIES = "libraries"
 _SECTION = re.compile(
     r"^\s*\[\s*\d+\] (\S+)\s+(\w+)\s+([0-9a-f]+) [0-9a-f]+ ([0-9a-f]+) .* (\w*A\w*) "
 )
-_PLACED = re.compile(r"^ (\.\S+)\s+0x0*([0-9a-f]+)\s+0x([0-9a-f]+)\s+(\S+)$")
-_OWNER = re.compile(
-    r"libhubfoc_(\w+)\.a\(|hubfoc_(config)_image\.dir|hubfoc_(port)_\w+\.dir|hubfoc_(app)_main\.dir"
-    r"|/lib(?!hubfoc)(\w+)\.a\("
-)
+_SOURCE = re.compile(r"(?:^|/)(firmware|hal)/(\w+)/")
+_FILE = re.compile(r"^(?:CU: )?(\S+):$")
+_ROW = re.compile(r"^\S+ +(\d+|-) +0x([0-9a-f]+)\b")
+_ENTRY = re.compile(r"^ <[0-9a-f]+><([0-9a-f]+)>: .*\((DW_TAG_\w+)\)")
+_NAME = re.compile(r"DW_AT_name +: (?:\(\w+\) *)?(?:\(.*?offset: 0x[0-9a-f]+\): )?(.+)$")
+_PLACE = re.compile(r"DW_AT_location +: .*\(DW_OP_addr: ([0-9a-f]+)\)$")
+_REFERS = re.compile(r"DW_AT_(?:abstract_origin|specification) *: (?:\(\w+\) )?<0x([0-9a-f]+)>")
 
 
 @dataclass(frozen=True)
@@ -45,7 +58,7 @@ class Memory:
     stack: int
     """By analysis (stack_report.py); 0: there is none beside the image."""
     modules: dict[str, tuple[int, int]]
-    """Flash and RAM of each module; the C library and the compiler's together."""
+    """Flash and RAM of each module, of the libraries, and of what has no name."""
 
 
 def _allocated(elf: Path) -> Iterator[tuple[str, str, int, int]]:
@@ -71,34 +84,83 @@ def sections(elf: Path) -> tuple[int, int, int]:
     return flash, ram, black_box
 
 
-def modules(linker_map: Path) -> dict[str, tuple[int, int]]:
-    """Return flash and RAM of each module by the linker's map."""
-    text = linker_map.read_text().partition("Linker script and memory map")[2]
-    # A long name stands on a line of its own.
-    text = re.sub(r"\n( \.\S+)\n\s+", r"\n\1 ", text)
+def _owner(path: str) -> str:
+    """Return the module of a source file."""
+    match = _SOURCE.search(posixpath.normpath(path))
+    if not match:
+        return LIBRARIES
+    return "port" if match[1] == "hal" else match[2]
+
+
+def _owned_code(elf: Path) -> Iterator[tuple[int, int, str]]:
+    """Yield begin, end and module of the code of each row of the table of lines."""
+    text = build.run(
+        [build.PREFIX + "readelf", "-W", "--debug-dump=decodedline", str(elf)],
+        f"lines of {elf.name}",
+    )
+    owner = owner_before = ""
+    begins = None
+    for line in text.splitlines():
+        if row := _ROW.match(line):
+            address = int(row[2], 16)
+            if begins is not None:
+                yield begins, address, owner_before
+            begins, owner_before = (None if row[1] == "-" else address), owner
+        elif file := _FILE.match(line):
+            owner = _owner(file[1])
+
+
+def _owned_variables(elf: Path) -> Iterator[tuple[int, str]]:
+    """Yield address and module of each variable and table that the debugger knows."""
+    text = build.run(
+        [build.PREFIX + "readelf", "-W", "--debug-dump=info", str(elf)], f"variables of {elf.name}"
+    )
+    begins: list[int] = []
+    owners: list[str] = []
+    found: list[tuple[int, int]] = []
+    tag, entry = "", 0
+    for line in text.splitlines():
+        if head := _ENTRY.match(line):
+            tag, entry = head[2], int(head[1], 16)
+        elif tag == "DW_TAG_compile_unit" and (name := _NAME.search(line)):
+            begins.append(entry)
+            owners.append(_owner(name[1]))
+        elif tag == "DW_TAG_variable":
+            if refers := _REFERS.search(line):  # what was declared in the unit of the source
+                entry = int(refers[1], 16)
+            elif place := _PLACE.search(line):
+                found.append((int(place[1], 16), entry))
+    for address, declared in found:
+        yield address, owners[bisect_right(begins, declared) - 1]
+
+
+def modules(elf: Path) -> dict[str, tuple[int, int]]:
+    """Return flash and RAM of each module. Flash adds up to that of the image."""
+    symbols = elf_reader.all_symbols(elf)
+    sizes = {s.address: s.size for s in symbols if not s.is_code}
+    owned = [(s.address, s.address + s.size, LIBRARIES) for s in symbols if s.is_code]
+    owned += _owned_code(elf)
+    owned += [(at, at + sizes.get(at, 0), owner) for at, owner in _owned_variables(elf)]
     flash: Counter[str] = Counter()
     ram: Counter[str] = Counter()
-    for line in text.splitlines():
-        match = _PLACED.match(line)
-        owner = _OWNER.search(match[4]) if match else None
-        if not match or not owner or match[1].startswith((".debug", ".comment", ".ARM")):
-            continue
-        name = next(filter(None, owner.groups()[:4]), "libraries")
-        address, size = int(match[2], 16), int(match[3], 16)
-        if address >= RAM_BEGINS:
-            ram[name] += size
-        elif address > 0:
-            flash[name] += size
+    for _, kind, address, size in _allocated(elf):
+        owners = [""] * size
+        for begin, end, owner in owned:
+            if address <= begin < end <= address + size:
+                owners[begin - address : end - address] = [owner] * (end - begin)
+        counted = Counter(owners)
+        nameless = counted.pop("", 0)
+        flash += counted + Counter({NAMELESS: nameless}) if kind != "NOBITS" else Counter()
+        ram += counted if address >= RAM_BEGINS else Counter()
     return {name: (flash[name], ram[name]) for name in sorted(flash | ram)}
 
 
 def of(elf: Path) -> Memory:
-    """Measure an image that lies beside its map."""
+    """Measure an image."""
     flash, ram, black_box = sections(elf)
-    linker_map, analysis = elf.with_suffix(".map"), stack_report.result_of(elf)
+    analysis = stack_report.result_of(elf)
     stack = json.loads(analysis.read_text())["bytes"] if analysis.is_file() else 0
-    parts = modules(linker_map) if linker_map.is_file() else {}
-    return Memory(flash, ram, black_box, stack, parts)
+    return Memory(flash, ram, black_box, stack, modules(elf))
 
 
 def firmware(image: Path) -> dict[str, Any] | None:
