@@ -82,6 +82,15 @@ if(TEST pwm_interrupt_budget)
     ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
 endif()
 
+# While the flash is erased or written nothing is read in it.
+if(HUBFOC_PYTHON)
+  add_test(NAME code_in_ram_needs_no_flash COMMAND "${HUBFOC_PYTHON}" -m benchmark.ram_code
+    "$<TARGET_FILE:hubfoc_stm32f405>" "${other}/hubfoc_stm32g431.elf"
+    WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}/tools")
+  set_tests_properties(code_in_ram_needs_no_flash PROPERTIES TIMEOUT 60 LABELS target
+    FIXTURES_REQUIRED stm32g431_image ENVIRONMENT "${benchmark_environment}")
+endif()
+
 # The other STM32's image on the model of its chip: its clock, its timing, the budget of its PWM
 # interrupt, the load of its core.
 if(HUBFOC_PYTHON)
