@@ -13,7 +13,8 @@
 set(HUBFOC_SEAL "${CMAKE_CURRENT_LIST_DIR}/seal_image.cmake")
 find_program(HUBFOC_REPORT_PYTHON python3 DOC "Any Python 3.11 or newer, for the stack report")
 
-# What each function puts on the stack, and whom it calls, beside every object file.
+# What each function puts on the stack, and whom it calls, beside every object that is compiled
+# apart, and beside the program.
 target_compile_options(hubfoc_warnings INTERFACE -fcallgraph-info=su)
 
 function(hubfoc_add_firmware)
@@ -24,6 +25,7 @@ function(hubfoc_add_firmware)
     "CONFIG_SECTION=__attribute__((section(\".hubfoc_config\"),used))")
   add_executable(${F_NAME})
   target_link_libraries(${F_NAME} PRIVATE hubfoc_app_main hubfoc_app ${F_PORT} hubfoc_config_image)
+  hubfoc_link_whole(${F_NAME})
   target_link_options(${F_NAME} PRIVATE -nostartfiles --specs=nano.specs "-T${F_LINKER_SCRIPT}"
     "-L${PROJECT_SOURCE_DIR}/hal/stm32"
     "-Wl,--defsym=link_stack_size=${F_STACK_BYTES}" "-Wl,-Map=${PROJECT_BINARY_DIR}/${F_NAME}.map"

@@ -6,8 +6,11 @@ set(HUBFOC_STM32 "${PROJECT_SOURCE_DIR}/hal/stm32")
 set(HUBFOC_STM32_SOURCES dead_time.c flash.c gpio.c interrupts.c inverter.c memory.c ntc.c power.c
   rotor_sensor.c serial.c startup.c time.c watchdog.c)
 list(TRANSFORM HUBFOC_STM32_SOURCES PREPEND "${HUBFOC_STM32}/")
+set(HUBFOC_STM32_APART flash.c startup.c)
+list(TRANSFORM HUBFOC_STM32_APART PREPEND "${HUBFOC_STM32}/")
 foreach(source IN ITEMS copy.c crash.c divide64.c fault_entry.c)
   list(APPEND HUBFOC_STM32_SOURCES "${PROJECT_SOURCE_DIR}/hal/cortex_m/${source}")
+  list(APPEND HUBFOC_STM32_APART "${PROJECT_SOURCE_DIR}/hal/cortex_m/${source}")
 endforeach()
 
 # The PWM interrupt's; everything else no control step executes.
@@ -25,4 +28,5 @@ function(hubfoc_stm32_port target header)
         COMPILE_OPTIONS "$<$<CONFIG:Release>:-Os>")
     endif()
   endforeach()
+  hubfoc_optimise_whole(${target} APART ${HUBFOC_STM32_APART})
 endfunction()

@@ -10,7 +10,7 @@ enum { NONE, STACK, IMAGE, RAM_CODE, AT_ms = 300 };
 extern uint32_t link_image_begin[];
 
 static uint32_t wanted;
-static uint16_t code = 0x4770; /* bx lr */
+static volatile uint16_t code = 0x4770; /* bx lr */
 
 void provoke_init(void)
 {
@@ -30,7 +30,7 @@ void provoke_now(void)
         *(volatile uint32_t *)link_image_begin = 0;
         break;
     case RAM_CODE:
-        ((void (*)(void))((uintptr_t)&code | 1U))();
+        __asm volatile("push {%0}\n\tpop {pc}" : : "r"((uintptr_t)&code | 1U));
         break;
     default:
         break;

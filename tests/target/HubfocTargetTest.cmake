@@ -73,7 +73,7 @@ function(hubfoc_add_target_program)
     PRIVATE $<TARGET_PROPERTY:hubfoc_qemu_core,INTERFACE_INCLUDE_DIRECTORIES>)
   target_compile_options(${P_NAME} PRIVATE ${P_OPTIONS})
   # A test's worth of stack; the linker script's own is the firmware's.
-  target_link_options(${P_NAME} PRIVATE -nostartfiles --specs=nano.specs
+  target_link_options(${P_NAME} PRIVATE -fno-lto -nostartfiles --specs=nano.specs
     "-T${HUBFOC_QEMU_LINKER_SCRIPT}"
     -Wl,--defsym=link_stack_size=0x20000 ${P_OPTIONS})
   set_target_properties(${P_NAME} PROPERTIES SUFFIX .elf

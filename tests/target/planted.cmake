@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Images with an error planted in their driver (chip/README.md).
+# Images with an error planted in their driver (chip/README.md), linked of the same objects as the
+# image, but not optimised whole.
 
 # planted_source(RESULT NAME FOLDER FILE OLD NEW [SOURCE]): FILE with OLD replaced by NEW; SOURCE
 # includes it, if it is a header. RESULT: what has to be compiled.
@@ -52,8 +53,9 @@ function(planted_image name chip folder file old new)
   target_compile_definitions(${target} PRIVATE "HUBFOC_BOARD_HEADER=\"${board_header}\"")
   target_link_libraries(${target} PRIVATE hubfoc_app_main hubfoc_app hubfoc_hal
     hubfoc_config_image)
-  target_link_options(${target} PRIVATE -nostartfiles --specs=nano.specs "-T${port}/link.ld"
-    "-L${PROJECT_SOURCE_DIR}/hal/stm32" "-Wl,--defsym=link_stack_size=${stack_bytes}")
+  target_link_options(${target} PRIVATE -fno-lto -nostartfiles --specs=nano.specs
+    "-T${port}/link.ld" "-L${PROJECT_SOURCE_DIR}/hal/stm32"
+    "-Wl,--defsym=link_stack_size=${stack_bytes}")
   set_target_properties(${target} PROPERTIES SUFFIX .elf LINK_DEPENDS "${port}/link.ld")
   add_custom_command(TARGET ${target} POST_BUILD
     COMMAND "${HUBFOC_PYTHON}" "${PROJECT_SOURCE_DIR}/tests/target/chip/seal.py"
