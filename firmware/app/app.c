@@ -11,6 +11,7 @@
 #include "app/fault_journal.h"
 #include "app/kept_temperature.h"
 #include "app/pedal_link.h"
+#include "app/pwm_period.h"
 #include "app/recorder.h"
 #include "app/report_timer.h"
 #include "app/supervisor.h"
@@ -20,7 +21,6 @@
 #include "hal/flash.h"
 #include "hal/inverter.h"
 #include "hal/memory.h"
-#include "hal/rotor_sensor.h"
 #include "hal/time.h"
 #include "hal/upcall.h"
 #include "hal/watchdog.h"
@@ -182,17 +182,6 @@ void app_boot(void)
 _Static_assert((int)NODE_PACK_CURRENT_AGE_ms < (int)MONITOR_WINDOW_QUALIFY_STEPS,
                "one message of the battery is no fault of the current sensors");
 
-_Static_assert((int)INVERTER_MODE_OFF == (int)BRIDGE_OFF &&
-                   (int)INVERTER_MODE_PWM == (int)BRIDGE_PWM &&
-                   (int)INVERTER_MODE_SHORT == (int)BRIDGE_SHORT &&
-                   (int)INVERTER_MODE_SHORT_HIGH == (int)BRIDGE_SHORT_HIGH,
-               "the same numbers");
-
-static inverter_mode_t inverter_mode(bridge_mode_t bridge)
-{
-    return (inverter_mode_t)((uint32_t)bridge & 3U);
-}
-
 /* The report is copied in the last period before the slow step takes and completes it. */
 static void report_when_due(void)
 {
@@ -201,32 +190,6 @@ static void report_when_due(void)
         controller_fast_report_copy(&app.controller.fast, &app.fast_report[high]);
         double_buffer_mark(&app.from_fast);
     }
-}
-
-static void read_rotor_sensor(const config_t *config, fast_input_t *in)
-{
-    if (config->rotor.sensor == CONFIG_ROTOR_HALL) {
-        in->hall_state = rotor_sensor_hall_state();
-    } else if (config->rotor.sensor == CONFIG_ROTOR_ENCODER) {
-        const rotor_sensor_encoder_t encoder = rotor_sensor_encoder();
-        in->encoder.count = encoder.count;
-        in->encoder.index_count = encoder.index_count;
-        in->encoder.index = encoder.index;
-    } else { /* CONFIG_ROTOR_ANGLE; config_validate() refuses other values */
-        in->rotor_angle_turn = rotor_sensor_angle_turn();
-    }
-}
-
-static void read_inputs(const config_t *config, fast_input_t *in)
-{
-    analog_sample_t sample;
-    analog_read(&sample);
-    in->phase_current_code[0] = sample.phase_current_code[0];
-    in->phase_current_code[1] = sample.phase_current_code[1];
-    in->phase_current_code[2] = sample.phase_current_code[2];
-    in->bus_voltage_code = sample.bus_voltage_code;
-    in->power_stage_fault = inverter_fault();
-    read_rotor_sensor(config, in);
 }
 
 /* The sensors that there are not read as zero (fast_input), so the sum is the one there is. */
@@ -253,11 +216,9 @@ void app_pwm_period_isr(void)
         return;
     }
     const uint32_t begin_cycles = time_cycles();
-    read_inputs(config, &app.fast_input);
     const fast_setpoint_t *from_slow = &app.fast_setpoint[double_buffer_high(&app.to_fast)];
     const fast_output_t *out =
-        controller_fast_step(&app.controller.fast, config, from_slow, &app.fast_input);
-    inverter_set(inverter_mode(out->bridge), out->compare_counts);
+        pwm_period_step(&app.controller.fast, config, from_slow, &app.fast_input);
     record(&app.fast_input, out);
     report_when_due();
 

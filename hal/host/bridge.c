@@ -23,7 +23,6 @@ static struct {
     uint32_t share_of_millisecond; /* counts up to frequency_Hz by 1000 a period */
     uint32_t milliseconds;
     uint32_t periods_left;
-    rotor_sensor_kind_t sensor;
     bool endless;
     bool clock_broken;
     bool sensor_missing;
@@ -192,24 +191,23 @@ bool analog_pedals(uint16_t code[ANALOG_PEDAL_CHANNELS])
 
 bool rotor_sensor_init(rotor_sensor_kind_t kind)
 {
-    board.sensor = kind;
+    (void)kind; /* the sample has all of them */
     return !board.sensor_missing;
 }
 
 uint16_t rotor_sensor_angle_turn(void)
 {
-    return board.sensor == ROTOR_SENSOR_ANGLE ? board.sample.rotor_angle_turn : 0;
+    return board.sample.rotor_angle_turn;
 }
 
 uint8_t rotor_sensor_hall_state(void)
 {
-    return board.sensor == ROTOR_SENSOR_HALL ? board.sample.hall_state : 0;
+    return board.sample.hall_state;
 }
 
 rotor_sensor_encoder_t rotor_sensor_encoder(void)
 {
-    const rotor_sensor_encoder_t none = {.index = false};
-    return board.sensor == ROTOR_SENSOR_ENCODER ? board.sample.encoder : none;
+    return board.sample.encoder;
 }
 
 bool time_init(void)

@@ -25,7 +25,6 @@ enum {
 };
 
 static uint32_t period_ticks;
-static rotor_sensor_kind_t sensor;
 
 static void put_motor_at_rest(void)
 {
@@ -162,29 +161,26 @@ bool analog_pedals(uint16_t code[ANALOG_PEDAL_CHANNELS])
 
 bool rotor_sensor_init(rotor_sensor_kind_t kind)
 {
-    sensor = kind;
+    (void)kind; /* the mailbox has all of them */
     return true;
 }
 
 uint16_t rotor_sensor_angle_turn(void)
 {
-    return sensor == ROTOR_SENSOR_ANGLE ? MAILBOX->rotor_angle_turn : 0;
+    return MAILBOX->rotor_angle_turn;
 }
 
 uint8_t rotor_sensor_hall_state(void)
 {
-    return sensor == ROTOR_SENSOR_HALL ? MAILBOX->hall_state : 0;
+    return MAILBOX->hall_state;
 }
 
 rotor_sensor_encoder_t rotor_sensor_encoder(void)
 {
-    rotor_sensor_encoder_t seen = {.index = false};
-    if (sensor == ROTOR_SENSOR_ENCODER) {
-        seen.count = MAILBOX->encoder_count;
-        seen.index_count = MAILBOX->encoder_index_count;
-        seen.index = MAILBOX->encoder_index != 0;
-        MAILBOX->encoder_index = 0;
-    }
+    const rotor_sensor_encoder_t seen = {.count = MAILBOX->encoder_count,
+                                         .index_count = MAILBOX->encoder_index_count,
+                                         .index = MAILBOX->encoder_index != 0};
+    MAILBOX->encoder_index = 0;
     return seen;
 }
 

@@ -18,8 +18,6 @@ enum {
     FILTER_8_SAMPLES = 3
 };
 
-static rotor_sensor_kind_t sensor;
-
 COLD static void init_halls(void)
 {
     gpio_make_input(BOARD_ROTOR_A, GPIO_PULL_UP);
@@ -49,7 +47,6 @@ COLD static void init_encoder(void)
 COLD bool rotor_sensor_init(rotor_sensor_kind_t kind)
 {
     gpio_init();
-    sensor = kind;
     switch (kind) {
     case ROTOR_SENSOR_HALL:
         init_halls();
@@ -80,9 +77,6 @@ static bool are_adjacent(pin_t a, pin_t b, pin_t c)
 
 uint8_t rotor_sensor_hall_state(void)
 {
-    if (sensor != ROTOR_SENSOR_HALL) {
-        return 0;
-    }
     if (are_adjacent(BOARD_ROTOR_A, BOARD_ROTOR_B, BOARD_ROTOR_C)) {
         return (uint8_t)((BOARD_ROTOR_A.port->IDR >> BOARD_ROTOR_A.number) & 7U);
     }
@@ -92,15 +86,13 @@ uint8_t rotor_sensor_hall_state(void)
 
 rotor_sensor_encoder_t rotor_sensor_encoder(void)
 {
-    rotor_sensor_encoder_t seen = {.index = false};
-    if (sensor == ROTOR_SENSOR_ENCODER) {
-        /* The flag before the count: an index pulse between the two is found in the next period.
-         * Reading the capture register clears the flag (section 18.4.5). */
-        seen.index = (ENCODER->SR & TIM_SR_CC3IF) != 0;
-        if (seen.index) {
-            seen.index_count = (uint16_t)ENCODER->CCR3;
-        }
-        seen.count = (uint16_t)ENCODER->CNT;
+    rotor_sensor_encoder_t seen = {.index_count = 0};
+    /* The flag before the count: an index pulse between the two is found in the next period.
+     * Reading the capture register clears the flag (section 18.4.5). */
+    seen.index = (ENCODER->SR & TIM_SR_CC3IF) != 0;
+    if (seen.index) {
+        seen.index_count = (uint16_t)ENCODER->CCR3;
     }
+    seen.count = (uint16_t)ENCODER->CNT;
     return seen;
 }

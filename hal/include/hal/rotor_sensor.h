@@ -25,16 +25,16 @@ typedef struct {
 /* Background context, once, before inverter_start(). False: this board has no such sensor. */
 bool rotor_sensor_init(rotor_sensor_kind_t kind);
 
+/* Each of the following only with the sensor of its name, from app_pwm_period_isr(). */
+
 /* Electrical angle now, 65 536 = one turn, 0 = magnet flux along phase a, rising when driving
- * forward; 0 with another sensor. Only from app_pwm_period_isr(). */
+ * forward. */
 uint16_t rotor_sensor_angle_turn(void);
 
-/* Levels now: bit 0 = hall A, bit 1 = hall B, bit 2 = hall C; 0 with another sensor. Only from
- * app_pwm_period_isr(). */
+/* Levels now: bit 0 = hall A, bit 1 = hall B, bit 2 = hall C. */
 uint8_t rotor_sensor_hall_state(void);
 
-/* All zero with another sensor. Only from app_pwm_period_isr(), once a period: reading clears
- * `index`. */
+/* Once a period: reading clears `index`. */
 rotor_sensor_encoder_t rotor_sensor_encoder(void);
 
 #endif
