@@ -8,8 +8,6 @@
 
 #define BIT(row) (UINT64_C(1) << FINDING_##row)
 #define BATTERY_BITS (BIT(BUS_JUMPED) | BIT(BATTERY_LEFT) | BIT(BATTERY_UNKNOWN))
-#define ROTOR_BITS                                                                                 \
-    (BIT(ROTOR_SLIPS) | BIT(ROTOR_FREEZES) | BIT(ROTOR_REVERSES) | BIT(ROTOR_UNNAMED))
 
 /* X(name, rows): what explains a row. */
 #define EXPLANATIONS(X)                                                                            \
@@ -18,7 +16,6 @@
     X(BATTERY, BATTERY_BITS)                                                                       \
     X(BATTERY_OR_STEPS, BATTERY_BITS | BIT(STEPS))                                                 \
     X(BY_STEPS, BIT(READING_BY_STEPS))                                                             \
-    X(ROTOR_OR_GAIN, ROTOR_BITS | BIT(GAIN))                                                       \
     X(BUS_READING, BIT(BUS_CONTRADICTED))
 
 /* Some rows: a bit each, in two words. */

@@ -18,7 +18,6 @@ void brake_blending_init(brake_blending_state_t *state, const config_t *config)
 {
     hydraulic_model_init(&state->hydraulic);
     hydraulic_feedback_init(&state->feedback, config);
-    hydraulic_watch_init(&state->watch);
     state->bridged_q6_mNm = 0;
     state->within_q6_mNm = 0;
     state->bridging_ms = 0;
@@ -184,48 +183,8 @@ static int32_t uncovered_mNm(const config_t *config, const demand_t *demand, int
     return made_mNm - demand_handed_over_mNm(config, made_mNm);
 }
 
-/* The hydraulic torque of this step, measured or modelled, and what is found of it. */
-static hydraulic_feedback_out_t hydraulic_torque(brake_blending_state_t *state,
-                                                 const config_t *config,
-                                                 const hydraulic_feedback_t *report,
-                                                 int32_t speed_mrad_s, int32_t motor_mNm, bool seen,
-                                                 bool acknowledged)
-{
-    const hydraulic_model_t *model = &state->hydraulic;
-    hydraulic_feedback_state_t *feedback = &state->feedback;
-    const hydraulic_feedback_out_t now = hydraulic_feedback_step(feedback, config, model, report);
-    const hydraulic_watch_input_t watched = {
-        .speed_mrad_s = speed_mrad_s,
-        .motor_mNm = motor_mNm,
-        .modelled_mNm = now.used && !feedback->confirmed && feedback->outside_ms == 0
-                            ? now.torque_mNm
-                            : hydraulic_model_torque_mNm(model),
-        .commanded_mNm = hydraulic_model_torque_mNm(model),
-        .uncertain_mNm = q_abs(hydraulic_model_early_mNm(model) - hydraulic_model_late_mNm(model)) +
-                         (now.used ? q_abs(feedback->change_mNm) : 0),
-        .outside_ms = now.used ? feedback->outside_ms : 0,
-        .contradicts_mNm = feedback->contradicts_mNm,
-        .reported_mNm = feedback->report_mNm,
-        .reported = feedback->seen && !feedback->refuted &&
-                    feedback->since_ms <= config->brake.hydraulic_timeout_ms,
-        .trusted = seen,
-        .acknowledged = acknowledged,
-    };
-    hydraulic_watch_step(&state->watch, config, &watched);
-    if (state->watch.confirms_report && !feedback->confirmed) {
-        feedback->heal_ms = 0;
-    }
-    if (state->watch.refutes_report) {
-        feedback->refuted = true;
-        feedback->good = false;
-        feedback->heal_ms = HYDRAULIC_FEEDBACK_HEAL_ms;
-    }
-    feedback->confirmed = state->watch.confirms_report;
-    return now;
-}
-
-/* Share of the motor's torque that makes up for the hydraulic brake: to zero from a quarter of the
- * end of the blend-out to standstill. */
+/* What the motor makes beyond the lines of the strategy ends between a quarter of the end of the
+ * blend-out and standstill. */
 static int32_t faded_mNm(const config_t *config, int32_t torque_mNm, int32_t speed_abs_mrad_s)
 {
     const int32_t end_mrad_s = config->brake.blend_out_end_mrad_s / 4 + 1;
@@ -235,17 +194,7 @@ static int32_t faded_mNm(const config_t *config, int32_t torque_mNm, int32_t spe
                : torque_mNm;
 }
 
-/* Bounds of the motor that makes up for a brake that is known to be short: all but the lines of
- * the strategy. */
-static torque_limits_classes_t beyond_strategy(const config_t *config,
-                                               const torque_limits_t *limits, int32_t speed_mrad_s)
-{
-    torque_limits_classes_t out = torque_limits_beyond_strategy(limits->braking);
-    out.hard_mNm = faded_mNm(config, out.hard_mNm, q_abs(speed_mrad_s));
-    return out;
-}
-
-/* The tightest of these. */
+/* The tightest line but those of the strategy. */
 static int32_t least_beyond_mNm(const torque_limits_t *limits)
 {
     const limit_t least = torque_limits_tightest(limits->braking, 0, TORQUE_LINE_LOSS_OPTIMUM);
@@ -264,23 +213,16 @@ static int32_t raised_mNm(const brake_blending_state_t *state, int32_t bound_mNm
 }
 
 /* Bound of the motor's braking torque: hard lines at once, deferrable ones bridged. beyond_mNm:
- * that of a motor that makes up for a brake whose torque is measured. */
+ * that without the lines of the strategy. */
 static int32_t motor_bound_mNm(brake_blending_state_t *state, const config_t *config,
                                const torque_limits_t *limits, const torque_limits_classes_t *bounds,
                                int32_t beyond_mNm, int32_t last_command_mNm, int32_t speed_mrad_s,
                                bool measured)
 {
-    /* What only the deceleration or only the reports show is a warning: a slope, a tow or a wrong
-     * sensor looks the same, and the motor would brake beside a brake that works. */
-    const bool makes_up = measured && hydraulic_watch_is_short(&state->watch) &&
-                          (state->watch.confirms_report || !state->watch.by_report);
-    const torque_limits_classes_t most =
-        makes_up ? beyond_strategy(config, limits, speed_mrad_s) : *bounds;
     const int32_t share_mNm = limits->braking[TORQUE_LINE_ELECTRIC_SHARE].torque_mNm;
-    const int32_t bound_mNm = q_min(makes_up ? most.hard_mNm : q_min(most.hard_mNm, share_mNm),
-                                    bridged_mNm(state, &config->brake, most.deferrable_mNm,
+    const int32_t bound_mNm = q_min(q_min(bounds->hard_mNm, share_mNm),
+                                    bridged_mNm(state, &config->brake, bounds->deferrable_mNm,
                                                 last_command_mNm, speed_mrad_s, measured));
-    /* A motor that makes up is beyond this already. */
     return measured
                ? raised_mNm(state, bound_mNm, faded_mNm(config, beyond_mNm, q_abs(speed_mrad_s)))
                : bound_mNm;
@@ -290,7 +232,7 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
                                          const torque_limits_t *limits, const measured_t *now,
                                          const last_t *last, const hydraulic_feedback_t *report,
                                          const torque_enable_t *enable, const demand_t *demand,
-                                         const motor_now_t *motor, bool seen, bool acknowledged)
+                                         const motor_now_t *motor)
 {
     const config_brake_t *brake = &config->brake;
     const int32_t speed_mrad_s = now->speed_mrad_s;
@@ -319,8 +261,9 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
         command_mNm(&state->feedback, required_mNm, share.expected_mNm, most_mNm);
     const int32_t hydraulic_mNm = q_min(commanded_mNm, brake->max_hydraulic_torque_mNm);
     hydraulic_model_step(&state->hydraulic, config, hydraulic_mNm + last->hydraulic_added_mNm);
-    const hydraulic_feedback_out_t made = hydraulic_torque(state, config, report, speed_mrad_s,
-                                                           motor->achieved_mNm, seen, acknowledged);
+    const bool commanded = limits->braking[TORQUE_LINE_ABS].torque_mNm == FEASIBLE_UNBOUNDED;
+    const hydraulic_feedback_out_t made =
+        hydraulic_feedback_step(&state->feedback, config, &state->hydraulic, report, commanded);
     const int32_t bound_mNm = motor_bound_mNm(state, config, limits, &bounds, beyond_mNm,
                                               last->torque_command_mNm, speed_mrad_s, made.used);
     limit_t electric = limit_init(brake_torque_mNm, REASON_NONE);
@@ -341,23 +284,34 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
         .electric_mNm = electric.torque_mNm,
         .hydraulic_mNm = hydraulic_mNm,
         .slower_mrad_s = state->slower_mrad_s,
-        .road_mNm = q_max(-state->watch.road_mNm, 0),
+        .made_mNm = made.torque_mNm,
         .uncovered_mNm = q_max(left_mNm, 0),
         .rise_mNm = rise_mNm,
         .available = available,
         .reason = electric.reason,
-        .hydraulic_reason = state->watch.reason != REASON_NONE ? state->watch.reason
-                            : beyond                           ? REASON_HYDRAULIC_LIMIT
-                            : made.lost                        ? REASON_HYDRAULIC_FEEDBACK
-                                                               : REASON_NONE,
+        .hydraulic_reason = beyond ? REASON_HYDRAULIC_LIMIT : REASON_NONE,
     };
     return out;
 }
 
-void brake_blending_report(const brake_blending_state_t *state, findings_t *findings)
+reason_t brake_blending_report(const brake_blending_state_t *state, findings_t *findings)
 {
-    const bool lost = state->feedback.seen && state->feedback.heal_ms > 0;
-    const reason_t found = state->watch.reason;
-    findings_set_named(findings, FINDING_BRAKE_WEAK, FINDING_BRAKE_REPORT,
-                       found == REASON_NONE && lost ? REASON_HYDRAULIC_FEEDBACK : found);
+    const hydraulic_feedback_state_t *feedback = &state->feedback;
+    const reason_t shows = feedback->shows;
+    const bool used = hydraulic_feedback_used(feedback);
+    const bool came = used && shows == REASON_NONE &&
+                      findings_qualified(findings, FINDING_BRAKE_WEAK) &&
+                      feedback->short_ms < HYDRAULIC_FEEDBACK_LATE_ms;
+    findings_set(findings, FINDING_BRAKE_DEAD, shows == REASON_HYDRAULIC_DEAD);
+    findings_set(findings, FINDING_BRAKE_WEAK, hydraulic_feedback_is_short(feedback));
+    findings_set(findings, FINDING_BRAKE_STUCK, shows == REASON_HYDRAULIC_STUCK);
+    findings_set(findings, FINDING_BRAKE_STRONG, shows == REASON_HYDRAULIC_STRONG);
+    findings_set(findings, FINDING_BRAKE_LATE, came);
+    findings_set(findings, FINDING_BRAKE_REPORT, feedback->seen && !used);
+    for (finding_t row = FINDING_BRAKE_DEAD; row <= FINDING_BRAKE_REPORT; row++) {
+        if (findings_present(findings, row)) {
+            return findings_reason(findings, row);
+        }
+    }
+    return REASON_NONE;
 }

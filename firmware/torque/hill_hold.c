@@ -44,15 +44,15 @@ static void release(hill_hold_state_t *state, const config_t *config, drive_dire
 }
 
 /* Before standstill, as long as the driver brakes and the wheel is slow. */
-static bool is_ahead(hill_hold_state_t *state, const brake_blending_out_t *split,
+static bool is_ahead(hill_hold_state_t *state, int32_t slower_mrad_s, int32_t road_mNm,
                      int32_t braking_mNm, bool drives, int32_t speed_abs_mrad_s)
 {
     const bool brakes = braking_mNm > 0 && !drives;
-    const bool rolls_off = split->road_mNm > braking_mNm - braking_mNm / TOLERANCE_SHARE;
+    const bool rolls_off = road_mNm > braking_mNm - braking_mNm / TOLERANCE_SHARE;
     if (!brakes || speed_abs_mrad_s / 2 > state->begun_mrad_s) {
         state->begun_mrad_s = 0;
     }
-    if (brakes && rolls_off && split->slower_mrad_s <= speed_abs_mrad_s / SLOWER_SHARE &&
+    if (brakes && rolls_off && slower_mrad_s <= speed_abs_mrad_s / SLOWER_SHARE &&
         state->begun_mrad_s == 0) {
         state->begun_mrad_s = speed_abs_mrad_s;
     }
@@ -60,8 +60,8 @@ static bool is_ahead(hill_hold_state_t *state, const brake_blending_out_t *split
 }
 
 int32_t hill_hold_step(hill_hold_state_t *state, const config_t *config, const demand_t *demand,
-                       const brake_blending_out_t *split, int32_t command_mNm, int32_t speed_mrad_s,
-                       bool standstill)
+                       const brake_blending_out_t *split, int32_t road_mNm, int32_t command_mNm,
+                       int32_t speed_mrad_s, bool standstill)
 {
     const int32_t braking_mNm = demand->brake_torque_mNm + demand->lift_off_mNm;
     const bool drives = demand->drive_torque_mNm != 0;
@@ -72,7 +72,7 @@ int32_t hill_hold_step(hill_hold_state_t *state, const config_t *config, const d
     }
     /* Without a hold torque the result is the same, at less cost. */
     if (!state->holds && !neutral && config->driver.hold_torque_mNm > 0 &&
-        is_ahead(state, split, braking_mNm, drives, q_abs(speed_mrad_s))) {
+        is_ahead(state, split->slower_mrad_s, road_mNm, braking_mNm, drives, q_abs(speed_mrad_s))) {
         state->torque_mNm = config->driver.hold_torque_mNm;
     } else if (!state->holds || neutral) {
         state->holds = false;

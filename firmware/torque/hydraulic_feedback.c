@@ -7,9 +7,9 @@ enum {
     ONE_Q15 = 1 << 15,
     SIGNIFICANT_LOG2 = 6, /* below a 64th of the largest torque a ratio says nothing */
     MODEL_LOG2 = 4,
-    OUTSIDE_SHARE = 4, /* of the tolerance, for a gain outside the band */
-    LEARN_LOG2 = 2,    /* share of the way to a new interval that one report goes */
-    RELEARN_LOG2 = 4,  /* and of that, where it contradicts what was learned */
+    DEAD_SHARE = 4,   /* of its command: a brake that makes less is dead */
+    LEARN_LOG2 = 2,   /* share of the way to a new interval that one report goes */
+    RELEARN_LOG2 = 4, /* and of that, where it contradicts what was learned */
     MOST_mNm = 1 << 25
 };
 
@@ -39,10 +39,10 @@ static int32_t ratio_q15(int32_t a, int32_t b)
     return (int32_t)((over << 15) / (under > 0U ? under : 1U));
 }
 
-/* The reports that gains within the band explain, of a brake twice as early, as configured or twice
- * as late. */
+/* What brakes twice as early, as configured and twice as late would report, of gain one and of any
+ * gain within the band. */
 typedef struct {
-    int32_t smaller_mNm, larger_mNm; /* of gain one */
+    int32_t smaller_mNm, larger_mNm;
     int32_t least_mNm, most_mNm;
 } possible_t;
 
@@ -68,7 +68,6 @@ static int32_t towards(int32_t from, int32_t to)
 static void learn(hydraulic_feedback_state_t *state, const config_t *config,
                   const possible_t *could, int32_t report_mNm)
 {
-    const int32_t relearn_log2 = state->outside_ms > 0 ? 0 : RELEARN_LOG2;
     const config_brake_t *brake = &config->brake;
     /* Resolution of the sensor, and of the models while they differ. */
     const int32_t noise_mNm = (brake->max_hydraulic_torque_mNm >> (SIGNIFICANT_LOG2 + 3)) +
@@ -86,12 +85,12 @@ static void learn(hydraulic_feedback_state_t *state, const config_t *config,
                                     : highest_q15;
     if (at_least_q15 > state->least_q15) {
         const int32_t least_q15 = towards(state->least_q15, at_least_q15);
-        state->most_q15 += q_max(least_q15 - state->most_q15, 0) >> relearn_log2;
+        state->most_q15 += q_max(least_q15 - state->most_q15, 0) >> RELEARN_LOG2;
         state->least_q15 = q_min(least_q15, state->most_q15);
     }
     if (at_most_q15 < state->most_q15) {
         const int32_t most_q15 = towards(state->most_q15, at_most_q15);
-        state->least_q15 -= q_max(state->least_q15 - most_q15, 0) >> relearn_log2;
+        state->least_q15 -= q_max(state->least_q15 - most_q15, 0) >> RELEARN_LOG2;
         state->most_q15 = q_max(most_q15, state->least_q15);
     }
     state->gain_q15 = q_clamp(state->gain_q15, state->least_q15, state->most_q15);
@@ -107,37 +106,48 @@ static bool is_new_report(hydraulic_feedback_state_t *state, const hydraulic_fee
         const int32_t between_ms = q_saturate64((int64_t)state->since_ms + 1 - age_ms);
         state->between_ms = q_clamp(between_ms, 1, HYDRAULIC_FEEDBACK_PAST_ms);
         state->since_ms = age_ms;
-        const int32_t torque_mNm = q_clamp(report->torque_mNm, 0, MOST_mNm);
-        state->change_mNm = state->seen ? torque_mNm - state->report_mNm : 0;
-        state->report_mNm = torque_mNm;
-        state->seen = true;
     } else if (state->since_ms < INT32_MAX) {
         state->since_ms++;
     }
     return is_new;
 }
 
-/* By how much a report is beyond, or short of, what the commands explain. */
-static int32_t contradiction_mNm(const possible_t *could, int32_t reported_mNm,
-                                 int32_t tolerance_mNm)
+/* What a report shows of the brake. Beside a command so small that a dead brake would agree with it
+ * as well, one that was short still is. */
+static reason_t shown(const hydraulic_feedback_state_t *state, const possible_t *could,
+                      int32_t report_mNm, int32_t tolerance_mNm)
 {
-    const int64_t below_mNm = (int64_t)reported_mNm - could->least_mNm + tolerance_mNm;
-    const int64_t above_mNm = (int64_t)reported_mNm - could->most_mNm - tolerance_mNm;
-    return below_mNm < 0 ? q_saturate64(below_mNm) : q_max(q_saturate64(above_mNm), 0);
+    if (report_mNm < could->least_mNm - tolerance_mNm) {
+        return report_mNm < could->smaller_mNm / DEAD_SHARE ? REASON_HYDRAULIC_DEAD
+                                                            : REASON_HYDRAULIC_WEAK;
+    }
+    if (report_mNm > could->most_mNm + tolerance_mNm) {
+        return could->larger_mNm > tolerance_mNm ? REASON_HYDRAULIC_STRONG : REASON_HYDRAULIC_STUCK;
+    }
+    const bool tells = could->least_mNm > tolerance_mNm;
+    return tells || !hydraulic_feedback_is_short(state) ? REASON_NONE : state->shows;
 }
 
-/* A brake whose gain is not within the band, although the sensor may be right. */
-static void count_outside(hydraulic_feedback_state_t *state, int32_t outside_mNm)
+static void keep(hydraulic_feedback_state_t *state, int32_t report_mNm)
 {
-    const int32_t before_ms = state->outside_ms;
-    const int32_t longest_ms = INT16_MAX;
-    if (outside_mNm > 0) {
-        state->outside_ms = q_min(q_max(before_ms, 0) + state->between_ms, longest_ms);
-    } else if (outside_mNm < 0) {
-        state->outside_ms = q_max(q_min(before_ms, 0) - state->between_ms, -longest_ms);
-    } else {
-        state->outside_ms = 0;
+    state->change_mNm = state->seen ? report_mNm - state->report_mNm : 0;
+    state->report_mNm = report_mNm;
+    state->seen = true;
+}
+
+/* A report of a brake that follows its commands. */
+static void judge(hydraulic_feedback_state_t *state, const config_t *config,
+                  const possible_t *could, int32_t report_mNm)
+{
+    const int32_t tolerance_mNm = config->brake.hydraulic_tolerance_mNm;
+    const bool was_short = hydraulic_feedback_is_short(state);
+    state->shows = shown(state, could, report_mNm, tolerance_mNm);
+    if (hydraulic_feedback_is_short(state)) {
+        state->short_ms = was_short ? q_min(state->short_ms + state->between_ms, INT16_MAX) : 0;
     }
+    learn(state, config, could, report_mNm);
+    keep(state, q_clamp(report_mNm, q_max(could->least_mNm - tolerance_mNm, 0),
+                        could->most_mNm + tolerance_mNm));
 }
 
 static int32_t modelled_ago_mNm(const hydraulic_feedback_state_t *state, int32_t ago_ms)
@@ -159,56 +169,29 @@ static int32_t since_report_mNm(const hydraulic_feedback_state_t *state, int32_t
     return q_clamp(straight_mNm, modelled_mNm, 0);
 }
 
-/* Qualify and heal time of the feedback. */
-static void watch(hydraulic_feedback_state_t *state, const config_t *config)
-{
-    const int32_t timeout_ms = config->brake.hydraulic_timeout_ms;
-    const bool missing = state->since_ms > timeout_ms;
-    if (state->good && !missing) {
-        state->bad_ms = 0;
-        state->heal_ms = q_max(state->heal_ms - 1, 0);
-        state->refuted = state->refuted && state->heal_ms > 0;
-        return;
-    }
-    state->bad_ms = q_min(state->bad_ms + 1, INT32_MAX - 1);
-    if (missing || state->bad_ms > timeout_ms || state->heal_ms > 0) {
-        state->heal_ms = HYDRAULIC_FEEDBACK_HEAL_ms;
-        if (!state->good) {
-            forget_gain(state, config);
-        }
-    }
-}
-
 hydraulic_feedback_out_t hydraulic_feedback_step(hydraulic_feedback_state_t *state,
                                                  const config_t *config,
                                                  const hydraulic_model_t *model,
-                                                 const hydraulic_feedback_t *report)
+                                                 const hydraulic_feedback_t *report, bool commanded)
 {
     const config_brake_t *brake = &config->brake;
     const int32_t modelled_mNm = hydraulic_model_torque_mNm(model);
     state->now = (state->now + 1U) % (HYDRAULIC_FEEDBACK_PAST_ms + 1);
     state->model_mNm[state->now] = modelled_mNm;
     if (brake->hydraulic_timeout_ms > 0 && is_new_report(state, report)) {
-        possible_t could =
+        const int32_t report_mNm = q_clamp(report->torque_mNm, 0, MOST_mNm);
+        const possible_t could =
             possible(config, model, modelled_ago_mNm(state, brake->hydraulic_report_delay_ms));
-        state->contradicts_mNm =
-            contradiction_mNm(&could, report->torque_mNm, brake->hydraulic_tolerance_mNm);
-        /* Short of what the learned gain makes, or beyond the band. */
-        could.least_mNm = q15_product(could.smaller_mNm, state->least_q15);
-        count_outside(state, contradiction_mNm(&could, report->torque_mNm,
-                                               brake->hydraulic_tolerance_mNm / OUTSIDE_SHARE));
-        state->good = state->confirmed ||
-                      (state->contradicts_mNm == 0 && !(state->refuted && state->outside_ms != 0));
-        const bool beyond_band = state->outside_ms < 0 && !state->confirmed &&
-                                 state->least_q15 <= ONE_Q15 - brake->hydraulic_gain_band_q15;
-        if (beyond_band && state->outside_ms < -brake->hydraulic_timeout_ms) {
-            forget_gain(state, config);
-        } else if (state->contradicts_mNm == 0 && !state->refuted && !beyond_band) {
-            learn(state, config, &could, state->report_mNm);
+        if (commanded) {
+            judge(state, config, &could, report_mNm);
+        } else {
+            keep(state, report_mNm);
         }
     }
-    if (state->seen) {
-        watch(state, config);
+    state->heal_ms = q_max(state->heal_ms - 1, 0);
+    if (state->seen && state->since_ms > brake->hydraulic_timeout_ms) {
+        state->heal_ms = HYDRAULIC_FEEDBACK_HEAL_ms;
+        state->shows = REASON_NONE;
     }
     hydraulic_feedback_out_t out = {
         .used = hydraulic_feedback_used(state),
@@ -219,11 +202,7 @@ hydraulic_feedback_out_t hydraulic_feedback_step(hydraulic_feedback_state_t *sta
         const int32_t ago_ms = state->since_ms + brake->hydraulic_report_delay_ms;
         const int32_t change_mNm =
             since_report_mNm(state, q_min(ago_ms, HYDRAULIC_FEEDBACK_PAST_ms));
-        /* A report that is short of the commands does not raise the motor torque by itself. */
-        const bool doubted = state->outside_ms < 0 && !state->confirmed;
-        const int32_t least_mNm =
-            doubted ? out.torque_mNm - brake->hydraulic_tolerance_mNm / OUTSIDE_SHARE : 0;
-        out.torque_mNm = q_max(state->report_mNm + change_mNm, q_max(least_mNm, 0));
+        out.torque_mNm = q_max(state->report_mNm + change_mNm, 0);
     }
     return out;
 }

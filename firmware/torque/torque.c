@@ -11,6 +11,7 @@ void torque_init(torque_state_t *state, const config_t *config)
     demand_init(&state->demand);
     torque_limits_init(&state->limits, &state->table);
     brake_blending_init(&state->blending, config);
+    road_init(&state->road, config);
     hill_hold_init(&state->hold);
     torque_command_init(&state->command);
     stop_lamp_init(&state->lamp);
@@ -47,10 +48,9 @@ static int32_t hydraulic_command_mNm(const config_t *config, const brake_blendin
     return q_min(q_max(braking_mNm, hold_mNm), config->brake.max_hydraulic_torque_mNm);
 }
 
-/* True where speed and motor torque tell what the hydraulic brake makes: no wheel slips, no sensor
- * is wrong. */
-static bool hydraulic_is_seen(const torque_limits_t *table, const measured_t *now,
-                              const torque_enable_t *enable)
+/* True where speed and torques show the road: no wheel slips, no sensor is wrong. */
+static bool road_is_seen(const torque_limits_t *table, const measured_t *now,
+                         const torque_enable_t *enable)
 {
     const reason_t reason = enable->reason;
     const bool healthy = reason == REASON_NONE || reason == REASON_TORQUE_ENABLE ||
@@ -109,17 +109,13 @@ static motor_now_t motor_now(const config_t *config, const measured_t *now,
 
 static brake_blending_out_t blend(torque_state_t *state, const config_t *config,
                                   const measured_t *now, const last_t *last, const slow_input_t *in,
-                                  const monitored_t *watch, const torque_enable_t *enable,
-                                  const demand_t *demand, const motor_now_t *motor)
+                                  const torque_enable_t *enable, const demand_t *demand,
+                                  const motor_now_t *motor)
 {
     static const hydraulic_feedback_t NO_REPORT = {.age_ms = UINT32_MAX};
-    const wheel_demand_t *wheel = &in->demand;
-    const bool acknowledged = wheel->fault_reset && watch->at_rest &&
-                              wheel->drive_torque_mNm == 0 && wheel->brake_torque_mNm <= 0;
-    const bool seen = hydraulic_is_seen(&state->table, now, enable) && demand->hydraulic_valid;
     return brake_blending_step(&state->blending, config, &state->table, now, last,
                                demand->hydraulic_valid ? &in->hydraulic : &NO_REPORT, enable,
-                               demand, motor, seen, acknowledged);
+                               demand, motor);
 }
 
 torque_output_t torque_step(torque_state_t *state, const config_t *config, const measured_t *now,
@@ -137,9 +133,8 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
     const demand_t demand =
         demand_step(&state->demand, config, in, now->speed_mrad_s, watch->standstill);
     step_limits(state, &set, now, enable, &demand, flowing, findings);
-    const brake_blending_out_t split =
-        blend(state, config, now, last, in, watch, enable, &demand, &motor);
-    brake_blending_report(&state->blending, findings);
+    const brake_blending_out_t split = blend(state, config, now, last, in, enable, &demand, &motor);
+    const reason_t found = brake_blending_report(&state->blending, findings);
     const lift_off_t lift_off =
         lift_off_split(&state->table, demand.lift_off_mNm, split.electric_mNm);
     const motor_braking_t braking = {
@@ -156,8 +151,11 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
     /* The bounds are those of the present voltage; the command follows at the torque rate. */
     current.feasible = current.feasible || limited.falling;
 
+    const bool seen = road_is_seen(&state->table, now, enable) && demand.hydraulic_valid;
+    const int32_t road_mNm = road_step(&state->road, config, now->speed_mrad_s, motor.achieved_mNm,
+                                       split.made_mNm, seen);
     const int32_t hold_mNm =
-        hill_hold_step(&state->hold, config, &demand, &split, limited.command_mNm,
+        hill_hold_step(&state->hold, config, &demand, &split, road_mNm, limited.command_mNm,
                        now->speed_mrad_s, watch->standstill);
     const int32_t hydraulic_mNm = hydraulic_command_mNm(config, &split, &lift_off, hold_mNm);
     /* On its own path the brake makes what was asked for, and has to let go of it afterwards. */
@@ -174,7 +172,9 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
         .hydraulic_mNm = hydraulic_mNm,
         .hydraulic_added_mNm = q_max(q_max(hydraulic_mNm, own_path_mNm) - split.hydraulic_mNm, 0),
         .phase_voltage_mV = voltage_mV,
-        .hydraulic_reason = holds ? REASON_HILL_HOLD : split.hydraulic_reason,
+        .hydraulic_reason = holds                  ? REASON_HILL_HOLD
+                            : found != REASON_NONE ? found
+                                                   : split.hydraulic_reason,
         .hydraulic_valid = demand.hydraulic_valid,
         .available = split.available,
         .available_now = state->ahead.now,

@@ -34,7 +34,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
                "torque/demand", "torque/hill_hold", "torque/torque_command",
                "torque/hydraulic_model", "torque/torque_limits", "torque/closing_voltage",
                "core/fade"),
-    "torque_models": ("motor/motor_model", "torque/hydraulic_watch", "torque/hydraulic_feedback",
+    "torque_models": ("motor/motor_model", "torque/hydraulic_feedback", "torque/road",
                       "torque/brake_blending", "torque/available_ahead", "motor/thermal_model"),
 }  # fmt: skip
 # With `./tools/dev test --full` only: these groups, and one by one the functions of HEAVY.
@@ -44,7 +44,7 @@ FULL = (
     "short", "safe_state", "shorted", "short_surges", "exit_fits",
     "grid", "map_row",
     "feasible_points", "feasible_parts", "available_ahead",
-    "hydraulic_finding", "measure", "controller_init", "controller_slow", "controller_fast",
+    "measure", "controller_init", "controller_slow", "controller_fast",
     "operating_point", "controller_ends", "black_box",
 )  # fmt: skip
 HEAVY: tuple[str, ...] = (
@@ -89,7 +89,6 @@ VALUES: dict[str, tuple[str, ...]] = {
     "feasible_points": ("feasible_holds", "feasible_excess_b", "feasible_point"),
     "feasible_parts": ("feasible_circle_d_b", "feasible_ellipse_root"),
     "available_ahead": ("available_ahead_step",),
-    "hydraulic_finding": ("hydraulic_watch_step",),
     "controller_init": ("controller_init", "finding_times"),
     "controller_slow": ("controller_slow_step",),
     "measure": ("measure_init", "measure_step", "measure_setpoint"),

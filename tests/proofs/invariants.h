@@ -67,13 +67,19 @@
      (s)->now.braking.torque_mNm >= 0 && (s)->ahead.driving.torque_mNm >= 0 &&                     \
      (s)->ahead.braking.torque_mNm >= 0)
 
+/* A low-pass of values below 2^23, and a magnitude. */
+#define road_holds(s)                                                                              \
+    (is_within((s)->known_lp_mNm.accumulator, -(1 << 29), 1 << 29) &&                              \
+     is_within((s)->torque_mNm, 1 - (1 << 23), (1 << 23) - 1) && (s)->speed_lp_q8_mrad_s >= 0 &&   \
+     (s)->inertia_g_m2 >= 0)
+
 #define torque_state_holds(s, c)                                                                   \
     (motor_constants_hold(&(s)->motor) && is_within((s)->demand.lift_off_mNm, 0, 100000000) &&     \
      is_within((s)->demand.brake_torque_mNm, 0, 100000000) &&                                      \
      is_within((s)->demand.received_brake_torque_mNm, 0, 100000000) && (s)->demand.lost_ms >= 0 && \
      anti_lock_holds(&(s)->limits) && is_within((s)->limits.charge.allowed_q24, 0, SCALED_ONE) &&  \
      is_within((s)->limits.discharge.allowed_q24, 0, SCALED_ONE) &&                                \
-     lines_hold((s)->table.driving) && lines_hold((s)->table.braking) &&                           \
+     lines_hold((s)->table.driving) && lines_hold((s)->table.braking) && road_holds(&(s)->road) && \
      is_within((s)->hold.torque_mNm, 0, (c)->driver.hold_torque_mNm) &&                            \
      is_within((s)->hold.release_ms, 0, (c)->driver.hold_release_ms) &&                            \
      (s)->hold.begun_mrad_s >= 0 && (s)->lamp.speed_lp_q8_mrad_s >= 0 &&                           \
@@ -81,14 +87,6 @@
      is_within((s)->blending.hydraulic.next, 0, HYDRAULIC_MODEL_COMMANDS - 1) &&                   \
      is_within((s)->blending.feedback.between_ms, 1, HYDRAULIC_FEEDBACK_PAST_ms) &&                \
      ahead_holds(&(s)->ahead))
-
-#define hydraulic_watch_holds(w)                                                                   \
-    (is_within((w)->weight_q15, HYDRAULIC_WATCH_LIGHTEST_Q15, HYDRAULIC_WATCH_HEAVIEST_Q15) &&     \
-     is_within((w)->acquired_ms, 0, HYDRAULIC_WATCH_ACQUIRE_ms) &&                                 \
-     is_within((w)->pause_ms, 0, HYDRAULIC_WATCH_PAUSE_ms) &&                                      \
-     is_within((w)->quiet_ms, 0, HYDRAULIC_WATCH_QUIET_ms) &&                                      \
-     is_within((w)->certain_ms, 0, HYDRAULIC_WATCH_AWAITS_ms) &&                                   \
-     is_within((w)->found_ms, 0, INT16_MAX))
 
 /* Values that grid_interpolate() takes. */
 #define grid_values_hold(a, b)                                                                     \

@@ -51,7 +51,7 @@ PARTS = {
         "brake_blending_step": "brake blending, without what follows",
         "hydraulic_model_step": "model of the hydraulic brake",
         "hydraulic_feedback_step": "reports of the hydraulic brake",
-        "hydraulic_watch_step": "watch of the hydraulic brake",
+        "road_step": "road under the wheel",
         "loss_braking_at": "loss braking: largest losses",
         "loss_braking_torque_mNm": "loss braking: torque",
         "loss_braking_setpoint": "loss braking: setpoint",

@@ -40,8 +40,8 @@ class Brake(Section):
             0.0,
             1.0,
             "s",
-            "reports of the hydraulic torque that are missing or implausible for longer are not"
-            " used; 0: none is used",
+            "reports of the hydraulic torque that are missing for longer are not used, nor shown a"
+            " brake that contradicts its commands for less; 0: none is used",
         ),
     ] = 0.07
     hydraulic_report_delay_s: Annotated[
@@ -50,42 +50,17 @@ class Brake(Section):
     hydraulic_gain_band: Annotated[
         float,
         number(0.0, 0.5, "1", "the brake's gain is learned within 1 -+ this; 0: not learned"),
-    ] = 0.25
+    ] = 0.2
     hydraulic_tolerance_nm: Annotated[
         float | None,
         number(
             0.001,
             20e3,
             "N m",
-            "a report is implausible farther from what the commands explain; absent: 5 % of"
-            " max_hydraulic_torque_nm",
+            "noise of a report; farther from what the commands explain it shows a wrong brake;"
+            " absent: 1.25 % of max_hydraulic_torque_nm",
         ),
     ] = None
-    hydraulic_watch_speed_m_per_s: Annotated[
-        float,
-        number(
-            0.0,
-            10.0,
-            "m/s",
-            "speed lost or gained beyond the tolerance that counts as a wrong hydraulic brake;"
-            " 0: its torque is not watched by the deceleration",
-        ),
-    ] = 0.12
-    hydraulic_watch_floor_m_per_s2: Annotated[
-        float, number(0.0, 10.0, "m/s2", "tolerated difference of the deceleration")
-    ] = 0.1
-    hydraulic_watch_share: Annotated[
-        float,
-        number(
-            0.0, 1.0, "1", "and as a share of the hydraulic torque and of changes of the motor's"
-        ),
-    ] = 0.15
-    hydraulic_watch_slope_per_m: Annotated[
-        float,
-        number(
-            0.0, 0.1, "1/m", "largest change of the road's slope in a metre, 1 / radius of a crest"
-        ),
-    ] = 0.001
     bridging_time_s: Annotated[
         float | None,
         number(

@@ -99,23 +99,10 @@ def bridging_time_s(drive: Drive) -> float:
     return brake.hydraulic_dead_time_s + 2.3 * brake.hydraulic_time_constant_s
 
 
-def inertia_at_wheel_kg_m2(drive: Drive) -> float:
-    """Inertia in kg m2 of the vehicle's share of one wheel, about the wheel's axis."""
-    vehicle = drive.vehicle
-    return vehicle.mass_kg / vehicle.driven_wheels * vehicle.wheel_radius_m**2
-
-
-def air_drag_nm_s2(drive: Drive) -> float:
-    """Air drag of a wheel's share of the vehicle in N m over the squared speed of the wheel."""
-    vehicle = drive.vehicle
-    area_m2 = vehicle.drag_coefficient * vehicle.frontal_area_m2 / vehicle.driven_wheels
-    return 0.5 * AIR_DENSITY_KG_M3 * area_m2 * vehicle.wheel_radius_m**3
-
-
 def hydraulic_tolerance_nm(drive: Drive) -> float:
-    """Torque in N m that a report may be beside what the commands explain."""
+    """Noise in N m of a report of the hydraulic torque."""
     wanted = drive.brake.hydraulic_tolerance_nm
-    return 0.05 * drive.brake.max_hydraulic_torque_nm if wanted is None else wanted
+    return 0.0125 * drive.brake.max_hydraulic_torque_nm if wanted is None else wanted
 
 
 def pedal_drive_torque_nm(drive: Drive) -> float:

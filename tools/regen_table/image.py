@@ -27,7 +27,6 @@ from regen_table.schema import Drive
 Values = dict[str, dict[str, int | list[int]]]
 SWITCH_TEMPERATURE_OFF_CC = 30000
 STRATEGIES = {"parallel_ratio": 0, "parallel_free_travel": 1, "series_optimal": 2}
-GRAVITY_M_PER_S2 = 9.80665
 _WHEELS = ("front_left", "front_right", "rear_left", "rear_right")
 RPM_TO_MRAD_S = 1000.0 * 3.141592653589793 / 30.0
 # Sections of the drive whose keys are passed on to fields of the same name (passed_on()).
@@ -281,7 +280,6 @@ def _brake(drive: Drive) -> dict[str, Any]:
     return {
         "strategy": STRATEGIES[brake.strategy],
         "hydraulic_tolerance_mNm": max(1, nearest(derived.hydraulic_tolerance_nm(drive) * 1e3)),
-        **_hydraulic_watch(drive),
         "bridging_time_ms": nearest(derived.bridging_time_s(drive) * 1e3),
         "blend_out_start_mrad_s": nearest(control.handover_start_rpm * RPM_TO_MRAD_S),
         "blend_out_end_mrad_s": nearest(control.handover_end_rpm * RPM_TO_MRAD_S),
@@ -289,25 +287,6 @@ def _brake(drive: Drive) -> dict[str, Any]:
         "torque_growth_end_q15": loops.fixed(growth_end, 15),
         "torque_growth_slope_q9": loops.fixed(1.0 / (growth_end - growth_start), 9),
         "stop_lamp_filter_log2": nearest(math.log2(brake.stop_lamp_filter_s * 1e3)),
-    }
-
-
-def _hydraulic_watch(drive: Drive) -> dict[str, Any]:
-    brake, radius_m = drive.brake, drive.vehicle.wheel_radius_m
-    watched = brake.hydraulic_watch_speed_m_per_s > 0.0 and brake.max_hydraulic_torque_nm > 0.0
-    inertia = derived.inertia_at_wheel_kg_m2(drive) if watched else 0.0
-    return {
-        "hydraulic_watch_inertia_g_m2": nearest(inertia * 1e3),
-        "hydraulic_watch_speed_mrad_s": max(
-            1, nearest(brake.hydraulic_watch_speed_m_per_s / radius_m * 1e3)
-        ),
-        "hydraulic_watch_floor_mrad_s2": nearest(
-            brake.hydraulic_watch_floor_m_per_s2 / radius_m * 1e3
-        ),
-        "hydraulic_watch_road_mrad_s2": nearest(
-            GRAVITY_M_PER_S2 * brake.hydraulic_watch_slope_per_m * 1e3
-        ),
-        "hydraulic_watch_drag_uNm_s2": min(nearest(derived.air_drag_nm_s2(drive) * 1e6), 1_000_000),
     }
 
 

@@ -168,73 +168,68 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
     },
     .brake = {
         /* 0 parallel_ratio, 1 parallel_free_travel, 2 series_optimal */
-        .strategy                      = 2,
+        .strategy                    = 2,
         /* electric part of the whole demand (parallel_ratio) */
-        .parallel_electric_share_q15   = 9830,
+        .parallel_electric_share_q15 = 9830,
         /* [mNm] electric torque above which the hydraulic brake adds torque (parallel
          * strategies) */
-        .electric_rated_torque_mNm     = 10000,
+        .electric_rated_torque_mNm   = 10000,
         /* [mNm] 0: no hydraulic brake commanded by this controller */
-        .max_hydraulic_torque_mNm      = 50000,
+        .max_hydraulic_torque_mNm    = 50000,
         /* [ms] from a changed command until the hydraulic brake begins to move */
-        .hydraulic_dead_time_ms        = 50,
+        .hydraulic_dead_time_ms      = 50,
         /* [ms] first-order lag of the hydraulic torque after the dead time; 0: none */
-        .hydraulic_time_constant_ms    = 80,
-        .hydraulic_rate_mNm_s          = 300000, /* [mNm/s] fastest change of hydraulic torque */
-        /* [ms] reports of the measured hydraulic torque that are missing or implausible for
-         * longer are not used; 0: none is used; default 70 */
-        .hydraulic_timeout_ms          = 70,
+        .hydraulic_time_constant_ms  = 80,
+        .hydraulic_rate_mNm_s        = 300000, /* [mNm/s] fastest change of hydraulic torque */
+        /* [ms] reports of the measured hydraulic torque that are missing for longer are not
+         * used, nor shown a brake that contradicts its commands for less; 0: none is used;
+         * default 70 */
+        .hydraulic_timeout_ms        = 70,
         /* [ms] from the hydraulic torque to its report; default 10 */
-        .hydraulic_report_delay_ms     = 10,
+        .hydraulic_report_delay_ms   = 10,
         /* the gain of the hydraulic brake is learned within 1 -+ this; 0: not learned;
-         * default 0.25 */
-        .hydraulic_gain_band_q15       = 8192,
-        /* [mNm] a report is implausible farther from what the commands explain; default 5 %
-         * of max_hydraulic_torque_mNm */
-        .hydraulic_tolerance_mNm       = 2500,
-        .hydraulic_watch_inertia_g_m2  = 1532, /* [g m^2] vehicle's share here; 0: no watch */
-        .hydraulic_watch_speed_mrad_s  = 945, /* [mrad/s] lost or gained beyond the tolerance */
-        .hydraulic_watch_floor_mrad_s2 = 787, /* [mrad/s^2] tolerated; default 0.1 m/s^2 */
-        .hydraulic_watch_share_q15     = 4915, /* and of the hydraulic torque; default 0.15 */
-        .hydraulic_watch_road_mrad_s2  = 10, /* [mrad/s^2] of a road, per rad; default 0.001/m */
-        .hydraulic_watch_drag_uNm_s2   = 721, /* [uN m s^2] air drag over the squared speed */
+         * default 0.2 */
+        .hydraulic_gain_band_q15     = 6554,
+        /* [mNm] noise of a report; farther from what the commands explain it shows a wrong
+         * brake; default 1.25 % of max_hydraulic_torque_mNm */
+        .hydraulic_tolerance_mNm     = 625,
         /* [ms] in which motor torque above a fallen deferrable limit goes down to a tenth,
          * with feedback at most twice as long; 0: at once; default hydraulic_dead_time_ms and
          * 2.3 hydraulic_time_constant_ms */
-        .bridging_time_ms              = 234,
+        .bridging_time_ms            = 234,
         /* 1: where the battery takes nothing, the motor brakes with what its own losses take;
          * default 1 */
-        .loss_braking                  = 1,
+        .loss_braking                = 1,
         /* [mrad/s] electric braking starts to fade below this speed */
-        .blend_out_start_mrad_s        = 4189,
-        .blend_out_end_mrad_s          = 1571, /* [mrad/s] no electric braking below this speed */
-        .torque_rate_mNm_s             = 80000, /* [mNm/s] rate limit of the motor torque command */
+        .blend_out_start_mrad_s      = 4189,
+        .blend_out_end_mrad_s        = 1571, /* [mrad/s] no electric braking below this speed */
+        .torque_rate_mNm_s           = 80000, /* [mNm/s] rate limit of the motor torque command */
         /* [mNm] shortfall of motor torque tolerated before the hydraulic brake adds it;
          * default 5 % of motor.max_torque_mNm */
-        .shortfall_band_mNm            = 950,
+        .shortfall_band_mNm          = 950,
         /* [ms] largest age of a demand; an older one has timed out; default 100 */
-        .demand_timeout_ms             = 100,
+        .demand_timeout_ms           = 100,
         /* [ms] torque that the motor reaches within this time counts as available; raising:
          * the hydraulic brake adds torque later for a motor short of voltage; default 100 */
-        .motor_arrival_ms              = 100,
+        .motor_arrival_ms            = 100,
         /* [ms] time without electric braking after an anti-lock intervention; default 300 */
-        .abs_hold_ms                   = 300,
+        .abs_hold_ms                 = 300,
         /* squared modulation index at which the torque no longer grows; default 0.96 */
-        .torque_growth_end_q15         = 31457,
+        .torque_growth_end_q15       = 31457,
         /* share of torque_rate_mNm_s per unit of that square below its end; raising: full
          * rate up to a higher modulation index; default 1/0.02 */
-        .torque_growth_slope_q9        = 25600,
+        .torque_growth_slope_q9      = 25600,
         /* [mm/s^2] deceleration without a braking demand above which the stop lamp is lit;
          * default 1300 */
-        .stop_lamp_on_mm_s2            = 1300,
+        .stop_lamp_on_mm_s2          = 1300,
         /* [mm/s^2] deceleration below which it is switched off; default 700 */
-        .stop_lamp_off_mm_s2           = 700,
+        .stop_lamp_off_mm_s2         = 700,
         /* time constant of its low-passes of speed and of deceleration, 2^this ms; default 6 */
-        .stop_lamp_filter_log2         = 6,
+        .stop_lamp_filter_log2       = 6,
     },
     .vehicle = {
         .wheel_radius_um = 127000, /* [um] rolling radius */
-        .mass_g          = 95000, /* [g] for plausibility only */
+        .mass_g          = 95000, /* [g] the driven wheels share it in the estimate of the road */
         /* address on CAN: 0 front left, 1 front right, 2 rear left, 3 rear right */
         .wheel_position  = 0,
     },
@@ -437,5 +432,5 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
             -5218, -5966, -6796, -7744, -8823, -10033, -11370, -12827, -14396,
         },
     },
-    .crc32 = 0xEFC84C1B,
+    .crc32 = 0x6313641F,
 };

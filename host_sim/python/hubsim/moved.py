@@ -10,7 +10,6 @@ STUDIES = {
     "edges": "edges",
     "envelope": "envelope",
     "faults_tables": "faults",
-    "healthy_brakes": "healthy_brakes",
 }
 WRONG_CALL = 2
 

@@ -4,12 +4,8 @@
 Only what ``faults.csv`` and the drives' files hold is used. A run without a right first reason is
 of the first of these kinds that fits:
 
-deceleration
-    A wrong hydraulic brake that does not report its torque, or a wrong report of a healthy one:
-    the largest error of the torque is an error of the deceleration within what healthy vehicles
-    do, or exceeds it by less than the speed that the watch sums (hydraulic_watch_speed) until the
-    wheel stands. Healthy are: brakes of a gain of 0.8 to 1.2, masses of 0.85 to 1.15 of what the
-    controller is told, and slopes that step by 1 % (0.1 m/s2).
+no report
+    A wrong hydraulic brake that does not report its torque: a slope decelerates the vehicle alike.
 power
     A gain of all current sensors: once the message and the qualify time have passed (0.46 s), its
     share of the power at the motor's terminals is below what may lie between the loop's power and
@@ -37,12 +33,10 @@ from hubsim.sweep.faults_outcome import Outcome
 from hubsim.sweep.faults_sweep import BACK_BRAKE_S, BRAKE_S, ROLL_BACK, Group
 from regen_table.sections import Motor
 
-HEALTHY_GAIN, HEALTHY_MASS, HEALTHY_SLOPE_M_PER_S2 = 0.2, 0.15, 0.1
-WATCH_M_PER_S = 0.1275
 POWER_NAMED_S, POWER_SHARE, POWER_RATED_SHARE = 0.46, 1.0 / 8.0, 1.0 / 64.0
 FLUX_LOST, FLUX_TOLERANCE, VOLTAGE_SHARE = 0.3, 0.15, 0.5
 LAST_S, LAST_SHARE = 0.15, 0.1
-KINDS = ("deceleration", "power", "voltage", "end of the stop", "another name", "late")
+KINDS = ("no report", "power", "voltage", "end of the stop", "another name", "late")
 CONTAINED = ("another name", "late")
 
 
@@ -54,11 +48,6 @@ def left_s(o: Outcome) -> float:
     """Return how long mass and demand alone take from the fault, or the braking, to standstill."""
     braked_s = BACK_BRAKE_S if o.situation == ROLL_BACK else BRAKE_S
     return braked_s + faults_sweep.stop_s(_group(o)) - max(o.instant_s, braked_s)
-
-
-def error_nm(o: Outcome) -> float:
-    """Return the largest error of the torque as a mean of 20 ms."""
-    return o.error_share * faults_sweep.drive_of(o.config, o.rotor_sensor).motor.rated_torque_nm
 
 
 def speed_rad_s(o: Outcome, later_s: float = 0.0) -> float:
@@ -76,15 +65,9 @@ def least_copper_w(motor: Motor, torque_nm: float) -> float:
     return float(1.5 * motor.phase_resistance_ohm * np.min(d_a**2 + q_a**2))
 
 
-def _hides_in_deceleration(o: Outcome) -> bool:
-    reports_itself = o.fault.endswith(faults.MEASURED_SUFFIX)
-    if faults.table()[o.fault].group != "hydraulic" or reports_itself:
-        return False
-    vehicle = faults_sweep.drive_of(o.config, o.rotor_sensor).vehicle
-    inertia = vehicle.mass_kg / vehicle.driven_wheels * vehicle.wheel_radius_m
-    demanded = o.demand_nm / inertia
-    healthy = (HEALTHY_GAIN + HEALTHY_MASS) * demanded + HEALTHY_SLOPE_M_PER_S2
-    return (error_nm(o) / inertia - healthy) * left_s(o) <= WATCH_M_PER_S
+def _reports_nothing(o: Outcome) -> bool:
+    measured = o.fault.endswith(faults.MEASURED_SUFFIX)
+    return faults.table()[o.fault].brake != "" and not measured
 
 
 def _hides_in_power(o: Outcome) -> bool:
@@ -118,8 +101,8 @@ def base(o: Outcome) -> str:
 
 def kind(o: Outcome) -> str:
     """Return why a harmful run has no right first reason."""
-    if _hides_in_deceleration(o):
-        return "deceleration"
+    if _reports_nothing(o):
+        return "no report"
     if _hides_in_power(o):
         return "power"
     if _hides_in_voltage(o):
@@ -148,10 +131,7 @@ def table(outcomes: Sequence[Outcome]) -> str:
         cells = [group, len(here), kinds.total(), *(kinds[name] for name in KINDS)]
         if kinds.total() or group == "all":
             lines.append(f"| {' | '.join(str(cell) for cell in cells)} | {share:.1f} % |")
-    closed = sum(
-        why == "power" or (why == "deceleration" and known[key[0]].brake != "")
-        for key, why in found.items()
-    )
+    closed = sum(why in ("power", "no report") for why in found.values())
     hidden = sum(why not in CONTAINED for why in found.values()) - closed
     lines += [
         "",

@@ -30,14 +30,14 @@ POST(available_ahead_step, old(state->step) / 2 >= 7 || (state->now.driving.torq
 /* torque/brake_blending.h */
 POST(brake_blending_init, state->hydraulic.next == 0 && state->hydraulic.torque_q6_mNm == 0 &&
      !state->feedback.seen && state->feedback.gain_q15 == 32768)
-POST(brake_blending_init, state->watch.reason == REASON_NONE && state->covered_mNm == 0 &&
-     state->bridged_q6_mNm == 0 && state->bridging_ms == 0)
+POST(brake_blending_init, state->covered_mNm == 0 && state->bridged_q6_mNm == 0 &&
+     state->bridging_ms == 0)
 POST(brake_blending_init, state->feedback.between_ms == 1)
 
 PRE(brake_blending_report, findings_hold(findings))
 POST(brake_blending_report, findings_hold(findings))
-POST(brake_blending_report, state->watch.reason != REASON_HYDRAULIC_WEAK ||
-     findings_bit_set(findings, FINDING_BRAKE_WEAK))
+POST(brake_blending_report, result == REASON_NONE || result == REASON_HYDRAULIC_FEEDBACK ||
+     is_within(result, REASON_HYDRAULIC_WEAK, REASON_HYDRAULIC_LATE))
 
 PRE(brake_blending_step, is_within(state->hydraulic.next, 0, HYDRAULIC_MODEL_COMMANDS - 1) &&
      is_within(state->feedback.between_ms, 1, HYDRAULIC_FEEDBACK_PAST_ms))
@@ -47,7 +47,7 @@ POST(brake_blending_step, is_within(state->hydraulic.next, 0, HYDRAULIC_MODEL_CO
 POST(brake_blending_step, is_within(result.electric_mNm, 0, q_max(demand->brake_torque_mNm, 0)))
 POST(brake_blending_step, is_within(result.hydraulic_mNm, INT32_MIN,
      config->brake.max_hydraulic_torque_mNm))
-POST(brake_blending_step, result.uncovered_mNm >= 0 && result.rise_mNm >= 0 && result.road_mNm >= 0)
+POST(brake_blending_step, result.uncovered_mNm >= 0 && result.rise_mNm >= 0)
 POST(brake_blending_step, result.electric_mNm <= limits->braking[TORQUE_LINE_ENABLE].torque_mNm &&
      result.electric_mNm <= limits->braking[TORQUE_LINE_ABS].torque_mNm && result.electric_mNm <=
      limits->braking[TORQUE_LINE_VOLTAGE].torque_mNm && result.electric_mNm <=
@@ -128,7 +128,7 @@ POST(hill_hold_step, !old(state->holds) || demand->engaged == DRIVE_DIRECTION_NE
 /* torque/hydraulic_feedback.h */
 POST(hydraulic_feedback_init, state->gain_q15 == 32768 && is_within(state->least_q15, 16384, 32768)
      && is_within(state->most_q15, 32768, 49152))
-POST(hydraulic_feedback_init, !state->seen && !state->confirmed && state->heal_ms == 0 &&
+POST(hydraulic_feedback_init, !state->seen && state->shows == REASON_NONE && state->heal_ms == 0 &&
      state->between_ms == 1)
 
 POST(hydraulic_feedback_used, !result || (state->seen && state->heal_ms == 0))
@@ -142,8 +142,15 @@ POST(hydraulic_feedback_step, !result.used || result.torque_mNm >= 0)
 POST(hydraulic_feedback_step, config->brake.hydraulic_timeout_ms > 0 || state->seen ==
      old(state->seen))
 POST(hydraulic_feedback_step, state->seen == old(state->seen) || report->valid)
+POST(hydraulic_feedback_step, commanded || state->shows == old(state->shows) || state->shows ==
+     REASON_NONE)
+POST(hydraulic_feedback_step, state->shows == old(state->shows) || state->shows == REASON_NONE ||
+     is_within(state->shows, REASON_HYDRAULIC_WEAK, REASON_HYDRAULIC_STUCK))
 POST(hydraulic_feedback_step, state->heal_ms == 0 || state->heal_ms == HYDRAULIC_FEEDBACK_HEAL_ms ||
-     state->heal_ms == old(state->heal_ms) - 1 || state->heal_ms == old(state->heal_ms))
+     state->heal_ms == old(state->heal_ms) - 1)
+
+POST(hydraulic_feedback_is_short, result == (state->shows == REASON_HYDRAULIC_WEAK || state->shows
+     == REASON_HYDRAULIC_DEAD))
 
 /* torque/hydraulic_model.h */
 POST(hydraulic_model_init, model->next == 0 && model->torque_q6_mNm == 0 && model->early_q6_mNm == 0
@@ -165,26 +172,6 @@ POST(hydraulic_model_early_mNm, is_within(result, 0, 20000000))
 
 PRE(hydraulic_model_late_mNm, is_within(model->late_q6_mNm, 0, 64 * 20000000))
 POST(hydraulic_model_late_mNm, is_within(result, 0, 20000000))
-
-/* torque/hydraulic_watch.h */
-POST(hydraulic_watch_init, watch->reason == REASON_NONE && watch->gain_q15 == 32768 &&
-     watch->weight_q15 == 32768 && watch->extra_mNm == 0)
-POST(hydraulic_watch_init, !watch->rolls && !watch->confirms_report && !watch->by_report &&
-     watch->acquired_ms == 0)
-
-POST(hydraulic_watch_step, !old(hydraulic_watch_holds(watch)) || hydraulic_watch_holds(watch))
-POST(hydraulic_watch_step, watch->reason == old(watch->reason) || watch->reason == REASON_NONE ||
-     is_within(watch->reason, REASON_HYDRAULIC_WEAK, REASON_HYDRAULIC_LATE))
-POST(hydraulic_watch_step, (config->brake.hydraulic_watch_inertia_g_m2 != 0 && in->trusted) ||
-     (!watch->rolls && (old(watch->reason) != REASON_NONE || watch->reason == REASON_NONE)))
-POST(hydraulic_watch_step, in->trusted || watch->pause_ms == HYDRAULIC_WATCH_PAUSE_ms)
-
-POST(hydraulic_watch_corrected_mNm, result >= 0 && (modelled_mNm < 0 || watch->gain_q15 < 0 ||
-     result >= watch->extra_mNm))
-
-POST(hydraulic_watch_is_short, !result || watch->reason == REASON_HYDRAULIC_WEAK || watch->reason ==
-     REASON_HYDRAULIC_DEAD)
-POST(hydraulic_watch_is_short, watch->reason != REASON_NONE || !result)
 
 /* torque/lift_off.h */
 PRE(lift_off_split, electric_mNm >= 0 && every(i, TORQUE_LINE_COUNT, limits->braking[i].torque_mNm
@@ -208,6 +195,14 @@ POST(limit_tighten, limit->torque_mNm >= 0 && limit->torque_mNm <= old(limit->to
 POST(limit_tighten, limit->torque_mNm <= q_max(torque_mNm, 0))
 POST(limit_tighten, limit->torque_mNm == old(limit->torque_mNm) ? limit->reason ==
      old(limit->reason) : limit->reason == reason)
+
+/* torque/road.h */
+POST(road_init, road_holds(state) && state->torque_mNm == 0 && !state->rolls)
+
+PRE(road_step, road_holds(state))
+POST(road_step, road_holds(state) && result == q_max(-state->torque_mNm, 0))
+POST(road_step, trusted || !state->rolls)
+POST(road_step, state->rolls || state->torque_mNm == old(state->torque_mNm))
 
 /* torque/stop_lamp.h */
 POST(stop_lamp_init, !state->lit && !state->started)

@@ -219,22 +219,15 @@
     X(hydraulic_rate_mNm_s,                  100,       2000000000, "mNm/s", \
       "fastest change of hydraulic torque") \
     X(hydraulic_timeout_ms,                  0,         1000,       "ms", \
-      "reports of the measured hydraulic torque that are missing or implausible for longer are " \
-      "not used; 0: none is used; default 70") \
+      "reports of the measured hydraulic torque that are missing for longer are not used, nor " \
+      "shown a brake that contradicts its commands for less; 0: none is used; default 70") \
     X(hydraulic_report_delay_ms,             0,         40,         "ms", \
       "from the hydraulic torque to its report; default 10") \
     X(hydraulic_gain_band_q15,               0,         16384,      "1", \
-      "the gain of the hydraulic brake is learned within 1 -+ this; 0: not learned; default " \
-      "0.25") \
+      "the gain of the hydraulic brake is learned within 1 -+ this; 0: not learned; default 0.2") \
     X(hydraulic_tolerance_mNm,               1,         20000000,   "mNm", \
-      "a report is implausible farther from what the commands explain; default 5 % of " \
-      "max_hydraulic_torque_mNm") \
-    X(hydraulic_watch_inertia_g_m2, 0, 100000000, "g m^2", "vehicle's share here; 0: no watch") \
-    X(hydraulic_watch_speed_mrad_s, 1, 1000000, "mrad/s", "lost or gained beyond the tolerance") \
-    X(hydraulic_watch_floor_mrad_s2, 0, 1000000, "mrad/s^2", "tolerated; default 0.1 m/s^2") \
-    X(hydraulic_watch_share_q15, 0, 32768, "1", "and of the hydraulic torque; default 0.15") \
-    X(hydraulic_watch_road_mrad_s2, 0, 1000, "mrad/s^2", "of a road, per rad; default 0.001/m") \
-    X(hydraulic_watch_drag_uNm_s2, 0, 1000000, "uN m s^2", "air drag over the squared speed") \
+      "noise of a report; farther from what the commands explain it shows a wrong brake; " \
+      "default 1.25 % of max_hydraulic_torque_mNm") \
     X(bridging_time_ms,                      0,         10000,      "ms", \
       "in which motor torque above a fallen deferrable limit goes down to a tenth, with feedback " \
       "at most twice as long; 0: at once; default hydraulic_dead_time_ms and 2.3 " \
@@ -272,7 +265,8 @@
 
 #define CONFIG_VEHICLE_FIELDS(X) \
     X(wheel_radius_um,                       10000,     2000000,    "um",     "rolling radius") \
-    X(mass_g,                                1000,      100000000,  "g", "for plausibility only") \
+    X(mass_g,                                1000,      100000000,  "g", \
+      "the driven wheels share it in the estimate of the road") \
     X(wheel_position,                        0,         3,          "", \
       "address on CAN: 0 front left, 1 front right, 2 rear left, 3 rear right")
 

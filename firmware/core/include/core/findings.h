@@ -105,13 +105,13 @@ typedef enum { FINDING_REACTION_LIST(FINDING_REACTION_ENUM) } finding_reaction_t
     X(ROTOR_UNNAMED, ROTOR_UNCERTAIN, OWN("2 ms"), OWN("monitor.rotor_warning_time_ms"), STEPS,    \
       LIMIT)                                                                                       \
     X(OBSERVER_IN_USE, ROTOR_UNCERTAIN, AT_ONCE, AT_ONCE, STEPS, LIMIT)                            \
-    X(BRAKE_WEAK, HYDRAULIC_WEAK, OWN("a speed error"), AT_ONCE, ROTOR_OR_GAIN, NONE)              \
-    X(BRAKE_DEAD, HYDRAULIC_DEAD, OWN("1000 ms"), AT_ONCE, ROTOR_OR_GAIN, NONE)                    \
-    X(BRAKE_STRONG, HYDRAULIC_STRONG, OWN("a speed error"), AT_ONCE, ROTOR_OR_GAIN, NONE)          \
-    X(BRAKE_STUCK, HYDRAULIC_STUCK, OWN("a speed error"), AT_ONCE, ROTOR_OR_GAIN, NONE)            \
-    X(BRAKE_LATE, HYDRAULIC_LATE, OWN("a speed error"), AT_ONCE, ROTOR_OR_GAIN, NONE)              \
-    X(BRAKE_REPORT, HYDRAULIC_FEEDBACK, OWN("brake.hydraulic_timeout_ms"), OWN("1000 ms"),         \
-      ROTOR_OR_GAIN, NONE)                                                                         \
+    X(BRAKE_DEAD, HYDRAULIC_DEAD, MS(1000), MS(1000), NONE, NONE)                                  \
+    X(BRAKE_WEAK, HYDRAULIC_WEAK, FIELD(brake, hydraulic_timeout_ms), MS(1000), NONE, NONE)        \
+    X(BRAKE_STUCK, HYDRAULIC_STUCK, FIELD(brake, hydraulic_timeout_ms), MS(1000), NONE, NONE)      \
+    X(BRAKE_STRONG, HYDRAULIC_STRONG, FIELD(brake, hydraulic_timeout_ms), MS(1000), NONE, NONE)    \
+    X(BRAKE_LATE, HYDRAULIC_LATE, AT_ONCE, MS(10000), NONE, NONE)                                  \
+    X(BRAKE_REPORT, HYDRAULIC_FEEDBACK, OWN("brake.hydraulic_timeout_ms"), OWN("1000 ms"), NONE,   \
+      NONE)                                                                                        \
     X(ACCELERATOR, ACCELERATOR_SENSOR, OWN("pedals.fault_time_ms"), OWN("pedals.fault_time_ms"),   \
       NONE, LIMIT)                                                                                 \
     X(BRAKE_PEDAL, BRAKE_PEDAL_SENSOR, OWN("pedals.fault_time_ms"), OWN("pedals.fault_time_ms"),   \

@@ -20,9 +20,6 @@
  *     command if the voltage permits no rise;
  *   - where the brake system takes its own path, the motor torque falls with the lag with which
  * that arrives, and no report says anything of the command;
- *   - a brake whose reports say that it makes less than its command (hydraulic_watch.h) is made up
- *     for by the motor, beyond the lines of the strategy and down to standstill, and one that makes
- *     more by less motor torque; what only the deceleration shows is a warning;
  *   - with feedback the command is divided by the learned gain. While that is uncertain the motor
  *     brakes beyond the lines of the strategy by what the hydraulic brake may miss, and the command
  *     is larger by what the motor can take back, smaller by what it can make up for only.
@@ -47,7 +44,6 @@
 #include "torque/demand.h"
 #include "torque/hydraulic_feedback.h"
 #include "torque/hydraulic_model.h"
-#include "torque/hydraulic_watch.h"
 #include "torque/torque_limits.h"
 
 /* With a demand an open bridge closes within 5 ms; one that does not makes no torque, and the
@@ -57,7 +53,6 @@ enum { BRAKE_BLENDING_CLOSING_STEPS = 8 };
 typedef struct {
     hydraulic_model_t hydraulic;
     hydraulic_feedback_state_t feedback;
-    hydraulic_watch_t watch;
     filter_t limit_lp_mNm;    /* low-passed limit of the strategy */
     filter_t speed_lp_mrad_s; /* low-passed magnitude of the speed */
     int32_t bridged_q6_mNm;   /* what is left of a deferrable limit that has fallen */
@@ -83,25 +78,22 @@ typedef struct {
     int32_t hydraulic_mNm; /* magnitude >= 0 */
     limit_t available;     /* largest electric torque under this strategy, and its reason */
     reason_t reason;       /* of an electric torque below the demand; else REASON_NONE */
-    reason_t hydraulic_reason; /* REASON_HYDRAULIC_LIMIT if both brakes cannot meet the demand,
-                                  REASON_HYDRAULIC_FEEDBACK if feedback is lost */
+    reason_t hydraulic_reason; /* REASON_HYDRAULIC_LIMIT if both brakes cannot meet the demand */
     int32_t uncovered_mNm;     /* of the demand, beyond the hydraulic torque, >= 0 */
     int32_t rise_mNm;      /* of the hydraulic torque in this step, >= 0: the motor torque beyond
                               uncovered_mNm falls by it at once */
     int32_t slower_mrad_s; /* speed expected when it has followed a command, magnitude */
-    int32_t road_mNm;      /* with which the road brakes, magnitude; 0: not known */
+    int32_t made_mNm;      /* hydraulic torque now, measured or modelled, magnitude */
 } brake_blending_out_t;
 
 void brake_blending_init(brake_blending_state_t *state, const config_t *config);
 
-/* Sets the findings BRAKE_*: of the hydraulic brake, and of its reports where it has none. Once a
- * step, after brake_blending_step(). */
-void brake_blending_report(const brake_blending_state_t *state, findings_t *findings);
+/* Sets the findings BRAKE_*, of the hydraulic brake and of its reports; returns the reason of the
+ * first that is present. Once a step, after brake_blending_step(). */
+reason_t brake_blending_report(const brake_blending_state_t *state, findings_t *findings);
 
 /* 1 kHz. limits: of this step. last: torque command, and what was added to the hydraulic command.
- * report: of this wheel's brake; an age beyond brake.hydraulic_timeout_ms is a missing one. seen:
- * speed and motor torque show what the hydraulic brake makes. acknowledged: its finding is, by the
- * driver at rest without a demand.
+ * report: of this wheel's brake; an age beyond brake.hydraulic_timeout_ms is a missing one.
  *
  * The electric torque is at most the demand and every hard line; a demand below zero counts as
  * zero. The hydraulic command is at most brake.max_hydraulic_torque. */
@@ -109,6 +101,6 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
                                          const torque_limits_t *limits, const measured_t *now,
                                          const last_t *last, const hydraulic_feedback_t *report,
                                          const torque_enable_t *enable, const demand_t *demand,
-                                         const motor_now_t *motor, bool seen, bool acknowledged);
+                                         const motor_now_t *motor);
 
 #endif

@@ -32,10 +32,10 @@ typedef struct {
 void hill_hold_init(hill_hold_state_t *state);
 
 /* Least torque of the hydraulic brake, magnitude, up to driver.hold_torque_mNm. split: of this
- * step, for what the road brakes with and the speed to come. command_mNm: motor torque, signed.
- * standstill: by the monitor's speed upper bound. */
+ * step, for the speed to come. road_mNm: with which the road brakes, magnitude; 0: not known.
+ * command_mNm: motor torque, signed. standstill: by the monitor's speed upper bound. */
 int32_t hill_hold_step(hill_hold_state_t *state, const config_t *config, const demand_t *demand,
-                       const brake_blending_out_t *split, int32_t command_mNm, int32_t speed_mrad_s,
-                       bool standstill);
+                       const brake_blending_out_t *split, int32_t road_mNm, int32_t command_mNm,
+                       int32_t speed_mrad_s, bool standstill);
 
 #endif

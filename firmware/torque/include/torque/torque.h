@@ -24,6 +24,7 @@
 #include "torque/demand.h"
 #include "torque/hill_hold.h"
 #include "torque/lift_off.h"
+#include "torque/road.h"
 #include "torque/stop_lamp.h"
 #include "torque/torque_command.h"
 #include "torque/torque_limits.h"
@@ -51,6 +52,7 @@ typedef struct {
     torque_limits_state_t limits;
     torque_limits_t table; /* of the last step; output for shell and log only */
     brake_blending_state_t blending;
+    road_state_t road;
     hill_hold_state_t hold;
     torque_command_state_t command;
     stop_lamp_state_t lamp;

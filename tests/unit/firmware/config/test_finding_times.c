@@ -20,6 +20,7 @@ void setUp(void)
     config.monitor.torque_fault_time_ms = 23;
     config.monitor.rotor_warning_time_ms = 3100;
     config.monitor.rotor_fault_time_ms = 41;
+    config.brake.hydraulic_timeout_ms = 61;
 }
 
 void tearDown(void) {}
@@ -49,6 +50,11 @@ void test_fields_of_the_configuration_are_times_in_milliseconds(void)
     for (finding_t row = FINDING_WINDING_THERMISTOR; row <= FINDING_SWITCH_THERMISTOR; row++) {
         assert_times(17, 1000, row);
     }
+    assert_times(1000, 1000, FINDING_BRAKE_DEAD);
+    assert_times(61, 1000, FINDING_BRAKE_WEAK);
+    assert_times(61, 1000, FINDING_BRAKE_STUCK);
+    assert_times(61, 1000, FINDING_BRAKE_STRONG);
+    assert_times(1, 10000, FINDING_BRAKE_LATE);
 }
 
 /* Without a valid angle the torque leaves in its ramp, which must not be cut off in the middle. */
@@ -65,7 +71,8 @@ void test_every_other_row_has_a_filter_of_its_own_and_counts_at_once(void)
         FINDING_CURRENT_RAIL,      FINDING_SUM,           FINDING_TORQUE,
         FINDING_ROTOR_READING,     FINDING_FORCED_TORQUE, FINDING_ANGLE_MISSING,
         FINDING_WINDING_HOT,       FINDING_SWITCH_HOT,    FINDING_WINDING_THERMISTOR,
-        FINDING_SWITCH_THERMISTOR,
+        FINDING_SWITCH_THERMISTOR, FINDING_BRAKE_DEAD,    FINDING_BRAKE_WEAK,
+        FINDING_BRAKE_STUCK,       FINDING_BRAKE_STRONG,  FINDING_BRAKE_LATE,
     };
     for (int row = 0; row < FINDING_COUNT; row++) {
         bool timed = false;

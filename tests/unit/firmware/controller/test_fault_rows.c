@@ -81,6 +81,11 @@ static bool is_of_rotor(finding_t row)
            (row >= FINDING_ROTOR_SLIPS && row <= FINDING_ROTOR_UNNAMED);
 }
 
+static bool is_of_brake(finding_t row)
+{
+    return row >= FINDING_BRAKE_DEAD && row <= FINDING_BRAKE_LATE;
+}
+
 /* Whole brake, less or all of the drive: before the first millisecond of the cause. */
 static void begin_cause(finding_t row)
 {
@@ -99,6 +104,9 @@ static void begin_cause(finding_t row)
         rig.config.brake.hydraulic_timeout_ms = 5;
         in->hydraulic.valid = true;
         in->hydraulic.age_ms = 0;
+    } else if (is_of_brake(row)) {
+        const finding_times_t at_once = {.qualify_steps = 1, .heal_steps = 1};
+        rig.controller.slow.findings.times[row] = at_once;
     } else if (comes_with_the_demand(findings_row(row).reason)) {
         in->demand.reason = findings_row(row).reason;
     } else if (row == FINDING_BUS_CONTRADICTED) {
@@ -156,7 +164,7 @@ static void show_cause(finding_t row, int ms)
         rig.to_slow.sensor_valid = false;
     } else if (row >= FINDING_ROTOR_SLIPS && row <= FINDING_ROTOR_UNNAMED) {
         show_wrong_rotor(row, ms);
-    } else if (row >= FINDING_BRAKE_WEAK && row <= FINDING_BRAKE_LATE) {
+    } else if (is_of_brake(row)) {
         /* As brake blending does it, after the modes have acted. */
         findings_set(&rig.controller.slow.findings, row, true);
     } else if (row == FINDING_FLUX_LOW || row == FINDING_FLUX_HIGH) {
@@ -628,12 +636,9 @@ static void check_warning(reason_t reason)
     TEST_ASSERT_EQUAL_INT_MESSAGE(REASON_NONE, rig.out.warning_reason, name);
 }
 
-/* A hydraulic brake whose reports show that it does not release: while the driver brakes or drives
- * it is still to be seen, also at rest. */
-void test_a_finding_of_the_hydraulic_brake_is_acknowledged_at_rest_without_a_demand_only(void)
+/* A hydraulic brake whose reports show that it does not release: until they show that it does. */
+void test_a_finding_of_the_hydraulic_brake_is_no_acknowledgements_to_end(void)
 {
-    const int32_t demands_mNm[][2] = {{0, 1}, {1, 0}, {-1, 0}};
-    rig_run(&rig, 1000); /* until the road is known */
     rig_report_brake(&rig, 10000);
     rig_run(&rig, 100);
     TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_STUCK, rig.out.warning_reason);
@@ -644,15 +649,10 @@ void test_a_finding_of_the_hydraulic_brake_is_acknowledged_at_rest_without_a_dem
     }
     rig_run(&rig, LONG_ms);
     TEST_ASSERT_TRUE(rig.out.standstill);
-    for (unsigned i = 0; i < sizeof demands_mNm / sizeof demands_mNm[0]; i++) {
-        rig.slow_in.demand.drive_torque_mNm = demands_mNm[i][0];
-        rig.slow_in.demand.brake_torque_mNm = demands_mNm[i][1];
-        acknowledge();
-        TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_STUCK, rig.out.warning_reason);
-    }
-    rig.slow_in.demand.drive_torque_mNm = 0;
-    rig.slow_in.demand.brake_torque_mNm = 0;
     acknowledge();
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_STUCK, rig.out.warning_reason);
+    rig_report_brake(&rig, 0);
+    rig_run(&rig, 1100);
     TEST_ASSERT_EQUAL_INT(REASON_NONE, rig.out.warning_reason);
 }
 

@@ -65,8 +65,8 @@ static const finding_t WARNINGS[] = {
     FINDING_SWITCH_THERMISTOR, FINDING_ROTOR_READING,    FINDING_READING_BY_STEPS,
     FINDING_FORCED_TORQUE,     FINDING_ROTOR_SLIPS,      FINDING_ROTOR_FREEZES,
     FINDING_ROTOR_REVERSES,    FINDING_ROTOR_UNNAMED,    FINDING_OBSERVER_IN_USE,
-    FINDING_BRAKE_WEAK,        FINDING_BRAKE_DEAD,       FINDING_BRAKE_STRONG,
-    FINDING_BRAKE_STUCK,       FINDING_BRAKE_LATE,       FINDING_BRAKE_REPORT,
+    FINDING_BRAKE_DEAD,        FINDING_BRAKE_WEAK,       FINDING_BRAKE_STUCK,
+    FINDING_BRAKE_STRONG,      FINDING_BRAKE_LATE,       FINDING_BRAKE_REPORT,
     FINDING_ACCELERATOR,       FINDING_BRAKE_PEDAL,      FINDING_DEMAND_OLD,
     FINDING_DEMAND_REFUSED,    FINDING_BUS_CONTRADICTED, FINDING_FLUX_LOW,
     FINDING_FLUX_HIGH,         FINDING_OFFSETS_OLD,
@@ -97,22 +97,16 @@ static bool is_explained(finding_t row, finding_t by)
 {
     static const finding_t BATTERY[] = {FINDING_BUS_JUMPED, FINDING_BATTERY_LEFT,
                                         FINDING_BATTERY_UNKNOWN};
-    static const finding_t MOTOR[] = {FINDING_ROTOR_SLIPS, FINDING_ROTOR_FREEZES,
-                                      FINDING_ROTOR_REVERSES, FINDING_ROTOR_UNNAMED, FINDING_GAIN};
     static const finding_t WITHOUT_BATTERY[] = {
         FINDING_CURRENT_A,          FINDING_CURRENT_B,         FINDING_CURRENT_C,
         FINDING_WINDING_THERMISTOR, FINDING_SWITCH_THERMISTOR, FINDING_ROTOR_READING};
     static const finding_t IN_ORDER[] = {FINDING_ROTOR_READING, FINDING_ROTOR_UNNAMED,
                                          FINDING_OBSERVER_IN_USE};
-    static const finding_t BRAKE[] = {FINDING_BRAKE_WEAK,   FINDING_BRAKE_DEAD,
-                                      FINDING_BRAKE_STRONG, FINDING_BRAKE_STUCK,
-                                      FINDING_BRAKE_LATE,   FINDING_BRAKE_REPORT};
     static const finding_t BY_STEPS[] = {FINDING_FORCED_TORQUE, FINDING_ROTOR_SLIPS,
                                          FINDING_ROTOR_FREEZES, FINDING_ROTOR_REVERSES};
     return (is_one_of(row, BY_STEPS, 4) && by == FINDING_READING_BY_STEPS) ||
            (is_one_of(row, WITHOUT_BATTERY, 6) && is_one_of(by, BATTERY, 3)) ||
            (is_one_of(row, IN_ORDER, 3) && by == FINDING_STEPS) ||
-           (is_one_of(row, BRAKE, 6) && is_one_of(by, MOTOR, 5)) ||
            ((row == FINDING_FLUX_LOW || row == FINDING_FLUX_HIGH) &&
             by == FINDING_BUS_CONTRADICTED);
 }
@@ -263,7 +257,6 @@ void test_of_neighbouring_rows_that_with_the_reason_is_found_and_no_other(void)
     } NEIGHBOURS[] = {{FINDING_BUS_LOW, FINDING_BUS_HIGH},
                       {FINDING_CURRENT_A, FINDING_CURRENT_C},
                       {FINDING_ROTOR_SLIPS, FINDING_ROTOR_UNNAMED},
-                      {FINDING_BRAKE_WEAK, FINDING_BRAKE_REPORT},
                       {FINDING_ACCELERATOR, FINDING_DEMAND_REFUSED}};
     findings_t one_by_one = findings;
     for (int k = 0; k < (int)(sizeof NEIGHBOURS / sizeof NEIGHBOURS[0]); k++) {
@@ -385,18 +378,6 @@ void test_a_row_shows_again_once_its_cause_has_healed(void)
     TEST_ASSERT_FALSE(findings_present(&findings, FINDING_FLUX_LOW));
     findings_set(&findings, FINDING_BUS_CONTRADICTED, false);
     TEST_ASSERT_EQUAL_INT(FINDING_FLUX_LOW, findings_warning(&findings));
-}
-
-/* A wrong count of steps explains the rotor's name, and a wrong rotor what the brake seems to do.
- */
-void test_a_row_that_is_explained_itself_still_explains(void)
-{
-    find(FINDING_BRAKE_WEAK);
-    find(FINDING_ROTOR_UNNAMED);
-    findings_suspect(&findings, FINDING_STEPS, true);
-    TEST_ASSERT_FALSE(findings_present(&findings, FINDING_ROTOR_UNNAMED));
-    TEST_ASSERT_FALSE(findings_present(&findings, FINDING_BRAKE_WEAK));
-    TEST_ASSERT_EQUAL_INT(FINDING_COUNT, findings_warning(&findings));
 }
 
 void test_a_suspicion_alone_is_no_finding(void)

@@ -147,7 +147,7 @@ def test_every_time_is_a_field_of_the_configuration_or_a_number() -> None:
 
 
 def test_a_field_that_is_no_time_is_found() -> None:
-    speed = "brake.hydraulic_watch_speed_mrad_s"
+    speed = "brake.blend_out_end_mrad_s"
     assert speed in configured()
     assert not speed.endswith(TIMES)
     assert not WORDS.fullmatch(speed)

@@ -28,7 +28,6 @@ typedef struct {
     int32_t hydraulic_added_mNm; /* to the command of the last step */
     torque_enable_t torque_enable;
     hydraulic_feedback_t hydraulic;
-    bool seen, acknowledged;
 } blending_case_t;
 
 static config_t config;
@@ -107,7 +106,7 @@ static inline brake_blending_out_t step(void)
                                .growth_mNm = in.motor_growth_mNm,
                                .bridge_open = in.bridge_open};
     return brake_blending_step(&state, &config, &limits, &now, &last, &in.hydraulic,
-                               &in.torque_enable, &demand, &motor, in.seen, in.acknowledged);
+                               &in.torque_enable, &demand, &motor);
 }
 
 /* What is reported of the hydraulic brake and of its reports. */
@@ -198,7 +197,7 @@ static inline void measured(int32_t report_mNm, int32_t band_q15)
 {
     const hydraulic_model_t released = {.next = 0};
     reported(report_mNm, band_q15);
-    (void)hydraulic_feedback_step(&state.feedback, &config, &released, &in.hydraulic);
+    (void)hydraulic_feedback_step(&state.feedback, &config, &released, &in.hydraulic, true);
     in.hydraulic.age_ms = 1000; /* that one stands */
 }
 
@@ -217,38 +216,10 @@ static inline void learned(int32_t band_q15, int32_t late_mNm, int32_t early_mNm
     model_after(&model, commands_mNm);
     exact.brake.max_hydraulic_torque_mNm = 400; /* the resolution is a 512th of it */
     for (int n = 0; n < 100; n++) {
-        (void)hydraulic_feedback_step(&state.feedback, &exact, &model, &report);
+        (void)hydraulic_feedback_step(&state.feedback, &exact, &model, &report, true);
     }
     for (int n = 0; n < 2; n++) {
-        (void)hydraulic_feedback_step(&state.feedback, &config, &released, &zero);
-    }
-}
-
-/* The watch of a vehicle of 10.3 kg m2 a wheel that rolls at a constant speed, its road known. */
-static inline config_t watching(void)
-{
-    config_t out = config;
-    out.brake.hydraulic_watch_inertia_g_m2 = 10300;
-    out.brake.hydraulic_watch_speed_mrad_s = 480;
-    out.brake.hydraulic_watch_floor_mrad_s2 = 400;
-    out.brake.hydraulic_watch_drag_uNm_s2 = 0;
-    out.brake.blend_out_start_mrad_s = 2618;
-    out.brake.blend_out_end_mrad_s = 838;
-    out.vehicle.wheel_radius_um = 250000;
-    out.monitor.tyre_grip_mm_s2 = 11768;
-    return out;
-}
-
-static inline void rolls(int steps, int32_t motor_mNm, int32_t commanded_mNm)
-{
-    const config_t watched = watching();
-    const hydraulic_watch_input_t seen = {.speed_mrad_s = FAST_mrad_s,
-                                          .motor_mNm = motor_mNm,
-                                          .modelled_mNm = commanded_mNm,
-                                          .commanded_mNm = commanded_mNm,
-                                          .trusted = true};
-    for (int n = 0; n < steps; n++) {
-        hydraulic_watch_step(&state.watch, &watched, &seen);
+        (void)hydraulic_feedback_step(&state.feedback, &config, &released, &zero, true);
     }
 }
 

@@ -151,7 +151,7 @@ static inline void rig_report_brake(rig_t *rig, int32_t torque_mNm)
 {
     rig->config.brake.hydraulic_timeout_ms = 50;
     rig->config.brake.hydraulic_gain_band_q15 = 8192;
-    rig->config.brake.hydraulic_tolerance_mNm = 2 * torque_mNm;
+    rig->config.brake.hydraulic_tolerance_mNm = 1000;
     rig->slow_in.hydraulic.torque_mNm = torque_mNm;
     rig->slow_in.hydraulic.age_ms = 0;
     rig->slow_in.hydraulic.valid = true;

@@ -12,6 +12,7 @@
 
 /* Noise of the sensor, a 512th of the brake: 100 mN m. A torque says something from a 64th on. */
 enum { MOST_mNm = 51200, NOISE_mNm = 100, SIGNIFICANT_mNm = 800, TIMEOUT_ms = 20 };
+enum { TOLERANCE_mNm = 5000 };
 enum { LOWEST_q15 = 24576, ONE_q15 = 32768, HIGHEST_q15 = 40960 }; /* a band of a quarter */
 
 static config_t config;
@@ -34,7 +35,7 @@ static inline void states_up(void)
     config.brake.hydraulic_timeout_ms = TIMEOUT_ms;
     config.brake.hydraulic_report_delay_ms = 0;
     config.brake.hydraulic_gain_band_q15 = 8192;
-    config.brake.hydraulic_tolerance_mNm = 20000;
+    config.brake.hydraulic_tolerance_mNm = TOLERANCE_mNm;
     hydraulic_model_init(&model);
     begin();
 }
@@ -55,7 +56,7 @@ static inline void modelled(int32_t torque_mNm, int32_t early_mNm, int32_t late_
 
 static inline void step(void)
 {
-    out = hydraulic_feedback_step(&state, &config, &model, &report);
+    out = hydraulic_feedback_step(&state, &config, &model, &report, true);
 }
 
 /* A millisecond without a report, and one with a report that is so old. */

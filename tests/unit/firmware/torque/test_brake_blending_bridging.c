@@ -13,7 +13,6 @@ void setUp(void)
     config.brake.hydraulic_time_constant_ms = 60;
     config.brake.bridging_time_ms = BRIDGING_ms;
     in.hydraulic.valid = false;
-    in.seen = false;
     capability.optimal = limit_init(LIMIT_mNm, REASON_LOSS_OPTIMUM);
     in.brake_torque_mNm = 45000;
     motor_follows(45000);

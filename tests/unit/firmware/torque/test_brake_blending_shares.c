@@ -12,7 +12,6 @@ void setUp(void)
     rig_up();
     config.brake.hydraulic_timeout_ms = 0;
     config.brake.hydraulic_report_delay_ms = 0;
-    config.brake.hydraulic_watch_inertia_g_m2 = 0;
     in.brake_torque_mNm = DEMAND_mNm;
 }
 
@@ -177,34 +176,32 @@ void test_the_bound_never_falls_by_what_may_be_missing(void)
     TEST_ASSERT_EQUAL_INT32(30000, step().electric_mNm);
 }
 
-/* Beside a brake that its reports show to be short the motor brakes to standstill: from a quarter
- * of the blend-out's end, 838/4 + 1 = 210 mrad/s, down to zero. */
-static int32_t beside_weak_mNm(int32_t speed_mrad_s)
+/* Beyond the lines of the strategy, by what a brake of 200 N m may miss, the motor brakes to
+ * standstill: from a quarter of the blend-out's end, 838/4 + 1 = 210 mrad/s, down to zero. */
+static int32_t raised_at_mNm(int32_t speed_mrad_s)
 {
     brake_blending_init(&state, &config);
-    measured(0, 0);
-    rolls(1000, 0, 0);
-    rolls(300, 0, 40000); /* of which the constant speed shows nothing */
-    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_WEAK, state.watch.reason);
+    slow_brake(200000);
+    measured(0, 8192);
     in.speed_mrad_s = speed_mrad_s;
     return step().electric_mNm;
 }
 
-void test_the_motor_beside_a_short_brake_fades_to_zero_at_standstill(void)
+void test_what_the_motor_makes_beyond_the_strategy_fades_to_zero_at_standstill(void)
 {
     for (int sign = -1; sign <= 1; sign += 2) {
-        TEST_ASSERT_EQUAL_INT32(50000, beside_weak_mNm(sign * 210));
-        TEST_ASSERT_EQUAL_INT32(25000, beside_weak_mNm(sign * 105));
+        TEST_ASSERT_EQUAL_INT32(50000, raised_at_mNm(sign * 210));
+        TEST_ASSERT_EQUAL_INT32(25000, raised_at_mNm(sign * 105));
         /* 1/210 is 156 of 32768 */
-        TEST_ASSERT_EQUAL_INT32(50000 * 156 / 32768, beside_weak_mNm(sign));
+        TEST_ASSERT_EQUAL_INT32(50000 * 156 / 32768, raised_at_mNm(sign));
     }
-    TEST_ASSERT_EQUAL_INT32(0, beside_weak_mNm(0));
+    TEST_ASSERT_EQUAL_INT32(0, raised_at_mNm(0));
     capability.regenerating = limit_init(10000, REASON_MAX_TORQUE);
-    TEST_ASSERT_EQUAL_INT32(10000, beside_weak_mNm(105));
+    TEST_ASSERT_EQUAL_INT32(10000, raised_at_mNm(105));
     capability.regenerating = limit_init(50000, REASON_MAX_TORQUE);
     config.brake.blend_out_end_mrad_s = 160000; /* 39999/40001 is 32766 of 32768 */
-    TEST_ASSERT_EQUAL_INT32(49996, beside_weak_mNm(39999));
-    TEST_ASSERT_EQUAL_INT32(50000, beside_weak_mNm(40000));
+    TEST_ASSERT_EQUAL_INT32(49996, raised_at_mNm(39999));
+    TEST_ASSERT_EQUAL_INT32(50000, raised_at_mNm(40000));
 }
 
 /* ---- beside the hydraulic torque ---- */
@@ -230,13 +227,28 @@ void test_hydraulic_torque_that_is_added_is_none_of_the_demand(void)
     TEST_ASSERT_EQUAL_INT32(0, step().uncovered_mNm);
 }
 
-/* The road brakes with what is beside the brakes against the rotation; driving it is zero. */
-void test_the_road_is_the_torque_beside_both_brakes(void)
+/* Measured while reports are used, else by the model with the learned gain. */
+void test_the_hydraulic_torque_now_is_the_reported_or_the_modelled_one(void)
 {
-    rolls(1000, 3000, 0);
-    TEST_ASSERT_EQUAL_INT32(3000, step().road_mNm);
-    rolls(1000, -3000, 0);
-    TEST_ASSERT_EQUAL_INT32(0, step().road_mNm);
+    slow_brake(10000);
+    TEST_ASSERT_EQUAL_INT32(10000, step().made_mNm);
+    measured(7000, 0);
+    TEST_ASSERT_EQUAL_INT32(7000, step().made_mNm);
+}
+
+/* While an anti-lock system may move the valves a report shows nothing. */
+void test_reports_show_nothing_beside_an_anti_lock_system(void)
+{
+    slow_brake(40000);
+    reported(0, 0);
+    config.brake.hydraulic_tolerance_mNm = 100;
+    config.brake.abs_hold_ms = 0;
+    abs_active = true;
+    (void)step();
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, state.feedback.shows);
+    abs_active = false;
+    (void)step();
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_DEAD, state.feedback.shows);
 }
 
 /* The anti-lock system's share steps from all to a half, 10 of 20 N m: no slope is expected of it.

@@ -34,7 +34,7 @@ void setUp(void)
     config.brake.hydraulic_timeout_ms = 50;
     config.brake.hydraulic_report_delay_ms = DELAY_ms;
     config.brake.hydraulic_gain_band_q15 = 8192;
-    config.brake.hydraulic_tolerance_mNm = 15000;
+    config.brake.hydraulic_tolerance_mNm = 3750;
     hydraulic_model_init(&model);
     hydraulic_feedback_init(&state, &config);
     memset(commands_mNm, 0, sizeof commands_mNm);
@@ -68,7 +68,7 @@ static void millisecond(double command_mNm)
         }
     }
     hydraulic_model_step(&model, &config, (int32_t)lround(command_mNm));
-    out = hydraulic_feedback_step(&state, &config, &model, &report);
+    out = hydraulic_feedback_step(&state, &config, &model, &report, true);
 }
 
 static void hold(double command_mNm, int duration_ms)
@@ -196,29 +196,47 @@ void test_a_sensor_that_reports_a_fault_counts_as_missing(void)
     TEST_ASSERT_FALSE(out.used);
 }
 
-void test_a_stuck_sensor_is_implausible_against_the_command_and_its_gain_is_forgotten(void)
+/* Nothing commanded explains a torque of 51 N m: it counts as the tolerance. */
+void test_a_stuck_sensor_is_a_brake_that_does_not_release_and_moves_the_torque_by_the_tolerance(
+    void)
 {
     gain = 0.85;
     hold(60000.0, 1500);
     sensor = STUCK;
     hold(0.0, 1000);
-    TEST_ASSERT_TRUE(out.lost);
-    TEST_ASSERT_EQUAL_INT32(32768, state.gain_q15);
-    TEST_ASSERT_EQUAL_INT32(hydraulic_model_torque_mNm(&model), out.torque_mNm);
+    TEST_ASSERT_TRUE(out.used);
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_STUCK, state.shows);
+    TEST_ASSERT_INT32_WITHIN(60, 3750, out.torque_mNm); /* and what the late model has left */
 }
 
-void test_a_report_beyond_the_brakes_range_is_implausible(void)
+void test_a_report_beyond_the_brakes_range_is_no_torque(void)
 {
     hold(0.0, 100);
     sensor = STUCK;
-    report.torque_mNm = 15001;
+    report.torque_mNm = 1000000;
     hold(0.0, 100);
-    TEST_ASSERT_FALSE(out.used);
-    setUp();
-    sensor = STUCK;
+    TEST_ASSERT_EQUAL_INT32(3750, out.torque_mNm);
     report.torque_mNm = -15001;
-    hold(0.0, 200);
-    TEST_ASSERT_FALSE(out.used);
+    hold(0.0, 100);
+    TEST_ASSERT_EQUAL_INT32(0, out.torque_mNm);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, state.shows); /* none is commanded */
+}
+
+/* A dead brake shows itself where one of the lowest gain would report beyond the tolerance: by 5 N
+ * m of 3.75, and not by 4.9 less 25 %. */
+void test_a_dead_brake_stays_shown_until_a_command_tells_that_it_lives(void)
+{
+    gain = 0.0;
+    hold(4900.0, 1500);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, state.shows);
+    hold(5100.0, 1500);
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_DEAD, state.shows);
+    hold(0.0, 5000);
+    gain = 1.0;
+    hold(4900.0, 1500);
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_DEAD, state.shows);
+    hold(5100.0, 1500);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, state.shows);
 }
 
 void test_a_single_wild_report_changes_the_gain_by_no_more_than_it_may(void)
@@ -241,7 +259,7 @@ void test_any_reports_leave_gain_and_torque_finite_and_within_bounds(void)
         report.torque_mNm = random_wild(&random);
         report.age_ms = (uint32_t)random_wild(&random);
         report.valid = random_chance(&random, 0.9);
-        out = hydraulic_feedback_step(&state, &config, &model, &report);
+        out = hydraulic_feedback_step(&state, &config, &model, &report, true);
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(24576, state.least_q15);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(40960, state.most_q15);
         TEST_ASSERT_TRUE(state.least_q15 <= state.gain_q15 && state.gain_q15 <= state.most_q15);
@@ -263,10 +281,10 @@ void test_the_age_of_a_report_does_not_wrap(void)
     report.valid = true;
     report.age_ms = UINT32_MAX;
     hydraulic_feedback_init(&state, &config);
-    out = hydraulic_feedback_step(&state, &config, &model, &report);
+    out = hydraulic_feedback_step(&state, &config, &model, &report, true);
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, state.since_ms);
     report.valid = false;
-    out = hydraulic_feedback_step(&state, &config, &model, &report);
+    out = hydraulic_feedback_step(&state, &config, &model, &report, true);
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, state.since_ms);
     TEST_ASSERT_FALSE(out.used);
     TEST_ASSERT_TRUE(out.lost);
@@ -280,10 +298,10 @@ void test_reports_of_a_brake_without_torque_leave_the_gain_in_its_band(void)
     hydraulic_feedback_init(&state, &config);
     report.valid = true;
     for (int n = 0; n < 3000; n++) {
-        report.torque_mNm = 10000; /* within the tolerance */
+        report.torque_mNm = 10000;
         report.age_ms = 0;
-        out = hydraulic_feedback_step(&state, &config, &model, &report);
+        out = hydraulic_feedback_step(&state, &config, &model, &report, true);
         TEST_ASSERT_INT32_WITHIN(8192, 32768, state.gain_q15);
     }
-    TEST_ASSERT_EQUAL_INT32(10000, out.torque_mNm);
+    TEST_ASSERT_EQUAL_INT32(3750, out.torque_mNm); /* the tolerance */
 }

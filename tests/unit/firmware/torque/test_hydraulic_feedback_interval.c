@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Single reports beside single states of the model of the hydraulic brake: what each leaves of the
- * interval of gains, and every limit of the bookkeeping. Reports short of that interval:
- * test_hydraulic_feedback_short.c; whole stops: test_hydraulic_feedback.c. */
+ * interval of gains, what it shows of the brake, and every limit of the bookkeeping. Whole stops:
+ * test_hydraulic_feedback.c. */
+#include "core/q15.h"
 #include "hydraulic_feedback_states.h"
 
 void setUp(void)
@@ -30,21 +31,15 @@ void test_a_torque_below_a_64th_of_the_largest_changes_no_gain(void)
 }
 
 /* The last steps of a quarter are whole numbers: three units before the end they are zero. An end
- * that passes the other one takes it along, a 16th as fast, the last time 64 units before; beyond
- * the band as fast as itself. */
+ * that passes the other one takes it along, a 16th as fast, the last time 64 units before. */
 void test_lasting_reports_close_the_interval_and_leave_the_band_never(void)
 {
     settled(10000, 10000, 60);
     assert_interval(32440 - 3, 33095 + 3);
     settled(10000, 5000, 800);
     assert_interval(LOWEST_q15 + 63, LOWEST_q15 + 63);
-    settled(10000, 20000, 60);
-    assert_interval(HIGHEST_q15 - 3, HIGHEST_q15 - 3);
-    begin();
-    settled(10000, 10000, 60); /* beyond 33095 + 3, which goes there in one step */
-    settled(10000, 20000, 1);
-    const int32_t least_q15 = 32440 - 3 + (HIGHEST_q15 - (32440 - 3)) / 4;
-    assert_interval(least_q15, least_q15);
+    settled(10000, 20000, 800);
+    assert_interval(HIGHEST_q15 - 63, HIGHEST_q15 - 63);
 }
 
 /* A brake of 64 mN m, whose noise is zero: the least a ratio is made of. */
@@ -63,48 +58,95 @@ void test_ratios_of_single_units_are_whole(void)
     assert_interval(LOWEST_q15 + (ONE_q15 - LOWEST_q15) / 4, HIGHEST_q15);
 }
 
-/* ---- plausibility ---- */
+/* ---- what contradicts the commands ---- */
+
+static void assert_shows(reason_t reason, int32_t counted_mNm)
+{
+    TEST_ASSERT_EQUAL_INT(reason, state.shows);
+    TEST_ASSERT_EQUAL_INT32(counted_mNm, state.report_mNm);
+}
 
 /* 64 * 2^15 mN m: gains of 3/4 and 5/4 explain 64 * 24576 to 64 * 40960. */
-void test_what_no_gain_in_the_band_explains_contradicts_beyond_the_tolerance(void)
+void test_what_no_gain_in_the_band_explains_shows_a_wrong_brake_and_counts_as_the_nearest(void)
 {
     config.brake.max_hydraulic_torque_mNm = 20000000;
-    const int32_t least_mNm = 64 * LOWEST_q15 - config.brake.hydraulic_tolerance_mNm;
-    const int32_t most_mNm = 64 * HIGHEST_q15 + config.brake.hydraulic_tolerance_mNm;
-    const int32_t cases[][2] = {{least_mNm, 0},
-                                {least_mNm - 5, -5},
-                                {most_mNm, 0},
-                                {most_mNm + 7, 7},
-                                {INT32_MIN, INT32_MIN}};
-    for (int n = 0; n < 5; n++) {
-        settled(64 * ONE_q15, cases[n][0], 1);
-        TEST_ASSERT_EQUAL_INT32(cases[n][1], state.contradicts_mNm);
-        TEST_ASSERT_TRUE(state.good == (cases[n][1] == 0));
+    const int32_t least_mNm = 64 * LOWEST_q15 - TOLERANCE_mNm;
+    const int32_t most_mNm = 64 * HIGHEST_q15 + TOLERANCE_mNm;
+    const int32_t quarter_mNm = 64 * ONE_q15 / 4;
+    settled(64 * ONE_q15, least_mNm, 1);
+    assert_shows(REASON_NONE, least_mNm);
+    settled(64 * ONE_q15, least_mNm - 1, 1);
+    assert_shows(REASON_HYDRAULIC_WEAK, least_mNm);
+    settled(64 * ONE_q15, quarter_mNm, 1);
+    assert_shows(REASON_HYDRAULIC_WEAK, least_mNm);
+    settled(64 * ONE_q15, quarter_mNm - 1, 1);
+    assert_shows(REASON_HYDRAULIC_DEAD, least_mNm);
+    settled(64 * ONE_q15, INT32_MIN, 1);
+    assert_shows(REASON_HYDRAULIC_DEAD, least_mNm);
+    settled(64 * ONE_q15, most_mNm, 1);
+    assert_shows(REASON_NONE, most_mNm);
+    settled(64 * ONE_q15, most_mNm + 1, 1);
+    assert_shows(REASON_HYDRAULIC_STRONG, most_mNm);
+    settled(64 * ONE_q15, INT32_MAX, 1);
+    assert_shows(REASON_HYDRAULIC_STRONG, most_mNm);
+}
+
+/* Commands up to the tolerance are next to none. */
+void test_too_much_torque_beside_next_to_no_command_is_a_brake_that_is_stuck(void)
+{
+    const int32_t most_mNm = TOLERANCE_mNm + TOLERANCE_mNm / 4 + TOLERANCE_mNm;
+    settled(TOLERANCE_mNm, most_mNm + 1, 1);
+    assert_shows(REASON_HYDRAULIC_STUCK, most_mNm);
+    settled(TOLERANCE_mNm + 4, most_mNm + 6, 1);
+    assert_shows(REASON_HYDRAULIC_STRONG, most_mNm + 5);
+    settled(0, 0, 1);
+    assert_shows(REASON_NONE, 0);
+}
+
+/* Reports that come 5 ms apart. */
+static void every_5_ms(int32_t torque_mNm, int32_t report_mNm, int reports)
+{
+    modelled(torque_mNm, torque_mNm, torque_mNm);
+    for (int n = 0; n < reports; n++) {
+        for (int ms = 0; ms < 4; ms++) {
+            silent();
+        }
+        reported(report_mNm, 0);
     }
 }
 
-/* A quarter of the tolerance, 5 N m, is what a gain outside the band has to exceed. */
-void test_the_time_outside_the_band_is_counted_to_either_side(void)
+void test_the_time_that_a_brake_is_short_is_from_the_first_such_report_to_the_last(void)
 {
-    const int32_t most_mNm = 12500 + 5000;
-    const int32_t least_mNm = 7500 - 5000;
-    settled(10000, most_mNm, 3);
-    TEST_ASSERT_EQUAL_INT32(0, state.outside_ms);
-    settled(10000, most_mNm + 1, 3);
-    TEST_ASSERT_EQUAL_INT32(3, state.outside_ms);
-    state.least_q15 = LOWEST_q15;
-    settled(10000, least_mNm - 1, 5);
-    TEST_ASSERT_EQUAL_INT32(-5, state.outside_ms);
-    settled(10000, most_mNm + 1, 1);
-    TEST_ASSERT_EQUAL_INT32(1, state.outside_ms);
-    state.least_q15 = LOWEST_q15;
-    settled(10000, least_mNm, 1);
-    TEST_ASSERT_EQUAL_INT32(0, state.outside_ms);
-    settled(10000, most_mNm + 1, INT16_MAX + 10);
-    TEST_ASSERT_EQUAL_INT32(INT16_MAX, state.outside_ms);
-    state.least_q15 = LOWEST_q15;
-    settled(10000, least_mNm - 1, INT16_MAX + 10);
-    TEST_ASSERT_EQUAL_INT32(-INT16_MAX, state.outside_ms);
+    every_5_ms(40000, 40000, 2);
+    every_5_ms(40000, 10000, 4);
+    TEST_ASSERT_EQUAL_INT32(15, state.short_ms);
+    every_5_ms(0, 0, 2); /* nothing is commanded: it is still short */
+    TEST_ASSERT_EQUAL_INT32(25, state.short_ms);
+    every_5_ms(40000, 40000, 3);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, state.shows);
+    TEST_ASSERT_EQUAL_INT32(25, state.short_ms);
+    every_5_ms(40000, 10000, 1);
+    TEST_ASSERT_EQUAL_INT32(0, state.short_ms);
+    every_5_ms(40000, 10000, INT16_MAX / 5 + 2);
+    TEST_ASSERT_EQUAL_INT32(INT16_MAX, state.short_ms);
+}
+
+/* An anti-lock system makes of the torque what it wants. */
+void test_beside_an_anti_lock_system_a_report_is_the_torque_and_shows_nothing(void)
+{
+    settled(40000, 40000, 60);
+    const int32_t least_q15 = state.least_q15, most_q15 = state.most_q15;
+    const int32_t torques_mNm[] = {0, 40000, 200000};
+    for (int n = 0; n < 3; n++) {
+        report.torque_mNm = torques_mNm[n];
+        out = hydraulic_feedback_step(&state, &config, &model, &report, false);
+        assert_shows(REASON_NONE, torques_mNm[n]);
+        TEST_ASSERT_EQUAL_INT32(torques_mNm[n], out.torque_mNm);
+    }
+    assert_interval(least_q15, most_q15);
+    settled(40000, 0, 1);
+    out = hydraulic_feedback_step(&state, &config, &model, &report, false);
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_DEAD, state.shows); /* neither does it end anything */
 }
 
 /* ---- the age of reports ---- */
@@ -136,33 +178,19 @@ void test_reports_may_be_missing_for_the_timeout(void)
     TEST_ASSERT_EQUAL_INT32(24576 + (32440 - 24576) / 4, state.least_q15);
 }
 
-enum { IMPLAUSIBLE_mNm = 100000 };
-
-void test_reports_may_be_implausible_for_the_timeout_as_often_as_a_good_one_comes_between(void)
+void test_reports_that_return_are_used_after_the_heal_time_and_show_what_is_wrong_at_once(void)
 {
-    for (int n = 0; n < 3; n++) {
-        settled(10000, 10000, 1);
-        settled(10000, IMPLAUSIBLE_mNm, TIMEOUT_ms);
-        TEST_ASSERT_TRUE(out.used);
+    settled(10000, 0, 1);
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_DEAD, state.shows);
+    for (int n = 0; n <= TIMEOUT_ms; n++) {
+        silent();
     }
-    settled(10000, IMPLAUSIBLE_mNm, 1);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, state.shows);
+    TEST_ASSERT_EQUAL_INT32(q15_product(10000, state.gain_q15), out.torque_mNm);
+    settled(10000, 0, HYDRAULIC_FEEDBACK_HEAL_ms - 1);
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_DEAD, state.shows);
     TEST_ASSERT_TRUE(out.lost);
-    assert_interval(LOWEST_q15, HIGHEST_q15); /* the gain is forgotten */
-    TEST_ASSERT_EQUAL_INT32(10000, out.torque_mNm);
-    state.bad_ms = INT32_MAX - 1; /* 24 days later */
-    settled(10000, IMPLAUSIBLE_mNm, 2);
-    TEST_ASSERT_EQUAL_INT32(INT32_MAX - 1, state.bad_ms);
-}
-
-void test_an_implausible_report_begins_the_heal_time_anew_to_its_last_millisecond(void)
-{
-    settled(10000, IMPLAUSIBLE_mNm, TIMEOUT_ms + 1);
-    settled(10000, 10000, HYDRAULIC_FEEDBACK_HEAL_ms - 1);
-    TEST_ASSERT_FALSE(out.used);
-    settled(10000, IMPLAUSIBLE_mNm, 1);
-    settled(10000, 10000, HYDRAULIC_FEEDBACK_HEAL_ms - 1);
-    TEST_ASSERT_FALSE(out.used);
-    settled(10000, 10000, 1);
+    silent();
     TEST_ASSERT_TRUE(out.used);
 }
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What the slow step gives to its parts and takes from them: when the hydraulic brake is watched,
- * that the limits of both sides are solved, what the bridge and the monitor show, the hold, and the
- * reason shown.
+ * What the slow step gives to its parts and takes from them: where the road is seen, that the
+ * limits of both sides are solved, what the bridge and the monitor show, the hold, and the reason
+ * shown.
  */
 #include <string.h>
 
@@ -34,86 +34,84 @@ void test_every_part_begins_anew(void)
     TEST_ASSERT_EQUAL_INT32(ahead.ahead.braking.torque_mNm, used.ahead.ahead.braking.torque_mNm);
 }
 
-/* ---- the hydraulic brake is watched where speed and motor torque can be trusted ---- */
+/* ---- the road is seen where speed and motor torque can be trusted ---- */
 
-/* The watch pauses while it is not trusted, and after the first step's change of speed. */
-static void settle_watch(void)
-{
-    run(HYDRAULIC_WATCH_PAUSE_ms + 1);
-}
-
-static bool is_watched(void)
+static bool is_seen(void)
 {
     step();
-    return state.blending.watch.pause_ms == 0;
+    return state.road.rolls;
 }
 
-void test_the_hydraulic_brake_is_watched_with_healthy_sensors(void)
+void test_the_road_is_seen_with_healthy_sensors(void)
 {
-    settle_watch();
-    const torque_state_t settled = state;
     for (int reason = 0; reason < 128; reason++) {
-        state = settled;
         in.torque_enable.reason = (reason_t)reason;
         const bool trusted = reason == REASON_NONE || reason == REASON_TORQUE_ENABLE ||
                              reason == REASON_HYDRAULIC_FEEDBACK ||
                              reason == REASON_HYDRAULIC_WEAK || reason == REASON_HYDRAULIC_DEAD ||
                              reason == REASON_HYDRAULIC_STRONG ||
                              reason == REASON_HYDRAULIC_STUCK || reason == REASON_HYDRAULIC_LATE;
-        TEST_ASSERT_EQUAL_INT(trusted, is_watched());
+        TEST_ASSERT_EQUAL_INT(trusted, is_seen());
     }
 }
 
-void test_the_hydraulic_brake_is_watched_with_a_valid_angle_and_without_slip_only(void)
+void test_the_road_is_seen_with_a_valid_angle_and_without_slip_only(void)
 {
-    settle_watch();
-    const torque_state_t settled = state;
-    TEST_ASSERT_TRUE(is_watched());
+    TEST_ASSERT_TRUE(is_seen());
     in.angle_valid = false;
-    TEST_ASSERT_FALSE(is_watched());
+    TEST_ASSERT_FALSE(is_seen());
     in.angle_valid = true;
-    state = settled;
+    TEST_ASSERT_TRUE(is_seen());
     in.abs_active = true;
     in.abs_share_percent = 100;
-    TEST_ASSERT_FALSE(is_watched());
+    TEST_ASSERT_FALSE(is_seen());
 }
 
 /* The brake system's own path: neither the command nor a report of it says anything. */
-void test_a_brake_that_is_not_commanded_is_neither_watched_nor_read(void)
+void test_a_brake_that_is_not_commanded_shows_no_road_and_is_not_read(void)
 {
     in.hydraulic.age_ms = 0;
     in.hydraulic.valid = true;
-    settle_watch();
-    TEST_ASSERT_TRUE(is_watched());
+    TEST_ASSERT_TRUE(is_seen());
     TEST_ASSERT_TRUE(state.blending.feedback.seen);
     in.demand_age_ms = UINT32_MAX;
-    TEST_ASSERT_TRUE(is_watched()); /* the demand is kept */
+    TEST_ASSERT_TRUE(is_seen()); /* the demand is kept */
     run(config.driver.lost_hold_ms + 10);
-    TEST_ASSERT_FALSE(is_watched());
+    TEST_ASSERT_FALSE(is_seen());
     const int32_t since_ms = state.blending.feedback.since_ms;
     step();
     TEST_ASSERT_EQUAL_INT32(since_ms + 1, state.blending.feedback.since_ms);
 }
 
-/* The driver acknowledges it at rest and without a demand. */
-void test_a_finding_of_the_hydraulic_brake_ends_when_it_is_acknowledged_at_rest(void)
+/* Uphill without a motor: what slows the wheel down is the road, less what the hydraulic brake
+ * makes of it; filtered with 64 ms. */
+void test_the_road_is_what_slows_the_wheel_down_beside_the_brakes(void)
 {
-    hydraulic_watch_input_t rolling = {.speed_mrad_s = in.speed_mrad_s, .trusted = true};
-    for (int n = 0; n < 3000; n++) {
-        rolling.modelled_mNm = rolling.commanded_mNm = n < 2000 ? 0 : 60000;
-        hydraulic_watch_step(&state.blending.watch, &config, &rolling);
-    }
-    in.speed_mrad_s = 0;
-    step();
-    TEST_ASSERT_TRUE(findings_present(&findings, FINDING_BRAKE_WEAK));
-    for (int k = 0; k < 16; k++) {
-        in.fault_reset = k % 2 != 0;
-        in.at_rest = k / 2 % 2 != 0;
-        in.drive_torque_mNm = k / 4 % 2 != 0 ? 0 : 1;
-        in.brake_torque_mNm = k / 8 % 2 != 0 ? 0 : 1;
+    in.hydraulic.valid = true;
+    in.hydraulic.torque_mNm = 2000; /* of a brake that drags a little */
+    for (int n = 0; n < 600; n++) {
+        in.hydraulic.age_ms = 0;
+        in.speed_mrad_s = 60000 - 2 * n; /* 2 rad/s^2 */
         step();
-        TEST_ASSERT_EQUAL_INT(k < 15, findings_present(&findings, FINDING_BRAKE_WEAK));
     }
+    TEST_ASSERT_INT32_WITHIN(state.road.inertia_g_m2 / 50, 2 * state.road.inertia_g_m2 - 2000,
+                             -state.road.torque_mNm);
+}
+
+/* The reason of the hydraulic command: what is found of the brake, before what its limit is. */
+void test_what_is_found_of_the_hydraulic_brake_is_the_reason_of_its_command(void)
+{
+    in.brake_torque_mNm = 1000000;
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_LIMIT, step().hydraulic_reason);
+    in.hydraulic.valid = true;
+    for (int n = 0; n < 900; n++) {
+        in.hydraulic.age_ms = 0;
+        step();
+    }
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_WEAK, step().hydraulic_reason);
+    in.hydraulic.age_ms = 1000;
+    run(config.brake.hydraulic_timeout_ms + 1002);
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_FEEDBACK, step().hydraulic_reason);
 }
 
 /* ---- what bridge, angle and battery show ---- */

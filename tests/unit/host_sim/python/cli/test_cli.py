@@ -364,7 +364,7 @@ def test_a_command_that_became_a_study_names_it_in_one_line(name: str, hubsim: H
     )
 
 
-@pytest.mark.parametrize("name", ["blend_out", "dips", "edges", "faults_tables", "healthy_brakes"])
+@pytest.mark.parametrize("name", ["blend_out", "dips", "edges", "faults_tables"])
 def test_a_program_that_became_a_study_names_it_in_one_line(name: str) -> None:
     call = [sys.executable, "-m", f"hubsim.{name}", "--output", "out"]
     done = subprocess.run(call, capture_output=True, text=True, check=False)

@@ -1,9 +1,0 @@
-# SPDX-License-Identifier: Apache-2.0
-"""``python -m hubsim.healthy_brakes`` names the study that took its place."""
-
-import sys
-
-from hubsim import moved
-
-if __name__ == "__main__":
-    sys.exit(moved.answer("healthy_brakes"))
