@@ -173,17 +173,21 @@ set_tests_properties(bit_exactness_of_sequences bit_exactness PROPERTIES RESOURC
 # ---- counted instructions ----
 
 # Exact, so a test: the current loop and both steps within their budgets (tools/benchmark), the slow
-# step in few of the states.
-if(HUBFOC_PYTHON)
-  add_test(NAME instruction_budgets COMMAND "${HUBFOC_PYTHON}"
-    "${PROJECT_SOURCE_DIR}/tools/benchmark/measure.py" --no-simulation --only steps --states 4000
-    --output "${CMAKE_CURRENT_BINARY_DIR}/bench.json")
-else()
-  add_test(NAME instruction_budgets COMMAND "${CMAKE_COMMAND}" -DMISSING=python3
-    -P "${CMAKE_CURRENT_LIST_DIR}/prerequisites.cmake")
-endif()
-set_tests_properties(instruction_budgets PROPERTIES TIMEOUT 900 LABELS target
-  ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+# step in few of the states. On the images' core; with --full on each, in more of the states.
+function(budgets_test name labels)
+  if(HUBFOC_PYTHON)
+    add_test(NAME ${name} COMMAND "${HUBFOC_PYTHON}"
+      "${PROJECT_SOURCE_DIR}/tools/benchmark/measure.py" --no-simulation --only steps ${ARGN}
+      --output "${CMAKE_CURRENT_BINARY_DIR}/${name}.json")
+  else()
+    add_test(NAME ${name} COMMAND "${CMAKE_COMMAND}" -DMISSING=python3
+      -P "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/prerequisites.cmake")
+  endif()
+  set_tests_properties(${name} PROPERTIES TIMEOUT 1800 LABELS "${labels}"
+    RESOURCE_LOCK bench ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+endfunction()
+budgets_test(instruction_budgets target --first-core --states 4000)
+budgets_test(instruction_budgets_of_every_core "target;full" --states 20000)
 
 # ---- the unit tests of the pure modules ----
 

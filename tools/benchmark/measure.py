@@ -189,7 +189,7 @@ def judge(
     config: str, cores: dict[str, Any], envelope: dict[str, Any], compiler: str
 ) -> list[dict[str, Any]]:
     """Compare with the budgets. envelope: the slow step of each configuration on the first core."""
-    goals = [goal_with(compiler, budget) for budget in BUDGETS]
+    goals = [goal_with(compiler, budget) for budget in BUDGETS if budget.core in cores]
     outcomes = [
         outcome_of(goal, config, cores[goal.core]["instructions"][goal.function]) for goal in goals
     ]
@@ -315,7 +315,7 @@ def bench(options: argparse.Namespace) -> int:
     console = Console(stderr=False, width=None if sys.stdout.isatty() else 132)
     envelope: dict[str, Any] = {}
     profile: dict[str, Any] = {}
-    for core in build.CORES:
+    for core in build.CORES[:1] if options.first_core else build.CORES:
         console.print(f"{core.name} ...", style="dim")
         shared = build.compile_sources(
             core, build.shared_sources(), directory / f"{core.name}-shared"
@@ -389,6 +389,11 @@ def main(arguments: list[str] | None = None) -> int:
         "--only",
         choices=("steps", "interrupt"),
         help="measure the step functions only, or the linked image's PWM interrupt only",
+    )
+    parser.add_argument(
+        "--first-core",
+        action="store_true",
+        help=f"the step functions on {build.CORES[0].name} only",
     )
     parser.add_argument(
         "--image",
