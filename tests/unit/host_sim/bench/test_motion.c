@@ -146,7 +146,7 @@ void test_braked_wheels_stand_still_on_a_slope(void)
     bench_t *bench = fixture_start(&params, &config);
     fixture_run(bench, 2.0);
     const double settled_m = bench->vehicle.distance_m;
-    fixture_run(bench, 5.0);
+    fixture_run(bench, 2.0);
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, settled_m, bench->vehicle.distance_m);
 }
 
