@@ -9,8 +9,9 @@
 #       another. MOCKS are headers mocked by CMock. Run with sanitizers and to measure what they
 #       reach; the plain host build only knows how to make them (tools/mutants).
 #   hubfoc_add_python_test(NAME regen_table FILES test_a.py test_b.py [LABELS python] [TIMEOUT
-#     seconds] [INSTRUMENTED])
-#       pytest in the project's private environment. With sanitizers it is run again only if it is
+#     seconds] [INSTRUMENTED] [LONGER])
+#       pytest in the project's private environment. LONGER: with --full once more, with
+#       HUBFOC_FOR_LONG in the environment, by which its files choose more cases. With sanitizers it is run again only if it is
 #       INSTRUMENTED: executes C that this build compiled, in an instrumented program or with the
 #       sanitizer loaded first.
 #   hubfoc_add_command_test(NAME name COMMAND ... [LABELS ...] [TIMEOUT seconds])
@@ -79,9 +80,14 @@ function(hubfoc_add_unit_tests)
 endfunction()
 
 function(hubfoc_add_python_test)
-  cmake_parse_arguments(T "INSTRUMENTED" "NAME;TIMEOUT" "FILES;LABELS" ${ARGN})
+  cmake_parse_arguments(T "INSTRUMENTED;LONGER" "NAME;TIMEOUT" "FILES;LABELS" ${ARGN})
   if(HUBFOC_SANITIZE AND NOT T_INSTRUMENTED)
     return()
+  endif()
+  if(T_LONGER)
+    hubfoc_add_python_test(NAME ${T_NAME}_for_long FILES ${T_FILES} LABELS ${T_LABELS} full
+      TIMEOUT 3000)
+    set_property(TEST ${T_NAME}_for_long APPEND PROPERTY ENVIRONMENT HUBFOC_FOR_LONG=1)
   endif()
   add_test(NAME ${T_NAME} COMMAND "${HUBFOC_PYTHON}" -m pytest -q -p no:cacheprovider ${T_FILES}
     WORKING_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}")

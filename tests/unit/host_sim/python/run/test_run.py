@@ -4,6 +4,7 @@
 import dataclasses
 import json
 import math
+import os
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +25,7 @@ SIGNALS = (
     "wheel0.copper_w",
 )
 POWER_DENSITY_OF_AIR = 1.204
+FOR_LONG = "HUBFOC_FOR_LONG" in os.environ
 
 
 def with_strategy(drive: Drive, strategy: str) -> Drive:
@@ -105,8 +107,13 @@ def test_energy_stored_over_the_urban_cycle_matches_the_steady_states(
     assert lowest < result.braking_share_stored < highest
 
 
-def test_five_minutes_of_udds_run_without_a_fault(drive: Drive) -> None:
-    result = simulate(drive, "udds", "series_optimal", max_duration_s=330.0)
+def test_the_error_of_the_speed_in_udds_is_small_most_of_the_time(drive: Drive) -> None:
+    """Its largest, and that there is no fault, are criteria of the scenario.
+
+    The first minute; in a long run five.
+    """
+    duration_s = 330.0 if FOR_LONG else 60.0
+    result = simulate(drive, "udds", "series_optimal", max_duration_s=duration_s)
     error_kmh = (
         result.signal("vehicle.speed_m_per_s") - result.signal("driver.reference_m_per_s")
     ) * 3.6
@@ -255,10 +262,15 @@ SHORTER = {
 }
 
 
-@pytest.mark.parametrize("name", scenario.builtin_names())
-def test_energy_is_conserved_in_every_scenario_with_every_effect_on(
-    drive: Drive, name: str
-) -> None:
+DIFFERENT = (
+    *("abs_flag", "bus_sensor_frozen", "contactor", "full_midstop", "hall_dropout", "hill_start"),
+    *("hydraulic_weak", "mu_jump", "mu_split", "reverse", "rolling_start_fast", "stop"),
+)
+"""Braking and driving, slopes, slip, no battery and a full one, faults of sensors and brake."""
+
+
+@pytest.mark.parametrize("name", scenario.builtin_names() if FOR_LONG else DIFFERENT)
+def test_energy_is_conserved_in_scenarios_with_every_effect_on(drive: Drive, name: str) -> None:
     _, loaded, beside = scenario.load(name, SHORTER.get(name, {}))
     changed = overrides.changed(drive, loaded.drive_changes, name)
     with_effects = run.simulate(name, changed, loaded, beside, (), EFFECTS)
