@@ -12,6 +12,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
+from benchmark.functions import FUNCTIONS
 from benchmark.objects import compile_if_changed
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -19,6 +20,9 @@ HERE = Path(__file__).resolve().parent
 IMAGES = ROOT / "firmware" / "config" / "generated"
 MODULES = ("core", "config", "foc", "motor", "torque", "monitor", "modes", "controller")
 OPTIMISE = ROOT / "tools" / "cmake" / "optimise.txt"
+WHOLE_OBJECTS = ["-flto", "-ffat-lto-objects"]
+"""Of the modules, as in the images (HubfocModule.cmake)."""
+WHOLE_PROGRAM = ["-flto", "-flto-partition=one", "-fcallgraph-info=su"]
 PREFIX = "arm-none-eabi-"
 PLUGIN_INTERFACES = (1, 4, 3, 2, 5)
 """Versions of QEMU's plugin interface, tried in turn: 1 of QEMU 7 and 8, 4 of QEMU 10."""
@@ -138,12 +142,14 @@ def compile_sources(core: Core, sources: list[Path], directory: Path) -> list[st
     ]
     common += ["-fcallgraph-info=su", "-include", str(ROOT / "hal" / "cortex_m" / "saturate.h")]
     common += [f"-I{path}" for path in includes]
+    modules = {ROOT / "firmware" / module for module in MODULES}
 
     def compile_one(source: Path) -> str:
         target = directory / f"{source.parent.name}_{source.stem}.o"
         small = source in for_size or source.parent.name == "cortex_m"
         optimise = ["-Os" if small else core.optimise]
         optimise += flags.get(source.parent, []) + flags.get(source, [])
+        optimise += WHOLE_OBJECTS if source.parent in modules else []
         what = f"compiling {source.relative_to(ROOT)} for {core.name}"
         command = [compiler, *common, *optimise, "-c", str(source)]
         compile_if_changed(command, target, lambda words: run(words, what))
@@ -154,12 +160,18 @@ def compile_sources(core: Core, sources: list[Path], directory: Path) -> list[st
 
 
 def compile_program(
-    core: Core, program: str, configs: list[str], directory: Path, shared: list[str]
+    core: Core,
+    program: str,
+    configs: list[str],
+    directory: Path,
+    shared: list[str],
+    whole: bool = True,
 ) -> list[Path]:
     """Compile a program for one core and link it with each of the configurations.
 
-    shared: the objects of `shared_sources` for this core. Returns the ELFs, in the order of the
-    configurations.
+    shared: the objects of `shared_sources` for this core. whole: the modules are optimised once
+    more when they are linked, as in the images; else each function stays one. Returns the ELFs, in
+    the order of the configurations.
     """
     compiler = tool(PREFIX + "gcc", "gcc-arm-none-eabi")
     images = [IMAGES / f"{config}.c" for config in configs]
@@ -172,15 +184,18 @@ def compile_program(
     objects = compile_sources(core, [*own, *images], directory)
     script = ROOT / "hal" / "qemu_mps2" / "link.ld"
     link = [
+        core.optimise,
+        *(WHOLE_PROGRAM if whole else ["-fno-lto"]),
         "-nostartfiles",
         "--specs=nano.specs",
         f"-T{script}",
         "-Wl,--gc-sections",
         "-Wl,--defsym=link_stack_size=0x4000",
+        *(f"-Wl,--undefined={name}" for name in FUNCTIONS),
     ]
-    programs = []
-    for config, config_object in zip(configs, objects[len(own) :], strict=True):
-        elf = directory / f"{program}_{config}.elf"
+
+    def link_one(config: str, config_object: str) -> Path:
+        elf = directory / f"{program}_{config}{'' if whole else '_parts'}.elf"
         symbol = "".join(c if c.isalnum() else "_" for c in config).upper()
         alias = f"-Wl,--defsym=CONFIG_IMAGE=CONFIG_{symbol}"
         parts = [*shared, *objects[: len(own)], config_object]
@@ -188,8 +203,10 @@ def compile_program(
             [compiler, *core.flags, *link, alias, *parts, "-lm", "-o", str(elf)],
             f"linking {program} with {config} for {core.name}",
         )
-        programs.append(elf)
-    return programs
+        return elf
+
+    with ThreadPoolExecutor(max_workers=2) as pool:
+        return list(pool.map(link_one, configs, objects[len(own) :]))
 
 
 def compile_plugin(interface: int, directory: Path) -> Path:

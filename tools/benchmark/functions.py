@@ -7,3 +7,5 @@ SLOW_STEP = "controller_slow_step"
 INTERRUPT = "pwm_interrupt"
 IMAGE_CORE = "stm32f405"
 FUNCTIONS = {CURRENT_LOOP: "current loop", FAST_STEP: "whole fast step", SLOW_STEP: "slow step"}
+OTHER_ROTORS = {f"{FAST_STEP}_encoder": 2, f"{FAST_STEP}_angle": 0}
+"""The fast step with other sensors than halls, by their numbers in the configuration."""

@@ -3,7 +3,8 @@
 
 A function named below counts what it executes itself and what the functions that are not named
 execute for it, so that the parts of a step add up to the whole. The sum of a group is taken in each
-state; its median is not the sum of the medians.
+state; its median is not the sum of the medians. The program is not optimised whole, where functions
+lose their boundaries.
 """
 
 from __future__ import annotations
@@ -119,12 +120,13 @@ def summary(trace: list[count.Call]) -> dict[str, Any]:
     }
 
 
-def measure(core: build.Core, directory: Path, plugin: Path) -> dict[str, Any]:
-    """Return the profile of each configuration, whose program has been compiled before."""
+def measure(core: build.Core, directory: Path, shared: list[str], plugin: Path) -> dict[str, Any]:
+    """Return the profile of each configuration. shared: as that of build.compile_program()."""
     names = [name for group in PARTS.values() for name in group]
     found = {}
-    for config in build.configurations():
-        program = directory / f"envelope_{config}.elf"
+    configs = build.configurations()
+    programs = build.compile_program(core, "envelope", configs, directory, shared, whole=False)
+    for config, program in zip(configs, programs, strict=True):
         functions = elf.functions(program)
         options = [f"states={STATES}"]
         trace, _ = count.trace(core, program, plugin, functions, names, BEGIN, options)

@@ -41,6 +41,21 @@ static uint16_t code(double value)
     return (uint16_t)(rounded < 0.0 ? 0.0 : rounded > 4095.0 ? 4095.0 : rounded);
 }
 
+/* The index is at a mechanical angle of zero, in either direction. */
+static encoder_input_t encoder_at(motor_t *motor, const config_t *config)
+{
+    const double turns = motor->theta_rad / TURN_rad / config->motor.pole_pairs;
+    const int32_t whole = (int32_t)floor(turns);
+    const int32_t passed = whole > motor->turns ? whole : motor->turns;
+    const encoder_input_t out = {
+        .count = (uint16_t)(int32_t)floor(turns * config->rotor.encoder_counts),
+        .index_count = (uint16_t)(passed * config->rotor.encoder_counts),
+        .index = whole != motor->turns,
+    };
+    motor->turns = whole;
+    return out;
+}
+
 fast_input_t motor_sample(motor_t *motor, const config_t *config, double bus_V)
 {
     static const uint8_t HALL_OF_SECTOR[6] = {5, 1, 3, 2, 6, 4};
@@ -56,6 +71,7 @@ fast_input_t motor_sample(motor_t *motor, const config_t *config, double bus_V)
     const double turns = motor->theta_rad / TURN_rad - floor(motor->theta_rad / TURN_rad);
     in.rotor_angle_turn = (uint16_t)(turns * 65536.0);
     in.hall_state = HALL_OF_SECTOR[(int)(turns * 6.0) % 6];
+    in.encoder = encoder_at(motor, config);
     return in;
 }
 

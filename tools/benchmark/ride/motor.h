@@ -21,10 +21,12 @@
 typedef struct {
     double theta_rad; /* electrical */
     double i_d_A, i_q_A;
+    int32_t turns; /* whole mechanical ones, at the latest sample */
     uint32_t random;
 } motor_t;
 
-/* Codes as the board's converters give them, with a noise of one code either way. */
+/* Codes as the board's converters give them, with a noise of one code either way; all three rotor
+ * sensors. */
 fast_input_t motor_sample(motor_t *motor, const config_t *config, double bus_V);
 
 /* One PWM period at this electrical speed under this output. */

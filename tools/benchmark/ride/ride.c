@@ -3,7 +3,8 @@
  * ride.c: the program whose steps are counted. The firmware's two steps in a closed loop with
  * motor.h: started up, enabled, then a ride through standstill, both directions and into the
  * voltage limit, with demands for driving and braking that change every 50 ms. begin_measuring()
- * marks where counting begins; the last line says where the ride went.
+ * marks where counting begins; the last line says where the ride went. Option "rotor": another
+ * rotor sensor than the configuration's, by its number there.
  */
 #include <stddef.h>
 
@@ -12,7 +13,7 @@
 #include "motor.h"
 #include "semihost.h"
 
-enum { START_ms = 300, RIDE_ms = 1200, DEMAND_ms = 50 };
+enum { START_ms = 300, RIDE_ms = 1200, DEMAND_ms = 50, ENCODER_COUNTS = 4096 };
 
 void begin_measuring(void);
 
@@ -60,13 +61,25 @@ static slow_input_t input_at(const config_t *config, int ms, uint32_t *random)
     return in;
 }
 
+/* The configuration with the rotor sensor that was asked for. */
+static const config_t *configuration(void)
+{
+    static config_t config;
+    config = CONFIG_IMAGE;
+    config.rotor.sensor = (int32_t)semihost_option("rotor", (uint32_t)config.rotor.sensor);
+    if (config.rotor.sensor == CONFIG_ROTOR_ENCODER) {
+        config.rotor.encoder_counts = ENCODER_COUNTS;
+    }
+    return &config;
+}
+
 int main(void)
 {
-    const config_t *config = &CONFIG_IMAGE;
+    const config_t *config = configuration();
     static controller_t controller;
     controller_init(&controller, config, BASES_MODEL_TIMER_Hz);
     fast_setpoint_t fast_setpoint = controller_initial_setpoint(config, BASES_MODEL_TIMER_Hz);
-    motor_t motor = {.random = 1};
+    motor_t motor = {.turns = -1, .random = 1}; /* an index pulse first */
     fast_output_t active = {.bridge = BRIDGE_OFF};
     uint32_t random = 7;
     int running_ms = 0;

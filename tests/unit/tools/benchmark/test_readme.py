@@ -39,5 +39,7 @@ def test_the_readme_contains_the_rows_of_the_benchmark() -> None:
         ("foc_current_step", "cortex-m3"),
         ("foc_current_step", "cortex-m0plus"),
         ("controller_fast_step", "cortex-m4"),
+        ("controller_fast_step_encoder", "cortex-m4"),
+        ("controller_fast_step_angle", "cortex-m4"),
         ("pwm_interrupt", "stm32f405"),
     }
