@@ -91,6 +91,17 @@ if(HUBFOC_PYTHON)
     FIXTURES_REQUIRED stm32g431_image ENVIRONMENT "${benchmark_environment}")
 endif()
 
+# A measuring tool finds the application's variables in the images (test_measuring_tool.py).
+if(HUBFOC_PYTHON)
+  add_test(NAME a_measuring_tool_finds_the_variables COMMAND "${HUBFOC_PYTHON}" -m pytest -q
+    -p no:cacheprovider test_measuring_tool.py
+    WORKING_DIRECTORY "${CMAKE_CURRENT_LIST_DIR}")
+  set_tests_properties(a_measuring_tool_finds_the_variables PROPERTIES TIMEOUT 60
+    LABELS "target;python" FIXTURES_REQUIRED stm32g431_image ENVIRONMENT
+    "${benchmark_environment};\
+HUBFOC_IMAGES=$<TARGET_FILE:hubfoc_stm32f405>:${other}/hubfoc_stm32g431.elf")
+endif()
+
 # The other STM32's image on the model of its chip: its clock, its timing, the budget of its PWM
 # interrupt, the load of its core.
 if(HUBFOC_PYTHON)

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A measuring tool finds the application's variables in the images, although they are optimised.
+
+a2ltool reads the debugger's information as tools for measuring and calibration (ASAM MCD-2 MC) do.
+It finds no variable of a source that is optimised with the whole image; app.c is not.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from benchmark import elf
+
+IMAGES = [Path(name) for name in os.environ["HUBFOC_IMAGES"].split(":")]
+OUTPUT = "app.controller.fast.output"
+BRIDGE_AT = 3 * 2
+"""Bytes of three compare values in front of it (fast_output_t)."""
+
+
+def address_of(image: Path, variable: str, scratch: Path) -> int:
+    """Return the address that the tool gives to a variable."""
+    a2l = scratch / "image.a2l"
+    tool = Path(sys.executable).parent / "a2ltool"
+    subprocess.run(
+        [tool, "--create", "--elffile", image, "--measurement", variable, "--output", a2l],
+        check=True,
+        capture_output=True,
+    )
+    addresses = re.findall(r"ECU_ADDRESS (0x[0-9A-F]+)", a2l.read_text())
+    assert len(addresses) == 1, f"{variable} in {image.name}: {addresses}"
+    return int(addresses[0], 16)
+
+
+@pytest.mark.parametrize("image", IMAGES, ids=lambda image: image.stem)
+def test_a_measuring_tool_finds_what_the_bridge_is_given(image: Path, tmp_path: Path) -> None:
+    app = elf.symbols(image)["app"]
+    first = address_of(image, f"{OUTPUT}.compare_counts[0]", tmp_path)
+    assert app.address <= first < app.address + app.size
+    assert address_of(image, f"{OUTPUT}.bridge", tmp_path) == first + BRIDGE_AT
