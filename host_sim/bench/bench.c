@@ -9,7 +9,7 @@
 enum {
     MILLI = 1000,
     LOST_S = 1000000,
-    BATTERY_STREAM = 1000 /* of random numbers; those of the wheels begin at 0 */
+    BATTERY_STREAM = 1000 /* of random numbers; of wheels from 0, of their brakes from 2000 on */
 };
 static const double SLOW_STEP_S = 1.0 / CONTROLLER_SLOW_RATE_HZ;
 static const double ROUNDING =

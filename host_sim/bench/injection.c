@@ -204,8 +204,29 @@ double injection_hydraulic_nm(const fault_params_t *p, injection_t *state, doubl
     return state->commands_nm[seen];
 }
 
-double injection_report_nm(const fault_params_t *p, double reported_nm, double largest_nm)
+void injection_brake_step(const fault_params_t *p, injection_t *state)
 {
+    state->flickers_ms = p->hydraulic_flicker_s > 0.0 ? state->flickers_ms + 1 : 0;
+    state->report_drift += p->hydraulic_report_drift_per_s * 1e-3;
+}
+
+/* In turn, from the first moment on. */
+static bool is_lost(const fault_params_t *p, const injection_t *state)
+{
+    return state->flickers_ms > 0 && fmod((state->flickers_ms - 1) * 1e-3,
+                                          2.0 * p->hydraulic_flicker_s) < p->hydraulic_flicker_s;
+}
+
+double injection_brake_share(const fault_params_t *p, const injection_t *state)
+{
+    return is_lost(p, state) ? 1.0 - p->hydraulic_flicker_loss : 1.0;
+}
+
+double injection_report_nm(const fault_params_t *p, const injection_t *state, double reported_nm,
+                           double largest_nm)
+{
+    const double lost = is_lost(p, state) ? p->hydraulic_report_flicker_loss : 0.0;
+    const double shown_nm = reported_nm * (1.0 + state->report_drift - lost);
     return p->hydraulic_report_stuck > ON ? p->hydraulic_report_shown * largest_nm
-                                          : reported_nm + p->hydraulic_report_offset * largest_nm;
+                                          : shown_nm + p->hydraulic_report_offset * largest_nm;
 }

@@ -9,6 +9,7 @@
 #include "plant/numbers.h"
 
 enum { MILLI = 1000, CENTI = 100, PERCENT = 100 };
+enum { BRAKE_SENSOR_STREAM = 2000 }; /* of random numbers, and on: bench.c */
 static const double SLOW_STEP_S = 1.0 / CONTROLLER_SLOW_RATE_HZ;
 static const double ON = 0.5; /* a switch given as a number */
 
@@ -60,7 +61,8 @@ void wheel_begin(wheel_t *wheel, const wheel_world_t *world)
     wheel->heat_iron_j = 0.0;
     wheel->heat_switches_j = 0.0;
     wheel->brake = hydraulic_brake_init(&params->brake, world->step_s);
-    wheel->brake_sensor = brake_sensor_init();
+    wheel->brake_sensor = brake_sensor_init(
+        random_init((uint64_t)params->run.seed, BRAKE_SENSOR_STREAM + (uint64_t)wheel->index));
     const bool active = thermal->active > 0.5;
     const thermal_row_t motor = {
         .inner_j_per_k = active ? thermal->winding_heat_capacity_j_per_k : 0.0,
@@ -184,10 +186,12 @@ static const fault_params_t *program_fault(const wheel_t *wheel, const wheel_wor
 static brake_sensor_report_t brake_report(wheel_t *wheel, const bench_params_t *params)
 {
     brake_sensor_report_t *report = &wheel->brake_sensor.report;
+    injection_brake_step(&params->fault, &wheel->injection);
     brake_sensor_step(&params->brake_sensor, &wheel->brake_sensor, wheel->brake_capacity_nm);
     if (wheel->is_faulty && report->age_ms == 0) {
-        report->torque_nm = injection_report_nm(&params->fault, report->torque_nm,
-                                                params->brake.max_hydraulic_torque_nm);
+        report->torque_nm =
+            injection_report_nm(&params->fault, &wheel->injection, report->torque_nm,
+                                params->brake.max_hydraulic_torque_nm);
     }
     return *report;
 }
@@ -326,6 +330,7 @@ wheel_flow_t wheel_step(wheel_t *wheel, const wheel_world_t *world, double speed
     const inverter_flow_t *bridge = &fed.bridge;
     wheel->brake_capacity_nm = hydraulic_brake_step(&wheel->brake);
     if (wheel->is_faulty) {
+        wheel->brake_capacity_nm *= injection_brake_share(&world->params->fault, &wheel->injection);
         wheel->brake_capacity_nm +=
             world->params->fault.hydraulic_drag * world->params->brake.max_hydraulic_torque_nm;
     }

@@ -10,9 +10,9 @@ static int milliseconds(double time_s)
     return (int)lround(time_s * 1e3);
 }
 
-brake_sensor_state_t brake_sensor_init(void)
+brake_sensor_state_t brake_sensor_init(random_t random)
 {
-    const brake_sensor_state_t out = {.next = 0};
+    const brake_sensor_state_t out = {.random = random};
     return out;
 }
 
@@ -31,6 +31,9 @@ brake_sensor_report_t brake_sensor_step(const brake_sensor_params_t *params,
     if (params->fitted > ON && params->silent < ON && state->due_ms <= 0) {
         state->due_ms = milliseconds(params->period_s);
         state->report.torque_nm = state->shown_nm;
+        if (params->noise_nm > 0.0 && params->stuck < ON) {
+            state->report.torque_nm += params->noise_nm * random_gaussian(&state->random);
+        }
         state->report.age_ms = 0;
         state->report.valid = params->invalid < ON;
     }

@@ -42,6 +42,8 @@ typedef struct {
     fast_output_t late_output;
     double commands_nm[INJECTION_LATE_MS_MAX + 1]; /* to the hydraulic brake */
     int next_command;
+    int flickers_ms;     /* since the hydraulic brake or its sensor began to flicker */
+    double report_drift; /* of that sensor, share of the torque */
 } injection_t;
 
 /* One controller with what lies between its two steps. */
@@ -79,7 +81,15 @@ void injection_fast(const fault_params_t *params, injection_t *state,
  * params->hydraulic_late_s. */
 double injection_hydraulic_nm(const fault_params_t *params, injection_t *state, double command_nm);
 
-/* What the hydraulic brake's sensor reports, a share of its largest torque more, or stuck. */
-double injection_report_nm(const fault_params_t *params, double reported_nm, double largest_nm);
+/* Once per millisecond: what flickers and drifts at the hydraulic brake. */
+void injection_brake_step(const fault_params_t *params, injection_t *state);
+
+/* Share of the hydraulic torque that the brake makes now. */
+double injection_brake_share(const fault_params_t *params, const injection_t *state);
+
+/* What the hydraulic brake's sensor reports now: with another gain, a share of the largest torque
+ * more, or stuck. */
+double injection_report_nm(const fault_params_t *params, const injection_t *state,
+                           double reported_nm, double largest_nm);
 
 #endif

@@ -104,6 +104,12 @@
     X(hydraulic_late_s,      0.0,   1.0,    "s",   "dead time of the hydraulic brake added") \
     X(hydraulic_drag,        0.0,   100.0,  "1", \
       "brake torque that never releases, share of the largest hydraulic torque") \
+    X(hydraulic_flicker_s,   0.0,   10.0,   "s", \
+      "brake or sensor lose a share of their torque and have it again in turn, so long each") \
+    X(hydraulic_flicker_loss, -1.0, 1.0,   "1",   "that share of the brake's torque") \
+    X(hydraulic_report_flicker_loss, -1.0, 1.0, "1", "that share of what its sensor shows") \
+    X(hydraulic_report_drift_per_s, -1.0, 1.0, "1/s", \
+      "share of the torque that its sensor shows too much, growth") \
     X(hydraulic_report_stuck, 0.0, 1.0,    "",    "1: its sensor shows hydraulic_report_shown") \
     X(hydraulic_report_shown, 0.0, 1.0,    "1",   "of the largest hydraulic torque") \
     X(hydraulic_report_offset, -1.0, 1.0,  "1",   "of the largest hydraulic torque, added") \

@@ -37,13 +37,41 @@ void test_a_late_hydraulic_brake_gets_the_command_of_so_many_milliseconds_before
 
 void test_a_wrong_report_of_the_brake_is_off_by_a_share_of_the_largest_torque_or_stuck_at_one(void)
 {
-    TEST_ASSERT_EQUAL_DOUBLE(40.0, injection_report_nm(&fault, 40.0, 300.0));
+    TEST_ASSERT_EQUAL_DOUBLE(40.0, injection_report_nm(&fault, &state, 40.0, 300.0));
     fault.hydraulic_report_offset = -0.125;
-    TEST_ASSERT_EQUAL_DOUBLE(2.5, injection_report_nm(&fault, 40.0, 300.0));
+    TEST_ASSERT_EQUAL_DOUBLE(2.5, injection_report_nm(&fault, &state, 40.0, 300.0));
     fault.hydraulic_report_shown = 0.75; /* not yet stuck */
-    TEST_ASSERT_EQUAL_DOUBLE(2.5, injection_report_nm(&fault, 40.0, 300.0));
+    TEST_ASSERT_EQUAL_DOUBLE(2.5, injection_report_nm(&fault, &state, 40.0, 300.0));
     fault.hydraulic_report_stuck = 1.0;
-    TEST_ASSERT_EQUAL_DOUBLE(225.0, injection_report_nm(&fault, 40.0, 300.0));
+    TEST_ASSERT_EQUAL_DOUBLE(225.0, injection_report_nm(&fault, &state, 40.0, 300.0));
+}
+
+/* 30 ms each: lost from the first millisecond on. */
+void test_a_brake_and_its_sensor_flicker_in_turn(void)
+{
+    fault.hydraulic_flicker_s = 0.03;
+    fault.hydraulic_flicker_loss = 0.75;
+    fault.hydraulic_report_flicker_loss = 0.5;
+    for (int ms = 0; ms < 200; ms++) {
+        injection_brake_step(&fault, &state);
+        const bool lost = ms / 30 % 2 == 0;
+        TEST_ASSERT_EQUAL_DOUBLE(lost ? 0.25 : 1.0, injection_brake_share(&fault, &state));
+        TEST_ASSERT_EQUAL_DOUBLE(lost ? 20.0 : 40.0, injection_report_nm(&fault, &state, 40, 300));
+    }
+    fault.hydraulic_flicker_s = 0.0; /* the fault has ended */
+    injection_brake_step(&fault, &state);
+    TEST_ASSERT_EQUAL_DOUBLE(1.0, injection_brake_share(&fault, &state));
+    TEST_ASSERT_EQUAL_DOUBLE(40.0, injection_report_nm(&fault, &state, 40.0, 300.0));
+}
+
+void test_a_report_that_drifts_shows_another_share_of_the_torque_each_second(void)
+{
+    fault.hydraulic_report_drift_per_s = -0.1;
+    for (int ms = 0; ms < 2000; ms++) {
+        injection_brake_step(&fault, &state);
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.8 * 40.0, injection_report_nm(&fault, &state, 40.0, 300.0));
+    TEST_ASSERT_EQUAL_DOUBLE(1.0, injection_brake_share(&fault, &state));
 }
 
 void test_the_slow_step_that_has_stopped_keeps_its_messages_until_their_counter_is_missed(void)

@@ -2,6 +2,8 @@
 /* What a sensor of the hydraulic torque reports, and when. */
 #include "plant/brake_sensor.h"
 
+#include <math.h>
+
 #include "unity.h"
 
 static brake_sensor_params_t params;
@@ -11,7 +13,7 @@ void setUp(void)
 {
     const brake_sensor_params_t fitted = {.fitted = 1.0, .period_s = 0.01, .delay_s = 0.005};
     params = fitted;
-    state = brake_sensor_init();
+    state = brake_sensor_init(random_init(1, 0));
 }
 
 void tearDown(void) {}
@@ -71,4 +73,24 @@ void test_a_sensor_fault_flag_makes_the_reading_invalid(void)
 {
     params.invalid = 1.0;
     TEST_ASSERT_FALSE(brake_sensor_step(&params, &state, 0.0).valid);
+}
+
+/* Of a torque at rest: the mean is the torque, the deviation the sensor's, each within four times
+ * the error of that mean. A stuck sensor shows one number. */
+void test_the_noise_of_the_sensor_has_its_standard_deviation(void)
+{
+    enum { COUNT = 4000 };
+    params.noise_nm = 2.0;
+    params.period_s = params.delay_s = 0.0;
+    double sum = 0.0, squares = 0.0;
+    for (int n = 0; n < COUNT; n++) {
+        const double off_nm = brake_sensor_step(&params, &state, 40.0).torque_nm - 40.0;
+        sum += off_nm;
+        squares += off_nm * off_nm;
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(4.0 * 2.0 / sqrt(COUNT), 0.0, sum / COUNT);
+    TEST_ASSERT_DOUBLE_WITHIN(4.0 * 2.0 / sqrt(2.0 * COUNT), 2.0, sqrt(squares / COUNT));
+    params.stuck = 1.0;
+    const double stuck_nm = brake_sensor_step(&params, &state, 40.0).torque_nm;
+    TEST_ASSERT_EQUAL_DOUBLE(stuck_nm, brake_sensor_step(&params, &state, 50.0).torque_nm);
 }
