@@ -8,6 +8,12 @@ enum {
     STEEPEST = 1 << 25 /* i_d over i_qt, 24 fraction bits */
 };
 
+/* A sum of coefficients, each up to 2^30 in an extreme configuration. */
+static int32_t sum(int64_t first, int32_t second, int32_t third)
+{
+    return within(q_saturate64(first + second + third));
+}
+
 /* The resistance of the conducting switches counts as the winding's. */
 feasible_power_t feasible_power_of(const motor_model_t *m)
 {
@@ -17,14 +23,14 @@ feasible_power_t feasible_power_of(const motor_model_t *m)
     const int32_t at_zero_b = m->voltage_q_b + scaled_multiply(switches_b, m->iron_current_b);
     const feasible_power_t out = {
         .a = within(scaled_multiply(per_x, m->one_plus_a2)),
-        .b = within(scaled_multiply(per_x, m->iron_current_b) +
-                    scaled_multiply(at_zero_b, m->one_plus_a2)),
-        .b_d = within(scaled_multiply(per_x, m->cross_d) + scaled_multiply(per_d, m->one_plus_a2) -
-                      m->reactance_q_b),
+        .b = sum(scaled_multiply(per_x, m->iron_current_b),
+                 scaled_multiply(at_zero_b, m->one_plus_a2), 0),
+        .b_d = sum(scaled_multiply(per_x, m->cross_d), scaled_multiply(per_d, m->one_plus_a2),
+                   -m->reactance_q_b),
         .c = within(scaled_multiply(at_zero_b, m->iron_current_b)),
-        .c_d = within(scaled_multiply(at_zero_b, m->cross_d) +
-                      scaled_multiply(per_d, m->iron_current_b)),
-        .c_dd = within(m->resistance_b + switches_b + scaled_multiply(per_d, m->cross_d)),
+        .c_d = sum(scaled_multiply(at_zero_b, m->cross_d),
+                   scaled_multiply(per_d, m->iron_current_b), 0),
+        .c_dd = sum(m->resistance_b, switches_b, scaled_multiply(per_d, m->cross_d)),
     };
     return out;
 }
