@@ -65,7 +65,7 @@ static double measured_a(const bms_params_t *params, bms_state_t *state)
     const double noise_a = params->current_noise_a > 0.0
                                ? params->current_noise_a * random_gaussian(&state->random)
                                : 0.0;
-    return (1.0 + params->current_error) * state->filtered_a + noise_a;
+    return (1.0 + params->current_error) * state->filtered_a + params->current_offset_a + noise_a;
 }
 
 bms_limits_t bms_step(const bms_params_t *params, bms_state_t *state, const battery_params_t *pack,

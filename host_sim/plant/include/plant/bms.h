@@ -41,6 +41,7 @@
     X(current_silent,    0.0,   1.0,   "", \
       "1: the message does not give the pack's current") \
     X(current_error,    -1.0,   10.0,  "1", "gain error of the pack's current sensor") \
+    X(current_offset_a, -1e4,   1e4,   "A", "its offset") \
     X(current_noise_a,   0.0,   1e4,   "A", "its standard deviation") \
     X(current_filter_s,  0.0,   10.0,  "s", "its time constant; 0: none")
 /* clang-format on */

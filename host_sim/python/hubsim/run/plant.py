@@ -180,6 +180,7 @@ def _bms(drive: Drive) -> dict[str, float]:
         "bms.voltage_silent": 0.0,
         "bms.current_silent": 0.0,
         "bms.current_error": BATTERY_CURRENT_ERROR,
+        "bms.current_offset_a": 0.0,
         "bms.current_noise_a": BATTERY_CURRENT_NOISE * battery.max_discharge_current_a,
         "bms.current_filter_s": BATTERY_CURRENT_FILTER_S,
     }

@@ -137,6 +137,21 @@ void test_limits_are_constant_between_messages(void)
                              bms_step(&params, &state, &pack, &battery, false, 0.201).charge_a);
 }
 
+/* 40 A for two time constants, of which a filter has shown 1 - 1/e^2, then a gain and an offset. */
+void test_measured_current_is_filtered_and_has_a_gain_error_and_an_offset(void)
+{
+    bms_state_t state = {.next_s = 0.0};
+    bms_limits_t sent = {.current_a = 0.0};
+    params.current_filter_s = 1.0;
+    params.current_error = 0.25;
+    params.current_offset_a = -5.0;
+    battery.current_a = 40.0;
+    for (int ms = 0; ms < 2000; ms++) {
+        sent = bms_step(&params, &state, &pack, &battery, false, ms * 1e-3);
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(0.05, 50.0 * (1.0 - exp(-2.0)) - 5.0, sent.current_a);
+}
+
 void test_the_short_time_limit_is_sent_as_given_whatever_the_pack_takes_for_long(void)
 {
     params.peak_charge_a = 150.25;
