@@ -216,6 +216,16 @@ class Battery(Section):
             " lies below max_voltage_v",
         ),
     ] = None
+    current_filter_s: Annotated[
+        float,
+        number(
+            0.0,
+            10.0,
+            "s",
+            "longest time constant of the current that the battery management reports: the motor's"
+            " current sensors are compared with it over eight times this",
+        ),
+    ] = 2.0
 
 
 class Vehicle(Section):

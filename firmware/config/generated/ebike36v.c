@@ -163,6 +163,10 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
          * motor when all motors take the same; 0: not counted, the fold-back then overshoots
          * its line */
         .resistance_uOhm               = 90000,
+        /* [ms] longest time constant of the current that the management reports: sensors of
+         * the motor are compared with it over eight times this; counts only where it reports
+         * one; default 2 s */
+        .current_filter_ms             = 2000,
         .overvoltage_trip_mV           = 44100, /* [mV] bridge goes to its safe state */
         .undervoltage_trip_mV          = 27000, /* [mV] bridge goes to its safe state */
     },
@@ -423,5 +427,5 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
             -282, -352, -283, -480, -539,
         },
     },
-    .crc32 = 0x6F998DBF,
+    .crc32 = 0xF0DB933A,
 };

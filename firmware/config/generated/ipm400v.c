@@ -163,6 +163,10 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
          * motor when all motors take the same; 0: not counted, the fold-back then overshoots
          * its line */
         .resistance_uOhm               = 60000,
+        /* [ms] longest time constant of the current that the management reports: sensors of
+         * the motor are compared with it over eight times this; counts only where it reports
+         * one; default 2 s */
+        .current_filter_ms             = 2000,
         .overvoltage_trip_mV           = 423150, /* [mV] bridge goes to its safe state */
         .undervoltage_trip_mV          = 270000, /* [mV] bridge goes to its safe state */
     },
@@ -646,5 +650,5 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
             -20041, -21553, -22987, -24353, -25659, -26913, -28121, -29286, -30414,
         },
     },
-    .crc32 = 0xEE133BCC,
+    .crc32 = 0x01414491,
 };

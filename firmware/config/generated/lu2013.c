@@ -163,6 +163,10 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
          * motor when all motors take the same; 0: not counted, the fold-back then overshoots
          * its line */
         .resistance_uOhm               = 48000,
+        /* [ms] longest time constant of the current that the management reports: sensors of
+         * the motor are compared with it over eight times this; counts only where it reports
+         * one; default 2 s */
+        .current_filter_ms             = 2000,
         .overvoltage_trip_mV           = 60564, /* [mV] bridge goes to its safe state */
         .undervoltage_trip_mV          = 36000, /* [mV] bridge goes to its safe state */
     },
@@ -442,5 +446,5 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
             -7364, -7790, -7021, -8871, -9455,
         },
     },
-    .crc32 = 0x7F7437D9,
+    .crc32 = 0xB66B0DFE,
 };

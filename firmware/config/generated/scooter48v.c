@@ -163,6 +163,10 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
          * motor when all motors take the same; 0: not counted, the fold-back then overshoots
          * its line */
         .resistance_uOhm               = 110000,
+        /* [ms] longest time constant of the current that the management reports: sensors of
+         * the motor are compared with it over eight times this; counts only where it reports
+         * one; default 2 s */
+        .current_filter_ms             = 2000,
         .overvoltage_trip_mV           = 57330, /* [mV] bridge goes to its safe state */
         .undervoltage_trip_mV          = 35100, /* [mV] bridge goes to its safe state */
     },
@@ -432,5 +436,5 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
             -5218, -5966, -6796, -7744, -8823, -10033, -11370, -12827, -14396,
         },
     },
-    .crc32 = 0x6313641F,
+    .crc32 = 0x00EFC6F9,
 };

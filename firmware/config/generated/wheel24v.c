@@ -163,6 +163,10 @@ CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
          * motor when all motors take the same; 0: not counted, the fold-back then overshoots
          * its line */
         .resistance_uOhm               = 80000,
+        /* [ms] longest time constant of the current that the management reports: sensors of
+         * the motor are compared with it over eight times this; counts only where it reports
+         * one; default 2 s */
+        .current_filter_ms             = 2000,
         .overvoltage_trip_mV           = 26250, /* [mV] bridge goes to its safe state */
         .undervoltage_trip_mV          = 16200, /* [mV] bridge goes to its safe state */
     },
@@ -440,5 +444,5 @@ CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
             -69, -93, -74, -137, -157,
         },
     },
-    .crc32 = 0x0523A180,
+    .crc32 = 0xC7AF4517,
 };
