@@ -15,9 +15,6 @@ enum {
     LACKING_STEPS = 5,       /* without its flux */
     LEAST_PU = 2048,         /* a sixteenth of the current's full scale */
     NAME_STEPS = 10,         /* until a sensor's speed has followed its angle */
-    GAIN_STEPS = UINT8_MAX,  /* until a message of the battery tells a gain error from a slip */
-    HALF_GAIN_TURN = 3260,   /* 5/16 of a radian: sensors that show from 8/13 of the current on */
-    LENGTH_SHARE = 9,        /* a slip of 16 degrees changes the flux by more */
     SLIPPED_STEPS = 12,
     SALIENT_PERMILLE = 1500,
     CONFIRM_STEPS = 2,
@@ -193,34 +190,16 @@ static reason_t name_of(const rotor_view_t *in)
     return along_mrad_s > -half_mrad_s ? REASON_ROTOR_FROZEN : REASON_ROTOR_REVERSED;
 }
 
-/* Currents that read too small leave a part of L_q i_q, at most 5/8 of it here, across the flux,
- * which keeps its length; a slip changes that where the current is large (DERIVATIONS.md,
- * Gain error of all current sensors). */
-static bool explained_by_gain(const config_t *config, const rotor_view_t *in)
-{
-    const int32_t along = active_permille(config, in->i_pu.d);
-    const int32_t across = linked_permille(config, config->motor.q_inductance_nH, in->i_pu.q);
-    const int32_t flux = q_saturate16(in->flux_q14 * 1000 / q_max(in->expected_q14, 1));
-    const int32_t ahead = -in->difference_turn * flux;
-    const int32_t half = across * HALF_GAIN_TURN; /* the part of L_q i_q is 0 to twice this */
-    return q_abs(flux - along) * LENGTH_SHARE <= along && q_abs(ahead - half) <= q_abs(half);
-}
-
 /* Once, for as long as the sensor is wrong. */
-static void name_sensor(angle_choice_state_t *state, const config_t *config, const rotor_view_t *in,
-                        bool gain_suspected)
+static void name_sensor(angle_choice_state_t *state, const config_t *config, const rotor_view_t *in)
 {
     state->wrong_steps = counted(state->wrong_steps, state->sensor_wrong);
     const bool slips = state->wrong_steps == 1 && state->slipped >= SLIPPED_STEPS;
-    if (state->wrong_steps == 1) {
-        state->gain_explains = slips && explained_by_gain(config, in);
-    }
-    const int32_t waits_steps = state->gain_explains ? GAIN_STEPS : NAME_STEPS;
     if (!state->sensor_wrong) {
         state->name = REASON_NONE;
-    } else if (slips && !state->gain_explains && !gain_suspected) {
+    } else if (slips) {
         state->name = REASON_ROTOR_SLIPPED; /* so near for so long: it turns as fast */
-    } else if (state->name == REASON_NONE && state->wrong_steps >= waits_steps && !gain_suspected) {
+    } else if (state->name == REASON_NONE && state->wrong_steps >= NAME_STEPS) {
         /* An observer that is gone by then was wrong itself, as in a wheel that locks. */
         state->name = watches(state, config, in) ? name_of(in) : REASON_ROTOR_UNCERTAIN;
     }
@@ -240,7 +219,7 @@ void angle_choice_init(angle_choice_state_t *state)
 }
 
 angle_choice_t angle_choice_step(angle_choice_state_t *state, const config_t *config,
-                                 const rotor_view_t *in, bool gain_suspected, bool cleared)
+                                 const rotor_view_t *in, bool cleared)
 {
     if (config->rotor.observer_takeover == 0) {
         const angle_choice_t sensor_alone = {.valid = in->sensor_valid};
@@ -250,7 +229,7 @@ angle_choice_t angle_choice_step(angle_choice_state_t *state, const config_t *co
     compare(state, config, in);
     watch_return(state, config, in);
     state->sensor_wrong = state->sensor_wrong && !(cleared && !in->switching);
-    name_sensor(state, config, in, gain_suspected);
+    name_sensor(state, config, in);
     const bool sensor = in->sensor_valid && !state->sensor_wrong && may_return(state, in);
     state->observer_used =
         !sensor && (state->observer_used || watches(state, config, in) || !in->switching);

@@ -84,8 +84,7 @@ static void write_setpoint(const controller_slow_t *slow, const config_t *config
 }
 
 static last_t last_of(const measured_t *now, const monitored_t *watch,
-                      const torque_output_t *torque, const fast_setpoint_t *setpoint,
-                      const findings_t *findings)
+                      const torque_output_t *torque, const fast_setpoint_t *setpoint)
 {
     const last_t out = {
         .torque_command_mNm = torque->command_mNm,
@@ -97,7 +96,7 @@ static last_t last_of(const measured_t *now, const monitored_t *watch,
         .safe_bridge = watch->safe.bridge,
         .engaged = torque->engaged,
         .at_rest = watch->at_rest,
-        .gain_suspected = findings_suspected(findings, FINDING_GAIN),
+        .current_missing_q15 = watch->current_missing_q15,
     };
     return out;
 }
@@ -156,6 +155,6 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
                                                     enable, demanded, findings);
     slow->step_count++;
     write_setpoint(slow, config, &now, &watch, &mode, &torque.current, bridge, setpoint);
-    slow->last = last_of(&now, &watch, &torque, setpoint, findings);
+    slow->last = last_of(&now, &watch, &torque, setpoint);
     return output_of(&now, &watch, &mode, &torque);
 }

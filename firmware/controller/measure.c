@@ -40,8 +40,7 @@ measured_t measure_step(measure_t *state, const config_t *config, const fast_rep
     };
     const rotor_view_t rotor = operating_point_rotor(&state->operating_point, config, report);
     const angle_choice_t angle =
-        angle_choice_step(&state->angle, config, &rotor, last->gain_suspected,
-                          in->demand.fault_reset && last->at_rest);
+        angle_choice_step(&state->angle, config, &rotor, in->demand.fault_reset && last->at_rest);
     const bool observed = angle.by == ANGLE_BY_OBSERVER;
     const rotor_speed_t speed = {
         .turn_q32 = observed ? report->observer.speed_q32 : report->speed_q32,

@@ -271,6 +271,13 @@ static safe_state_t safe_state_of(monitor_state_t *state, const config_t *config
                          safe_state_step(config, now, before, bound_mrad_s, battery_gone));
 }
 
+/* The current into the bus: measured, or zero without PWM, unless diodes conduct. */
+static bool bus_current_known(const measured_t *now, const safe_state_t *safe)
+{
+    return measured_switching(now) || bridge_is_short(now->report->bridge) ||
+           (safe->bridge == BRIDGE_OFF && safe->freewheel.current_mA == 0);
+}
+
 monitored_t monitor_step(monitor_state_t *state, const config_t *config, const measured_t *now,
                          const last_t *last, findings_t *findings)
 {
@@ -284,8 +291,6 @@ monitored_t monitor_step(monitor_state_t *state, const config_t *config, const m
     findings_set(findings, FINDING_CURRENT_MISSING,
                  monitor_current_step(&state->current, config, now, reference_pu));
     findings_set(findings, FINDING_TORQUE, switching && torque_unwanted(config, now, last));
-    findings_set(findings, FINDING_GAIN, monitor_gain_step(&state->gain, config, now));
-    findings_suspect(findings, FINDING_GAIN, state->gain.level > 0);
     findings_set(findings, FINDING_STEPS, flow_broken(state, config, report->sequence));
     findings_suspect(findings, FINDING_STEPS, state->flow_level > 0);
     const reason_t no_current = monitor_open_step(&state->open, now, reference_pu);
@@ -303,6 +308,8 @@ monitored_t monitor_step(monitor_state_t *state, const config_t *config, const m
     findings_set(findings, FINDING_SWITCH_STUCK, stuck.side != BRIDGE_OFF);
     const safe_state_t safe =
         safe_state_of(state, config, now, last->safe_bridge, bound_mrad_s, stuck.side);
+    findings_set(findings, FINDING_GAIN,
+                 monitor_gain_step(&state->gain, config, now, bus_current_known(now, &safe)));
     state->steps++;
     const bool weak = findings_present(findings, FINDING_FLUX_LOW) && now->battery->voltage_mV > 0;
     const monitored_t out = {
@@ -315,6 +322,7 @@ monitored_t monitor_step(monitor_state_t *state, const config_t *config, const m
         .release_trip = state->release_trip,
         .release_break = stuck.release_break,
         .flux_missing_q15 = weak ? state->emf.missing_q20 / 32 : 0,
+        .current_missing_q15 = state->gain.missing_q15,
     };
     return out;
 }

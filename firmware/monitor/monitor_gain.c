@@ -2,33 +2,113 @@
 #include "monitor/monitor_gain.h"
 
 #include "core/q15.h"
+#include "core/scaled.h"
 
-/* mA * mV = uW = mN m * mrad/s. What is judged is driving (least > 0) or braking altogether. */
-static bool contradicts(const monitor_window_t *window, const config_t *config, int32_t battery_mA,
-                        int64_t bus_mV)
+enum { MOST_BUS_mV = 2000000, CHARGE_LOG2 = 10 };
+
+void monitor_gain_restart(monitor_gain_state_t *state)
+{
+    const monitor_gain_state_t fresh = {.wrong = false};
+    *state = fresh;
+}
+
+static int32_t delay_ms(const config_t *config)
+{
+    return config->battery.current_filter_ms + MONITOR_GAIN_MESSAGE_ms;
+}
+
+/* The charges of a window, in units of 1024 uC, which fit 32 bits. */
+static int32_t charge(int64_t charge_uC)
+{
+    return (int32_t)(charge_uC >> CHARGE_LOG2);
+}
+
+static void add(monitor_gain_state_t *state, int32_t loop_mA, int32_t battery_mA)
+{
+    if (state->steps == 0) {
+        state->loop_uC = 0;
+        state->battery_uC = 0;
+        state->moved_uC = 0;
+        state->loop_low_mA = loop_mA;
+        state->loop_high_mA = loop_mA;
+        state->battery_low_mA = battery_mA;
+        state->battery_high_mA = battery_mA;
+        state->begin_mA = battery_mA;
+    }
+    state->loop_uC += loop_mA; /* 1 mA for 1 ms is 1 uC */
+    state->battery_uC += battery_mA;
+    state->moved_uC += q_abs(loop_mA);
+    state->loop_low_mA = q_min(state->loop_low_mA, loop_mA);
+    state->loop_high_mA = q_max(state->loop_high_mA, loop_mA);
+    state->battery_low_mA = q_min(state->battery_low_mA, battery_mA);
+    state->battery_high_mA = q_max(state->battery_high_mA, battery_mA);
+    state->steps++;
+}
+
+/* How far the difference of the charges lies outside what a delay of the message explains: zero to
+ * all of it, times the change of the battery's current. */
+static int64_t unexplained(const monitor_gain_state_t *state, const config_t *config,
+                           int32_t battery_mA)
+{
+    const int64_t change_mA = (int64_t)battery_mA - state->begin_mA;
+    const int32_t lag = charge(change_mA * delay_ms(config));
+    const int64_t difference = (int64_t)charge(state->loop_uC) - charge(state->battery_uC);
+    const int64_t above = difference - q_max(lag, 0);
+    const int64_t below = q_min(lag, 0) - difference;
+    return above > 0 ? above : below > 0 ? below : 0;
+}
+
+/* A share of the current that flows by the battery; none where it is less than the loop's. */
+static int32_t missing_q15(const monitor_gain_state_t *state)
+{
+    const int32_t flows = q_abs(charge(state->battery_uC));
+    const int32_t missing = flows - q_abs(charge(state->loop_uC));
+    return missing <= 0 ? 0
+                        : q_min(scaled_ratio(missing, flows) >> 9, MONITOR_GAIN_MOST_MISSING_Q15);
+}
+
+/* At the end of a window. mA mV = uW = mN m mrad/s, and 1024 uC mV = 1024 nJ. */
+static void judge(monitor_gain_state_t *state, const config_t *config, int32_t battery_mA,
+                  int64_t bus_mV)
 {
     const int64_t rated_uW =
         (int64_t)config->motor.rated_torque_mNm * config->motor.max_speed_mrad_s;
-    const int32_t lowest_mA = monitor_window_lowest(window);
-    const int32_t highest_mA = monitor_window_highest(window);
-    const bool drives = lowest_mA > 0;
-    const int32_t least_mA = drives ? lowest_mA : -highest_mA;
-    const int32_t tolerance_mA = (drives ? highest_mA : -lowest_mA) / MONITOR_GAIN_TOLERANCE_SHARE;
-    const int32_t above_mA = battery_mA - highest_mA - tolerance_mA;
-    return least_mA * bus_mV >= rated_uW / MONITOR_GAIN_LEAST_SHARE &&
-           (battery_mA < lowest_mA - tolerance_mA ||
-            above_mA * bus_mV > rated_uW / MONITOR_GAIN_EXTRA_SHARE);
+    const int64_t rated = (rated_uW >> CHARGE_LOG2) * state->steps;
+    const int32_t loop_span_mA = state->loop_high_mA - state->loop_low_mA;
+    const int32_t battery_span_mA = state->battery_high_mA - state->battery_low_mA;
+    if (loop_span_mA * bus_mV >= rated_uW / MONITOR_GAIN_MOVES) {
+        state->follows = battery_span_mA >= loop_span_mA / MONITOR_GAIN_FOLLOWS;
+    }
+    const int64_t moved = charge(state->moved_uC);
+    if (!state->follows) {
+        state->wrong = false;
+    } else if (moved * bus_mV >= rated / MONITOR_GAIN_LEAST) {
+        const int64_t beyond = unexplained(state, config, battery_mA);
+        state->wrong = (beyond * MONITOR_GAIN_TOLERANCE - moved) * bus_mV >
+                       rated / MONITOR_GAIN_EXTRA * MONITOR_GAIN_TOLERANCE;
+        state->missing_q15 = missing_q15(state);
+    }
+    state->missing_q15 = state->wrong ? state->missing_q15 : 0;
 }
 
-bool monitor_gain_step(monitor_window_t *window, const config_t *config, const measured_t *now)
+bool monitor_gain_step(monitor_gain_state_t *state, const config_t *config, const measured_t *now,
+                       bool known)
 {
     if (!now->battery->current_given || measured_battery_open(now) ||
-        config->battery.driven_wheels != 1 || !measured_switching(now)) {
-        monitor_window_restart(window);
+        config->battery.driven_wheels != 1) {
+        monitor_gain_restart(state);
         return false;
     }
-    const int32_t battery_mA = q_limit(now->battery->current_mA, MONITOR_WINDOW_MOST);
-    return monitor_window_add(window, q_limit(now->bus_current_mA, MONITOR_WINDOW_MOST)) &&
-           monitor_window_judge(window,
-                                contradicts(window, config, battery_mA, now->bus_voltage_mV));
+    if (!known) {
+        state->steps = 0;
+        return state->wrong;
+    }
+    const int32_t battery_mA = q_limit(now->battery->current_mA, MONITOR_GAIN_MOST_mA);
+    const int32_t loop_mA = q_limit(now->bus_current_mA, MONITOR_GAIN_MOST_mA);
+    add(state, measured_switching(now) ? loop_mA : 0, battery_mA);
+    if (state->steps >= MONITOR_GAIN_WINDOW * delay_ms(config)) {
+        judge(state, config, battery_mA, q_clamp(now->bus_voltage_mV, 0, MOST_BUS_mV));
+        state->steps = 0;
+    }
+    return state->wrong;
 }

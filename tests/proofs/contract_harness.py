@@ -77,7 +77,9 @@ VALUES: dict[str, tuple[str, ...]] = {
     "motor_constants": ("motor_constants_init",),
     "heat_and_brake": ("thermal_model_step", "hydraulic_model_step", "hydraulic_feedback_step"),
     "loss_braking": ("loss_braking_setpoint",),
-    "speed_and_emf": ("monitor_emf_step", "monitor_speed_step", "monitor_bus_swings"),
+    "speed_and_emf": (
+        "monitor_emf_step", "monitor_speed_step", "monitor_bus_swings", "monitor_gain_step",
+    ),
     # One by one: together they do not finish.
     "short": ("safe_state_short",),
     "safe_state": ("safe_state_step",),

@@ -123,6 +123,24 @@ enum { MOST_ROW_POINTS = 65 };
     ((w)->steps <= MONITOR_WINDOW_STEPS && (w)->level <= MONITOR_WINDOW_QUALIFY_STEPS)
 #define monitor_window_holds(w) (window_bounds_hold(w) && window_counts_hold(w))
 
+/* A window of the longest filter, and what its steps may have added up. */
+#define MONITOR_GAIN_MOST_STEPS (MONITOR_GAIN_WINDOW * (10000 + MONITOR_GAIN_MESSAGE_ms))
+#define gain_current_holds(current_mA)                                                             \
+    is_within(current_mA, -MONITOR_GAIN_MOST_mA, MONITOR_GAIN_MOST_mA)
+#define gain_charge_holds(s, charge_uC)                                                            \
+    ((charge_uC) <= (int64_t)(s)->steps * MONITOR_GAIN_MOST_mA &&                                  \
+     (charge_uC) >= -(int64_t)(s)->steps * MONITOR_GAIN_MOST_mA)
+#define monitor_gain_holds(s)                                                                      \
+    (is_within((s)->steps, 0, MONITOR_GAIN_MOST_STEPS) &&                                          \
+     is_within((s)->missing_q15, 0, MONITOR_GAIN_MOST_MISSING_Q15) &&                              \
+     ((s)->wrong || (s)->missing_q15 == 0) &&                                                      \
+     ((s)->steps == 0 ||                                                                           \
+      (gain_charge_holds(s, (s)->loop_uC) && gain_charge_holds(s, (s)->battery_uC) &&              \
+       gain_charge_holds(s, (s)->moved_uC) && (s)->moved_uC >= 0 &&                                \
+       gain_current_holds((s)->loop_low_mA) && gain_current_holds((s)->loop_high_mA) &&            \
+       gain_current_holds((s)->battery_low_mA) && gain_current_holds((s)->battery_high_mA) &&      \
+       gain_current_holds((s)->begin_mA))))
+
 /* Qualify times, and what is left until PROGRAM_FLOW, of the fast monitor. */
 #define fast_times_hold(s)                                                                         \
     ((s)->trip_periods > 0 && (s)->dead_periods > 0 && (s)->dead_periods <= INT16_MAX)
@@ -156,7 +174,7 @@ enum { MOST_ROW_POINTS = 65 };
 #define monitor_state_holds(s, c)                                                                  \
     (monitor_emf_holds(&(s)->emf, c) &&                                                            \
      is_within((s)->current.missing_pu, 0, (c)->monitor.current_missing_pu_q15) &&                 \
-     monitor_window_holds(&(s)->contradiction) && monitor_window_holds(&(s)->gain) &&              \
+     monitor_window_holds(&(s)->contradiction) && monitor_gain_holds(&(s)->gain) &&                \
      monitor_stuck_holds(&(s)->stuck) && monitor_open_holds(&(s)->open) &&                         \
      monitor_speed_holds(&(s)->speed, c) && (s)->swing.swing_mV >= 0)
 
@@ -191,7 +209,7 @@ enum { MOST_ROW_POINTS = 65 };
      finding_at_once(times, FINDING_BUS_JUMPED) && finding_at_once(times, FINDING_BATTERY_LEFT) && \
      finding_at_once(times, FINDING_BATTERY_UNKNOWN) &&                                            \
      finding_at_once(times, FINDING_CONFIGURATION) && finding_at_once(times, FINDING_FLUX_LOW) &&  \
-     finding_at_once(times, FINDING_BRAKE_WEAK))
+     finding_at_once(times, FINDING_GAIN) && finding_at_once(times, FINDING_BRAKE_WEAK))
 #define findings_hold(f)                                                                           \
     (finding_times_hold((f)->times) &&                                                             \
      every(i, FINDING_COUNT,                                                                       \
@@ -223,7 +241,8 @@ enum { MOST_ROW_POINTS = 65 };
             (unsigned)(s)->modes.mode <= MODE_FAULT &&                                             \
             ((s)->modes.mode != MODE_FAULT || (s)->modes.fault != REASON_NONE) &&                  \
             is_within((s)->last.torque_command_mNm, -400000000, 400000000) &&                      \
-            (s)->last.hydraulic_added_mNm >= 0 && vector_holds((s)->last.reference_pu);            \
+            (s)->last.hydraulic_added_mNm >= 0 && vector_holds((s)->last.reference_pu) &&          \
+            is_within((s)->last.current_missing_q15, 0, MONITOR_GAIN_MOST_MISSING_Q15);            \
     })
 
 #endif

@@ -32,7 +32,7 @@ DELAYS = (
     ("safe_bridge", {"monitor": "safe state"}),
     ("engaged", {"modes": "waits for"}),
     ("at_rest", {"measure": "acknowledge"}),
-    ("gain_suspected", {"measure": "name of a slip"}),
+    ("current_missing_q15", {"measure": "heat"}),
 )
 LATE = (
     ("BRAKE_WEAK, _DEAD, ...", "torque"),

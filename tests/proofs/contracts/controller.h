@@ -115,6 +115,7 @@ POST(measure_init, measure_holds(state, config))
 
 PRE(measure_step, measure_holds(state, config) && findings_hold(findings))
 PRE(measure_step, vector_holds(dq_of(report->observer.flux_q14)))
+PRE(measure_step, is_within(last->current_missing_q15, 0, 16384))
 PRE(measure_step, is_within(in->temperature.winding_cC, -100000, 100000) &&
      is_within(in->temperature.switch_cC, -100000, 100000))
 POST(measure_step, measure_holds(state, config) && findings_hold(findings))

@@ -25,7 +25,7 @@ POST(monitor_init, !state->started && !state->release_trip && state->steps == 0 
 POST(monitor_init, state->flow_level == 0 && state->bus.count == 0)
 POST(monitor_init, state->emf.level == 0 && state->emf.flux_level == 0 && state->emf.missing_q20 ==
      0 && state->current.missing_pu == 0 && state->swing.swing_mV == 0)
-POST(monitor_init, monitor_window_holds(&state->contradiction) && monitor_window_holds(&state->gain)
+POST(monitor_init, monitor_window_holds(&state->contradiction) && monitor_gain_holds(&state->gain)
      && monitor_stuck_holds(&state->stuck) && monitor_open_holds(&state->open))
 POST(monitor_init, state->speed.windows == 0 && state->speed.diode_steps == 0 &&
      state->speed.bound_urad_s == 0 && state->speed.rest_urad_s == 0)
@@ -51,6 +51,8 @@ POST(monitor_step, result.safe.bridge == BRIDGE_OFF || (result.emf_conducts &&
      safe_state_charging_mA(&result.safe) == 0))
 POST(monitor_step, is_within(result.flux_missing_q15, 0, 16384) && (result.flux_missing_q15 == 0 ||
      findings_bit_set(findings, FINDING_FLUX_LOW)))
+POST(monitor_step, is_within(result.current_missing_q15, 0, MONITOR_GAIN_MOST_MISSING_Q15) &&
+     (result.current_missing_q15 == 0 || findings_bit_set(findings, FINDING_GAIN)))
 
 POST(monitor_forced_torque_mNm, result == 0 || result == config->motor.max_torque_mNm)
 
@@ -150,16 +152,15 @@ POST(monitor_fast_step, state->trip != REASON_NONE || state->current_periods < s
 POST(monitor_fast_step, periods_left_hold(state))
 
 /* monitor/monitor_gain.h */
-PRE(monitor_gain_step, window_bounds_hold(window))
-PRE(monitor_gain_step, window_counts_hold(window))
-POST(monitor_gain_step, window_bounds_hold(window))
-POST(monitor_gain_step, window_counts_hold(window))
-POST(monitor_gain_step, !result || (measured_switching(now) && config->battery.driven_wheels == 1 &&
+POST(monitor_gain_restart, monitor_gain_holds(state) && !state->wrong && state->steps == 0)
+
+PRE(monitor_gain_step, monitor_gain_holds(state))
+POST(monitor_gain_step, monitor_gain_holds(state))
+POST(monitor_gain_step, result == state->wrong)
+POST(monitor_gain_step, !result || (config->battery.driven_wheels == 1 &&
      now->battery->current_given && !measured_battery_open(now)))
-POST(monitor_gain_step, !result || window->wrong)
-POST(monitor_gain_step, !result || old(window->wrong) || window->level ==
-     MONITOR_WINDOW_QUALIFY_STEPS)
-POST(monitor_gain_step, window->level <= old(window->level) + 1)
+POST(monitor_gain_step, !result || old(state->wrong) || (known && state->follows && state->steps ==
+     0))
 
 /* monitor/monitor_open.h */
 PRE(monitor_open_step, monitor_open_holds(state) && vectors_hold(dq_of(now->report->i_pu),

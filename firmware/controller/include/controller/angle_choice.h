@@ -20,9 +20,7 @@
  * and observer at once. Torque ends there and does not return with them.
  *
  * 10 ms after 60 degrees a wrong sensor gets its name, by its speed: frozen below half the
- * observer's, reversed against it, else slipped. At 16 degrees it has slipped at once, but 255 ms
- * later where a gain error of all current sensors would turn the observer's flux likewise, and not
- * while the battery's current contradicts theirs.
+ * observer's, reversed against it, else slipped. At 16 degrees it has slipped at once.
  *
  * Without rotor.observer_takeover the sensor alone decides.
  *
@@ -50,7 +48,6 @@ typedef struct {
     uint8_t opposed_steps; /* at 60 degrees and more, or without its flux */
     uint8_t slipped;       /* steps apart as above, twice if not confirmed, less steps without */
     uint8_t wrong_steps;   /* until it has its name */
-    bool gain_explains;    /* a slip, by a gain error of the current sensors as well */
     bool lacks_flux;       /* the observer's is much less than the current should make */
     bool was_valid;        /* the sensor, in the step before */
     bool failed;           /* it became invalid at low speed, while the bridge switched */
@@ -83,10 +80,9 @@ typedef struct {
 
 void angle_choice_init(angle_choice_state_t *state);
 
-/* 1 kHz. Any speed, angle and flux; magnitudes of the speed fit 32 bits. gain_suspected: the
- * battery's current contradicts the loop's. cleared: acknowledged at rest; with an open bridge the
- * sensor counts as right again. */
+/* 1 kHz. Any speed, angle and flux; magnitudes of the speed fit 32 bits. cleared: acknowledged at
+ * rest; with an open bridge the sensor counts as right again. */
 angle_choice_t angle_choice_step(angle_choice_state_t *state, const config_t *config,
-                                 const rotor_view_t *in, bool gain_suspected, bool cleared);
+                                 const rotor_view_t *in, bool cleared);
 
 #endif

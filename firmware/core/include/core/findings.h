@@ -71,7 +71,6 @@ typedef enum { FINDING_REACTION_LIST(FINDING_REACTION_ENUM) } finding_reaction_t
     X(ANGLE, ROTOR_IMPLAUSIBLE, OWN("monitor.angle_fault_time_ms"), AT_ONCE, NONE, SAFE_STATE)     \
     X(TORQUE, TORQUE_IMPLAUSIBLE, FIELD(monitor, torque_fault_time_ms), AT_ONCE, NONE,             \
       SAFE_STATE)                                                                                  \
-    X(GAIN, CURRENT_GAIN, OWN("200 ms"), AT_ONCE, NONE, SAFE_STATE)                                \
     X(SWITCH_STUCK, HARDWARE_BREAK, OWN("5 to 22 ms"), AT_ONCE, NONE, TRIP)                        \
     X(CONFIGURATION, CONFIG_INVALID, AT_ONCE, AT_ONCE, NONE, SAFE_STATE)                           \
     X(SELFTEST, SELFTEST_FAILED, OWN("modes.selftest_timeout_ms"), AT_ONCE, NONE, SAFE_STATE)      \
@@ -121,6 +120,7 @@ typedef enum { FINDING_REACTION_LIST(FINDING_REACTION_ENUM) } finding_reaction_t
     X(BUS_CONTRADICTED, BUS_SENSOR, OWN("200 ms"), OWN("200 ms"), NONE, LIMIT)                     \
     X(FLUX_LOW, FLUX_WEAK, OWN("200 ms"), OWN("200 ms"), BUS_READING, NONE)                        \
     X(FLUX_HIGH, BUS_SENSOR, OWN("200 ms"), OWN("200 ms"), BUS_READING, LIMIT)                     \
+    X(GAIN, CURRENT_GAIN, OWN("a window of charge"), OWN("a window of charge"), NONE, NONE)        \
     X(OFFSETS_OLD, OFFSETS_STORED, OWN("modes.offset_wait_ms"), OWN("at calibration"), NONE, LIMIT)
 /* clang-format on */
 

@@ -26,7 +26,7 @@ typedef struct {
     bridge_mode_t safe_bridge;        /* freewheel or a short circuit */
     drive_direction_t engaged;        /* in which driving torque is made */
     bool at_rest;                     /* known whatever the rotor sensor shows */
-    bool gain_suspected;              /* the battery's current contradicts the loop's */
+    int32_t current_missing_q15;      /* share of the current that the sensors do not show */
 } last_t;
 
 #endif

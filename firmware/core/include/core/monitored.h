@@ -38,6 +38,8 @@ typedef struct {
                                  hardware's latch, but not its trip */
     int32_t flux_missing_q15; /* share of the flux that makes no torque, 0 .. 16 384, by a bus
                                  voltage that the battery's message confirms */
+    int32_t current_missing_q15; /* share of the current that the sensors do not show, by the
+                                    battery's, 0 .. 13 107 */
 } monitored_t;
 
 /* Charging current of freewheel, of this motor; 0 in a short circuit. */

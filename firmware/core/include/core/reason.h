@@ -97,8 +97,8 @@
     X(102, HYDRAULIC_LATE, "hydraulic brake comes later than configured", HEALS, SERVICE)          \
     X(103, PHASE_OPEN, "phase wire or switch open: no current where one is wanted",                \
       ACKNOWLEDGED, SERVICE)                                                                       \
-    X(104, CURRENT_GAIN, "gain of all current sensors wrong, by the battery current",              \
-      ACKNOWLEDGED, SERVICE)
+    X(104, CURRENT_GAIN, "gain of all current sensors wrong, by the battery's charge",             \
+      HEALS, SERVICE)
 /* clang-format on */
 
 #define REASON_LIMIT_ENUM(number, identifier, text) REASON_##identifier = (number),

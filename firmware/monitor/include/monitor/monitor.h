@@ -120,7 +120,7 @@ typedef struct {
     monitor_stuck_state_t stuck;
     monitor_open_state_t open;
     monitor_window_t contradiction; /* of bus and battery voltage */
-    monitor_window_t gain;
+    monitor_gain_state_t gain;
     bool bus_was_low;      /* of the latest bus beyond a trip */
     bool bus_sensor_wrong; /* its reading went where no bus goes */
     bool started;

@@ -325,20 +325,6 @@ void test_torque_without_a_command_leads_to_fault(void)
     TEST_ASSERT_EQUAL_INT(REASON_TORQUE_IMPLAUSIBLE, rig.out.fault_reason);
 }
 
-/* A battery that takes nothing while the motor brakes: its current counts where it is given. */
-void test_the_battery_s_current_is_compared_only_where_its_message_has_it(void)
-{
-    rig.config.battery.driven_wheels = 1;
-    rig.follows = true;
-    rig.slow_in.bms.current_mA = 0;
-    rig_run(&rig, 1500);
-    TEST_ASSERT_EQUAL_INT(MODE_RUN, rig.out.mode);
-    rig.slow_in.bms.current_given = true;
-    rig_run(&rig, 1500);
-    TEST_ASSERT_EQUAL_INT(MODE_FAULT, rig.out.mode);
-    TEST_ASSERT_EQUAL_INT(REASON_CURRENT_GAIN, rig.out.fault_reason);
-}
-
 /* ---- acknowledgement ---- */
 
 static void trip(void)

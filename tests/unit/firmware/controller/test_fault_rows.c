@@ -113,6 +113,11 @@ static void begin_cause(finding_t row)
         in->bms.voltage_mV = 44000;
     } else if (row == FINDING_OFFSETS_OLD) {
         brake_with_stored_offsets();
+    } else if (row == FINDING_GAIN) {
+        rig.config.battery.driven_wheels = 1;
+        rig.config.battery.current_filter_ms = 0;
+        in->bms.current_given = true;
+        in->demand.brake_torque_mNm = 0;
     }
 }
 
@@ -169,6 +174,9 @@ static void show_cause(finding_t row, int ms)
         findings_set(&rig.controller.slow.findings, row, true);
     } else if (row == FINDING_FLUX_LOW || row == FINDING_FLUX_HIGH) {
         show_flux(row == FINDING_FLUX_LOW ? 0.6 : 1.4);
+    } else if (row == FINDING_GAIN) { /* too much is shown, so that no torque is withheld */
+        rig.slow_in.bms.current_mA = rig.out.bus_current_mA / 2;
+        rig.slow_in.demand.brake_torque_mNm = ms < 100 ? 0 : 20000;
     }
     rig.slow_in.hydraulic.age_ms++;
 }
@@ -180,9 +188,13 @@ static void run_periods(void)
     }
 }
 
-/* Windows of 200 ms; a rotor sensor without a name, until the torque is back. */
+/* Windows of 200 ms; a rotor sensor without a name, until the torque is back; a window of 1024 ms.
+ */
 static int time_of_cause_ms(finding_t row)
 {
+    if (row == FINDING_GAIN) {
+        return 1200;
+    }
     const bool slow = row == FINDING_FLUX_LOW || row == FINDING_FLUX_HIGH ||
                       row == FINDING_BUS_CONTRADICTED || row == FINDING_ROTOR_UNNAMED;
     return slow ? 1000 : 60;
@@ -208,6 +220,7 @@ static void run_without(finding_t row)
     in->temperature.switch_cC = 2500;
     in->demand.reason = REASON_NONE;
     in->bms.voltage_mV = 0;
+    in->bms.current_given = false;
     if (row == FINDING_OFFSETS_OLD) {
         rig.config.modes.coast_delay_ms = 1;
         in->demand.brake_torque_mNm = 0;

@@ -313,19 +313,6 @@ void test_a_sensor_whose_observer_is_gone_is_found_without_a_name(void)
     TEST_ASSERT_TRUE(findings_present(&findings, FINDING_ROTOR_UNNAMED));
 }
 
-/* The battery's current contradicted that of the loop in the step before. */
-void test_no_sensor_gets_a_name_while_the_current_is_in_doubt(void)
-{
-    last.gain_suspected = true;
-    contradict(0.02, 0.02);
-    run(100);
-    TEST_ASSERT_TRUE(now.sensor_wrong);
-    TEST_ASSERT_EQUAL_INT(FINDING_COUNT, findings_warning(&findings));
-    last.gain_suspected = false;
-    step();
-    TEST_ASSERT_EQUAL_INT(FINDING_ROTOR_SLIPS, findings_warning(&findings));
-}
-
 void test_an_acknowledgement_at_rest_makes_a_wrong_sensor_right(void)
 {
     for (int k = 0; k < 4; k++) {

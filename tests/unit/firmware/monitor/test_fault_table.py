@@ -21,7 +21,7 @@ BEGIN, END = (
     "<!-- end -->",
 )
 WORDS = re.compile(
-    r"at once|never|at calibration|at restart|a speed error|torque ramp"
+    r"at once|never|at calibration|at restart|a speed error|a window of charge|torque ramp"
     r"|\d+ (ms|PWM periods?)( and more)?|\d+ to \d+ ms"
 )
 TIMES = ("_ms", "_periods")
@@ -205,7 +205,7 @@ def test_a_changed_list_is_detected_and_written_by_one_run(
 
 def test_a_row_that_is_not_understood_is_refused(tmp_path: Path) -> None:
     module = copy_to(tmp_path)
-    replace(tmp_path / FINDINGS, "X(GAIN, CURRENT_GAIN, OWN(", "X(GAIN, CURRENT_GAIN, SOON(")
+    replace(tmp_path / FINDINGS, "X(STEPS, PROGRAM_FLOW, OWN(", "X(STEPS, PROGRAM_FLOW, SOON(")
     result = run_generator(module)
     assert result.returncode != 0
     assert "FINDING_FAULTS" in result.stderr

@@ -90,21 +90,64 @@ void test_missing_current_is_a_fault_with_pwm_within_the_voltage(void)
     TEST_ASSERT_EQUAL_INT(REASON_NONE, run(100).fault);
 }
 
-void test_gain_of_the_current_sensors_is_a_fault_where_it_can_be_compared(void)
+/* In windows of 1024 ms: one in which both currents begin to flow, then one of twice the current.
+ */
+static void show_gain(void)
 {
-    in.now.bus_current_mA = 100000;
+    setUp();
+    config.battery.current_filter_ms = 0;
     in.battery.current_given = true;
+    (void)step();
+    in.now.bus_current_mA = 50000;
     in.battery.current_mA = 50000;
-    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(WINDOW_ms - 1).fault);
-    TEST_ASSERT_EQUAL_INT(REASON_CURRENT_GAIN, step().fault);
-    in.report.bridge = BRIDGE_OFF;
-    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1000).fault);
-    in.report.bridge = BRIDGE_PWM;
+    (void)run(1023);
+    in.battery.current_mA = 100000;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1023).warning);
+    const shown_t named = step();
+    TEST_ASSERT_EQUAL_INT(REASON_CURRENT_GAIN, named.warning);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, named.fault);
+    TEST_ASSERT_EQUAL_INT32(13107, named.monitored.current_missing_q15);
+}
+
+void test_gain_of_the_current_sensors_is_a_warning_where_it_can_be_compared(void)
+{
+    show_gain();
+    in.battery.current_mA = 50000;
+    TEST_ASSERT_EQUAL_INT(REASON_CURRENT_GAIN, run(1023).warning);
+    const shown_t healed = step();
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, healed.warning);
+    TEST_ASSERT_EQUAL_INT32(0, healed.monitored.current_missing_q15);
+    show_gain();
     in.battery.contactor = CONTACTOR_OPEN;
-    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1000).fault);
-    in.battery.contactor = CONTACTOR_CLOSED;
+    TEST_ASSERT_FALSE(findings_present(&findings, (step(), FINDING_GAIN)));
+    show_gain();
     in.battery.current_given = false;
-    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1000).fault);
+    TEST_ASSERT_FALSE(findings_present(&findings, (step(), FINDING_GAIN)));
+}
+
+/* An open bridge carries no current, whatever was measured last, and neither does a short circuit
+ * to the bus; diodes that conduct carry one that is not known. */
+void test_current_into_the_bus_is_zero_without_pwm_unless_diodes_conduct(void)
+{
+    static const bridge_mode_t BRIDGES[] = {BRIDGE_OFF, BRIDGE_SHORT, BRIDGE_SHORT_HIGH};
+    for (int k = 0; k < 3; k++) {
+        show_gain();
+        in.report.bridge = BRIDGES[k];
+        in.now.bus_current_mA = 100000;
+        in.battery.current_mA = 0;
+        (void)run(2048);
+        TEST_ASSERT_EQUAL_INT32(0, state.gain.loop_high_mA);
+        TEST_ASSERT_GREATER_THAN_INT32(0, state.gain.steps + 1);
+    }
+    show_gain();
+    in.report.bridge = BRIDGE_OFF;
+    in.now.speed_mrad_s = FAST_mrad_s;
+    (void)run(500);
+    TEST_ASSERT_EQUAL_INT32(0, state.gain.steps);
+    TEST_ASSERT_TRUE(findings_present(&findings, FINDING_GAIN));
+    in.report.bridge = BRIDGE_SHORT;
+    (void)run(500);
+    TEST_ASSERT_EQUAL_INT32(500, state.gain.steps);
 }
 
 /* Without PWM: 15/16 of the range is a sensor at its rail, less is a sum. */

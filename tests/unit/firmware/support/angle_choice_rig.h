@@ -27,7 +27,7 @@ static const rotor_view_t ROLLING = {
 static config_t config;
 static angle_choice_state_t rotor;
 static rotor_view_t at;
-static bool gain_suspected, cleared;
+static bool cleared;
 static angle_choice_t seen;
 
 static inline void rig_up(const rotor_view_t *view)
@@ -37,7 +37,6 @@ static inline void rig_up(const rotor_view_t *view)
     config.rotor.observer_takeover = 1;
     angle_choice_init(&rotor);
     at = *view;
-    gain_suspected = false;
     cleared = false;
     seen = fresh;
 }
@@ -55,7 +54,7 @@ static inline void rig_up_to_compare(void)
 static inline void run(int steps)
 {
     for (int n = 0; n < steps; n++) {
-        seen = angle_choice_step(&rotor, &config, &at, gain_suspected, cleared);
+        seen = angle_choice_step(&rotor, &config, &at, cleared);
         TEST_ASSERT_TRUE(rotor.agreed_steps >= 0 &&
                          rotor.agreed_steps <= config.monitor.rotor_warning_time_ms);
     }

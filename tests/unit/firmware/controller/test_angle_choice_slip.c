@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* When a slip of the rotor sensor gets its name, whatever current flows. */
+#include "angle_choice_rig.h"
+
+#define PI 3.14159265358979323846
+
+enum { SLIPPED_STEPS = 12, OPPOSED_STEPS = 2, NAME_STEPS = 10, OPPOSED_TURN = 10923 };
+
+void setUp(void)
+{
+    rig_up_salient(100000);
+    config.rotor.sensor = CONFIG_ROTOR_ANGLE;
+}
+
+void tearDown(void) {}
+
+static reason_t name_after(int steps)
+{
+    run(steps);
+    return seen.name;
+}
+
+static void observe(double d_wb, double q_wb, double i_d_a, double i_q_a)
+{
+    at.flux_q14 = (int32_t)lround(hypot(d_wb, q_wb) / FLUX_WB * EXPECTED_Q14);
+    at.difference_turn = (int16_t)lround(-atan2(q_wb, d_wb) / (2.0 * PI) * 65536.0);
+    at.i_pu.d = per_unit(i_d_a);
+    at.i_pu.q = per_unit(i_q_a);
+}
+
+/* The sensor is `degrees` ahead, the currents are right: psi - (L_q - L_d) i_d of the true angle.
+ */
+static void observe_slip(double degrees, double i_d_a, double i_q_a)
+{
+    const double turn = degrees * PI / 180.0;
+    const double true_d_a = i_d_a * cos(turn) - i_q_a * sin(turn);
+    const double size_wb = FLUX_WB - (Q_H - D_H) * true_d_a;
+    observe(size_wb * cos(turn), -size_wb * sin(turn), i_d_a, i_q_a);
+}
+
+void test_a_slip_with_current_is_named_in_its_twelfth_step_forwards_and_backwards(void)
+{
+    for (int side = -1; side <= 1; side += 2) {
+        for (double i_q_a = -140.0; i_q_a <= 140.0; i_q_a += 35.0) {
+            for (double degrees = 18.0; degrees <= 30.0; degrees += 6.0) {
+                setUp();
+                run(100);
+                observe_slip(side * degrees, -0.9 * fabs(i_q_a), i_q_a);
+                TEST_ASSERT_EQUAL_INT(REASON_NONE, name_after(SLIPPED_STEPS - 1));
+                TEST_ASSERT_EQUAL_INT(REASON_ROTOR_SLIPPED, name_after(1));
+            }
+        }
+    }
+}
+
+/* At 60 degrees the sensor's speed tells, 10 ms later, whatever current flows. */
+void test_an_opposed_sensor_waits_for_its_speed_alone(void)
+{
+    run(100);
+    at.difference_turn = -OPPOSED_TURN;
+    at.i_pu.q = 2000;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, name_after(OPPOSED_STEPS + NAME_STEPS - 2));
+    TEST_ASSERT_EQUAL_INT(REASON_ROTOR_SLIPPED, name_after(1));
+}
