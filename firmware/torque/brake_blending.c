@@ -197,7 +197,7 @@ static int32_t faded_mNm(const config_t *config, int32_t torque_mNm, int32_t spe
 /* The tightest line but those of the strategy. */
 static int32_t least_beyond_mNm(const torque_limits_t *limits)
 {
-    const limit_t least = torque_limits_tightest(limits->braking, 0, TORQUE_LINE_LOSS_OPTIMUM);
+    const limit_t least = torque_limits_tightest(limits->braking, 0, TORQUE_LINE_CURRENT_GAIN);
     return q_min(least.torque_mNm, limits->braking[TORQUE_LINE_ABS].torque_mNm);
 }
 
@@ -250,9 +250,10 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
     const int32_t later_mNm = anti_lock ? independent_mNm : predicted_mNm;
     const bool measured = hydraulic_feedback_used(&state->feedback);
     count_open(state, motor->bridge_open, brake_torque_mNm);
+    const int32_t seen_mNm = brake_torque_mNm - q15_product(brake_torque_mNm, motor->missing_q15);
     const motor_share_t share =
         motor_share(state, config, now, last, torque_enable_any(*enable), motor,
-                    q_min(q_min(brake_torque_mNm, available.torque_mNm), later_mNm), measured);
+                    q_min(q_min(seen_mNm, available.torque_mNm), later_mNm), measured);
     const int32_t required_mNm = q_min(
         q_max(brake_torque_mNm - share.expected_mNm + share.shortfall_mNm, 0), brake_torque_mNm);
     const int32_t beyond_mNm = measured ? least_beyond_mNm(limits) : 0;
@@ -273,7 +274,8 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
         q_max(made.torque_mNm - share.shortfall_mNm - last->hydraulic_added_mNm, 0);
     const int32_t left_mNm =
         uncovered_mNm(config, demand, covered_mNm, last->torque_command_mNm, speed_mrad_s);
-    limit_tighten(&electric, left_mNm, REASON_TORQUE_RATE);
+    limit_tighten(&electric, left_mNm,
+                  motor->missing_q15 > 0 ? REASON_CURRENT_GAIN : REASON_TORQUE_RATE);
     /* On its own path the brake arrives without a command that the model would know. */
     const int32_t rise_mNm =
         demand->handed_over ? brake_torque_mNm : q_max(covered_mNm - state->covered_mNm, 0);

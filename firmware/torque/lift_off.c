@@ -11,10 +11,12 @@ lift_off_t lift_off_split(const torque_limits_t *limits, int32_t demand_mNm, int
     }
     const limit_t abs_line = limits->braking[TORQUE_LINE_ABS];
     const limit_t blend_out = limits->braking[TORQUE_LINE_BLEND_OUT];
-    limit_t bound = torque_limits_tightest(limits->braking, 0, TORQUE_LINE_LOSS_OPTIMUM);
+    const limit_t gain = limits->braking[TORQUE_LINE_CURRENT_GAIN];
+    limit_t bound = torque_limits_tightest(limits->braking, 0, TORQUE_LINE_CURRENT_GAIN);
     limit_tighten(&bound, abs_line.torque_mNm, abs_line.reason);
     const int32_t at_speed_mNm = q_min(demand_mNm, q_max(bound.torque_mNm - electric_mNm, 0));
     limit_tighten(&bound, blend_out.torque_mNm, blend_out.reason);
+    limit_tighten(&bound, gain.torque_mNm, gain.reason);
     out.motor_mNm = q_min(demand_mNm, q_max(bound.torque_mNm - electric_mNm, 0));
     out.hydraulic_mNm = at_speed_mNm - out.motor_mNm;
     out.reason = out.motor_mNm < demand_mNm ? bound.reason : REASON_NONE;

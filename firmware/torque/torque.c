@@ -72,10 +72,30 @@ static int32_t phase_voltage_mV(const config_t *config, const measured_t *now,
                : now->phase_voltage_mV;
 }
 
+/* Share of the current that flows unseen, where the hydraulic brake makes what the motor is not
+ * commanded for it: the alarm may be false. */
+static int32_t missing_q15(const config_t *config, const monitored_t *watch)
+{
+    const bool filled =
+        config->driver.no_other_brake == 0 && config->brake.max_hydraulic_torque_mNm > 0;
+    return filled ? watch->current_missing_q15 : 0;
+}
+
+/* The driving torque is made by a current that is larger than it looks. */
+static demand_t seen_demand(demand_t demand, int32_t current_missing_q15)
+{
+    const int32_t less_mNm = q15_product(demand.drive_torque_mNm, current_missing_q15);
+    demand.drive_torque_mNm -= less_mNm;
+    demand.reason =
+        less_mNm != 0 && demand.reason == REASON_NONE ? REASON_CURRENT_GAIN : demand.reason;
+    return demand;
+}
+
 /* The inputs of the table have a function of their own, so that they share the stack. */
 static void step_limits(torque_state_t *state, const feasible_set_t *set, const measured_t *now,
                         const torque_enable_t *enable, const demand_t *demand,
-                        motor_point_t flowing, const findings_t *findings)
+                        motor_point_t flowing, int32_t current_missing_q15,
+                        const findings_t *findings)
 {
     const bool contradicts = findings_present(findings, FINDING_BUS_CONTRADICTED) ||
                              findings_present(findings, FINDING_FLUX_HIGH);
@@ -84,6 +104,7 @@ static void step_limits(torque_state_t *state, const feasible_set_t *set, const 
         /* Behind an open contactor it limits what is zero already. */
         .battery_voltage_mV = contradicts ? now->battery->voltage_mV : 0,
         .bus_current_mA = motor_model_bus_current_mA(set->model, flowing, now->bus_voltage_mV),
+        .current_missing_q15 = current_missing_q15,
     };
     torque_limits_step(&state->limits, set, now, enable, &limited_by, &state->table);
 }
@@ -100,6 +121,7 @@ static motor_now_t motor_now(const config_t *config, const measured_t *now,
         .achieved_mNm = modelled_mNm - lost_mNm,
         .short_mNm = shorted ? watch->safe.torque_mNm : 0,
         .growth_mNm = torque_command_growth_mNm(config, now->report->voltage_use_q15),
+        .missing_q15 = missing_q15(config, watch),
         /* Without any angle there is no torque that could ramp out. */
         .bridge_open =
             !measured_switching(now) || (now->sensor_wrong && now->angle_by == ANGLE_BY_SENSOR),
@@ -131,8 +153,9 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
     const motor_now_t motor =
         motor_now(config, now, watch, motor_model_torque_mNm(&model, flowing));
     const demand_t demand =
-        demand_step(&state->demand, config, in, now->speed_mrad_s, watch->standstill);
-    step_limits(state, &set, now, enable, &demand, flowing, findings);
+        seen_demand(demand_step(&state->demand, config, in, now->speed_mrad_s, watch->standstill),
+                    motor.missing_q15);
+    step_limits(state, &set, now, enable, &demand, flowing, motor.missing_q15, findings);
     const brake_blending_out_t split = blend(state, config, now, last, in, enable, &demand, &motor);
     const reason_t found = brake_blending_report(&state->blending, findings);
     const lift_off_t lift_off =

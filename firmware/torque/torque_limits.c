@@ -78,7 +78,7 @@ torque_limits_classes_t torque_limits_beyond_strategy(const limit_t braking[TORQ
 {
     torque_limits_classes_t out = {.hard_mNm = FEASIBLE_UNBOUNDED,
                                    .deferrable_mNm = FEASIBLE_UNBOUNDED};
-    for (torque_line_t line = 0; line < TORQUE_LINE_LOSS_OPTIMUM; line++) {
+    for (torque_line_t line = 0; line < TORQUE_LINE_CURRENT_GAIN; line++) {
         sort_line(&out, line, torque_limits_deferrable(line), braking[line].torque_mNm);
     }
     out.hard_mNm = q_min(out.hard_mNm, braking[TORQUE_LINE_ABS].torque_mNm);
@@ -305,6 +305,23 @@ static void feasible_lines(torque_limits_t *out, const feasible_set_t *set,
     }
 }
 
+/* What a torque looks like where a share of the current is not seen. */
+static int32_t seen_mNm(int32_t torque_mNm, int32_t missing_q15)
+{
+    return torque_mNm - q15_product(torque_mNm, missing_q15);
+}
+
+/* What the lines before it leave, of a current that is larger than it looks. */
+static limit_t gain_line(const limit_t *lines, int32_t missing_q15)
+{
+    limit_t out = limit_init(FEASIBLE_UNBOUNDED, REASON_CURRENT_GAIN);
+    if (missing_q15 > 0) {
+        const limit_t before = torque_limits_tightest(lines, 0, TORQUE_LINE_CURRENT_GAIN);
+        out.torque_mNm = seen_mNm(before.torque_mNm, missing_q15);
+    }
+    return out;
+}
+
 /* Zero at and below the end speed, even where the range has no width or ends at standstill. */
 static int32_t blend_out_share_q15(const config_brake_t *brake, int32_t speed_abs_mrad_s)
 {
@@ -406,10 +423,13 @@ void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
     table->driving[TORQUE_LINE_MAX_SPEED] = torque_limits_max_speed(config, model->speed_mrad_s);
     table->driving[TORQUE_LINE_ENABLE] = share_line(config, enable->drive_q15, enable->reason);
     table->braking[TORQUE_LINE_ENABLE] = share_line(config, enable->brake_q15, enable->reason);
+    table->driving[TORQUE_LINE_CURRENT_GAIN] = gain_line(table->driving, in->current_missing_q15);
+    table->braking[TORQUE_LINE_CURRENT_GAIN] = gain_line(table->braking, in->current_missing_q15);
     const int32_t optimum_mNm =
         loss_maps_torque_mNm(config, model->speed_mrad_s, model->winding_temperature_cC) +
         scaled_shift(model->friction_b, -model->constants->torque_shift);
-    torque_limits_strategy(table->braking, config, model->speed_mrad_s, optimum_mNm,
+    torque_limits_strategy(table->braking, config, model->speed_mrad_s,
+                           seen_mNm(optimum_mNm, in->current_missing_q15),
                            q_max(in->brake_torque_mNm, 0));
     table->braking[TORQUE_LINE_ABS] =
         torque_limits_anti_lock(state, config, &now->in->demand, in->brake_torque_mNm);

@@ -42,6 +42,7 @@ POST(brake_blending_report, result == REASON_NONE || result == REASON_HYDRAULIC_
 PRE(brake_blending_step, is_within(state->hydraulic.next, 0, HYDRAULIC_MODEL_COMMANDS - 1) &&
      is_within(state->feedback.between_ms, 1, HYDRAULIC_FEEDBACK_PAST_ms))
 PRE(brake_blending_step, table_holds(limits) && last->hydraulic_added_mNm >= 0)
+PRE(brake_blending_step, is_within(motor->missing_q15, 0, 16384))
 POST(brake_blending_step, is_within(state->hydraulic.next, 0, HYDRAULIC_MODEL_COMMANDS - 1) &&
      is_within(state->feedback.between_ms, 1, HYDRAULIC_FEEDBACK_PAST_ms))
 POST(brake_blending_step, is_within(result.electric_mNm, 0, q_max(demand->brake_torque_mNm, 0)))
@@ -222,6 +223,7 @@ PRE(torque_step, battery_relations_hold(config) && derating_relations_hold(confi
      torque_state_holds(state, config) && findings_hold(findings))
 PRE(torque_step, is_within(last->torque_command_mNm, -400000000, 400000000) &&
      last->hydraulic_added_mNm >= 0)
+PRE(torque_step, is_within(watch->current_missing_q15, 0, 16384))
 POST(torque_step, torque_state_holds(state, config) && findings_hold(findings))
 POST(torque_step, is_within(result.command_mNm, -400000000, 400000000) && result.hydraulic_added_mNm
      >= 0)
@@ -289,7 +291,7 @@ PRE(torque_limits_step, anti_lock_holds(state))
 PRE(torque_limits_step, is_within(state->charge.allowed_q24, 0, SCALED_ONE) &&
      is_within(state->discharge.allowed_q24, 0, SCALED_ONE))
 PRE(torque_limits_step, model_shifts_hold(set->model->constants))
-PRE(torque_limits_step, table_holds(table))
+PRE(torque_limits_step, table_holds(table) && is_within(in->current_missing_q15, 0, 16384))
 POST(torque_limits_step, is_within(state->charge.allowed_q24, 0, SCALED_ONE) &&
      is_within(state->discharge.allowed_q24, 0, SCALED_ONE))
 POST(torque_limits_step, anti_lock_holds(state))
@@ -303,6 +305,9 @@ POST(torque_limits_step, enable->drive_q15 > 0 || table->driving[TORQUE_LINE_ENA
      0)
 POST(torque_limits_step, enable->brake_q15 > 0 || table->braking[TORQUE_LINE_ENABLE].torque_mNm ==
      0)
+POST(torque_limits_step, in->current_missing_q15 > 0 ||
+     (table->driving[TORQUE_LINE_CURRENT_GAIN].torque_mNm == FEASIBLE_UNBOUNDED &&
+     table->braking[TORQUE_LINE_CURRENT_GAIN].torque_mNm == FEASIBLE_UNBOUNDED))
 POST(torque_limits_step, !now->in->demand.abs_active || table->braking[TORQUE_LINE_ABS].torque_mNm <=
      q_max(in->brake_torque_mNm, 0))
 POST(torque_limits_step, q_abs(set->model->speed_mrad_s) >

@@ -69,6 +69,8 @@ typedef struct {
     int32_t short_mNm;    /* braking torque of an active short circuit by its model, magnitude; 0:
                              the bridge is not shorted */
     int32_t growth_mNm;   /* permitted change of the command's magnitude; negative: it must fall */
+    int32_t missing_q15;  /* share of its current that it does not see, 0 .. 16 384: the hydraulic
+                             brake takes that much of its part */
     bool bridge_open;     /* since the last step: freewheel or active short circuit */
 } motor_now_t;
 

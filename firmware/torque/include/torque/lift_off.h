@@ -3,8 +3,8 @@
  * lift_off.h: lift-off braking, by the motor beside what the brake pedal has of it. 1 kHz.
  *
  * All limits of the motor hold but those of the braking strategy: the driver may brake beyond the
- * loss optimum with the accelerator. Only what the low-speed blend-out takes away is handed to the
- * hydraulic brake, so that the vehicle comes to rest and stays there.
+ * loss optimum with the accelerator. What the low-speed blend-out takes away is handed to the
+ * hydraulic brake, so that the vehicle comes to rest and stays there, and what CURRENT_GAIN does.
  */
 #ifndef TORQUE_LIFT_OFF_H
 #define TORQUE_LIFT_OFF_H

@@ -36,6 +36,7 @@
     X(SWITCH, true, EXPECTED)                                                                      \
     X(ROTOR, false, PRESENT)                                                                       \
     X(ENABLE, false, PRESENT)                                                                      \
+    X(CURRENT_GAIN, true, PRESENT)                                                                 \
     X(LOSS_OPTIMUM, true, EXPECTED)                                                                \
     X(ELECTRIC_RATED, true, EXPECTED)                                                              \
     X(BLEND_OUT, true, EXPECTED)                                                                   \
@@ -47,10 +48,12 @@ typedef enum { TORQUE_LINES(TORQUE_LINE_ENUM) TORQUE_LINE_COUNT } torque_line_t;
 #undef TORQUE_LINE_ENUM
 
 typedef struct {
-    int32_t brake_torque_mNm;   /* demanded, magnitude; a parallel brake takes a share of it */
-    int32_t battery_voltage_mV; /* where it contradicts the bus voltage: each limit takes the more
-                                   dangerous of both; 0: it does not */
-    int32_t bus_current_mA;     /* of this motor by its model, positive out of the battery */
+    int32_t brake_torque_mNm;    /* demanded, magnitude; a parallel brake takes a share of it */
+    int32_t battery_voltage_mV;  /* where it contradicts the bus voltage: each limit takes the more
+                                    dangerous of both; 0: it does not */
+    int32_t bus_current_mA;      /* of this motor by its model, positive out of the battery */
+    int32_t current_missing_q15; /* share of the current that its sensors do not show, below
+                                    32 768; the line CURRENT_GAIN */
 } torque_limits_input_t;
 
 typedef struct {
@@ -64,8 +67,8 @@ typedef struct {
     limit_t driving[TORQUE_LINE_COUNT];
     /* Torque against the direction of rotation. */
     limit_t braking[TORQUE_LINE_COUNT];
-    loss_braking_t losses; /* for the current setpoint */
-    int32_t drawn_b;       /* feasible_power_b() of the discharge current */
+    loss_braking_t losses;                       /* for the current setpoint */
+    int32_t drawn_b;                             /* feasible_power_b() of the discharge current */
     int32_t least_winding_mNm, least_switch_mNm; /* the lines WINDING and SWITCH fall no lower,
                                                     braking, while only an estimate is hot */
 } torque_limits_t;

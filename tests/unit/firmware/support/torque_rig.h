@@ -36,7 +36,7 @@ typedef struct {
     int32_t winding_temperature_cC, switch_temperature_cC;
     /* By the monitor */
     bool standstill, at_rest;
-    int32_t flux_missing_q15;
+    int32_t flux_missing_q15, current_missing_q15;
     safe_state_t safe;
     /* From outside */
     int32_t bms_charge_current_mA, bms_discharge_current_mA;
@@ -135,6 +135,7 @@ static inline torque_output_t torque_case_step(void)
         .standstill = in.standstill,
         .at_rest = in.at_rest,
         .flux_missing_q15 = in.flux_missing_q15,
+        .current_missing_q15 = in.current_missing_q15,
     };
     const torque_output_t out =
         torque_step(&state, &config, &now, &last, &sent, &watch, &in.torque_enable, &findings);

@@ -109,6 +109,7 @@ static void random_input(random_t *random)
     in.winding_temperature_cC = random_wild(random);
     in.switch_temperature_cC = random_wild(random);
     in.i_d_weakening_mA = random_wild(random);
+    in.current_missing_q15 = random_chance(random, 0.5) ? 0 : random_between(random, 0, 13107);
     in.angle_valid = random_chance(random, 0.9);
     const int32_t most_q15 = random_chance(random, 0.9) ? Q15_ONE : 0;
     in.torque_enable.drive_q15 = (int16_t)random_between(random, 0, most_q15);

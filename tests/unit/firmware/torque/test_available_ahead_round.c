@@ -298,8 +298,10 @@ void test_a_bound_that_was_expected_comes_as_expected(void)
 void test_lines_without_a_slope_are_the_present_ones(void)
 {
     static const torque_line_t PRESENT[] = {TORQUE_LINE_MAX_TORQUE, TORQUE_LINE_ROTOR,
-                                            TORQUE_LINE_ENABLE, TORQUE_LINE_ABS};
-    for (int n = 0; n < 4; n++) {
+                                            TORQUE_LINE_ENABLE, TORQUE_LINE_CURRENT_GAIN,
+                                            TORQUE_LINE_ABS};
+    enum { COUNT = sizeof PRESENT / sizeof PRESENT[0] };
+    for (int n = 0; n < COUNT; n++) {
         limits.driving[PRESENT[n]] = limit_init(100 + n, REASON_ABS);
         limits.braking[PRESENT[n]] = limit_init(200 + n, REASON_TORQUE_ENABLE);
     }
@@ -307,7 +309,7 @@ void test_lines_without_a_slope_are_the_present_ones(void)
     state.expected.winding_temperature_cC = config.motor.derate_winding_temperature_cC + 300;
     state.expected.switch_temperature_cC = config.drive.derate_switch_temperature_cC + 200;
     phase(OTHERS);
-    for (int n = 0; n < 4; n++) {
+    for (int n = 0; n < COUNT; n++) {
         assert_limit(100 + n, REASON_ABS, state.driving_lines[PRESENT[n]]);
         assert_limit(200 + n, REASON_TORQUE_ENABLE, state.braking_lines[PRESENT[n]]);
     }

@@ -50,7 +50,7 @@ void test_lines_of_the_braking_strategy_do_not_bound_it(void)
 
 void test_every_other_line_bounds_it_alone(void)
 {
-    for (torque_line_t line = 0; line < TORQUE_LINE_LOSS_OPTIMUM; line++) {
+    for (torque_line_t line = 0; line < TORQUE_LINE_CURRENT_GAIN; line++) {
         setUp();
         limits.braking[line] = limit_init(1000, REASON_VOLTAGE);
         assert_split(1000, 0, REASON_VOLTAGE, lift_off_split(&limits, 20000, 0));
@@ -63,6 +63,13 @@ void test_charge_limit_and_anti_lock_take_it_away_without_the_hydraulic_brake(vo
     assert_split(5000, 0, REASON_CHARGE_CURRENT, lift_off_split(&limits, 20000, 0));
     limits.braking[TORQUE_LINE_ABS] = limit_init(0, REASON_ABS);
     assert_split(0, 0, REASON_ABS, lift_off_split(&limits, 20000, 0));
+}
+
+void test_what_a_gain_of_the_current_sensors_takes_goes_to_the_hydraulic_brake(void)
+{
+    limits.braking[TORQUE_LINE_CURRENT_GAIN] = limit_init(12000, REASON_CURRENT_GAIN);
+    assert_split(12000, 8000, REASON_CURRENT_GAIN, lift_off_split(&limits, 20000, 0));
+    assert_split(2000, 20000, REASON_CURRENT_GAIN, lift_off_split(&limits, 22000, 10000));
 }
 
 void test_what_the_blend_out_takes_goes_to_the_hydraulic_brake(void)

@@ -117,6 +117,27 @@ void test_torque_enable_is_a_share_of_each_side(void)
     assert_line(16384, REASON_BUS_VOLTAGE_LOW, table.braking[TORQUE_LINE_ENABLE]);
 }
 
+/* A quarter of the tightest line before it, on each side by itself; none without a missing share.
+ */
+void test_a_gain_of_the_current_sensors_takes_its_share_of_all_other_limits_of_a_side(void)
+{
+    (void)at_speed(1000);
+    assert_line(FEASIBLE_UNBOUNDED, REASON_CURRENT_GAIN, table.driving[TORQUE_LINE_CURRENT_GAIN]);
+    assert_line(FEASIBLE_UNBOUNDED, REASON_CURRENT_GAIN, table.braking[TORQUE_LINE_CURRENT_GAIN]);
+    conditions.current_missing_q15 = 8192;
+    (void)at_speed(1000);
+    assert_line(WHOLE_mNm / 4 * 3, REASON_CURRENT_GAIN, table.driving[TORQUE_LINE_CURRENT_GAIN]);
+    assert_line(WHOLE_mNm / 4 * 3, REASON_CURRENT_GAIN, table.braking[TORQUE_LINE_CURRENT_GAIN]);
+    conditions.torque_enable.drive_q15 = 8192;
+    conditions.torque_enable.brake_q15 = 16384;
+    (void)at_speed(1000);
+    assert_line(6144, REASON_CURRENT_GAIN, table.driving[TORQUE_LINE_CURRENT_GAIN]);
+    assert_line(12288, REASON_CURRENT_GAIN, table.braking[TORQUE_LINE_CURRENT_GAIN]);
+    conditions.angle_valid = false;
+    (void)at_speed(1000);
+    assert_line(0, REASON_CURRENT_GAIN, table.braking[TORQUE_LINE_CURRENT_GAIN]);
+}
+
 void test_an_invalid_rotor_angle_leaves_no_torque_and_a_valid_one_any(void)
 {
     for (int valid = 0; valid < 2; valid++) {

@@ -26,11 +26,13 @@ static bool is_hard(int line)
            line == TORQUE_LINE_ENABLE || line == TORQUE_LINE_ABS;
 }
 
-/* A strategy's share of the braking, which a motor may exceed for a hydraulic brake. */
+/* A strategy's share of the braking, or what is only inferred: a motor may exceed it for a
+ * hydraulic brake. */
 static bool is_strategy(int line)
 {
-    return line == TORQUE_LINE_LOSS_OPTIMUM || line == TORQUE_LINE_ELECTRIC_RATED ||
-           line == TORQUE_LINE_BLEND_OUT || line == TORQUE_LINE_ELECTRIC_SHARE;
+    return line == TORQUE_LINE_CURRENT_GAIN || line == TORQUE_LINE_LOSS_OPTIMUM ||
+           line == TORQUE_LINE_ELECTRIC_RATED || line == TORQUE_LINE_BLEND_OUT ||
+           line == TORQUE_LINE_ELECTRIC_SHARE;
 }
 
 void test_every_line_has_its_class(void)
