@@ -74,9 +74,16 @@ static void start(temperatures_t *state, const config_t *config, const sensor_t 
         q_max(q_max(by_winding_cC, by_switches_cC), q_max(state->kept_cC, unknown_cC)));
 }
 
-void temperatures_step(temperatures_t *state, const config_t *config,
-                       const wheel_temperatures_t *shown, measured_t *now, findings_t *findings)
+/* What flows where that share of it is not shown. */
+static int32_t flowing_mA(int32_t shown_mA, int32_t missing_q15)
 {
+    return missing_q15 > 0 ? q_scale(shown_mA, 1 << 15, (1 << 15) - missing_q15) : shown_mA;
+}
+
+void temperatures_step(temperatures_t *state, const config_t *config, int32_t current_missing_q15,
+                       measured_t *now, findings_t *findings)
+{
+    const wheel_temperatures_t *const shown = &now->in->temperature;
     thermal_model_state_t *const model = &state->model;
     const sensor_t winding = sensor_of(config, config->monitor.winding_sensor_fitted != 0,
                                        config->motor.max_winding_temperature_cC, shown->winding_cC);
@@ -86,7 +93,6 @@ void temperatures_step(temperatures_t *state, const config_t *config,
         start(state, config, &winding, &switches);
     }
     const int32_t unknown_cC = config->motor.reference_temperature_cC;
-    now->shown = shown;
     now->winding_temperature_cC =
         hotter_cC(&state->winding_offset_q16, &model->winding, &winding, unknown_cC);
     now->switch_temperature_cC =
@@ -97,5 +103,6 @@ void temperatures_step(temperatures_t *state, const config_t *config,
     now->switch_lasting_mA = model->switch_lasting_mA;
     findings_set(findings, FINDING_WINDING_THERMISTOR, winding.expected && !winding.shows);
     findings_set(findings, FINDING_SWITCH_THERMISTOR, switches.expected && !switches.shows);
-    thermal_model_step(model, config, now->i_d_mA, now->i_q_mA, now->speed_mrad_s);
+    thermal_model_step(model, config, flowing_mA(now->i_d_mA, current_missing_q15),
+                       flowing_mA(now->i_q_mA, current_missing_q15), now->speed_mrad_s);
 }

@@ -144,10 +144,12 @@ static bool too_hot(const config_t *config, int32_t shown_cC, int32_t limit_cC)
 /* By the sensors alone: an estimate is no fault. The limits have taken the torque before. */
 static void check_temperatures(const config_t *config, const measured_t *now, findings_t *findings)
 {
-    findings_set(findings, FINDING_WINDING_HOT,
-                 too_hot(config, now->shown->winding_cC, config->motor.max_winding_temperature_cC));
-    findings_set(findings, FINDING_SWITCH_HOT,
-                 too_hot(config, now->shown->switch_cC, config->drive.max_switch_temperature_cC));
+    findings_set(
+        findings, FINDING_WINDING_HOT,
+        too_hot(config, now->in->temperature.winding_cC, config->motor.max_winding_temperature_cC));
+    findings_set(
+        findings, FINDING_SWITCH_HOT,
+        too_hot(config, now->in->temperature.switch_cC, config->drive.max_switch_temperature_cC));
 }
 
 /* A skipped sector is a warning for a while: one may be dirt, a dead sensor makes one every

@@ -176,19 +176,19 @@ POST(temperatures_init, state->winding_offset_q16 == 0 && state->switch_offset_q
      state->kept_cC == TEMPERATURE_NONE_cC)
 POST(temperatures_init, temperatures_hold(state))
 
-PRE(temperatures_step, is_within(shown->winding_cC, -100000, 100000) && is_within(shown->switch_cC,
+PRE(temperatures_step, is_within(now->in->temperature.winding_cC, -100000, 100000) && is_within(now->in->temperature.switch_cC,
      -100000, 100000))
-PRE(temperatures_step, temperatures_hold(state) && findings_hold(findings))
+PRE(temperatures_step, temperatures_hold(state) && findings_hold(findings) &&
+     is_within(current_missing_q15, 0, 16384))
 POST(temperatures_step, temperatures_hold(state) && state->model.started)
-POST(temperatures_step, now->shown == shown)
 POST(temperatures_step, config->monitor.winding_sensor_fitted == 0 ||
-     !is_within(shown->winding_cC, config->monitor.lowest_temperature_cC,
-     config->monitor.highest_temperature_cC) || (now->winding_temperature_cC >= shown->winding_cC &&
-     now->sensed.winding_cC == shown->winding_cC))
+     !is_within(now->in->temperature.winding_cC, config->monitor.lowest_temperature_cC,
+     config->monitor.highest_temperature_cC) || (now->winding_temperature_cC >= now->in->temperature.winding_cC &&
+     now->sensed.winding_cC == now->in->temperature.winding_cC))
 POST(temperatures_step, config->monitor.switch_sensor_fitted == 0 ||
-     !is_within(shown->switch_cC, config->monitor.lowest_temperature_cC,
-     config->monitor.highest_temperature_cC) || (now->switch_temperature_cC >= shown->switch_cC &&
-     now->sensed.switch_cC == shown->switch_cC))
+     !is_within(now->in->temperature.switch_cC, config->monitor.lowest_temperature_cC,
+     config->monitor.highest_temperature_cC) || (now->switch_temperature_cC >= now->in->temperature.switch_cC &&
+     now->sensed.switch_cC == now->in->temperature.switch_cC))
 POST(temperatures_step, !state->model.winding.known || now->winding_temperature_cC >=
      old(thermal_model_inner_cC(&state->model.winding)) + TEMPERATURES_COLDER_cC ||
      !old(state->model.started))

@@ -39,9 +39,10 @@ typedef struct {
 void temperatures_init(temperatures_t *state, const config_t *config);
 
 /* Writes the temperatures of now and sets the findings of the sensors; now has this millisecond's
- * currents and speed already. shown: by the sensors, -1000 .. 1000 degC. The first step starts the
- * model with the warmest of both sensors and state->kept_cC. */
-void temperatures_step(temperatures_t *state, const config_t *config,
-                       const wheel_temperatures_t *shown, measured_t *now, findings_t *findings);
+ * currents, speed and input already, of which the temperatures are -1000 .. 1000 degC.
+ * current_missing_q15: share of the current that heats unseen, 0 .. 16 384. The first step starts
+ * the model with the warmest of both sensors and state->kept_cC. */
+void temperatures_step(temperatures_t *state, const config_t *config, int32_t current_missing_q15,
+                       measured_t *now, findings_t *findings);
 
 #endif

@@ -338,7 +338,6 @@ void test_the_hotter_of_sensor_and_model_is_used(void)
     TEST_ASSERT_EQUAL_INT32(4321, now.winding_temperature_cC);
     TEST_ASSERT_INT32_WITHIN(20, 4321, now.switch_temperature_cC); /* as the winding at start */
     TEST_ASSERT_EQUAL_INT32(3210, now.sensed.switch_cC);
-    TEST_ASSERT_EQUAL_PTR(&in.temperature, now.shown);
 }
 
 void test_a_broken_temperature_sensor_is_a_finding(void)

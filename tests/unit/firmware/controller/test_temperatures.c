@@ -8,9 +8,11 @@
 
 static config_t config;
 static temperatures_t state;
-static wheel_temperatures_t shown;
+static slow_input_t in;
+static wheel_temperatures_t *const shown = &in.temperature;
 static findings_t findings;
 static measured_t now;
+static int32_t missing_q15;
 
 void setUp(void)
 {
@@ -23,7 +25,9 @@ void setUp(void)
     finding_times(&config, times);
     findings_init(&findings, times);
     const wheel_temperatures_t as_ambient = {.winding_cC = 2500, .switch_cC = 2500};
-    shown = as_ambient;
+    in.temperature = as_ambient;
+    now.in = &in;
+    missing_q15 = 0;
 }
 
 void tearDown(void) {}
@@ -33,7 +37,7 @@ static void run(int milliseconds, int32_t i_q_mA)
     now.i_q_mA = i_q_mA;
     now.speed_mrad_s = 20000;
     for (int n = 0; n < milliseconds; n++) {
-        temperatures_step(&state, &config, &shown, &now, &findings);
+        temperatures_step(&state, &config, missing_q15, &now, &findings);
     }
 }
 
@@ -45,8 +49,8 @@ static reason_t warning(void)
 void test_a_sensor_hotter_than_the_model_is_used(void)
 {
     run(1, 0);
-    shown.winding_cC = 14321;
-    shown.switch_cC = 13210;
+    shown->winding_cC = 14321;
+    shown->switch_cC = 13210;
     run(1, 0);
     TEST_ASSERT_EQUAL_INT(14321, now.winding_temperature_cC);
     TEST_ASSERT_EQUAL_INT(13210, now.switch_temperature_cC);
@@ -77,9 +81,9 @@ void test_a_sensor_that_stays_behind_leaves_the_temperature_to_the_model(void)
 void test_a_hotter_sensor_corrects_the_model_by_at_most_20_kelvin(void)
 {
     run(1, 0);
-    shown.winding_cC = 10000;
+    shown->winding_cC = 10000;
     run(6 * 16384, 0);
-    shown.winding_cC = 29999;
+    shown->winding_cC = 29999;
     run(1, 0);
     TEST_ASSERT_INT_WITHIN(20, 2500 + 2000, now.winding_temperature_cC);
 }
@@ -90,7 +94,7 @@ void test_a_reading_beyond_its_range_is_replaced_at_once_and_named_after_the_qua
     for (int k = 0; k < 5; k++) {
         setUp();
         run(10, 0);
-        shown.winding_cC = BROKEN_cC[k];
+        shown->winding_cC = BROKEN_cC[k];
         run(1, 0);
         TEST_ASSERT_INT_WITHIN(5, 2500, now.winding_temperature_cC);
         TEST_ASSERT_EQUAL_INT(TEMPERATURE_NONE_cC, now.sensed.winding_cC);
@@ -98,7 +102,7 @@ void test_a_reading_beyond_its_range_is_replaced_at_once_and_named_after_the_qua
         TEST_ASSERT_EQUAL_INT(REASON_NONE, warning());
         run(1, 0);
         TEST_ASSERT_EQUAL_INT(REASON_WINDING_SENSOR, warning());
-        shown.winding_cC = 29000;
+        shown->winding_cC = 29000;
         run(999, 0);
         TEST_ASSERT_EQUAL_INT(29000, now.winding_temperature_cC);
         TEST_ASSERT_EQUAL_INT(REASON_WINDING_SENSOR, warning());
@@ -109,7 +113,7 @@ void test_a_reading_beyond_its_range_is_replaced_at_once_and_named_after_the_qua
 
 void test_each_sensor_has_its_own_finding(void)
 {
-    shown.switch_cC = -20000;
+    shown->switch_cC = -20000;
     run(10000, 60000);
     TEST_ASSERT_EQUAL_INT(REASON_SWITCH_SENSOR, warning());
     TEST_ASSERT_TRUE(now.switch_temperature_cC > 2700 && now.switch_temperature_cC < 5000);
@@ -119,8 +123,8 @@ void test_each_sensor_has_its_own_finding(void)
 
 void test_the_ends_of_the_range_are_plausible(void)
 {
-    shown.winding_cC = 29000;
-    shown.switch_cC = -6000;
+    shown->winding_cC = 29000;
+    shown->switch_cC = -6000;
     run(100, 0);
     TEST_ASSERT_EQUAL_INT(REASON_NONE, warning());
 }
@@ -131,7 +135,7 @@ void test_without_a_model_the_sensor_is_used_as_it_is_and_a_broken_one_leaves_no
     temperatures_init(&state, &config);
     run(10000, 75000);
     TEST_ASSERT_EQUAL_INT(2500, now.winding_temperature_cC);
-    shown.winding_cC = 29001;
+    shown->winding_cC = 29001;
     run(1, 0);
     TEST_ASSERT_EQUAL_INT(TEMPERATURES_BROKEN_cC, now.winding_temperature_cC);
     TEST_ASSERT_EQUAL_INT(TEMPERATURES_BROKEN_cC, now.sensed.winding_cC);
@@ -141,8 +145,8 @@ void test_without_a_sensor_the_model_stands_alone(void)
 {
     config.monitor.winding_sensor_fitted = 0;
     config.monitor.switch_sensor_fitted = 0;
-    shown.winding_cC = 12000; /* whatever the open input shows */
-    shown.switch_cC = 29999;
+    shown->winding_cC = 12000; /* whatever the open input shows */
+    shown->switch_cC = 29999;
     run(10000, 60000);
     TEST_ASSERT_EQUAL_INT(REASON_NONE, warning());
     TEST_ASSERT_INT_WITHIN(20, config.monitor.warmest_ambient_cC + 285, now.winding_temperature_cC);
@@ -155,7 +159,7 @@ void test_a_limit_that_is_off_expects_no_sensor(void)
     config.drive.max_switch_temperature_cC = CONFIG_TEMPERATURE_OFF_cC;
     config.thermal.switch_heat_capacity_mJ_K = 0;
     temperatures_init(&state, &config);
-    shown.switch_cC = 29999;
+    shown->switch_cC = 29999;
     run(100, 0);
     TEST_ASSERT_EQUAL_INT(REASON_NONE, warning());
     TEST_ASSERT_EQUAL_INT(config.motor.reference_temperature_cC, now.switch_temperature_cC);
@@ -164,8 +168,8 @@ void test_a_limit_that_is_off_expects_no_sensor(void)
 /* The warmest of both sensors and of what was known before a reset. */
 void test_the_model_starts_warm(void)
 {
-    shown.winding_cC = 3000;
-    shown.switch_cC = 7000;
+    shown->winding_cC = 3000;
+    shown->switch_cC = 7000;
     run(1, 0);
     TEST_ASSERT_INT_WITHIN(2, 7000, now.winding_temperature_cC);
     setUp();
@@ -174,8 +178,26 @@ void test_the_model_starts_warm(void)
     TEST_ASSERT_INT_WITHIN(2, 9000, now.winding_temperature_cC);
     TEST_ASSERT_INT_WITHIN(2, 9000, now.switch_temperature_cC);
     setUp();
-    shown.winding_cC = 29999; /* a broken one says nothing */
-    shown.switch_cC = 3000;
+    shown->winding_cC = 29999; /* a broken one says nothing */
+    shown->switch_cC = 3000;
     run(1, 0);
     TEST_ASSERT_INT_WITHIN(2, 3000, now.winding_temperature_cC);
+}
+
+/* Of 0.8 of the current: 60 A of 75, whose heat is 1.56 times that. */
+void test_current_that_the_sensors_do_not_show_heats_as_well(void)
+{
+    shown->winding_cC = 29999;
+    shown->switch_cC = -20000;
+    run(10000, 75000);
+    const int32_t winding_cC = now.winding_temperature_cC;
+    const int32_t switch_cC = now.switch_temperature_cC;
+    setUp();
+    missing_q15 = 6554; /* 0.2 */
+    shown->winding_cC = 29999;
+    shown->switch_cC = -20000;
+    run(10000, 60000);
+    TEST_ASSERT_INT_WITHIN(2, winding_cC, now.winding_temperature_cC);
+    TEST_ASSERT_INT_WITHIN(2, switch_cC, now.switch_temperature_cC);
+    TEST_ASSERT_TRUE(winding_cC > config.monitor.warmest_ambient_cC + 400);
 }

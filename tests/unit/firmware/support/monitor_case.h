@@ -12,8 +12,8 @@
 typedef struct {
     fast_report_t report;
     battery_limits_t battery;
-    wheel_temperatures_t shown;
-    measured_t now; /* without its pointers */
+    wheel_temperatures_t shown; /* by the sensors */
+    measured_t now;             /* without its pointers */
     last_t last;
 } monitor_case_t;
 
@@ -21,10 +21,12 @@ typedef struct {
 static inline const measured_t *measured_of(const monitor_case_t *at)
 {
     static monitor_case_t seen;
+    static slow_input_t in;
     seen = *at;
+    in.temperature = at->shown;
     seen.now.report = &seen.report;
     seen.now.battery = &seen.battery;
-    seen.now.shown = &seen.shown;
+    seen.now.in = &in;
     return &seen.now;
 }
 
