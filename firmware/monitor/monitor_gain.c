@@ -45,17 +45,32 @@ static void add(monitor_gain_state_t *state, int32_t loop_mA, int32_t battery_mA
     state->steps++;
 }
 
-/* How far the difference of the charges lies outside what a delay of the message explains: zero to
- * all of it, times the change of the battery's current. */
-static int64_t unexplained(const monitor_gain_state_t *state, const config_t *config,
-                           int32_t battery_mA)
+/* The difference of the charges less what a delay of the message explains: none of it, or all of
+ * it, times the change of the battery's current. */
+typedef struct {
+    int64_t least, most; /* magnitude for any delay between */
+} unexplained_t;
+
+static int64_t magnitude(int64_t x)
+{
+    return x < 0 ? -x : x;
+}
+
+static unexplained_t unexplained(const monitor_gain_state_t *state, const config_t *config,
+                                 int32_t battery_mA)
 {
     const int64_t change_mA = (int64_t)battery_mA - state->begin_mA;
-    const int32_t lag = charge(change_mA * delay_ms(config));
-    const int64_t difference = (int64_t)charge(state->loop_uC) - charge(state->battery_uC);
-    const int64_t above = difference - q_max(lag, 0);
-    const int64_t below = q_min(lag, 0) - difference;
-    return above > 0 ? above : below > 0 ? below : 0;
+    const int64_t in_time = (int64_t)charge(state->loop_uC) - charge(state->battery_uC);
+    const int64_t late = in_time - charge(change_mA * delay_ms(config));
+    const int64_t one = magnitude(in_time);
+    const int64_t other = magnitude(late);
+    const unexplained_t out = {
+        .least = (in_time > 0) != (late > 0) ? 0
+                 : one < other               ? one
+                                             : other,
+        .most = one > other ? one : other,
+    };
+    return out;
 }
 
 /* A share of the current that flows by the battery; none where it is less than the loop's. */
@@ -83,10 +98,12 @@ static void judge(monitor_gain_state_t *state, const config_t *config, int32_t b
     if (!state->follows) {
         state->wrong = false;
     } else if (moved * bus_mV >= rated / MONITOR_GAIN_LEAST) {
-        const int64_t beyond = unexplained(state, config, battery_mA);
-        state->wrong = (beyond * MONITOR_GAIN_TOLERANCE - moved) * bus_mV >
-                       rated / MONITOR_GAIN_EXTRA * MONITOR_GAIN_TOLERANCE;
-        state->missing_q15 = missing_q15(state);
+        const unexplained_t beyond = unexplained(state, config, battery_mA);
+        const int64_t extra = rated / MONITOR_GAIN_EXTRA * MONITOR_GAIN_TOLERANCE;
+        const bool contradicts = (beyond.least * MONITOR_GAIN_TOLERANCE - moved) * bus_mV > extra;
+        const bool agrees = (beyond.most * MONITOR_GAIN_TOLERANCE - moved) * bus_mV <= extra;
+        state->missing_q15 = contradicts ? missing_q15(state) : state->missing_q15;
+        state->wrong = contradicts || (state->wrong && !agrees);
     }
     state->missing_q15 = state->wrong ? state->missing_q15 : 0;
 }

@@ -123,23 +123,12 @@ enum { MOST_ROW_POINTS = 65 };
     ((w)->steps <= MONITOR_WINDOW_STEPS && (w)->level <= MONITOR_WINDOW_QUALIFY_STEPS)
 #define monitor_window_holds(w) (window_bounds_hold(w) && window_counts_hold(w))
 
-/* A window of the longest filter, and what its steps may have added up. */
+/* A window of the longest filter. */
 #define MONITOR_GAIN_MOST_STEPS (MONITOR_GAIN_WINDOW * (10000 + MONITOR_GAIN_MESSAGE_ms))
-#define gain_current_holds(current_mA)                                                             \
-    is_within(current_mA, -MONITOR_GAIN_MOST_mA, MONITOR_GAIN_MOST_mA)
-#define gain_charge_holds(s, charge_uC)                                                            \
-    ((charge_uC) <= (int64_t)(s)->steps * MONITOR_GAIN_MOST_mA &&                                  \
-     (charge_uC) >= -(int64_t)(s)->steps * MONITOR_GAIN_MOST_mA)
 #define monitor_gain_holds(s)                                                                      \
     (is_within((s)->steps, 0, MONITOR_GAIN_MOST_STEPS) &&                                          \
      is_within((s)->missing_q15, 0, MONITOR_GAIN_MOST_MISSING_Q15) &&                              \
-     ((s)->wrong || (s)->missing_q15 == 0) &&                                                      \
-     ((s)->steps == 0 ||                                                                           \
-      (gain_charge_holds(s, (s)->loop_uC) && gain_charge_holds(s, (s)->battery_uC) &&              \
-       gain_charge_holds(s, (s)->moved_uC) && (s)->moved_uC >= 0 &&                                \
-       gain_current_holds((s)->loop_low_mA) && gain_current_holds((s)->loop_high_mA) &&            \
-       gain_current_holds((s)->battery_low_mA) && gain_current_holds((s)->battery_high_mA) &&      \
-       gain_current_holds((s)->begin_mA))))
+     ((s)->wrong || (s)->missing_q15 == 0))
 
 /* Qualify times, and what is left until PROGRAM_FLOW, of the fast monitor. */
 #define fast_times_hold(s)                                                                         \

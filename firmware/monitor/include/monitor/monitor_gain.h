@@ -47,12 +47,12 @@ typedef struct {
 /* Forgets everything. */
 void monitor_gain_restart(monitor_gain_state_t *state);
 
-/* True while the gain is wrong: from the end of a window that contradicts to the end of one that
- * agrees. A window that is too weak, or in which the battery's current does not move while the
- * loop's does, decides nothing; the latter counts as not given, which ends the finding. So do a
- * message without the current, an open contactor and several driven wheels, which forget the window
- * as well. known: the bridge switches, or carries no current to the bus; otherwise the window
- * begins anew. */
+/* True while the gain is wrong: from the end of a window that contradicts, whatever the delay of
+ * the message, to the end of one that agrees, whatever it is. A window between, or one that is too
+ * weak, decides nothing. A battery's current that does not move while the loop's does counts as not
+ * given, which ends the finding. So do a message without the current, an open contactor and several
+ * driven wheels, which forget the window as well. known: the bridge switches, or carries no current
+ * to the bus; otherwise the window begins anew. */
 bool monitor_gain_step(monitor_gain_state_t *state, const config_t *config, const measured_t *now,
                        bool known);
 

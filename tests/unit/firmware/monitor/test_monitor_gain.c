@@ -260,6 +260,23 @@ void test_a_change_explains_a_difference_of_its_own_sign_only(void)
     }
 }
 
+/* 5625 mA too little, of which a change explains between nothing and 1 A. */
+void test_a_window_that_neither_contradicts_nor_agrees_leaves_the_finding_as_it_is(void)
+{
+    for (int found = 0; found <= 1; found++) {
+        start_short();
+        TEST_ASSERT_EQUAL_INT(found, windows(1, RATED_mA, found ? 2 * RATED_mA : RATED_mA));
+        const int32_t missing_q15 = state.missing_q15;
+        const int32_t battery_mA = RATED_mA - RATED_mA / 8 - EXTRA_mA;
+        (void)step(RATED_mA, battery_mA - 4000);
+        for (int ms = 2; ms < SHORT_WINDOW_ms; ms++) {
+            (void)step(RATED_mA, battery_mA);
+        }
+        TEST_ASSERT_EQUAL_INT(found, step(RATED_mA, battery_mA + 4000));
+        TEST_ASSERT_EQUAL_INT32(missing_q15, state.missing_q15);
+    }
+}
+
 void test_gain_heals_with_the_next_window_that_agrees(void)
 {
     TEST_ASSERT_TRUE(named(RATED_mA, 2 * RATED_mA));
