@@ -140,6 +140,7 @@ static void draw_phase(void)
     const bool begins = drive.ms < BOOT_ms;
     drive.phase_left_ms = begins ? BOOT_ms : between(10, 300);
     demand->enable = true;
+    demand->direction = DRIVE_DIRECTION_FORWARD;
     drive.drive_to_mNm = !begins && chance(500) ? between(0, most_mNm) : 0;
     drive.brake_to_mNm = !begins && chance(300) ? between(0, 2 * most_mNm) : 0;
     drive.ramp_mNm = most_mNm / (chance(900) ? between(50, 200) : 1) + 1;

@@ -24,7 +24,7 @@ static void any_input(life_t *life)
     random_t *random = &life->random;
     in->demand.drive_torque_mNm = random_wild(random);
     in->demand.brake_torque_mNm = random_wild(random);
-    in->demand.direction = (drive_direction_t)between(life, 0, 2);
+    in->demand.direction = life_drawn_direction(life);
     in->demand.abs_active = chance(life, 300);
     in->demand.abs_motor_share_percent = (uint8_t)between(life, 0, 255);
     in->demand.fault_reset = chance(life, 300);

@@ -111,7 +111,8 @@ static int32_t drawn_length(life_t *life)
 
 void life_begin(life_t *life, const config_t *shipped, uint64_t number)
 {
-    const life_t fresh = {.random = random_for(SEED, number)};
+    const life_t fresh = {.random = random_for(SEED, number),
+                          .in.demand.direction = DRIVE_DIRECTION_FORWARD};
     *life = fresh;
     life->config = *shipped;
     if (chance(life, 600)) {
@@ -147,6 +148,13 @@ static int32_t drawn_torque_mNm(life_t *life, int32_t most_mNm)
     return chance(life, 500) ? torque_mNm / 4 : torque_mNm;
 }
 
+drive_direction_t life_drawn_direction(life_t *life)
+{
+    static const drive_direction_t ANY[] = {DRIVE_DIRECTION_FORWARD, DRIVE_DIRECTION_REVERSE,
+                                            DRIVE_DIRECTION_NEUTRAL};
+    return ANY[between(life, 0, 2)];
+}
+
 static void draw_demand(life_t *life)
 {
     const int32_t most_mNm = life->config.motor.max_torque_mNm;
@@ -164,7 +172,7 @@ static void draw_demand(life_t *life)
     }
     wheel_demand_t *demand = &life->in.demand;
     if (chance(life, 150)) {
-        demand->direction = (drive_direction_t)between(life, 0, 2);
+        demand->direction = life_drawn_direction(life);
     } else if (life->wheel.speed_rad_s != 0.0) {
         demand->direction =
             life->wheel.speed_rad_s > 0.0 ? DRIVE_DIRECTION_FORWARD : DRIVE_DIRECTION_REVERSE;

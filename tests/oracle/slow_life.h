@@ -52,6 +52,9 @@ void life_begin(life_t *life, const config_t *shipped, uint64_t number);
 /* The next phase; before the step in which life->phase_left_ms falls below zero. */
 void life_draw_phase(life_t *life);
 
+/* Forward, reverse or neutral. */
+drive_direction_t life_drawn_direction(life_t *life);
+
 static inline bool chance(life_t *life, int32_t per_mille)
 {
     return random_chance(&life->random, per_mille);

@@ -66,7 +66,7 @@ static void require_within(const node_t *node, const node_command_t *before, uin
     require(q_abs(now->demand.drive_torque_mNm) <= LARGEST_DRIVE);
     require(now->demand.brake_torque_mNm >= 0 && now->demand.brake_torque_mNm <= LARGEST_BRAKE);
     require(now->demand.abs_motor_share_percent <= 100);
-    require((uint32_t)now->demand.direction <= (uint32_t)DRIVE_DIRECTION_NEUTRAL);
+    require((uint32_t)now->demand.direction <= (uint32_t)DRIVE_DIRECTION_REVERSE);
     require(now->bms.charge_current_mA >= 0 && now->bms.charge_current_mA <= PACK_mA);
     require(now->bms.discharge_current_mA >= 0 && now->bms.discharge_current_mA <= PACK_mA);
     require(now->bms.charge_peak_current_mA >= 0 && now->bms.charge_peak_current_mA <= PACK_mA);

@@ -181,6 +181,7 @@ static slow_input_t take_slow_input(bytes_t *bytes)
                        (flags & 1U) != 0 ? take_within(bytes, INT32_MIN, INT32_MAX) : 0,
                    .brake_torque_mNm =
                        (flags & 2U) != 0 ? take_within(bytes, INT32_MIN, INT32_MAX) : 0,
+                   .direction = DRIVE_DIRECTION_FORWARD,
                    .enable = (flags & 8U) == 0,
                    .abs_active = (flags & 16U) != 0,
                    .fault_reset = (flags & 32U) != 0},

@@ -76,6 +76,7 @@ slow_input_t cycle_slow_input(const cycle_slow_t *kept)
         .bms.discharge_current_mA = kept->bms_discharge_current_mA,
         .temperature.winding_cC = kept->winding_temperature_cC,
         .temperature.switch_cC = kept->switch_temperature_cC,
+        .demand.direction = DRIVE_DIRECTION_FORWARD,
         .demand.enable = (kept->flags & ENABLE) != 0,
         .demand.abs_active = (kept->flags & ABS_ACTIVE) != 0,
         .demand.fault_reset = (kept->flags & FAULT_RESET) != 0,

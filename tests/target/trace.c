@@ -216,7 +216,9 @@ static uint32_t run(const sequence_t *sequence, uint32_t mode_steps[PRINT_MODES]
     controller_init(&controller, &config, BASES_MODEL_TIMER_Hz);
     fast_setpoint_t fast_setpoint = controller_initial_setpoint(&config, BASES_MODEL_TIMER_Hz);
     wheel_t wheel = {.random = 2013, .bus_code = 3500, .noise_codes = 6};
-    slow_input_t slow_in = {.config_accepted = true, .selftest_passed = true};
+    slow_input_t slow_in = {.demand.direction = DRIVE_DIRECTION_FORWARD,
+                            .config_accepted = true,
+                            .selftest_passed = true};
     digest_t digest;
     digest_begin(&digest);
     for (int32_t step = 1; step <= FAST_STEPS; step++) {

@@ -30,10 +30,10 @@ class Controller:
     """The whole controller of one wheel. Not for two threads at the same time.
 
     Inputs that a step does not name keep the value they had; before that they have the start values
-    of the list: zero, except that the self-test has passed, the configuration is accepted,
-    temperatures are 25 degC and the battery's limits are the configuration's own. Currents and
-    voltages go through the converter codes of the firmware: what lies beyond the full scale
-    saturates.
+    of the list: zero, except that the self-test has passed, the configuration is accepted, the
+    drive direction is forward, temperatures are 25 degC and the battery's limits are the
+    configuration's own. Currents and voltages go through the converter codes of the firmware: what
+    lies beyond the full scale saturates.
 
     Parameters
     ----------

@@ -220,6 +220,7 @@ static operating_mode_t start_with(start_t *start, int32_t sensor)
         .temperature.winding_cC = 2500,
         .temperature.switch_cC = 2500,
         .demand.enable = true,
+        .demand.direction = DRIVE_DIRECTION_FORWARD,
         .selftest_passed = true,
         .config_accepted = true,
     };

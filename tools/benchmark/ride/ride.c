@@ -51,6 +51,7 @@ static slow_input_t input_at(const config_t *config, int ms, uint32_t *random)
     const slow_input_t in = {
         .demand = {.drive_torque_mNm = share_of_256 > 0 ? most / 256 * share_of_256 : 0,
                    .brake_torque_mNm = share_of_256 < 0 ? most / 256 * -share_of_256 * 2 : 0,
+                   .direction = DRIVE_DIRECTION_FORWARD,
                    .enable = ms > START_ms / 2},
         .bms = {config->battery.max_charge_current_mA * config->battery.driven_wheels,
                 config->battery.max_discharge_current_mA * config->battery.driven_wheels},

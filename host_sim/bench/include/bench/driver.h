@@ -43,7 +43,7 @@
     X(accelerator,          0.0,  1.0,   "1",     "travel of the accelerator") \
     X(brake_pedal,          0.0,  1.0,   "1",     "travel of the brake pedal") \
     X(direction,            0.0,  2.0,   "", \
-      "drive direction selected: 0 forward, 1 reverse, 2 neutral") \
+      "drive direction selected: 0 neutral, 1 forward, 2 reverse") \
     X(own_brake_path,       0.0,  1.0,   "", \
       "1: the brakes follow the brake pedal where the controllers' command is not valid") \
     X(enable,               0.0,  1.0,   "",      "1: the vehicle is switched on") \

@@ -96,8 +96,8 @@
       "temperature of the inverter switches") \
     X(enable, enable, demand.enable, FLAG, PLAIN, 0, 1, 0, "", \
       "the driver has switched the vehicle on") \
-    X(direction, direction, demand.direction, CODE, PLAIN, 0, 2, 0, "", \
-      "drive direction selected: 0 forward, 1 reverse, 2 neutral") \
+    X(direction, direction, demand.direction, CODE, PLAIN, 0, 2, 1, "", \
+      "drive direction selected: 0 neutral, 1 forward, 2 reverse") \
     X(abs_active, abs_active, demand.abs_active, FLAG, PLAIN, 0, 1, 0, "", \
       "the anti-lock system intervenes: electric braking only as it permits") \
     X(abs_motor_share_percent, abs_motor_share_percent, demand.abs_motor_share_percent, \
@@ -172,7 +172,7 @@
     X(waits_for, waits_for, waits_for, CODE, PLAIN, 0, 255, 0, "", \
       "what driving torque waits for, by firmware/core/include/core/waits_for.h; 0: none") \
     X(direction, direction, direction, CODE, PLAIN, 0, 2, 0, "", \
-      "in which driving torque is made: 0 forward, 1 reverse, 2 neutral") \
+      "in which driving torque is made: 0 neutral, 1 forward, 2 reverse") \
     X(hydraulic_valid, hydraulic_valid, hydraulic_valid, FLAG, PLAIN, 0, 1, 0, "", \
       "0: the demand is lost, the brake system takes its own path") \
     X(stop_lamp, stop_lamp, stop_lamp, FLAG, PLAIN, 0, 1, 0, "", \

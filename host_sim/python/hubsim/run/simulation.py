@@ -114,6 +114,7 @@ def _scenario_parameters(drive: Drive, scenario: Scenario) -> dict[str, float]:
         "driver.most_drive_nm": drive.motor.max_torque_nm,
         "driver.most_brake_nm": drive.motor.max_torque_nm + drive.brake.max_hydraulic_torque_nm,
         "driver.enable": 1.0,
+        "driver.direction": 1.0,
         "driver.own_brake_path": float(not drive.driver.no_other_brake),
         "run.seed": float(scenario.seed),
         "run.initial_speed_m_per_s": scenario.initial_speed_kmh / cycles.KMH_PER_M_PER_S,

@@ -30,6 +30,7 @@ static wheel_demand_t demand_at(uint32_t now_ms)
     const wheel_demand_t demand = {
         .drive_torque_mNm = phase == 0 ? 5000 : 0,
         .brake_torque_mNm = phase == 1 ? 15000 : 0,
+        .direction = DRIVE_DIRECTION_FORWARD,
         .enable = now_ms >= 500,
     };
     return demand;

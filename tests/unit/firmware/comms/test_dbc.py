@@ -205,6 +205,13 @@ def test_modes_have_the_firmware_s_numbers_and_names(database: Database) -> None
     assert choices("WheelState", "mode", database) == modes
 
 
+@pytest.mark.parametrize("message", ["Demand", "WheelDrive"])
+def test_directions_have_the_firmware_s_numbers_and_names(message: str, database: Database) -> None:
+    directions = enumerators("core/include/core/drive_direction.h", "DRIVE_DIRECTION")
+    assert len(directions) == 3
+    assert choices(message, "direction", database) == directions
+
+
 def test_what_is_waited_for_has_the_firmware_s_numbers_and_names(database: Database) -> None:
     listed = listed_in("core/include/core/waits_for.h")
     assert len(listed) >= 14

@@ -190,6 +190,18 @@ void test_demand_above_its_range_is_refused(void)
     TEST_ASSERT_FALSE(demand_is_read(0, 0, 3));
 }
 
+/* What a sender puts on the bus before it has computed anything. */
+void test_a_demand_of_zeros_is_off_and_neutral_and_without_torque(void)
+{
+    const messages_frame_t frame = {.length = 8};
+    wheel_demand_t read = {.drive_torque_mNm = 7, .brake_torque_mNm = 7, .enable = true};
+    TEST_ASSERT_TRUE(messages_read_demand(&frame, &read));
+    TEST_ASSERT_EQUAL_INT(DRIVE_DIRECTION_NEUTRAL, read.direction);
+    TEST_ASSERT_FALSE(read.enable);
+    TEST_ASSERT_EQUAL_INT32(0, read.drive_torque_mNm);
+    TEST_ASSERT_EQUAL_INT32(0, read.brake_torque_mNm);
+}
+
 /* What does not fit is sent as the end of its range, never wrapped. */
 void test_demand_beyond_its_range_is_sent_as_its_end(void)
 {

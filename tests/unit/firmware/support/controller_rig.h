@@ -61,6 +61,7 @@ static inline void rig_start(rig_t *rig)
     rig->slow_in.bms.discharge_current_mA = 1000000;
     rig->slow_in.temperature.winding_cC = 2500;
     rig->slow_in.temperature.switch_cC = 2500;
+    rig->slow_in.demand.direction = DRIVE_DIRECTION_FORWARD;
     rig->slow_in.selftest_passed = true;
     rig->slow_in.config_accepted = true;
     rig->fast_in.bus_voltage_code = rig_bus_code(rig, 53.0);

@@ -58,6 +58,7 @@ static inline void slow_rig_start(slow_rig_t *rig, const config_t *config)
     rig->in.selftest_passed = true;
     rig->in.config_accepted = true;
     rig->in.demand.enable = true;
+    rig->in.demand.direction = DRIVE_DIRECTION_FORWARD;
     rig->in.hydraulic.age_ms = 1000000;
     rig->report.offsets_done = true;
     rig->report.sensor_valid = true;

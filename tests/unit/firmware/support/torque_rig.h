@@ -79,6 +79,7 @@ static inline void torque_rig_reset(void)
         .angle_valid = true,
         .bridge = BRIDGE_PWM,
         .torque_enable = FULL_ENABLE,
+        .direction = DRIVE_DIRECTION_FORWARD,
     };
     config = paper_vehicle();
     config.brake.loss_braking = 0;

@@ -68,6 +68,7 @@ def test_initial_inputs_are_those_of_a_healthy_board_at_standstill(
     expected = {
         "selftest_passed": 1.0,
         "config_accepted": 1.0,
+        "direction": 1.0,
         "winding_temperature_c": 25.0,
         "switch_temperature_c": 25.0,
         "bms_charge_current_a": 2e6,

@@ -39,6 +39,7 @@ static void load_vehicle(void)
     set("driver.bandwidth_rad_per_s", 1.0);
     set("driver.preview_s", 0.4);
     set("driver.enable", 1.0);
+    set("driver.direction", 1.0);
     set("run.record_interval_s", 0.01);
     set("run.initial_speed_m_per_s", 3.0);
     TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_set_voltage_curve(sim, PLANT_DRIVES[0].soc,

@@ -34,6 +34,7 @@ static hubsim_t *braking_vehicle(void)
     set(sim, "driver.bandwidth_rad_per_s", 1.0);
     set(sim, "driver.preview_s", 0.4);
     set(sim, "driver.enable", 1.0);
+    set(sim, "driver.direction", 1.0);
     set(sim, "run.record_interval_s", 0.01);
     set(sim, "run.initial_speed_m_per_s", 3.0);
     set(sim, "run.stop_at_standstill", 1.0);

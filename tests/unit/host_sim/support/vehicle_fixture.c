@@ -47,6 +47,7 @@ bench_params_t fixture_drive(const char *name)
     set(&params, "driver.most_drive_nm", 40.0);
     set(&params, "driver.most_brake_nm", 340.0);
     set(&params, "driver.enable", 1.0);
+    set(&params, "driver.direction", 1.0);
     set(&params, "thermal.winding_temperature_c", 25.0);
     set(&params, "thermal.switch_temperature_c", 25.0);
     set(&params, "thermal.ambient_temperature_c", 25.0);
