@@ -23,13 +23,20 @@ node_limits_t can_link_limits(const config_t *config)
     return limits;
 }
 
+messages_address_t can_link_address(const config_t *config, int32_t wheel)
+{
+    const messages_address_t address = {.base = (uint16_t)config->vehicle.can_base,
+                                        .wheel = (messages_wheel_t)wheel};
+    return address;
+}
+
 bool can_link_init(can_link_t *link, const config_t *config, uint32_t now_ms)
 {
-    const messages_wheel_t wheel = (messages_wheel_t)config->vehicle.wheel_position;
+    const messages_address_t address = can_link_address(config, config->vehicle.wheel_position);
     const node_limits_t limits = can_link_limits(config);
     uint16_t accepted[MESSAGES_RECEIVED];
-    node_accepted(wheel, accepted);
-    node_init(&link->node, wheel, &limits, now_ms);
+    node_accepted(address, accepted);
+    node_init(&link->node, address, &limits, now_ms);
     return can_init(accepted, MESSAGES_RECEIVED);
 }
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "app/pedal_link.h"
 
+#include "app/can_link.h"
 #include "comms/messages.h"
 #include "config/demand_age.h"
 #include "hal/analog.h"
@@ -51,7 +52,8 @@ static bool transmit(const config_t *config, const pedals_output_t *pedals, int3
                      uint8_t counter)
 {
     const wheel_demand_t demand = pedals_wheel_demand(config, &pedals->demand, wheel);
-    const messages_frame_t frame = messages_demand(&demand, (messages_wheel_t)wheel, counter);
+    const messages_frame_t frame =
+        messages_demand(&demand, can_link_address(config, wheel), counter);
     can_frame_t sent = {.identifier = frame.identifier, .length = frame.length};
     for (uint32_t k = 0; k < sizeof sent.data; k++) {
         sent.data[k] = frame.data[k];

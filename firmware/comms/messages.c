@@ -34,8 +34,10 @@ enum {
     DIRECTION_MASK = 0x03
 };
 
+_Static_assert((int)MESSAGES_BASE == HUBFOC_DEMAND_FRAME_ID, "the base of the DBC");
+
 typedef struct {
-    uint16_t identifier; /* front left */
+    uint16_t identifier; /* front left, in the DBC */
     uint16_t cycle_ms;
     bool each_wheel; /* has an identifier of its own */
 } kind_t;
@@ -74,10 +76,11 @@ const char *messages_wheel_text(messages_wheel_t wheel)
     return "unknown";
 }
 
-uint16_t messages_identifier(messages_kind_t kind, messages_wheel_t wheel)
+uint16_t messages_identifier(messages_kind_t kind, messages_address_t address)
 {
     const kind_t *k = &KINDS[kind];
-    return (uint16_t)(k->identifier | (k->each_wheel ? (uint32_t)wheel : 0U));
+    const int32_t wheel = k->each_wheel ? (int32_t)address.wheel : 0;
+    return (uint16_t)(address.base + k->identifier - MESSAGES_BASE + wheel);
 }
 
 uint32_t messages_cycle_ms(messages_kind_t kind)
@@ -206,16 +209,16 @@ static bool read_brake(const messages_frame_t *frame, slow_output_t *o)
     return true;
 }
 
-bool messages_read_output(const messages_frame_t *frame, messages_wheel_t wheel,
+bool messages_read_output(const messages_frame_t *frame, messages_address_t address,
                           slow_output_t *output)
 {
     if (frame->length != E2E_FRAME_BYTES) {
         return false;
     }
-    if (frame->identifier == messages_identifier(MESSAGES_WHEEL_STATE, wheel)) {
+    if (frame->identifier == messages_identifier(MESSAGES_WHEEL_STATE, address)) {
         return read_state(frame, output);
     }
-    return frame->identifier == messages_identifier(MESSAGES_WHEEL_BRAKE, wheel) &&
+    return frame->identifier == messages_identifier(MESSAGES_WHEEL_BRAKE, address) &&
            read_brake(frame, output);
 }
 
@@ -224,14 +227,14 @@ static void protect(messages_frame_t *frame, messages_kind_t kind, uint8_t count
     e2e_protect(messages_profile(kind), frame->data, frame->identifier, counter);
 }
 
-static messages_frame_t new_frame(messages_kind_t kind, messages_wheel_t wheel)
+static messages_frame_t new_frame(messages_kind_t kind, messages_address_t address)
 {
-    const messages_frame_t frame = {.identifier = messages_identifier(kind, wheel),
+    const messages_frame_t frame = {.identifier = messages_identifier(kind, address),
                                     .length = E2E_FRAME_BYTES};
     return frame;
 }
 
-messages_frame_t messages_demand(const wheel_demand_t *demand, messages_wheel_t wheel,
+messages_frame_t messages_demand(const wheel_demand_t *demand, messages_address_t address,
                                  uint8_t counter)
 {
     const struct hubfoc_demand_t raw = {
@@ -245,13 +248,14 @@ messages_frame_t messages_demand(const wheel_demand_t *demand, messages_wheel_t 
         .brake_torque_nm =
             (uint16_t)magnitude_steps(demand->brake_torque_mNm, DEMAND_STEP_mNm, DEMAND_BRAKE_MAX),
     };
-    messages_frame_t frame = new_frame(MESSAGES_DEMAND, wheel);
+    messages_frame_t frame = new_frame(MESSAGES_DEMAND, address);
     (void)hubfoc_demand_pack(frame.data, &raw, sizeof frame.data);
     protect(&frame, MESSAGES_DEMAND, counter);
     return frame;
 }
 
-messages_frame_t messages_battery(const battery_limits_t *limits, uint8_t counter)
+messages_frame_t messages_battery(const battery_limits_t *limits, messages_address_t address,
+                                  uint8_t counter)
 {
     const struct hubfoc_battery_limits_t raw = {
         .contactor = (uint8_t)limits->contactor,
@@ -260,13 +264,14 @@ messages_frame_t messages_battery(const battery_limits_t *limits, uint8_t counte
         .discharge_current_a =
             magnitude_steps(limits->discharge_current_mA, CURRENT_STEP_mA, BATTERY_CURRENT_MAX),
     };
-    messages_frame_t frame = new_frame(MESSAGES_BATTERY_LIMITS, MESSAGES_FRONT_LEFT);
+    messages_frame_t frame = new_frame(MESSAGES_BATTERY_LIMITS, address);
     (void)hubfoc_battery_limits_pack(frame.data, &raw, sizeof frame.data);
     protect(&frame, MESSAGES_BATTERY_LIMITS, counter);
     return frame;
 }
 
-messages_frame_t messages_peak(const battery_limits_t *limits, uint8_t counter)
+messages_frame_t messages_peak(const battery_limits_t *limits, messages_address_t address,
+                               uint8_t counter)
 {
     const struct hubfoc_battery_peak_t raw = {
         .charge_peak_current_a =
@@ -278,20 +283,20 @@ messages_frame_t messages_peak(const battery_limits_t *limits, uint8_t counter)
                           ? signed_steps(limits->current_mA, PACK_CURRENT_STEP_mA, PACK_CURRENT_MAX)
                           : PACK_CURRENT_NOT_GIVEN),
     };
-    messages_frame_t frame = new_frame(MESSAGES_BATTERY_PEAK, MESSAGES_FRONT_LEFT);
+    messages_frame_t frame = new_frame(MESSAGES_BATTERY_PEAK, address);
     (void)hubfoc_battery_peak_pack(frame.data, &raw, sizeof frame.data);
     protect(&frame, MESSAGES_BATTERY_PEAK, counter);
     return frame;
 }
 
-messages_frame_t messages_hydraulic(const hydraulic_feedback_t *feedback, messages_wheel_t wheel,
-                                    uint8_t counter)
+messages_frame_t messages_hydraulic(const hydraulic_feedback_t *feedback,
+                                    messages_address_t address, uint8_t counter)
 {
     const struct hubfoc_hydraulic_feedback_t raw = {
         .torque_valid = feedback->valid ? 1 : 0,
         .measured_torque_nm = magnitude_steps(feedback->torque_mNm, TORQUE_STEP_mNm, TORQUE_MAX),
     };
-    messages_frame_t frame = new_frame(MESSAGES_HYDRAULIC_FEEDBACK, wheel);
+    messages_frame_t frame = new_frame(MESSAGES_HYDRAULIC_FEEDBACK, address);
     (void)hubfoc_hydraulic_feedback_pack(frame.data, &raw, sizeof frame.data);
     protect(&frame, MESSAGES_HYDRAULIC_FEEDBACK, counter);
     return frame;
@@ -390,13 +395,13 @@ static void put_available(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o)
 }
 
 messages_frame_t messages_output(messages_kind_t kind, const messages_values_t *values,
-                                 messages_wheel_t wheel, uint8_t counter)
+                                 messages_address_t address, uint8_t counter)
 {
     if ((uint32_t)kind < MESSAGES_RECEIVED || (uint32_t)kind >= MESSAGES_KINDS) {
         const messages_frame_t empty = {.length = 0};
         return empty;
     }
-    messages_frame_t frame = new_frame(kind, wheel);
+    messages_frame_t frame = new_frame(kind, address);
     switch (kind) {
     case MESSAGES_WHEEL_STATE:
         put_state(frame.data, values->output);

@@ -3,13 +3,13 @@
 
 #include "core/q15.h"
 
-void node_accepted(messages_wheel_t wheel, uint16_t identifiers[MESSAGES_RECEIVED])
+void node_accepted(messages_address_t address, uint16_t identifiers[MESSAGES_RECEIVED])
 {
-    identifiers[MESSAGES_DEMAND] = messages_identifier(MESSAGES_DEMAND, wheel);
+    identifiers[MESSAGES_DEMAND] = messages_identifier(MESSAGES_DEMAND, address);
     identifiers[MESSAGES_HYDRAULIC_FEEDBACK] =
-        messages_identifier(MESSAGES_HYDRAULIC_FEEDBACK, wheel);
-    identifiers[MESSAGES_BATTERY_PEAK] = messages_identifier(MESSAGES_BATTERY_PEAK, wheel);
-    identifiers[MESSAGES_BATTERY_LIMITS] = messages_identifier(MESSAGES_BATTERY_LIMITS, wheel);
+        messages_identifier(MESSAGES_HYDRAULIC_FEEDBACK, address);
+    identifiers[MESSAGES_BATTERY_PEAK] = messages_identifier(MESSAGES_BATTERY_PEAK, address);
+    identifiers[MESSAGES_BATTERY_LIMITS] = messages_identifier(MESSAGES_BATTERY_LIMITS, address);
 }
 
 static messages_kind_t sent_kind(uint32_t index)
@@ -26,11 +26,12 @@ static void init_receiver(e2e_receiver_t *receiver, messages_kind_t kind)
                       NODE_TIMEOUT_CYCLES * messages_cycle_ms(kind));
 }
 
-void node_init(node_t *node, messages_wheel_t wheel, const node_limits_t *limits, uint32_t now_ms)
+void node_init(node_t *node, messages_address_t address, const node_limits_t *limits,
+               uint32_t now_ms)
 {
     const node_t zero = {.refused = false};
     *node = zero;
-    node->wheel = wheel;
+    node->address = address;
     node->limits = *limits;
     node->command.bms = limits->pack;
     node->offered = MESSAGES_KINDS;
@@ -195,16 +196,16 @@ static bool receive_hydraulic(node_t *node, const messages_frame_t *frame, uint3
 bool node_receive(node_t *node, const messages_frame_t *frame, uint32_t now_ms)
 {
     const bool lapsed = node_tick(node, now_ms);
-    if (frame->identifier == messages_identifier(MESSAGES_DEMAND, node->wheel)) {
+    if (frame->identifier == messages_identifier(MESSAGES_DEMAND, node->address)) {
         return receive_demand(node, frame, now_ms) || lapsed;
     }
-    if (frame->identifier == messages_identifier(MESSAGES_BATTERY_LIMITS, node->wheel)) {
+    if (frame->identifier == messages_identifier(MESSAGES_BATTERY_LIMITS, node->address)) {
         return receive_battery(node, frame, now_ms) || lapsed;
     }
-    if (frame->identifier == messages_identifier(MESSAGES_HYDRAULIC_FEEDBACK, node->wheel)) {
+    if (frame->identifier == messages_identifier(MESSAGES_HYDRAULIC_FEEDBACK, node->address)) {
         return receive_hydraulic(node, frame, now_ms) || lapsed;
     }
-    if (frame->identifier == messages_identifier(MESSAGES_BATTERY_PEAK, node->wheel)) {
+    if (frame->identifier == messages_identifier(MESSAGES_BATTERY_PEAK, node->address)) {
         return receive_peak(node, frame, now_ms) || lapsed;
     }
     node->foreign++;
@@ -237,7 +238,7 @@ static bool next_of(node_t *node, uint32_t kinds, uint32_t now_ms, const slow_ou
                       .demand_counter = node->demand_counter},
         };
         node->offered = sent_kind(i);
-        *frame = messages_output(node->offered, &values, node->wheel, node->counter[i]);
+        *frame = messages_output(node->offered, &values, node->address, node->counter[i]);
         return true;
     }
     node->offered = MESSAGES_KINDS;

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from cantools.database.can import Database, Message
 
+BASE = 0x100
 WHEEL_MASK = 3
 P5 = {"POLYNOMIAL": 0x1021, "INITIAL": 0xFFFF, "COUNTER_MASK": 0xFF}
 P2 = {"POLYNOMIAL": 0x2F, "INITIAL": 0xFF, "FINAL": 0xFF, "COUNTER_MASK": 0x0F}
@@ -77,6 +78,7 @@ def python_module(database: Database, module: Path) -> str:
     text = (module / "can_protocol.py.in").read_text(encoding="utf-8")
     text = text.replace("@MESSAGES@", "".join(map(_message, database.messages)))
     numbers = {
+        "BASE": f"0x{BASE:03X}",
         "WHEEL_MASK": str(WHEEL_MASK),
         "STEP_MAX": str(enumerator(module, "E2E_STEP_MAX")),
         "QUALIFYING_FRAMES": str(enumerator(module, "E2E_QUALIFYING_FRAMES")),

@@ -328,6 +328,7 @@ static const char *broken_in_battery(const config_t *c)
 
 static const char *broken_in_vehicle(const config_t *c)
 {
+    REQUIRE(c->vehicle.can_base % CONFIG_CAN_BASE_STEP == 0, "vehicle.can_base a multiple of 32");
     REQUIRE(c->brake.torque_growth_end_q15 > square_q15(c->current_loop.modulation_target_pu_q15),
             "brake.torque_growth_end_q15 > square of current_loop.modulation_target_pu_q15");
     REQUIRE(pedal_channels_calibrated(&c->pedals),

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "app/app.h"
+#include "bench/link.h"
 
 enum { NO_CURRENT_CODE = 2048, ROOM_TEMPERATURE_cC = 2500 };
 
@@ -31,7 +32,7 @@ void board_start(board_t *board, const config_t *config)
         .active = {.bridge = BRIDGE_OFF},
     };
     *board = at_rest;
-    vehicle_can_init(&board->vehicle, (messages_wheel_t)config->vehicle.wheel_position);
+    vehicle_can_init(&board->vehicle, link_address(config));
     const host_plant_t plant = {.context = board, .sample = sample, .drive = drive};
     host_connect(&plant, config, sizeof *config);
     app_boot();

@@ -31,6 +31,13 @@ node_limits_t link_limits(const config_t *config)
     return limits;
 }
 
+messages_address_t link_address(const config_t *config)
+{
+    const messages_address_t address = {.base = (uint16_t)config->vehicle.can_base,
+                                        .wheel = (messages_wheel_t)config->vehicle.wheel_position};
+    return address;
+}
+
 void link_reset(link_t *link)
 {
     link->active = false;
@@ -45,9 +52,9 @@ static void deliver(link_t *link, const messages_frame_t *frame)
 static void begin(link_t *link, const config_t *config, const slow_input_t *in)
 {
     const node_limits_t limits = link_limits(config);
-    const messages_wheel_t wheel = (messages_wheel_t)config->vehicle.wheel_position;
-    vehicle_can_init(&link->can, wheel);
-    node_init(&link->node, wheel, &limits, 0);
+    const messages_address_t address = link_address(config);
+    vehicle_can_init(&link->can, address);
+    node_init(&link->node, address, &limits, 0);
     slow_input_t before = *in;
     before.demand_age_ms = 0;
     for (int ms = 0; ms < HEALTHY_MS; ms++) {
@@ -59,7 +66,7 @@ static void begin(link_t *link, const config_t *config, const slow_input_t *in)
         link->can.now_ms++;
     }
     link->latest_demand =
-        messages_demand(&in->demand, wheel, (uint8_t)(link->can.demand_counter - 1U));
+        messages_demand(&in->demand, address, (uint8_t)(link->can.demand_counter - 1U));
     link->began_ms = link->can.now_ms;
     link->first = 0;
     link->count = 0;
@@ -126,8 +133,8 @@ static void corrupt(link_t *link, messages_frame_t *frame, double share)
 static messages_frame_t of_other_wheel(const link_t *link, const slow_input_t *in,
                                        const messages_frame_t *frame)
 {
-    const messages_wheel_t other =
-        link->can.wheel == MESSAGES_FRONT_LEFT ? MESSAGES_FRONT_RIGHT : MESSAGES_FRONT_LEFT;
+    messages_address_t other = link->can.address;
+    other.wheel = other.wheel == MESSAGES_FRONT_LEFT ? MESSAGES_FRONT_RIGHT : MESSAGES_FRONT_LEFT;
     const uint8_t counter = e2e_counter(messages_profile(MESSAGES_DEMAND), frame->data);
     messages_frame_t out = messages_demand(&in->demand, other, counter);
     out.identifier = frame->identifier;
@@ -136,7 +143,7 @@ static messages_frame_t of_other_wheel(const link_t *link, const slow_input_t *i
 
 static void change(const fault_params_t *p, link_t *link, const slow_input_t *in)
 {
-    const uint16_t demand = messages_identifier(MESSAGES_DEMAND, link->can.wheel);
+    const uint16_t demand = messages_identifier(MESSAGES_DEMAND, link->can.address);
     for (uint32_t k = 0; k < link->can.queued_count; k++) {
         messages_frame_t frame = link->can.queued[k];
         if (p->can_repeated > ON && frame.identifier == demand) {

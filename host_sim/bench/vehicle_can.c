@@ -3,9 +3,9 @@
 
 enum { TIMEOUT_CYCLES = 5 };
 
-void vehicle_can_init(vehicle_can_t *can, messages_wheel_t wheel)
+void vehicle_can_init(vehicle_can_t *can, messages_address_t address)
 {
-    const vehicle_can_t fresh = {.wheel = wheel, .received = {.mode = MODE_BOOT}};
+    const vehicle_can_t fresh = {.address = address, .received = {.mode = MODE_BOOT}};
     *can = fresh;
     e2e_receiver_init(&can->state_link, messages_profile(MESSAGES_WHEEL_STATE),
                       TIMEOUT_CYCLES * messages_cycle_ms(MESSAGES_WHEEL_STATE));
@@ -24,30 +24,30 @@ void vehicle_can_send(vehicle_can_t *can, const slow_input_t *in)
     can->queued_count = 0;
     const uint32_t demand_cycle_ms = messages_cycle_ms(MESSAGES_DEMAND);
     if (can->now_ms % demand_cycle_ms == 0 && in->demand_age_ms < demand_cycle_ms) {
-        queue(can, messages_demand(&in->demand, can->wheel, can->demand_counter++));
+        queue(can, messages_demand(&in->demand, can->address, can->demand_counter++));
     }
     if (can->now_ms % messages_cycle_ms(MESSAGES_BATTERY_LIMITS) == 0) {
-        queue(can, messages_battery(&in->bms, can->battery_counter++));
+        queue(can, messages_battery(&in->bms, can->address, can->battery_counter++));
     }
     if ((in->bms.charge_peak_current_mA > 0 || in->bms.voltage_mV > 0 || in->bms.current_given) &&
         can->now_ms % messages_cycle_ms(MESSAGES_BATTERY_PEAK) == 0) {
-        queue(can, messages_peak(&in->bms, can->peak_counter++));
+        queue(can, messages_peak(&in->bms, can->address, can->peak_counter++));
     }
     if (in->hydraulic.valid && in->hydraulic.age_ms == 0) {
-        queue(can, messages_hydraulic(&in->hydraulic, can->wheel, can->hydraulic_counter++));
+        queue(can, messages_hydraulic(&in->hydraulic, can->address, can->hydraulic_counter++));
     }
 }
 
 static e2e_receiver_t *link_of(vehicle_can_t *can, uint16_t identifier)
 {
-    return identifier == messages_identifier(MESSAGES_WHEEL_STATE, can->wheel) ? &can->state_link
+    return identifier == messages_identifier(MESSAGES_WHEEL_STATE, can->address) ? &can->state_link
                                                                                : &can->brake_link;
 }
 
 void vehicle_can_receive(vehicle_can_t *can, const messages_frame_t *frame)
 {
     slow_output_t message = can->received;
-    if (!messages_read_output(frame, can->wheel, &message)) {
+    if (!messages_read_output(frame, can->address, &message)) {
         return; /* of no interest to the plant */
     }
     const e2e_status_t check = e2e_receive(link_of(can, frame->identifier), frame->data,

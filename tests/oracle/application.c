@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include "app/app.h"
+#include "app/can_link.h"
 #include "bench/vehicle_can.h"
 #include "configurations.h"
 #include "hal/memory.h"
@@ -127,7 +128,8 @@ static void begin_drive(int entry)
     drive.in.temperature.switch_cC = between(1000, 6000);
     drive.in.hydraulic.age_ms = 1000000;
     drive.fault_ms = chance(700) ? between(BOOT_ms, DRIVE_ms) : DRIVE_ms;
-    vehicle_can_init(&drive.vehicle, (messages_wheel_t)drive.config.vehicle.wheel_position);
+    vehicle_can_init(&drive.vehicle,
+                     can_link_address(&drive.config, drive.config.vehicle.wheel_position));
     const host_plant_t plant = {.sample = sample, .drive = act};
     host_connect(&plant, &drive.config, sizeof drive.config);
     app_boot();

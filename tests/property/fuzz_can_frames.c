@@ -45,7 +45,7 @@ static messages_frame_t frame_of(node_t *node, const uint8_t *at)
 {
     const uint32_t what = at[0];
     const messages_kind_t kind = (messages_kind_t)(what & 0x0FU) % MESSAGES_KINDS;
-    messages_frame_t frame = {.identifier = messages_identifier(kind, node->wheel),
+    messages_frame_t frame = {.identifier = messages_identifier(kind, node->address),
                               .length = (what & SHORT) != 0 ? at[1] % 9U : 8};
     frame.identifier = (uint16_t)(frame.identifier ^ (at[3] < 240U ? 0U : at[1]));
     memcpy(frame.data, at + 4, sizeof frame.data);
@@ -102,7 +102,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     };
     uint32_t now_ms = size > 2 ? UINT32_MAX - 100U * data[2] : 0; /* over the wrap of the clock */
     static node_t node;
-    node_init(&node, MESSAGES_REAR_LEFT, &limits, now_ms);
+    const messages_address_t address = {.base = 0x740, .wheel = MESSAGES_REAR_LEFT};
+    node_init(&node, address, &limits, now_ms);
     for (size_t at = 3; at + BYTES_A_FRAME <= size; at += BYTES_A_FRAME) {
         const messages_frame_t frame = frame_of(&node, data + at);
         now_ms += (uint32_t)data[at + 2] * ((data[at] & ONE_MORE_TICK) != 0 ? 100U : 1U);

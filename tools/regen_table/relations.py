@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator
 from regen_table import derived
 from regen_table.sections import Drive
 
+CAN_BASE_STEP = 32  # config.h: CONFIG_CAN_BASE_STEP
 EMF_TOLERANCE = 0.01  # flux linkage and voltages are not known any better
 
 
@@ -109,6 +110,12 @@ def _temperature_sensors(drive: Drive) -> Iterator[str]:
             f"monitor.coldest_ambient_c: {monitor.coldest_ambient_c:g} degC, accepted: at most"
             f" warmest_ambient_c = {monitor.warmest_ambient_c:g} degC"
         )
+
+
+def _identifiers(drive: Drive) -> Iterator[str]:
+    base = drive.vehicle.can_base
+    if base % CAN_BASE_STEP:
+        yield f"vehicle.can_base: {base}, accepted: a multiple of {CAN_BASE_STEP}"
 
 
 def _inductances(drive: Drive) -> Iterator[str]:
@@ -489,4 +496,8 @@ _CHECKS: tuple[Callable[[Drive], Iterator[str]], ...] = (
     _inductances, _iron, _torques, _currents, _battery, _foldback, _derating, _stop_lamp, _hold,
     _pedals, _trips, _devices, _torque_growth, _grid, _temperatures, _temperature_sensors,
     _handover, _hall, _hall_hand_over, _encoder, _emf, _regeneration,
+
+
+    _pedals, _trips, _devices, _torque_growth, _grid, _temperatures, _handover, _hall,
+    _hall_hand_over, _encoder, _emf, _regeneration, _identifiers,
 )  # fmt: skip

@@ -244,6 +244,10 @@ class Vehicle(Section):
         Literal["front_left", "front_right", "rear_left", "rear_right"],
         Field(description="this controller's address on CAN"),
     ] = "front_left"
+    can_base: Annotated[
+        int,
+        number(0, 0x740, "1", "lowest identifier on CAN, a multiple of 32"),
+    ] = 0x100
 
 
 class Control(Section):

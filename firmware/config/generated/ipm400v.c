@@ -236,6 +236,9 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         .mass_g          = 1450000, /* [g] the driven wheels share it in the estimate of the road */
         /* address on CAN: 0 front left, 1 front right, 2 rear left, 3 rear right */
         .wheel_position  = 0,
+        /* identifier of Demand for the front left wheel, the lowest of all; a multiple of 32;
+         * default 256 */
+        .can_base        = 256,
     },
     .driver = {
         /* [ms] a braking demand is kept this long after it counts as lost; default 300 */
@@ -650,5 +653,5 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
             -20041, -21553, -22987, -24353, -25659, -26913, -28121, -29286, -30414,
         },
     },
-    .crc32 = 0x01414491,
+    .crc32 = 0x3E8BF788,
 };

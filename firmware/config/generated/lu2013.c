@@ -236,6 +236,9 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
         .mass_g          = 660000, /* [g] the driven wheels share it in the estimate of the road */
         /* address on CAN: 0 front left, 1 front right, 2 rear left, 3 rear right */
         .wheel_position  = 0,
+        /* identifier of Demand for the front left wheel, the lowest of all; a multiple of 32;
+         * default 256 */
+        .can_base        = 256,
     },
     .driver = {
         /* [ms] a braking demand is kept this long after it counts as lost; default 300 */
@@ -446,5 +449,5 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
             -7364, -7790, -7021, -8871, -9455,
         },
     },
-    .crc32 = 0xB66B0DFE,
+    .crc32 = 0x6EE10ABC,
 };

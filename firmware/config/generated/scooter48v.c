@@ -236,6 +236,9 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
         .mass_g          = 95000, /* [g] the driven wheels share it in the estimate of the road */
         /* address on CAN: 0 front left, 1 front right, 2 rear left, 3 rear right */
         .wheel_position  = 0,
+        /* identifier of Demand for the front left wheel, the lowest of all; a multiple of 32;
+         * default 256 */
+        .can_base        = 256,
     },
     .driver = {
         /* [ms] a braking demand is kept this long after it counts as lost; default 300 */
@@ -436,5 +439,5 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
             -5218, -5966, -6796, -7744, -8823, -10033, -11370, -12827, -14396,
         },
     },
-    .crc32 = 0x00EFC6F9,
+    .crc32 = 0x5987CE36,
 };

@@ -236,6 +236,9 @@ CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
         .mass_g          = 10000, /* [g] the driven wheels share it in the estimate of the road */
         /* address on CAN: 0 front left, 1 front right, 2 rear left, 3 rear right */
         .wheel_position  = 0,
+        /* identifier of Demand for the front left wheel, the lowest of all; a multiple of 32;
+         * default 256 */
+        .can_base        = 256,
     },
     .driver = {
         /* [ms] a braking demand is kept this long after it counts as lost; default 300 */
@@ -444,5 +447,5 @@ CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
             -69, -93, -74, -137, -157,
         },
     },
-    .crc32 = 0xC7AF4517,
+    .crc32 = 0x5C868EB0,
 };

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 FRAME_BYTES: Final = 8
+BASE: Final = 0x100  # lowest identifier, unless [vehicle] can_base says otherwise
 WHEEL_MASK: Final = 3  # lowest bits of an identifier: which wheel
 STEP_MAX: Final = 3  # of the counter: frames lost in a row, and one
 QUALIFYING_FRAMES: Final = 3  # in order, the last of them is the first used
@@ -37,7 +38,7 @@ class Signal:
 
 @dataclass(frozen=True)
 class Message:
-    """One message; its identifier is that of the front left wheel."""
+    """One message; its identifier is that of the front left wheel with the base ``BASE``."""
 
     identifier: int
     each_wheel: bool  # has an identifier of its own for each wheel
@@ -253,22 +254,23 @@ def protect(profile: int, data: bytes, identifier: int, counter: int) -> bytes:
     return bytes(out)
 
 
-def identifier_of(name: str, wheel: int = 0) -> int:
+def identifier_of(name: str, wheel: int = 0, base: int = BASE) -> int:
     """Return the identifier of a message of one wheel."""
     message = MESSAGES[name]
-    return message.identifier | (wheel if message.each_wheel else 0)
+    return base + message.identifier - BASE + (wheel if message.each_wheel else 0)
 
 
-def message_of(identifier: int) -> str | None:
+def message_of(identifier: int, base: int = BASE) -> str | None:
     """Return the name of the message that an identifier is of; None if there is none."""
+    in_dbc = identifier - base + BASE
     for name, message in MESSAGES.items():
-        if identifier & ~(WHEEL_MASK if message.each_wheel else 0) == message.identifier:
+        if in_dbc & ~(WHEEL_MASK if message.each_wheel else 0) == message.identifier:
             return name
     return None
 
 
 def encode(
-    name: str, values: Mapping[str, float], *, wheel: int = 0, counter: int = 0
+    name: str, values: Mapping[str, float], *, wheel: int = 0, counter: int = 0, base: int = BASE
 ) -> tuple[int, bytes]:
     """Return identifier and content of a complete frame; signals not named are zero.
 
@@ -283,7 +285,7 @@ def encode(
             span = f"{signal.least:g} .. {signal.most:g}"
             raise ValueError(f"{name}.{key}: {value:g} is not in {span}")
         word |= (raw & ((1 << signal.length) - 1)) << signal.start
-    identifier = identifier_of(name, wheel)
+    identifier = identifier_of(name, wheel, base)
     content = word.to_bytes(FRAME_BYTES, "little")
     return identifier, protect(message.profile, content, identifier, counter)
 

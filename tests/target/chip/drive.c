@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "drive.h"
+#include "bench/link.h"
 #include "config/bases.h"
 
 #include <math.h>
@@ -49,7 +50,7 @@ void drive_begin(drive_t *drive, chip_t *chip, const config_t *config)
                                CHIP_TICKS_PER_SECOND / (uint32_t)config->drive.pwm_frequency_Hz,
                            .dead_time_ns = (uint32_t)config->drive.dead_time_ns};
     *drive = fresh;
-    vehicle_can_init(&drive->vehicle, (messages_wheel_t)config->vehicle.wheel_position);
+    vehicle_can_init(&drive->vehicle, link_address(config));
     const fast_input_t at_rest = {
         .phase_current_code = {NO_CURRENT_CODE, NO_CURRENT_CODE, NO_CURRENT_CODE}, .hall_state = 5};
     set_pins(drive, &at_rest);

@@ -16,6 +16,9 @@ typedef struct {
     node_t node;
 } can_link_t;
 
+/* Where a wheel of this vehicle is on the bus. */
+messages_address_t can_link_address(const config_t *config, int32_t wheel);
+
 /* What the configuration says about the messages. */
 node_limits_t can_link_limits(const config_t *config);
 

@@ -4,11 +4,11 @@
  * layout; the C code for it is generated from that file.
  *
  * One wheel's messages differ from another's in two bits of the identifier (and in the data id,
- * e2e.h), so one DBC is for all of them. The structures are the controller's own
- * (core/slow_messages.h), in SI milli-units; a frame holds whole steps of 0.1 N m (demands 0.2 N
- * m), 0.1 A, 0.1 V, 0.1 degrees and 0.01 rad/s. What is sent is rounded to the nearest step and
- * kept within the DBC's range, except that available torques are rounded down, so that they are
- * never overstated.
+ * e2e.h), and a vehicle's in the configured base, so one DBC is for all of them. The structures are
+ * the controller's own (core/slow_messages.h), in SI milli-units; a frame holds whole steps of 0.1
+ * N m (demands 0.2 N m), 0.1 A, 0.1 V, 0.1 degrees and 0.01 rad/s. What is sent is rounded to the
+ * nearest step and kept within the DBC's range, except that available torques are rounded down, so
+ * that they are never overstated.
  *
  * Signs: torque, speed and current are positive when they drive forward; braking torques are
  * magnitudes >= 0; the bus current is positive out of the battery. Pure; any context.
@@ -30,6 +30,15 @@ typedef enum {
     MESSAGES_REAR_LEFT = 2,
     MESSAGES_REAR_RIGHT = 3
 } messages_wheel_t;
+
+/* Where a wheel is on the bus. Its messages, and those for all wheels, have the identifiers base
+ * .. base + 0x9B, in the DBC those of MESSAGES_BASE. */
+typedef struct {
+    uint16_t base; /* a multiple of 32, at most 0x740 */
+    messages_wheel_t wheel;
+} messages_address_t;
+
+enum { MESSAGES_BASE = 0x100 };
 
 /* In the order of arbitration: the lowest wins. */
 typedef enum {
@@ -81,7 +90,7 @@ typedef struct {
 /* "front left" and so on; never NULL. */
 const char *messages_wheel_text(messages_wheel_t wheel);
 
-uint16_t messages_identifier(messages_kind_t kind, messages_wheel_t wheel);
+uint16_t messages_identifier(messages_kind_t kind, messages_address_t address);
 
 /* The DBC's GenMsgCycleTime. */
 uint32_t messages_cycle_ms(messages_kind_t kind);
@@ -103,21 +112,23 @@ bool messages_read_peak(const messages_frame_t *frame, battery_limits_t *limits)
 bool messages_read_hydraulic(const messages_frame_t *frame, hydraulic_feedback_t *feedback);
 
 /* For simulators of vehicle and battery: a complete, protected frame. */
-messages_frame_t messages_demand(const wheel_demand_t *demand, messages_wheel_t wheel,
+messages_frame_t messages_demand(const wheel_demand_t *demand, messages_address_t address,
                                  uint8_t counter);
-messages_frame_t messages_battery(const battery_limits_t *limits, uint8_t counter);
-messages_frame_t messages_peak(const battery_limits_t *limits, uint8_t counter);
-messages_frame_t messages_hydraulic(const hydraulic_feedback_t *feedback, messages_wheel_t wheel,
-                                    uint8_t counter);
+messages_frame_t messages_battery(const battery_limits_t *limits, messages_address_t address,
+                                  uint8_t counter);
+messages_frame_t messages_peak(const battery_limits_t *limits, messages_address_t address,
+                               uint8_t counter);
+messages_frame_t messages_hydraulic(const hydraulic_feedback_t *feedback,
+                                    messages_address_t address, uint8_t counter);
 
 /* Decodes for the vehicle's side: the fields that this kind of frame carries, in whole
  * steps; the others are left as they are. False, and the structure untouched, if it is neither
  * WHEEL_STATE nor WHEEL_BRAKE of that wheel. */
-bool messages_read_output(const messages_frame_t *frame, messages_wheel_t wheel,
+bool messages_read_output(const messages_frame_t *frame, messages_address_t address,
                           slow_output_t *output);
 
 /* One of the sent kinds, complete and protected; an empty frame for the received ones. */
 messages_frame_t messages_output(messages_kind_t kind, const messages_values_t *values,
-                                 messages_wheel_t wheel, uint8_t counter);
+                                 messages_address_t address, uint8_t counter);
 
 #endif

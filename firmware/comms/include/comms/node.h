@@ -62,7 +62,7 @@ typedef struct {
 } node_command_t;
 
 typedef struct {
-    messages_wheel_t wheel;
+    messages_address_t address;
     node_command_t command;
     node_limits_t limits;
     e2e_receiver_t demand;
@@ -78,10 +78,11 @@ typedef struct {
     messages_kind_t offered; /* by the last node_next() */
 } node_t;
 
-void node_init(node_t *node, messages_wheel_t wheel, const node_limits_t *limits, uint32_t now_ms);
+void node_init(node_t *node, messages_address_t address, const node_limits_t *limits,
+               uint32_t now_ms);
 
 /* The identifiers that a receive filter has to pass. */
-void node_accepted(messages_wheel_t wheel, uint16_t identifiers[MESSAGES_RECEIVED]);
+void node_accepted(messages_address_t address, uint16_t identifiers[MESSAGES_RECEIVED]);
 
 /* Every pass of the background, with or without frames: timeouts. True if the command has changed.
  */

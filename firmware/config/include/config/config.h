@@ -30,6 +30,7 @@
 #define CONFIG_HALL_EDGES 6
 #define CONFIG_PEDAL_CHANNELS 4     /* accelerator a and b, brake pedal a and b */
 #define CONFIG_WHEELS 4             /* in the order of vehicle.wheel_position */
+#define CONFIG_CAN_BASE_STEP 32     /* of vehicle.can_base */
 #define CONFIG_REGEN_POINTS_MAX 800 /* such as 47 speeds at 17 temperatures, or 65 at 12 */
 /* such as 31 torques and 19 speeds at 2 temperatures */
 #define CONFIG_CURRENT_MAP_POINTS_MAX 1178
@@ -271,7 +272,10 @@
     X(mass_g,                                1000,      100000000,  "g", \
       "the driven wheels share it in the estimate of the road") \
     X(wheel_position,                        0,         3,          "", \
-      "address on CAN: 0 front left, 1 front right, 2 rear left, 3 rear right")
+      "address on CAN: 0 front left, 1 front right, 2 rear left, 3 rear right") \
+    X(can_base,                              0,         1856,       "", \
+      "identifier of Demand for the front left wheel, the lowest of all; a multiple of 32; default " \
+      "256")
 
 #define CONFIG_DRIVER_FIELDS(X) \
     X(lost_hold_ms,                          0,         10000,      "ms", \

@@ -43,8 +43,9 @@ typedef struct {
 
 bool link_fault_present(const fault_params_t *params);
 
-/* What the application's node is configured with. */
+/* What the application's node is configured with, and its place on the bus. */
 node_limits_t link_limits(const config_t *config);
+messages_address_t link_address(const config_t *config);
 
 /* Once per millisecond: in is what the vehicle would send now, and becomes what the wheel knows. */
 void link_step(const fault_params_t *params, link_t *link, const config_t *config,

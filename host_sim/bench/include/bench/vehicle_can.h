@@ -18,7 +18,7 @@
 enum { VEHICLE_CAN_QUEUED_MAX = 4 };
 
 typedef struct {
-    messages_wheel_t wheel;
+    messages_address_t address;
     slow_output_t received; /* last output received from the wheel; at first mode BOOT */
     e2e_receiver_t state_link, brake_link;
     uint32_t now_ms; /* counted by the caller */
@@ -27,7 +27,7 @@ typedef struct {
     uint32_t queued_count;
 } vehicle_can_t;
 
-void vehicle_can_init(vehicle_can_t *can, messages_wheel_t wheel);
+void vehicle_can_init(vehicle_can_t *can, messages_address_t address);
 
 /* Puts the messages of the vehicle and of the battery that are due at now_ms into `queued`. */
 void vehicle_can_send(vehicle_can_t *can, const slow_input_t *in);

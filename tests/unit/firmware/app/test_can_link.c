@@ -51,6 +51,7 @@ static const config_t *configured(messages_wheel_t wheel)
 {
     static config_t config;
     config.vehicle.wheel_position = (int32_t)wheel;
+    config.vehicle.can_base = 0x320;
     config.battery.driven_wheels = 2;
     config.battery.max_charge_current_mA = PACK.charge_current_mA / 2;
     config.battery.max_discharge_current_mA = PACK.discharge_current_mA / 2;
@@ -79,7 +80,7 @@ void tearDown(void) {}
 static void arrive(uint8_t counter, int32_t drive_torque_mNm)
 {
     const wheel_demand_t demand = {.drive_torque_mNm = drive_torque_mNm, .enable = true};
-    const messages_frame_t frame = messages_demand(&demand, MESSAGES_REAR_LEFT, counter);
+    const messages_frame_t frame = messages_demand(&demand, can_link.node.address, counter);
     can_frame_t *to = &waiting[waiting_count++];
     to->identifier = frame.identifier;
     to->length = frame.length;
@@ -88,14 +89,14 @@ static void arrive(uint8_t counter, int32_t drive_torque_mNm)
     }
 }
 
-/* Identifiers from the DBC: Demand 0x100 and HydraulicFeedback 0x120, the rear left wheel +2;
- * BatteryLimits 0x140 and BatteryPeak 0x144 for every wheel. */
+/* From the base 0x320 as far as in the DBC from 0x100: Demand 0 and HydraulicFeedback 0x20, the
+ * rear left wheel +2; BatteryLimits 0x40 and BatteryPeak 0x44 for every wheel. */
 void test_filter_accepts_only_frames_for_this_wheel(void)
 {
-    TEST_ASSERT_EQUAL_HEX16(0x102, accepted[0]);
-    TEST_ASSERT_EQUAL_HEX16(0x122, accepted[1]);
-    TEST_ASSERT_EQUAL_HEX16(0x140, accepted[2]);
-    TEST_ASSERT_EQUAL_HEX16(0x144, accepted[3]);
+    TEST_ASSERT_EQUAL_HEX16(0x322, accepted[0]);
+    TEST_ASSERT_EQUAL_HEX16(0x342, accepted[1]);
+    TEST_ASSERT_EQUAL_HEX16(0x360, accepted[2]);
+    TEST_ASSERT_EQUAL_HEX16(0x364, accepted[3]);
 }
 
 void test_demand_is_received_with_its_time(void)
@@ -114,7 +115,7 @@ void test_timeout_is_reported_without_any_frame(void)
 {
     const battery_limits_t full = {.charge_current_mA = 20000, .discharge_current_mA = 90000};
     for (uint8_t counter = 0; counter < 3; counter++) {
-        const messages_frame_t frame = messages_battery(&full, counter);
+        const messages_frame_t frame = messages_battery(&full, can_link.node.address, counter);
         (void)node_receive(&can_link.node, &frame, 100);
     }
     TEST_ASSERT_EQUAL_INT32(20000, can_link.node.command.bms.charge_current_mA);
@@ -143,9 +144,9 @@ void test_every_message_is_sent_in_its_cycle_with_free_mailboxes(void)
         can_link_transmit(&can_link, ms, &output, &TEMPERATURE);
         for (int i = 0; i < sent_count; i++) {
             TEST_ASSERT_EQUAL_UINT8(8, sent[i].length);
-            TEST_ASSERT_TRUE(sent[i].identifier >= 0x182 && sent[i].identifier <= 0x19A);
+            TEST_ASSERT_TRUE(sent[i].identifier >= 0x3A2 && sent[i].identifier <= 0x3BA);
             TEST_ASSERT_EQUAL_HEX16(2, sent[i].identifier & 3);
-            count[(sent[i].identifier - 0x180) / 4]++;
+            count[(sent[i].identifier - 0x3A0) / 4]++;
         }
     }
     TEST_ASSERT_EQUAL_INT(100, count[0]);
@@ -165,15 +166,15 @@ void test_messages_without_a_free_mailbox_are_sent_in_the_next_call(void)
     free_mailboxes = 3;
     can_link_transmit(&can_link, 100, &output, &TEMPERATURE);
     TEST_ASSERT_EQUAL_INT(3, sent_count);
-    TEST_ASSERT_EQUAL_HEX16(0x182, sent[0].identifier);
-    TEST_ASSERT_EQUAL_HEX16(0x186, sent[1].identifier);
-    TEST_ASSERT_EQUAL_HEX16(0x18A, sent[2].identifier);
+    TEST_ASSERT_EQUAL_HEX16(0x3A2, sent[0].identifier);
+    TEST_ASSERT_EQUAL_HEX16(0x3A6, sent[1].identifier);
+    TEST_ASSERT_EQUAL_HEX16(0x3AA, sent[2].identifier);
     free_mailboxes = 3;
     can_link_transmit(&can_link, 101, &output, &TEMPERATURE);
     TEST_ASSERT_EQUAL_INT(6, sent_count);
-    TEST_ASSERT_EQUAL_HEX16(0x18E, sent[3].identifier);
-    TEST_ASSERT_EQUAL_HEX16(0x192, sent[4].identifier);
-    TEST_ASSERT_EQUAL_HEX16(0x196, sent[5].identifier);
+    TEST_ASSERT_EQUAL_HEX16(0x3AE, sent[3].identifier);
+    TEST_ASSERT_EQUAL_HEX16(0x3B2, sent[4].identifier);
+    TEST_ASSERT_EQUAL_HEX16(0x3B6, sent[5].identifier);
 }
 
 /* The transceiver may be supplied later than the controller. Until then the port accepts no frame.

@@ -99,8 +99,7 @@ static void vehicle_sends(bool enable, bool fault_reset, int duration_ms)
     static uint8_t counter;
     for (int ms = 0; ms < duration_ms; ms += 10) {
         const wheel_demand_t demand = {.enable = enable, .fault_reset = fault_reset};
-        const messages_frame_t sent = messages_demand(
-            &demand, (messages_wheel_t)CONFIG_IMAGE.vehicle.wheel_position, counter++);
+        const messages_frame_t sent = messages_demand(&demand, own_address(), counter++);
         can_frame_t frame = {.identifier = sent.identifier, .length = sent.length};
         memcpy(frame.data, sent.data, sizeof frame.data);
         board.waiting = frame;

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "app/app.h"
+#include "app/can_link.h"
 #include "board_rig.h"
 #include "comms/messages.h"
 #include "config/bases.h"
@@ -36,12 +37,16 @@ static wheel_demand_t demand_at(uint32_t now_ms)
     return demand;
 }
 
+static messages_address_t address_in(const config_t *config)
+{
+    return can_link_address(config, config->vehicle.wheel_position);
+}
+
 static can_frame_t message(uint32_t now_ms)
 {
     const wheel_demand_t demand = demand_at(now_ms);
     const messages_frame_t sent =
-        messages_demand(&demand, (messages_wheel_t)CONFIG_IMAGE.vehicle.wheel_position,
-                        (uint8_t)(now_ms / MESSAGE_PERIOD_ms));
+        messages_demand(&demand, address_in(&CONFIG_IMAGE), (uint8_t)(now_ms / MESSAGE_PERIOD_ms));
     can_frame_t frame = {.identifier = sent.identifier, .length = sent.length};
     memcpy(frame.data, sent.data, sizeof frame.data);
     return frame;
@@ -244,11 +249,13 @@ void test_the_shell_prints_the_record_of_the_first_fault_and_a_reset_keeps_it(vo
 }
 
 /* One firmware for four wheels: the configuration holds the wheel's address. */
-void test_can_identifiers_are_those_of_the_configured_wheel(void)
+void test_can_identifiers_are_those_of_the_configured_wheel_and_base(void)
 {
+    static const int32_t BASES[] = {0x100, 0, 0x320, 0x740};
     for (int32_t wheel = MESSAGES_FRONT_LEFT; wheel <= MESSAGES_REAR_RIGHT; wheel++) {
         config_t config = CONFIG_IMAGE;
         config.vehicle.wheel_position = wheel;
+        config.vehicle.can_base = BASES[wheel];
         config.crc32 = config_crc32(&config, (uint32_t)offsetof(config_t, crc32));
         connect(&config);
         app_boot();
@@ -257,10 +264,9 @@ void test_can_identifiers_are_those_of_the_configured_wheel(void)
         int states = 0;
         while (host_can_receive(&frame)) {
             TEST_ASSERT_EQUAL_UINT16(wheel, frame.identifier & 3U);
-            states += frame.identifier ==
-                              messages_identifier(MESSAGES_WHEEL_STATE, (messages_wheel_t)wheel)
-                          ? 1
-                          : 0;
+            TEST_ASSERT_TRUE(frame.identifier - BASES[wheel] >= 0x80 &&
+                             frame.identifier - BASES[wheel] < 0xA0);
+            states += frame.identifier == BASES[wheel] + 0x80 + wheel ? 1 : 0;
         }
         TEST_ASSERT_TRUE(states > 0);
         TEST_ASSERT_NOT_NULL(

@@ -6,6 +6,7 @@
 #include "core/findings.h"
 #include "motor/feasible_torque.h"
 #include "unity.h"
+#include "wheel_address.h"
 
 static boot_report_t boot;
 static slow_output_t output;
@@ -23,7 +24,7 @@ void setUp(void)
                                   .largest_drive_mNm = 100000,
                                   .largest_brake_mNm = 100000,
                                   .demand_lost_frames = 2};
-    node_init(&node, MESSAGES_FRONT_LEFT, &limits, 0);
+    node_init(&node, address_of(MESSAGES_FRONT_LEFT), &limits, 0);
     const report_status_t running = {.output = &output,
                                      .node = &node,
                                      .fast_cycles_worst = 321,
@@ -367,7 +368,8 @@ void test_every_kind_of_frame_error_has_its_count(void)
 {
     const wheel_demand_t demand = {.enable = true};
     for (uint8_t counter = 0; counter < 3; counter++) {
-        const messages_frame_t frame = messages_demand(&demand, MESSAGES_FRONT_LEFT, counter);
+        const messages_frame_t frame =
+            messages_demand(&demand, address_of(MESSAGES_FRONT_LEFT), counter);
         (void)node_receive(&node, &frame, 10);
         (void)node_receive(&node, &frame, 10);
     }

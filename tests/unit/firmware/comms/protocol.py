@@ -20,6 +20,7 @@ MODULE = FIRMWARE / "comms"
 DBC = MODULE / "hubfoc.dbc"
 
 WHEELS = {"FRONT_LEFT": 0, "FRONT_RIGHT": 1, "REAR_LEFT": 2, "REAR_RIGHT": 3}
+BASE = 0x100  # of the identifiers in the DBC
 WHEEL_MASK = 0x7FC  # bits of an identifier that select the message
 
 # A structure, an enumerator's or a function's value of the C, which has the types that the headers
@@ -62,6 +63,10 @@ class Comms:
         for member, value in values.items():
             setattr(made, member, value)
         return made
+
+    def address(self, wheel: int, base: int = BASE) -> CValue:
+        """Return a wheel's place on the bus."""
+        return self.struct("messages_address_t", base=base, wheel=wheel)[0]
 
     def number(self, name: str) -> int:
         """Return the value of an enumerator."""

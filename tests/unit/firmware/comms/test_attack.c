@@ -15,6 +15,7 @@
 #include "core/q15.h"
 #include "random_values.h"
 #include "unity.h"
+#include "wheel_address.h"
 
 enum { CYCLE_ms = 10, PAST = 512, LARGEST_DRIVE = 40000, LARGEST_BRAKE = 300000, RISE_ms = 20 };
 
@@ -39,7 +40,7 @@ void setUp(void)
     dice = random_seeded(13);
     sent = 0;
     now_ms = 0;
-    node_init(&node, MESSAGES_FRONT_LEFT, &LIMITS, 0);
+    node_init(&node, address_of(MESSAGES_FRONT_LEFT), &LIMITS, 0);
 }
 
 void tearDown(void) {}
@@ -74,7 +75,7 @@ static messages_frame_t next_frame(void)
                                        random_between(&dice, -LARGEST_DRIVE / 2, LARGEST_DRIVE / 2),
                                    .brake_torque_mNm = random_between(&dice, 0, LARGEST_BRAKE / 2),
                                    .enable = true};
-    const messages_frame_t frame = messages_demand(&demand, MESSAGES_FRONT_LEFT, (uint8_t)sent);
+    const messages_frame_t frame = messages_demand(&demand, node.address, (uint8_t)sent);
     past[sent % PAST] = frame;
     sent++;
     return frame;

@@ -60,6 +60,18 @@ def test_every_message_is_encoded_as_cantools_and_protected_as_the_firmware_does
             assert {key: decoded[key] for key in values} == pytest.approx(values)
 
 
+def test_another_base_moves_identifiers_and_data_ids() -> None:
+    for name, message in can_protocol.MESSAGES.items():
+        identifier, data = can_protocol.encode(name, {}, wheel=2, base=0x640)
+        default = can_protocol.identifier_of(name, 2)
+        assert identifier - 0x640 == default - can_protocol.BASE
+        assert can_protocol.intact(message.profile, data, identifier)
+        assert can_protocol.message_of(identifier, 0x640) == name
+        assert can_protocol.message_of(identifier) is None
+        if message.profile == 5:
+            assert not can_protocol.intact(message.profile, data, default)
+
+
 def test_a_demand_of_the_module_is_read_by_the_firmware(comms: Comms) -> None:
     dice = random.Random(2)
     for _ in range(300):

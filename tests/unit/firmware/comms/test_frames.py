@@ -119,7 +119,8 @@ def output_frame(comms: Comms, message: str, wheel: int, counter: int, **values:
     for name, value in values.items():
         part, _, member = name.rpartition(".")
         setattr(parts[part], member, value)
-    return comms.lib.messages_output(comms.number(KINDS[message]), sent, wheel, counter)
+    kind = comms.number(KINDS[message])
+    return comms.lib.messages_output(kind, sent, comms.address(wheel), counter)
 
 
 def values_in(database: Database, frame: CValue) -> dict[str, float]:
@@ -153,12 +154,14 @@ def frames(comms: Comms) -> Iterator[tuple[str, int, int, CValue]]:
         contactor=comms.lib.CONTACTOR_OPEN,
     )
     hydraulic = comms.struct("hydraulic_feedback_t", torque_mNm=34500, valid=True)
+    front_left = comms.address(0)
     for counter in range(16):
-        yield "BatteryLimits", 0, counter, comms.lib.messages_battery(battery, counter)
-        yield "BatteryPeak", 0, counter, comms.lib.messages_peak(battery, counter)
+        yield "BatteryLimits", 0, counter, comms.lib.messages_battery(battery, front_left, counter)
+        yield "BatteryPeak", 0, counter, comms.lib.messages_peak(battery, front_left, counter)
         for wheel in WHEELS.values():
-            yield "Demand", wheel, counter, comms.lib.messages_demand(demand, wheel, counter)
-            measured = comms.lib.messages_hydraulic(hydraulic, wheel, counter)
+            place = comms.address(wheel)
+            yield "Demand", wheel, counter, comms.lib.messages_demand(demand, place, counter)
+            measured = comms.lib.messages_hydraulic(hydraulic, place, counter)
             yield "HydraulicFeedback", wheel, counter, measured
             for name in SENT:
                 values = {
@@ -246,7 +249,7 @@ def test_identifiers_and_cycles_equal_those_of_the_dbc(
     for wheel in WHEELS.values():
         offset = 0 if name.startswith("Battery") else wheel
         assert (
-            comms.lib.messages_identifier(comms.number(KINDS[name]), wheel)
+            comms.lib.messages_identifier(comms.number(KINDS[name]), comms.address(wheel))
             == message.frame_id + offset
         )
     assert comms.lib.messages_cycle_ms(comms.number(KINDS[name])) == message.cycle_time

@@ -4,6 +4,7 @@
 #include "comms/messages.h"
 #include "core/q15.h"
 #include "unity.h"
+#include "wheel_address.h"
 
 void setUp(void) {}
 
@@ -14,7 +15,7 @@ static messages_frame_t frame_of(messages_kind_t kind, const slow_output_t *outp
 {
     const wheel_temperatures_t temperature = {2500, 2500};
     const messages_values_t values = {.output = output, .temperature = &temperature};
-    return messages_output(kind, &values, wheel, counter);
+    return messages_output(kind, &values, address_of(wheel), counter);
 }
 
 static const messages_wheel_t WHEELS[] = {MESSAGES_FRONT_LEFT, MESSAGES_FRONT_RIGHT,
@@ -25,11 +26,13 @@ void test_identifiers_fit_eleven_bits_and_no_two_share_their_low_byte(void)
     bool seen[256] = {false};
     for (uint32_t w = 0; w < 4; w++) {
         for (int kind = 0; kind < MESSAGES_KINDS; kind++) {
-            const uint16_t identifier = messages_identifier((messages_kind_t)kind, WHEELS[w]);
+            const uint16_t identifier =
+                messages_identifier((messages_kind_t)kind, address_of(WHEELS[w]));
             TEST_ASSERT_TRUE(identifier < 0x800);
             if ((kind == MESSAGES_BATTERY_LIMITS || kind == MESSAGES_BATTERY_PEAK) && w > 0) {
                 TEST_ASSERT_EQUAL_HEX16(
-                    messages_identifier((messages_kind_t)kind, MESSAGES_FRONT_LEFT), identifier);
+                    messages_identifier((messages_kind_t)kind, address_of(MESSAGES_FRONT_LEFT)),
+                    identifier);
                 continue;
             }
             TEST_ASSERT_FALSE_MESSAGE(seen[identifier & 0xFF], "two data ids would be equal");
@@ -50,9 +53,39 @@ void test_every_wheel_has_a_name_of_its_own(void)
 void test_a_wheel_is_the_lowest_two_bits_of_the_identifier(void)
 {
     for (uint32_t w = 0; w < 4; w++) {
-        TEST_ASSERT_EQUAL_HEX16(0x100 | w, messages_identifier(MESSAGES_DEMAND, WHEELS[w]));
-        TEST_ASSERT_EQUAL_HEX16(0x190 | w, messages_identifier(MESSAGES_WHEEL_HEALTH, WHEELS[w]));
+        TEST_ASSERT_EQUAL_HEX16(0x100 | w,
+                                messages_identifier(MESSAGES_DEMAND, address_of(WHEELS[w])));
+        TEST_ASSERT_EQUAL_HEX16(0x190 | w,
+                                messages_identifier(MESSAGES_WHEEL_HEALTH, address_of(WHEELS[w])));
     }
+}
+
+/* Of any base, for each wheel; the data ids are the identifiers, so they move with it. */
+void test_every_identifier_moves_with_the_base_and_stays_within_eleven_bits(void)
+{
+    for (uint16_t base = 0; base <= 0x740; base += 32) {
+        for (int kind = 0; kind < MESSAGES_KINDS; kind++) {
+            for (uint32_t w = 0; w < 4; w++) {
+                const messages_address_t moved = {.base = base, .wheel = WHEELS[w]};
+                const uint16_t identifier = messages_identifier((messages_kind_t)kind, moved);
+                TEST_ASSERT_EQUAL_INT(
+                    messages_identifier((messages_kind_t)kind, address_of(WHEELS[w])) - 0x100,
+                    identifier - base);
+                TEST_ASSERT_TRUE(identifier < 0x7F0);
+            }
+        }
+    }
+}
+
+/* A frame of another base is no frame of this vehicle: its data id differs, too. */
+void test_a_demand_of_another_base_is_intact_under_its_own_identifier_only(void)
+{
+    const wheel_demand_t demand = {.brake_torque_mNm = 20000};
+    const messages_address_t moved = {.base = 0x320, .wheel = MESSAGES_REAR_LEFT};
+    const messages_frame_t frame = messages_demand(&demand, moved, 5);
+    TEST_ASSERT_EQUAL_HEX16(0x322, frame.identifier);
+    TEST_ASSERT_TRUE(e2e_intact(E2E_PROFILE_5, frame.data, 0x322));
+    TEST_ASSERT_FALSE(e2e_intact(E2E_PROFILE_5, frame.data, 0x102));
 }
 
 /* On CAN the lower identifier wins: an urgent message of any wheel precedes a less urgent one of
@@ -60,8 +93,9 @@ void test_a_wheel_is_the_lowest_two_bits_of_the_identifier(void)
 void test_more_urgent_messages_have_lower_identifiers_for_every_wheel(void)
 {
     for (int kind = 1; kind < MESSAGES_KINDS; kind++) {
-        TEST_ASSERT_TRUE(messages_identifier((messages_kind_t)(kind - 1), MESSAGES_REAR_RIGHT) <
-                         messages_identifier((messages_kind_t)kind, MESSAGES_FRONT_LEFT));
+        TEST_ASSERT_TRUE(
+            messages_identifier((messages_kind_t)(kind - 1), address_of(MESSAGES_REAR_RIGHT)) <
+            messages_identifier((messages_kind_t)kind, address_of(MESSAGES_FRONT_LEFT)));
     }
 }
 
@@ -82,9 +116,9 @@ void test_wheel_state_and_brake_unpack_to_the_packed_values(void)
         slow_output_t back = {.i_q_mA = 77};
         const messages_frame_t state = frame_of(MESSAGES_WHEEL_STATE, &meant, WHEELS[w], 9);
         const messages_frame_t brake = frame_of(MESSAGES_WHEEL_BRAKE, &meant, WHEELS[w], 9);
-        TEST_ASSERT_TRUE(messages_read_output(&state, WHEELS[w], &back));
+        TEST_ASSERT_TRUE(messages_read_output(&state, address_of(WHEELS[w]), &back));
         TEST_ASSERT_EQUAL_INT(0, back.hydraulic_torque_mNm);
-        TEST_ASSERT_TRUE(messages_read_output(&brake, WHEELS[w], &back));
+        TEST_ASSERT_TRUE(messages_read_output(&brake, address_of(WHEELS[w]), &back));
         TEST_ASSERT_EQUAL_INT(meant.motor_torque_estimate_mNm, back.motor_torque_estimate_mNm);
         TEST_ASSERT_EQUAL_INT(meant.hydraulic_torque_mNm, back.hydraulic_torque_mNm);
         TEST_ASSERT_EQUAL_INT(meant.electric_brake_available_mNm,
@@ -103,11 +137,11 @@ void test_state_and_brake_of_other_wheels_or_messages_are_refused(void)
     const slow_output_t meant = {.hydraulic_torque_mNm = 1000, .mode = MODE_READY};
     slow_output_t back = {.mode = MODE_SELFTEST};
     messages_frame_t frame = frame_of(MESSAGES_WHEEL_BRAKE, &meant, MESSAGES_REAR_LEFT, 0);
-    TEST_ASSERT_FALSE(messages_read_output(&frame, MESSAGES_REAR_RIGHT, &back));
+    TEST_ASSERT_FALSE(messages_read_output(&frame, address_of(MESSAGES_REAR_RIGHT), &back));
     frame.length = 7;
-    TEST_ASSERT_FALSE(messages_read_output(&frame, MESSAGES_REAR_LEFT, &back));
+    TEST_ASSERT_FALSE(messages_read_output(&frame, address_of(MESSAGES_REAR_LEFT), &back));
     const messages_frame_t drive = frame_of(MESSAGES_WHEEL_DRIVE, &meant, MESSAGES_REAR_LEFT, 0);
-    TEST_ASSERT_FALSE(messages_read_output(&drive, MESSAGES_REAR_LEFT, &back));
+    TEST_ASSERT_FALSE(messages_read_output(&drive, address_of(MESSAGES_REAR_LEFT), &back));
     TEST_ASSERT_EQUAL_INT(0, back.hydraulic_torque_mNm);
     TEST_ASSERT_EQUAL_UINT8(1, back.mode);
 }
@@ -128,7 +162,8 @@ void test_demand_unpacks_to_the_packed_values(void)
                     .abs_motor_share_percent = (uint8_t)(25 * b + flags),
                     .fault_reset = (flags & 4U) != 0,
                 };
-                const messages_frame_t frame = messages_demand(&meant, MESSAGES_FRONT_RIGHT, 5);
+                const messages_frame_t frame =
+                    messages_demand(&meant, address_of(MESSAGES_FRONT_RIGHT), 5);
                 wheel_demand_t read;
                 TEST_ASSERT_TRUE(e2e_intact(E2E_PROFILE_5, frame.data, frame.identifier));
                 TEST_ASSERT_TRUE(messages_read_demand(&frame, &read));
@@ -153,7 +188,8 @@ void test_battery_limits_unpack_to_the_packed_values(void)
             const battery_limits_t meant = {.charge_current_mA = CURRENT_mA[c],
                                             .discharge_current_mA = CURRENT_mA[d],
                                             .contactor = (contactor_t)(d % 3)};
-            const messages_frame_t frame = messages_battery(&meant, 15);
+            const messages_frame_t frame =
+                messages_battery(&meant, address_of(MESSAGES_FRONT_LEFT), 15);
             battery_limits_t read;
             TEST_ASSERT_TRUE(e2e_intact(E2E_PROFILE_5, frame.data, frame.identifier));
             TEST_ASSERT_TRUE(messages_read_battery(&frame, &read));
@@ -208,7 +244,7 @@ void test_demand_beyond_its_range_is_sent_as_its_end(void)
     const wheel_demand_t meant = {.drive_torque_mNm = INT32_MIN,
                                   .brake_torque_mNm = INT32_MAX,
                                   .abs_motor_share_percent = 255};
-    const messages_frame_t frame = messages_demand(&meant, MESSAGES_FRONT_LEFT, 0);
+    const messages_frame_t frame = messages_demand(&meant, address_of(MESSAGES_FRONT_LEFT), 0);
     wheel_demand_t read;
     TEST_ASSERT_TRUE(messages_read_demand(&frame, &read));
     TEST_ASSERT_EQUAL_INT32(-1638200, read.drive_torque_mNm);
@@ -254,11 +290,11 @@ void test_a_frame_of_another_length_is_refused(void)
     const wheel_demand_t demand = {.enable = true};
     const battery_limits_t battery = {.charge_current_mA = 1000, .discharge_current_mA = 1000};
     for (uint8_t length = 0; length < 8; length++) {
-        messages_frame_t frame = messages_demand(&demand, MESSAGES_FRONT_LEFT, 0);
+        messages_frame_t frame = messages_demand(&demand, address_of(MESSAGES_FRONT_LEFT), 0);
         wheel_demand_t read_demand;
         frame.length = length;
         TEST_ASSERT_FALSE(messages_read_demand(&frame, &read_demand));
-        frame = messages_battery(&battery, 0);
+        frame = messages_battery(&battery, address_of(MESSAGES_FRONT_LEFT), 0);
         battery_limits_t read_battery;
         frame.length = length;
         TEST_ASSERT_FALSE(messages_read_battery(&frame, &read_battery));
@@ -279,7 +315,8 @@ void test_hydraulic_feedback_and_battery_peak_unpack_to_the_packed_values(void)
     const int32_t steps_mNm[] = {0, 100, 34500, 20000000};
     for (int k = 0; k < 4; k++) {
         const hydraulic_feedback_t meant = {.torque_mNm = steps_mNm[k], .valid = k % 2 == 1};
-        const messages_frame_t frame = messages_hydraulic(&meant, MESSAGES_REAR_RIGHT, 7);
+        const messages_frame_t frame =
+            messages_hydraulic(&meant, address_of(MESSAGES_REAR_RIGHT), 7);
         hydraulic_feedback_t read = {.torque_mNm = -1, .age_ms = 5};
         TEST_ASSERT_EQUAL_HEX16(0x123, frame.identifier);
         TEST_ASSERT_TRUE(messages_read_hydraulic(&frame, &read));
@@ -293,7 +330,7 @@ void test_hydraulic_feedback_and_battery_peak_unpack_to_the_packed_values(void)
                                          .voltage_mV = 100 + 546 * 100 * k,
                                          .current_mA = currents_mA[k],
                                          .current_given = true};
-        const messages_frame_t peak = messages_peak(&limits, 3);
+        const messages_frame_t peak = messages_peak(&limits, address_of(MESSAGES_FRONT_LEFT), 3);
         battery_limits_t got = {.charge_current_mA = 11, .discharge_current_mA = 12};
         TEST_ASSERT_EQUAL_HEX16(0x144, peak.identifier);
         TEST_ASSERT_TRUE(messages_read_peak(&peak, &got));
@@ -314,16 +351,16 @@ void test_battery_peak_rounds_its_limit_down_and_keeps_ends(void)
         .charge_peak_current_mA = INT32_MAX, .current_mA = INT32_MIN, .current_given = true};
     const battery_limits_t none = {.charge_peak_current_mA = -1, .current_mA = 5000};
     battery_limits_t got = {.current_given = false};
-    messages_frame_t frame = messages_peak(&high, 0);
+    messages_frame_t frame = messages_peak(&high, address_of(MESSAGES_FRONT_LEFT), 0);
     TEST_ASSERT_TRUE(messages_read_peak(&frame, &got));
     TEST_ASSERT_EQUAL_INT32(500, got.charge_peak_current_mA);
     TEST_ASSERT_EQUAL_INT32(1638200, got.current_mA);
-    frame = messages_peak(&low, 0);
+    frame = messages_peak(&low, address_of(MESSAGES_FRONT_LEFT), 0);
     TEST_ASSERT_TRUE(messages_read_peak(&frame, &got));
     TEST_ASSERT_EQUAL_INT32(2047500, got.charge_peak_current_mA);
     TEST_ASSERT_EQUAL_INT32(-1638200, got.current_mA);
     TEST_ASSERT_TRUE(got.current_given);
-    frame = messages_peak(&none, 0);
+    frame = messages_peak(&none, address_of(MESSAGES_FRONT_LEFT), 0);
     TEST_ASSERT_TRUE(messages_read_peak(&frame, &got));
     TEST_ASSERT_EQUAL_INT32(0, got.charge_peak_current_mA);
     TEST_ASSERT_EQUAL_INT32(0, got.current_mA);

@@ -16,7 +16,7 @@ static bool receive_battery(uint8_t counter, int32_t charge_current_mA, uint32_t
     const battery_limits_t battery = {.charge_current_mA = charge_current_mA,
                                       .discharge_current_mA = 90000,
                                       .contactor = CONTACTOR_OPEN};
-    const messages_frame_t frame = messages_battery(&battery, counter);
+    const messages_frame_t frame = messages_battery(&battery, node.address, counter);
     return node_receive(&node, &frame, now_ms);
 }
 
@@ -108,11 +108,11 @@ void test_demand_for_another_wheel_is_ignored(void)
 {
     qualify_demand();
     const wheel_demand_t demand = {.drive_torque_mNm = 9000, .enable = true};
-    messages_frame_t frame = messages_demand(&demand, MESSAGES_REAR_LEFT, 3);
+    messages_frame_t frame = messages_demand(&demand, address_of(MESSAGES_REAR_LEFT), 3);
     TEST_ASSERT_FALSE(node_receive(&node, &frame, 30));
     TEST_ASSERT_EQUAL_UINT32(1, node.foreign);
-    frame.identifier = messages_identifier(
-        MESSAGES_DEMAND, MESSAGES_REAR_RIGHT); /* a gateway that mixes wheels up */
+    frame.identifier =
+        messages_identifier(MESSAGES_DEMAND, node.address); /* a gateway that mixes wheels up */
     TEST_ASSERT_FALSE(node_receive(&node, &frame, 30));
     TEST_ASSERT_EQUAL_UINT32(1, node.demand.counts.damaged);
     assert_demand_is_still_of(20, 30);
@@ -177,7 +177,7 @@ void test_battery_limits_above_their_range_count_as_missing(void)
     }
     const battery_limits_t battery = {.charge_current_mA = 0, .discharge_current_mA = 0};
     for (uint32_t k = 3; k < 20; k++) {
-        messages_frame_t frame = messages_battery(&battery, (uint8_t)k);
+        messages_frame_t frame = messages_battery(&battery, node.address, (uint8_t)k);
         frame.data[3] |= 0xFC; /* 0x7FFFF = 52 428.7 A, more than the 32 000 A of the DBC */
         frame.data[4] = 0xFF;
         frame.data[5] |= 0x1F;
@@ -201,7 +201,7 @@ static bool next_is(messages_kind_t kind, uint8_t counter, uint32_t now_ms,
 {
     messages_frame_t frame;
     return next_frame(now_ms, output, &frame) &&
-           frame.identifier == messages_identifier(kind, MESSAGES_REAR_RIGHT) &&
+           frame.identifier == messages_identifier(kind, node.address) &&
            e2e_counter(messages_profile(kind), frame.data) == counter &&
            e2e_intact(messages_profile(kind), frame.data, frame.identifier);
 }
@@ -266,7 +266,7 @@ void test_irregular_calls_do_not_lengthen_the_cycle(void)
 void test_cycle_continues_over_a_wrap_of_the_clock(void)
 {
     const uint32_t start_ms = UINT32_MAX - 500U;
-    node_init(&node, MESSAGES_REAR_RIGHT, &LIMITS, start_ms);
+    node_init(&node, address_of(MESSAGES_REAR_RIGHT), &LIMITS, start_ms);
     const slow_output_t output = {.mode = MODE_READY};
     int states = 0;
     for (uint32_t k = 0; k <= 1000; k++) {
@@ -321,7 +321,7 @@ void test_wheel_health_reports_the_receivers_states(void)
 void test_a_receive_filter_needs_four_identifiers(void)
 {
     uint16_t identifiers[MESSAGES_RECEIVED];
-    node_accepted(MESSAGES_FRONT_RIGHT, identifiers);
+    node_accepted(address_of(MESSAGES_FRONT_RIGHT), identifiers);
     TEST_ASSERT_EQUAL_INT(4, MESSAGES_RECEIVED);
     TEST_ASSERT_EQUAL_HEX16(0x101, identifiers[0]);
     TEST_ASSERT_EQUAL_HEX16(0x121, identifiers[1]);
@@ -365,7 +365,7 @@ void test_a_short_time_limit_is_kept_beside_the_lasting_one_and_ends_with_its_me
     const battery_limits_t limits = {
         .charge_peak_current_mA = 120000, .current_mA = -3000, .current_given = true};
     for (uint32_t k = 0; k < 3; k++) {
-        const messages_frame_t frame = messages_peak(&limits, (uint8_t)k);
+        const messages_frame_t frame = messages_peak(&limits, node.address, (uint8_t)k);
         (void)node_receive(&node, &frame, k * BATTERY_CYCLE_ms);
         (void)receive_battery((uint8_t)k, 10000, k * BATTERY_CYCLE_ms);
     }
@@ -390,7 +390,8 @@ void test_one_value_of_the_pack_current_lasts_for_a_cycle_and_a_half_at_most(voi
     for (uint32_t ms = 0; ms <= 5 * BATTERY_CYCLE_ms; ms++) {
         const bool lost = ms == 3 * BATTERY_CYCLE_ms || ms == 4 * BATTERY_CYCLE_ms;
         if (ms % BATTERY_CYCLE_ms == 0 && !lost) {
-            const messages_frame_t frame = messages_peak(&limits, (uint8_t)(ms / BATTERY_CYCLE_ms));
+            const messages_frame_t frame =
+                messages_peak(&limits, node.address, (uint8_t)(ms / BATTERY_CYCLE_ms));
             (void)node_receive(&node, &frame, ms);
         }
         const bool changed = node_tick(&node, ms);
@@ -406,7 +407,7 @@ void test_recorded_battery_current_is_given_for_one_frame_of_a_round_at_most(voi
     const battery_limits_t limits = {
         .charge_peak_current_mA = 120000, .current_mA = -3000, .current_given = true};
     for (uint32_t k = 0; k < 12; k++) {
-        const messages_frame_t frame = messages_peak(&limits, (uint8_t)(k % 3));
+        const messages_frame_t frame = messages_peak(&limits, node.address, (uint8_t)(k % 3));
         (void)node_receive(&node, &frame, k * BATTERY_CYCLE_ms);
         TEST_ASSERT_EQUAL_INT(k % 3 == 2, node.command.bms.current_given);
     }
@@ -418,7 +419,7 @@ void test_hydraulic_feedback_has_an_age_and_becomes_invalid_with_its_messages(vo
     TEST_ASSERT_FALSE(node_hydraulic(&node.command, 5).valid);
     const hydraulic_feedback_t measured = {.torque_mNm = 23400, .valid = true};
     for (uint32_t k = 0; k < 3; k++) {
-        const messages_frame_t frame = messages_hydraulic(&measured, node.wheel, (uint8_t)k);
+        const messages_frame_t frame = messages_hydraulic(&measured, node.address, (uint8_t)k);
         TEST_ASSERT_EQUAL_INT(k == 2, node_receive(&node, &frame, k * 20));
     }
     const hydraulic_feedback_t got = node_hydraulic(&node.command, 40 + 13);

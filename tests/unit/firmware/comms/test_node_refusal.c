@@ -15,7 +15,7 @@ static bool receive_torques(uint8_t counter, int32_t drive_mNm, int32_t brake_mN
                                    .brake_torque_mNm = brake_mNm,
                                    .abs_active = true,
                                    .enable = true};
-    const messages_frame_t frame = messages_demand(&demand, MESSAGES_REAR_RIGHT, counter);
+    const messages_frame_t frame = messages_demand(&demand, node.address, counter);
     return node_receive(&node, &frame, now_ms);
 }
 
@@ -103,7 +103,7 @@ void test_as_many_demands_may_be_missing_as_configured(void)
         for (uint32_t step = 1; step < 255; step++) {
             node_limits_t limits = LIMITS;
             limits.demand_lost_frames = lost;
-            node_init(&node, MESSAGES_REAR_RIGHT, &limits, 0);
+            node_init(&node, address_of(MESSAGES_REAR_RIGHT), &limits, 0);
             qualify_demand();
             const uint32_t most = (uint32_t)(lost < 0 ? 0 : lost > 3 ? 3 : lost) + 1U;
             TEST_ASSERT_EQUAL(step <= most, receive_demand((uint8_t)(2 + step), 3000, 30));

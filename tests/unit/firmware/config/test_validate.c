@@ -236,6 +236,16 @@ void test_voltages_must_be_in_order(void)
     assert_relation("battery.overvoltage_trip_mV < drive.voltage_full_scale_mV");
 }
 
+/* The lowest two bits of an identifier say which wheel it is of; those of profile 2 differ within
+ * 32 (README of comms). */
+void test_the_base_of_the_identifiers_is_a_multiple_of_32(void)
+{
+    config.vehicle.can_base = 0x740;
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
+    config.vehicle.can_base = 0x110;
+    assert_relation("vehicle.can_base a multiple of 32");
+}
+
 void test_stop_lamp_off_threshold_must_not_exceed_its_on_threshold(void)
 {
     config.brake.stop_lamp_off_mm_s2 = config.brake.stop_lamp_on_mm_s2;

@@ -7,6 +7,7 @@
 #define MOCKED_BOARD_H
 
 #include "app/app.h"
+#include "app/can_link.h"
 #include "comms/messages.h"
 #include "config/validate.h"
 #include "config_image.h"
@@ -37,6 +38,11 @@ static struct {
     int sets, feedings, clearings, trips, demand_count, frames_sent, brakes_sent;
     bool fault, at_index, frame_waits, inverter_started, pedals_sampled;
 } board;
+
+static messages_address_t own_address(void)
+{
+    return can_link_address(&board.config, board.config.vehicle.wheel_position);
+}
 
 static volatile uint32_t window[4];
 
@@ -149,14 +155,10 @@ static bool transmit(const can_frame_t *frame, int calls)
 {
     (void)calls;
     board.frames_sent++;
-    if (frame->identifier ==
-        messages_identifier(MESSAGES_WHEEL_STATE,
-                            (messages_wheel_t)CONFIG_IMAGE.vehicle.wheel_position)) {
+    if (frame->identifier == messages_identifier(MESSAGES_WHEEL_STATE, own_address())) {
         board.last_state = *frame;
     }
-    if (frame->identifier ==
-        messages_identifier(MESSAGES_WHEEL_BRAKE,
-                            (messages_wheel_t)CONFIG_IMAGE.vehicle.wheel_position)) {
+    if (frame->identifier == messages_identifier(MESSAGES_WHEEL_BRAKE, own_address())) {
         board.last_brake = *frame;
         board.brakes_sent++;
     }

@@ -7,6 +7,7 @@
 
 #include "comms/node.h"
 #include "unity.h"
+#include "wheel_address.h"
 
 static const node_limits_t LIMITS = {
     .pack = {.charge_current_mA = 50000, .discharge_current_mA = 150000},
@@ -21,13 +22,13 @@ static node_t node;
 static inline void node_up(void)
 {
     memset(&node, 0xA5, sizeof node); /* uninitialised fields are visible */
-    node_init(&node, MESSAGES_REAR_RIGHT, &LIMITS, 0);
+    node_init(&node, address_of(MESSAGES_REAR_RIGHT), &LIMITS, 0);
 }
 
 static inline messages_frame_t demand_frame(uint8_t counter, int32_t drive_torque_mNm)
 {
     const wheel_demand_t demand = {.drive_torque_mNm = drive_torque_mNm, .enable = true};
-    return messages_demand(&demand, MESSAGES_REAR_RIGHT, counter);
+    return messages_demand(&demand, address_of(MESSAGES_REAR_RIGHT), counter);
 }
 
 static inline bool receive_demand(uint8_t counter, int32_t drive_torque_mNm, uint32_t now_ms)

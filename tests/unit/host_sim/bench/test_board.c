@@ -113,7 +113,7 @@ static void start_twin(const config_t *config)
     twin.config = config;
     controller_init(&twin.controller, config, BASES_MODEL_TIMER_Hz);
     twin.to_fast = controller_initial_setpoint(config, BASES_MODEL_TIMER_Hz);
-    node_init(&twin.node, (messages_wheel_t)config->vehicle.wheel_position, &limits, 0);
+    node_init(&twin.node, link_address(config), &limits, 0);
     controller_fast_report(&twin.controller.fast, &twin.report);
     report_timer_init(&twin.report_timer, (uint32_t)config->drive.pwm_frequency_Hz,
                       CONTROLLER_SLOW_RATE_HZ);

@@ -118,6 +118,11 @@ def test_an_integer_is_accepted_for_a_real_key(change: Change) -> None:
             "battery.min_voltage_v: 58.4 V, accepted: less than max_voltage_v",
         ),
         (
+            {"vehicle.can_base": 0x748},
+            "vehicle.can_base: 1864 is not accepted, accepted: a whole number from 0 to 1856",
+        ),
+        ({"vehicle.can_base": 0x110}, "vehicle.can_base: 272, accepted: a multiple of 32"),
+        (
             {"table.temperature_range_c": [140.0, -20.0]},
             "table.temperature_range_c: [140, -20], accepted: [lowest, highest]",
         ),
