@@ -32,8 +32,9 @@ static uint32_t crc16_of(const uint8_t data[E2E_FRAME_BYTES], uint32_t identifie
     for (uint32_t i = 2; i < E2E_FRAME_BYTES; i++) {
         crc = crc_add(crc, data[i], PROTECTION_P5_POLYNOMIAL, 16);
     }
-    crc = crc_add(crc, identifier & 0xFFU, PROTECTION_P5_POLYNOMIAL, 16);
-    return crc_add(crc, identifier >> 8 & 0xFFU, PROTECTION_P5_POLYNOMIAL, 16);
+    const uint32_t data_id = PROTECTION_P5_DATA_ID ^ identifier;
+    crc = crc_add(crc, data_id & 0xFFU, PROTECTION_P5_POLYNOMIAL, 16);
+    return crc_add(crc, data_id >> 8 & 0xFFU, PROTECTION_P5_POLYNOMIAL, 16);
 }
 
 void e2e_protect(e2e_profile_t profile, uint8_t data[E2E_FRAME_BYTES], uint16_t identifier,

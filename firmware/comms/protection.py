@@ -9,8 +9,12 @@ from pathlib import Path
 
 from cantools.database.can import Database, Message
 
+# Of the protocol, 1 .. 7: part of every data id, so that frames of another version are refused.
+VERSION = 2
 BASE = 0x100
 WHEEL_MASK = 3
+P5_DATA_ID = VERSION << 11  # above the identifier's eleven bits
+P2_DATA_ID = VERSION << 5  # above the bits in which the identifiers with profile 2 differ
 P5 = {"POLYNOMIAL": 0x1021, "INITIAL": 0xFFFF, "COUNTER_MASK": 0xFF}
 P2 = {"POLYNOMIAL": 0x2F, "INITIAL": 0xFF, "FINAL": 0xFF, "COUNTER_MASK": 0x0F}
 # Profile 2's list of data ids by the counter's bits: entry [a ^ b] = entry [a] ^ entry [b], and
@@ -21,8 +25,8 @@ P2_BASIS = {1: 0x90, 2: 0xAA, 4: 0xC0, 8: 0x60}
 
 
 def data_ids() -> list[int]:
-    """Return profile 2's data ids, one for each counter."""
-    found = [0]
+    """Return profile 2's data ids, one for each counter, but for the identifier's low byte."""
+    found = [P2_DATA_ID]
     for entry in P2_BASIS.values():
         found += [entry ^ before for before in found]
     return found
@@ -37,6 +41,7 @@ def header() -> str:
     """Return generated/protection.h."""
     names = [(f"PROTECTION_P5_{name}", value) for name, value in P5.items()]
     names += [(f"PROTECTION_P2_{name}", value) for name, value in P2.items()]
+    names += [("PROTECTION_P5_DATA_ID", P5_DATA_ID)]
     lines = "".join(f"    {name} = {value:#x},\n" for name, value in names)
     listed = ", ".join(f"{entry:#04x}" for entry in data_ids())
     return (
@@ -78,6 +83,8 @@ def python_module(database: Database, module: Path) -> str:
     text = (module / "can_protocol.py.in").read_text(encoding="utf-8")
     text = text.replace("@MESSAGES@", "".join(map(_message, database.messages)))
     numbers = {
+        "VERSION": str(VERSION),
+        "P5_DATA_ID": f"0x{P5_DATA_ID:X}",
         "BASE": f"0x{BASE:03X}",
         "WHEEL_MASK": str(WHEEL_MASK),
         "STEP_MAX": str(enumerator(module, "E2E_STEP_MAX")),

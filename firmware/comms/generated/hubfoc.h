@@ -785,7 +785,7 @@ extern "C" {
  */
 struct hubfoc_demand_t {
     /**
-     * AUTOSAR profile 5: CRC-16, polynomial 0x1021, initial 0xFFFF, over bytes 2 to 7 and the identifier, low byte first.
+     * AUTOSAR profile 5: CRC-16, polynomial 0x1021, initial 0xFFFF, over bytes 2 to 7 and the data id, low byte first; data id: 4096 + identifier.
      *
      * Range: 0..65535 (0..65535 -)
      * Scale: 1
@@ -875,7 +875,7 @@ struct hubfoc_demand_t {
  */
 struct hubfoc_hydraulic_feedback_t {
     /**
-     * AUTOSAR profile 5: CRC-16, polynomial 0x1021, initial 0xFFFF, over bytes 2 to 7 and the identifier, low byte first.
+     * AUTOSAR profile 5: CRC-16, polynomial 0x1021, initial 0xFFFF, over bytes 2 to 7 and the data id, low byte first; data id: 4096 + identifier.
      *
      * Range: 0..65535 (0..65535 -)
      * Scale: 1
@@ -920,7 +920,7 @@ struct hubfoc_hydraulic_feedback_t {
  */
 struct hubfoc_battery_limits_t {
     /**
-     * AUTOSAR profile 5: CRC-16, polynomial 0x1021, initial 0xFFFF, over bytes 2 to 7 and the identifier, low byte first.
+     * AUTOSAR profile 5: CRC-16, polynomial 0x1021, initial 0xFFFF, over bytes 2 to 7 and the data id, low byte first; data id: 4096 + identifier.
      *
      * Range: 0..65535 (0..65535 -)
      * Scale: 1
@@ -974,7 +974,7 @@ struct hubfoc_battery_limits_t {
  */
 struct hubfoc_battery_peak_t {
     /**
-     * AUTOSAR profile 5: CRC-16, polynomial 0x1021, initial 0xFFFF, over bytes 2 to 7 and the identifier, low byte first.
+     * AUTOSAR profile 5: CRC-16, polynomial 0x1021, initial 0xFFFF, over bytes 2 to 7 and the data id, low byte first; data id: 4096 + identifier.
      *
      * Range: 0..65535 (0..65535 -)
      * Scale: 1
@@ -1100,7 +1100,7 @@ struct hubfoc_wheel_state_t {
  */
 struct hubfoc_wheel_brake_t {
     /**
-     * AUTOSAR profile 5: CRC-16, polynomial 0x1021, initial 0xFFFF, over bytes 2 to 7 and the identifier, low byte first.
+     * AUTOSAR profile 5: CRC-16, polynomial 0x1021, initial 0xFFFF, over bytes 2 to 7 and the data id, low byte first; data id: 4096 + identifier.
      *
      * Range: 0..65535 (0..65535 -)
      * Scale: 1

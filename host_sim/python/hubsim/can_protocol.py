@@ -12,12 +12,13 @@ from dataclasses import dataclass, field
 from typing import Final
 
 FRAME_BYTES: Final = 8
+VERSION: Final = 2  # of the protocol; frames of another one are not intact
 BASE: Final = 0x100  # lowest identifier, unless [vehicle] can_base says otherwise
 WHEEL_MASK: Final = 3  # lowest bits of an identifier: which wheel
 STEP_MAX: Final = 3  # of the counter: frames lost in a row, and one
 QUALIFYING_FRAMES: Final = 3  # in order, the last of them is the first used
 TIMEOUT_CYCLES: Final = 5  # without a usable frame
-P2_DATA_IDS: Final = bytes.fromhex("00 90 aa 3a c0 50 6a fa 60 f0 ca 5a a0 30 0a 9a")
+P2_DATA_IDS: Final = bytes.fromhex("40 d0 ea 7a 80 10 2a ba 20 b0 8a 1a e0 70 4a da")
 
 
 @dataclass(frozen=True)
@@ -222,7 +223,7 @@ def _crc(crc: int, content: bytes, polynomial: int, bits: int) -> int:
 def checksum(profile: int, data: bytes, identifier: int) -> int:
     """Return the checksum that a frame with this content and identifier has to carry."""
     if profile == 5:
-        content = data[2:] + identifier.to_bytes(2, "little")
+        content = data[2:] + (0x1000 ^ identifier).to_bytes(2, "little")
         return _crc(0xFFFF, content, 0x1021, 16)
     data_id = P2_DATA_IDS[data[1] & 0xF] ^ (identifier & 0xFF)
     content = data[1:] + bytes([data_id])

@@ -5,7 +5,7 @@
  * Profile 5, of every message to the wheel and of its command to the hydraulic brake:
  *
  *     byte 0, 1        CRC-16, polynomial 0x1021, initial 0xFFFF, of bytes 2 .. 7 and the data id,
- *                      which is the identifier; low byte first
+ *                      version * 2048 + identifier; low byte first
  *
  *     byte 2           counter, one more with every frame, 255 is followed by 0
  *
@@ -16,9 +16,9 @@
  *
  *     byte 1, bit 0-3  counter, 15 is followed by 0
  *
- * The data id is never sent, so a frame under another message's or another wheel's identifier is
- * refused. Numbers of both: generated/protection.h. What they detect: README, End-to-end
- * protection.
+ * The data id is never sent, so a frame under another message's or another wheel's identifier, or
+ * of another version of the protocol, is refused. Numbers of both: generated/protection.h. What
+ * they detect: README, End-to-end protection.
  *
  * The receiver, one for each received message:
  *

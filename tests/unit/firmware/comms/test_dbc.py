@@ -6,7 +6,7 @@ from itertools import combinations
 
 import pytest
 from cantools.database.can import Database, Message, Signal
-from protocol import DBC, WHEELS, enumerators, listed_in, reasons
+from protocol import DBC, MODULE, WHEELS, enumerators, listed_in, reasons
 
 # Suffix of a name and its unit.
 UNITS = {"_nm": "Nm", "_rad_s": "rad/s", "_v": "V", "_a": "A", "_c": "degC", "_percent": "%"}
@@ -34,6 +34,13 @@ def test_the_messages_are_those_of_the_protocol(database: Database) -> None:
         "WheelAhead",
         "WheelAvailable",
     ]
+
+
+def test_the_version_is_that_of_the_protection(database: Database) -> None:
+    text = (MODULE / "generated/protection.h").read_text(encoding="utf-8")
+    found = re.search(r"P5_DATA_ID = (0x[0-9a-f]+)", text)
+    assert found is not None
+    assert int(database.version or "") << 11 == int(found.group(1), 16)
 
 
 def test_every_signal_required_by_a_brake_system_exists(database: Database) -> None:

@@ -19,6 +19,7 @@ from cantools.database.can import Database, Message, Signal
 from protocol import DBC, MODULE, WHEELS, Comms, CValue
 
 # The list of e2e.c, derived from four entries as in its comment.
+VERSION = 2  # of the protocol
 BASIS = {1: 0x90, 2: 0xAA, 4: 0xC0, 8: 0x60}
 
 SENT = [
@@ -86,8 +87,8 @@ NUMBERS = {
 
 
 def data_id(identifier: int, counter: int) -> int:
-    """Return the data id of e2e.h."""
-    entry = 0
+    """Return the data id of e2e.h with profile 2."""
+    entry = VERSION << 5
     for bit, value in BASIS.items():
         entry ^= value if counter & bit else 0
     return entry ^ (identifier & 0xFF)
@@ -99,7 +100,7 @@ PROFILE_5 = {"Demand", "HydraulicFeedback", "BatteryLimits", "BatteryPeak", "Whe
 def expected_bytes(name: str, data: bytes, identifier: int) -> bytes:
     """Return the frame as the independent implementation protects this content."""
     if name in PROFILE_5:
-        protected = apply_profile5_crc(data, identifier)
+        protected = apply_profile5_crc(data, VERSION << 11 | identifier)
     else:
         protected = apply_profile2_crc(data, data_id(identifier, data[1] & 0x0F))
     assert protected is not None
@@ -204,13 +205,33 @@ def test_checksums_of_random_content_equal_an_independent_implementation(
         made = bytes(data)
         if profile == 5:
             assert made[2] == counter
-            assert int.from_bytes(made[:2], "little") == compute_profile5_crc(made, identifier)
+            assert int.from_bytes(made[:2], "little") == compute_profile5_crc(
+                made, VERSION << 11 | identifier
+            )
         else:
             assert made[1] & 0x0F == counter
             assert made[0] == compute_profile2_crc(made, data_id(identifier, counter))
         assert comms.lib.e2e_intact(kind, data, identifier)
         data[0] ^= dice.randrange(1, 256)
         assert not comms.lib.e2e_intact(kind, data, identifier)
+
+
+def test_a_sender_of_the_version_before_is_refused_whatever_it_sends(comms: Comms) -> None:
+    """Its data ids were the identifier, and with profile 2 the list without a version."""
+    dice = random.Random(7)
+    for name, _, counter, frame in frames(comms):
+        data = bytes([0, 0, *dice.randbytes(6)])
+        if name in PROFILE_5:
+            old = apply_profile5_crc(data, frame.identifier)
+        else:
+            data = bytes([0, data[2] & 0xF0 | counter, *data[2:]])
+            old = apply_profile2_crc(data, data_id(frame.identifier, counter) ^ VERSION << 5)
+        assert old is not None
+        profile = comms.number(f"E2E_PROFILE_{5 if name in PROFILE_5 else 2}")
+        sent = comms.ffi.new("uint8_t[8]", bytes(old))
+        for wheel in WHEELS.values():  # nor under the identifier of another wheel
+            received = frame.identifier & ~3 | wheel
+            assert not comms.lib.e2e_intact(profile, sent, received), name
 
 
 def test_the_sixteen_data_ids_of_a_message_differ(comms: Comms) -> None:
