@@ -31,7 +31,8 @@ enum {
     TEMPERATURE_MIN = -1000,
     TEMPERATURE_MAX = 3000,
     MODE_MASK = 0x0F,
-    DIRECTION_MASK = 0x03
+    DIRECTION_MASK = 0x03,
+    ERRORS_MASK = 0x0F
 };
 
 _Static_assert((int)MESSAGES_BASE == HUBFOC_DEMAND_FRAME_ID, "the base of the DBC");
@@ -345,7 +346,6 @@ static void put_power(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o)
 {
     const struct hubfoc_wheel_power_t raw = {
         .bus_voltage_v = (uint16_t)magnitude_steps(o->bus_voltage_mV, VOLTAGE_STEP_mV, VOLTAGE_MAX),
-        .warning_reason = (uint8_t)o->warning_reason,
         .bus_current_a = signed_steps(o->bus_current_mA, CURRENT_STEP_mA, CURRENT_MAX),
     };
     (void)hubfoc_wheel_power_pack(data, &raw, E2E_FRAME_BYTES);
@@ -356,8 +356,8 @@ static int16_t temperature_steps(int32_t temperature_cC)
     return (int16_t)steps(temperature_cC, TEMPERATURE_STEP_cC, TEMPERATURE_MIN, TEMPERATURE_MAX);
 }
 
-static void put_health(uint8_t data[E2E_FRAME_BYTES], const wheel_temperatures_t *temperature,
-                       const messages_links_t *links)
+static void put_health(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o,
+                       const wheel_temperatures_t *temperature, const messages_links_t *links)
 {
     const struct hubfoc_wheel_health_t raw = {
         .demand_link = (uint8_t)links->demand,
@@ -366,8 +366,9 @@ static void put_health(uint8_t data[E2E_FRAME_BYTES], const wheel_temperatures_t
         .peak_link = (uint8_t)links->peak,
         .winding_temperature_c = temperature_steps(temperature->winding_cC),
         .switch_temperature_c = temperature_steps(temperature->switch_cC),
-        .demand_errors = (uint8_t)(links->demand_errors & 0xFFU),
-        .battery_errors = (uint8_t)(links->battery_errors & 0xFFU),
+        .demand_errors = (uint8_t)(links->demand_errors & ERRORS_MASK),
+        .battery_errors = (uint8_t)(links->battery_errors & ERRORS_MASK),
+        .warning_reason = (uint8_t)o->warning_reason,
     };
     (void)hubfoc_wheel_health_pack(data, &raw, E2E_FRAME_BYTES);
 }
@@ -416,7 +417,7 @@ messages_frame_t messages_output(messages_kind_t kind, const messages_values_t *
         put_power(frame.data, values->output);
         break;
     case MESSAGES_WHEEL_HEALTH:
-        put_health(frame.data, values->temperature, &values->links);
+        put_health(frame.data, values->output, values->temperature, &values->links);
         break;
     case MESSAGES_WHEEL_AHEAD:
         put_ahead(frame.data, values->output);

@@ -863,7 +863,6 @@ int hubfoc_wheel_power_pack(
     dst_p[4] |= pack_left_shift_u32(bus_current_a, 0u, 0xffu);
     dst_p[5] |= pack_right_shift_u32(bus_current_a, 8u, 0xffu);
     dst_p[6] |= pack_right_shift_u32(bus_current_a, 16u, 0x01u);
-    dst_p[7] |= pack_left_shift_u8(src_p->warning_reason, 0u, 0xffu);
 
     return (8);
 }
@@ -892,7 +891,6 @@ int hubfoc_wheel_power_unpack(
     }
 
     dst_p->bus_current_a = (int32_t)bus_current_a;
-    dst_p->warning_reason = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
 
     return (0);
 }
@@ -928,13 +926,6 @@ bool hubfoc_wheel_power_bus_current_a_is_in_range(int32_t value)
     return ((value >= -60000) && (value <= 60000));
 }
 
-bool hubfoc_wheel_power_warning_reason_is_in_range(uint8_t value)
-{
-    (void)value;
-
-    return (true);
-}
-
 int hubfoc_wheel_health_pack(
     uint8_t *dst_p,
     const struct hubfoc_wheel_health_t *src_p,
@@ -961,8 +952,9 @@ int hubfoc_wheel_health_pack(
     dst_p[4] |= pack_left_shift_u16(switch_temperature_c, 0u, 0xffu);
     dst_p[5] |= pack_right_shift_u16(switch_temperature_c, 8u, 0x1fu);
     dst_p[5] |= pack_left_shift_u8(src_p->peak_link, 5u, 0x60u);
-    dst_p[6] |= pack_left_shift_u8(src_p->demand_errors, 0u, 0xffu);
-    dst_p[7] |= pack_left_shift_u8(src_p->battery_errors, 0u, 0xffu);
+    dst_p[6] |= pack_left_shift_u8(src_p->demand_errors, 0u, 0x0fu);
+    dst_p[6] |= pack_left_shift_u8(src_p->battery_errors, 4u, 0xf0u);
+    dst_p[7] |= pack_left_shift_u8(src_p->warning_reason, 0u, 0xffu);
 
     return (8);
 }
@@ -1001,8 +993,9 @@ int hubfoc_wheel_health_unpack(
 
     dst_p->switch_temperature_c = (int16_t)switch_temperature_c;
     dst_p->peak_link = unpack_right_shift_u8(src_p[5], 5u, 0x60u);
-    dst_p->demand_errors = unpack_right_shift_u8(src_p[6], 0u, 0xffu);
-    dst_p->battery_errors = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
+    dst_p->demand_errors = unpack_right_shift_u8(src_p[6], 0u, 0x0fu);
+    dst_p->battery_errors = unpack_right_shift_u8(src_p[6], 4u, 0xf0u);
+    dst_p->warning_reason = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
 
     return (0);
 }
@@ -1060,12 +1053,15 @@ bool hubfoc_wheel_health_peak_link_is_in_range(uint8_t value)
 
 bool hubfoc_wheel_health_demand_errors_is_in_range(uint8_t value)
 {
-    (void)value;
-
-    return (true);
+    return (value <= 15u);
 }
 
 bool hubfoc_wheel_health_battery_errors_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool hubfoc_wheel_health_warning_reason_is_in_range(uint8_t value)
 {
     (void)value;
 

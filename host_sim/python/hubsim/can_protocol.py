@@ -158,7 +158,6 @@ MESSAGES: Final[Mapping[str, Message]] = {
             "counter": Signal(8, 4, False, 1.0, 0.0, 15.0),
             "bus_voltage_v": Signal(16, 16, False, 0.1, 0.0, 2000.0),
             "bus_current_a": Signal(32, 17, True, 0.1, -6000.0, 6000.0),
-            "warning_reason": Signal(56, 8, False, 1.0, 0.0, 255.0),
         },
     ),
     "WheelHealth": Message(
@@ -175,8 +174,9 @@ MESSAGES: Final[Mapping[str, Message]] = {
             "hydraulic_link": Signal(29, 2, False, 1.0, 0.0, 3.0),
             "switch_temperature_c": Signal(32, 13, True, 0.1, -100.0, 300.0),
             "peak_link": Signal(45, 2, False, 1.0, 0.0, 3.0),
-            "demand_errors": Signal(48, 8, False, 1.0, 0.0, 255.0),
-            "battery_errors": Signal(56, 8, False, 1.0, 0.0, 255.0),
+            "demand_errors": Signal(48, 4, False, 1.0, 0.0, 15.0),
+            "battery_errors": Signal(52, 4, False, 1.0, 0.0, 15.0),
+            "warning_reason": Signal(56, 8, False, 1.0, 0.0, 255.0),
         },
     ),
     "WheelAhead": Message(

@@ -185,6 +185,7 @@ def choices(message: str, signal: str, database: Database) -> dict[int, str]:
     ("message", "signal"),
     [
         ("WheelState", "fault_reason"),
+        ("WheelHealth", "warning_reason"),
         ("WheelDrive", "hydraulic_reason"),
         ("WheelAvailable", "electric_brake_available_reason"),
         ("WheelDrive", "torque_reason"),

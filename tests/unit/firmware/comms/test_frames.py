@@ -71,7 +71,7 @@ NUMBERS = {
     "drive_available_reason": ("WheelAvailable", "drive_available_reason"),
     "waits_for": ("WheelAvailable", "waits_for"),
     "fault_reason": ("WheelState", "fault_reason"),
-    "warning_reason": ("WheelPower", "warning_reason"),
+    "warning_reason": ("WheelHealth", "warning_reason"),
     "hydraulic_valid": ("WheelBrake", "hydraulic_valid"),
     "direction": ("WheelDrive", "direction"),
     "mode": ("WheelState", "mode"),
@@ -366,7 +366,7 @@ def test_an_integer_is_transferred_unchanged_in_the_width_of_its_field(
 def test_error_counters_wrap(comms: Comms, database: Database) -> None:
     errors = {"links.demand_errors": 256 + 7, "links.battery_errors": 2**32 - 1}
     got = decoded(comms, database, "WheelHealth", **errors)
-    assert (got["demand_errors"], got["battery_errors"]) == (7, 255)
+    assert (got["demand_errors"], got["battery_errors"]) == (7, 15)
 
 
 def test_a_broken_temperature_sensor_is_300_degrees(comms: Comms, database: Database) -> None:

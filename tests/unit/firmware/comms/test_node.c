@@ -299,23 +299,24 @@ void test_only_an_offered_frame_can_be_marked_as_sent_and_only_once(void)
     assert_sent_has_no_effect();
 }
 
-/* WheelHealth: demand_link bits 12 and 13, battery_link 14 and 15, errors in bytes 6 and 7. */
-void test_wheel_health_reports_the_receivers_states(void)
+/* WheelHealth: demand_link bits 12 and 13, battery_link 14 and 15, errors in byte 6, the warning in
+ * byte 7. */
+void test_wheel_health_reports_the_warning_and_the_receivers_states(void)
 {
     qualify_demand();
     (void)receive_demand(2, 0, 25);
     (void)receive_battery(0, 0, 25);
     (void)receive_battery(0, 0, 26);
     (void)receive_battery(0, 0, 27);
-    const slow_output_t output = {.mode = MODE_READY};
+    const slow_output_t output = {.mode = MODE_LIMP, .warning_reason = REASON_ROTOR_UNCERTAIN};
     messages_frame_t frame;
     while (next_frame(100, &output, &frame) && node.offered != MESSAGES_WHEEL_HEALTH) {
         node_sent(&node, 100);
     }
     TEST_ASSERT_EQUAL_INT(MESSAGES_WHEEL_HEALTH, node.offered);
     TEST_ASSERT_EQUAL_HEX8(E2E_VALID << 4 | E2E_QUALIFYING << 6, frame.data[1]);
-    TEST_ASSERT_EQUAL_UINT8(1, frame.data[6]);
-    TEST_ASSERT_EQUAL_UINT8(2, frame.data[7]);
+    TEST_ASSERT_EQUAL_HEX8(1 | 2 << 4, frame.data[6]);
+    TEST_ASSERT_EQUAL_UINT8(REASON_ROTOR_UNCERTAIN, frame.data[7]);
 }
 
 void test_a_receive_filter_needs_four_identifiers(void)
