@@ -20,7 +20,7 @@ static uint16_t steps(int32_t time_ms)
 #define FIELD(section, name) config->section.name
 #define RAMP(section, name) (ramp_ms(config) + config->section.name)
 #define OWN(text) 1
-#define TIMES(check, reason, qualify, heal, explanation, reaction)                                 \
+#define TIMES(check, reason, evidence, qualify, heal, explanation, reaction)                       \
     put(&times[FINDING_##check], qualify, heal);
 
 /* Most rows have constants, for which nothing is left of this. */

@@ -237,6 +237,7 @@ angle_choice_t angle_choice_step(angle_choice_state_t *state, const config_t *co
         .valid = sensor || (state->observer_used && state->confirmed),
         .by = state->observer_used ? ANGLE_BY_OBSERVER : ANGLE_BY_SENSOR,
         .sensor_wrong = state->sensor_wrong,
+        .observed = state->confirmed,
         .name = state->name,
     };
     return out;

@@ -28,7 +28,7 @@ void controller_init(controller_t *controller, const config_t *config, int32_t t
     slow->last = none;
     finding_times_t times[FINDING_COUNT];
     finding_times(config, times);
-    findings_init(&slow->findings, times);
+    findings_init(&slow->findings, times, config->driver.no_other_brake != 0);
     slow->step_count = 0;
 }
 

@@ -39,9 +39,12 @@ typedef struct {
     uint8_t reason, reaction, explained_by;
 } row_t;
 
-#define ROW(check, name, qualify, heal, explanation, reacts)                                       \
+#define ROW(check, name, evidence, qualify, heal, explanation, reacts)                             \
     {REASON_##name, FINDING_REACTION_##reacts, EXPLAINED_BY_##explanation},
 static const row_t ROWS[FINDING_COUNT] = {FINDING_LIST(ROW)};
+
+#define ONE_MORE(check, name, evidence, qualify, heal, explanation, reacts) +1
+enum { FIRST_WARNING = FINDING_FAULTS(ONE_MORE) };
 
 /* Times as words, of which the linker keeps each one once. */
 #define AT_ONCE "at once"
@@ -50,7 +53,7 @@ static const row_t ROWS[FINDING_COUNT] = {FINDING_LIST(ROW)};
 #define FIELD(section, name) #section "." #name
 #define RAMP(section, name) "torque ramp + " #section "." #name
 #define OWN(text) text
-#define TIMES(check, name, qualify, heal, explanation, reacts) {qualify, heal},
+#define TIMES(check, name, evidence, qualify, heal, explanation, reacts) {qualify, heal},
 #define REACTION_TEXT(identifier, text) text "\0"
 static const struct {
     const char *qualify, *heal;
@@ -80,17 +83,21 @@ const char *findings_reaction_text(finding_reaction_t reaction)
 
 /* ---- the record ---- */
 
-void findings_init(findings_t *findings, const finding_times_t times[FINDING_COUNT])
+void findings_init(findings_t *findings, const finding_times_t times[FINDING_COUNT],
+                   bool no_other_brake)
 {
     const debounce_t quiet = {.count = 0};
+    const finding_returns_t never = {.quiet_steps = 0};
     for (int word = 0; word < FINDING_WORDS; word++) {
         findings->active[word] = 0U;
         findings->present[word] = 0U;
         findings->suspected[word] = 0U;
     }
     findings->trip = REASON_NONE;
+    findings->braking_kept = no_other_brake;
     for (int row = 0; row < FINDING_COUNT; row++) {
         findings->debounce[row] = quiet;
+        findings->returns[row] = never;
         findings->times[row] = times[row];
     }
 }
@@ -100,16 +107,57 @@ static uint32_t with_bit(uint32_t word, uint32_t bit, bool set)
     return set ? word | bit : word & ~bit;
 }
 
+/* Faults are latched by modes, and what has no name only explains. */
+static bool heals_slower(const findings_t *findings, finding_t row)
+{
+    const bool kept = findings->braking_kept && findings_reaction(row) == FINDING_REACTION_OFF;
+    return (int)row >= FIRST_WARNING && ROWS[row].reason != (uint8_t)REASON_NONE && !kept;
+}
+
+/* At a return the heal time doubles. */
+static void note_presence(finding_returns_t *returns, bool came, uint16_t heal_steps)
+{
+    if (came && returns->quiet_steps > 0U) {
+        const int32_t before = q_max(returns->heal_steps, heal_steps);
+        returns->heal_steps = (uint16_t)q_clamp(2 * before, FINDING_RETURN_STEPS,
+                                                q_max(FINDING_QUIET_STEPS, heal_steps));
+    }
+    returns->quiet_steps = FINDING_QUIET_STEPS;
+}
+
+static void note_absence(finding_returns_t *returns)
+{
+    returns->quiet_steps = (uint16_t)q_max(returns->quiet_steps - 1, 0);
+    returns->heal_steps = returns->quiet_steps > 0U ? returns->heal_steps : 0U;
+}
+
+static uint32_t heal_steps_of(finding_returns_t *returns, const finding_times_t *times,
+                              const debounce_t *debounce, bool present, bool condition)
+{
+    const bool came = !present && condition && debounce->count + 1U >= times->qualify_steps;
+    if (came || present) {
+        note_presence(returns, came, times->heal_steps);
+    } else {
+        note_absence(returns);
+    }
+    return returns->heal_steps > 0U ? returns->heal_steps : times->heal_steps;
+}
+
 void findings_step(findings_t *findings, finding_t row, bool condition)
 {
     const finding_times_t *times = &findings->times[row];
+    finding_returns_t *returns = &findings->returns[row];
     debounce_t *debounce = &findings->debounce[row];
     const uint32_t bit = findings_bit(row);
     const uint32_t word = (uint32_t)row / 32U;
-    const bool present =
-        debounce_step(debounce, condition, times->qualify_steps, times->heal_steps);
+    const bool before = (findings->present[word] & bit) != 0U;
+    const uint32_t heal_steps = heals_slower(findings, row)
+                                    ? heal_steps_of(returns, times, debounce, before, condition)
+                                    : times->heal_steps;
+    const bool present = debounce_step(debounce, condition, times->qualify_steps, heal_steps);
     findings->present[word] = with_bit(findings->present[word], bit, present);
-    findings->active[word] = with_bit(findings->active[word], bit, present || debounce->count > 0U);
+    findings->active[word] = with_bit(findings->active[word], bit,
+                                      present || debounce->count > 0U || returns->quiet_steps > 0U);
 }
 
 void findings_name(findings_t *findings, finding_t first, finding_t last, reason_t reason)
@@ -152,14 +200,14 @@ static finding_t first_of(const findings_t *findings, const rows_t *rows)
     return FINDING_COUNT;
 }
 
-#define IF_FAULT(check, name, qualify, heal, explanation, reacts) | BIT(check)
-#define IF_SHOWN(check, name, qualify, heal, explanation, reacts)                                  \
+#define IF_FAULT(check, name, evidence, qualify, heal, explanation, reacts) | BIT(check)
+#define IF_SHOWN(check, name, evidence, qualify, heal, explanation, reacts)                        \
     | (REASON_##name == REASON_NONE ? UINT64_C(0) : BIT(check))
-#define IF_LIMITING(check, name, qualify, heal, explanation, reacts)                               \
+#define IF_LIMITING(check, name, evidence, qualify, heal, explanation, reacts)                     \
     | (REASON_##name == REASON_NONE || FINDING_REACTION_##reacts == FINDING_REACTION_NONE          \
            ? UINT64_C(0)                                                                           \
            : BIT(check))
-#define IF_OFF(check, name, qualify, heal, explanation, reacts)                                    \
+#define IF_OFF(check, name, evidence, qualify, heal, explanation, reacts)                          \
     | (FINDING_REACTION_##reacts == FINDING_REACTION_OFF ? BIT(check) : UINT64_C(0))
 
 static const rows_t FAULTS = ROWS_OF(UINT64_C(0) FINDING_FAULTS(IF_FAULT));

@@ -37,6 +37,7 @@ class Check(NamedTuple):
 
     name: str
     reason: str
+    evidence: str
     qualify: str
     heal: str
     explained_by: str
@@ -62,7 +63,7 @@ def reasons() -> list[Reason]:
 
 def checks(name: str) -> list[Check]:
     """Return a list of checks, in its order."""
-    row = rf"X\((\w+), (\w+), {TIME}, {TIME}, (\w+), (\w+)\)"
+    row = rf"X\((\w+), (\w+), (\w+), {TIME}, {TIME}, (\w+), (\w+)\)"
     return [Check(*columns) for columns in rows(HEADERS / "findings.h", name, row)]
 
 
@@ -119,11 +120,12 @@ def check_table(name: str) -> str:
     """Return the table of some checks."""
     explained = {word for word, by in explanations().items() if by}
     return table(
-        ("check", "reason", "qualify time", "heal time", "explained by", "reaction"),
+        ("check", "reason", "evidence", "qualify time", "heal time", "explained by", "reaction"),
         [
             (
                 named(row.name),
                 named(row.reason),
+                row.evidence.lower(),
                 shown(row.qualify),
                 shown(row.heal),
                 named(row.explained_by) if row.explained_by in explained else "none",

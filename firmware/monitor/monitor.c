@@ -152,16 +152,22 @@ static void check_temperatures(const config_t *config, const measured_t *now, fi
         too_hot(config, now->in->temperature.switch_cC, config->drive.max_switch_temperature_cC));
 }
 
-/* A skipped sector is a warning for a while: one may be dirt, a dead sensor makes one every
- * electrical turn. So is a sensor that stops faster than a tyre can stop the vehicle. */
-static void check_rotor_reading(monitor_state_t *state, uint16_t rotor_faults, findings_t *findings)
+/* A skipped sector: one may be dirt, a dead sensor makes one every electrical turn. As long as the
+ * observer sees the rotor that is only shown; without it, less is driven for a while. So is a
+ * sensor that stops faster than a tyre can stop the vehicle: an unloaded wheel can. */
+static void check_rotor_reading(monitor_state_t *state, const measured_t *now, findings_t *findings)
 {
-    const uint16_t wrong = (uint16_t)(rotor_faults + state->speed.sudden_stops);
-    findings_set(findings, FINDING_ROTOR_READING, wrong != state->last_rotor_faults);
-    state->last_rotor_faults = wrong;
+    const bool wrong = now->report->rotor_faults != state->last_rotor_faults;
+    findings_set(findings, FINDING_ROTOR_READING, wrong && !now->rotor_observed);
+    findings_set(findings, FINDING_ROTOR_GLITCH, wrong && now->rotor_observed);
+    findings_set(findings, FINDING_ROTOR_STOPS,
+                 state->speed.sudden_stops != state->last_sudden_stops);
+    state->last_rotor_faults = now->report->rotor_faults;
+    state->last_sudden_stops = state->speed.sudden_stops;
+    const bool read = findings_qualified(findings, FINDING_ROTOR_READING) ||
+                      findings_qualified(findings, FINDING_ROTOR_GLITCH);
     findings_set(findings, FINDING_READING_BY_STEPS,
-                 findings_qualified(findings, FINDING_ROTOR_READING) && state->flow_level > 0 &&
-                     !findings_off(findings));
+                 read && state->flow_level > 0 && !findings_off(findings));
 }
 
 static bool offsets_plausible(const config_t *config, const int32_t offset_q4[3])
@@ -304,7 +310,7 @@ monitored_t monitor_step(monitor_state_t *state, const config_t *config, const m
 
     const int32_t bound_mrad_s = monitor_speed_step(&state->speed, config, now);
     const bool standstill = bound_mrad_s < config->monitor.standstill_mrad_s;
-    check_rotor_reading(state, report->rotor_faults, findings);
+    check_rotor_reading(state, now, findings);
     const monitor_stuck_output_t stuck =
         monitor_stuck_step(&state->stuck, config, now, !standstill);
     findings_set(findings, FINDING_SWITCH_STUCK, stuck.side != BRIDGE_OFF);

@@ -198,12 +198,15 @@ enum { MOST_ROW_POINTS = 65 };
      finding_at_once(times, FINDING_BUS_JUMPED) && finding_at_once(times, FINDING_BATTERY_LEFT) && \
      finding_at_once(times, FINDING_BATTERY_UNKNOWN) &&                                            \
      finding_at_once(times, FINDING_CONFIGURATION) && finding_at_once(times, FINDING_FLUX_LOW) &&  \
-     finding_at_once(times, FINDING_GAIN) && finding_at_once(times, FINDING_BRAKE_WEAK))
+     finding_at_once(times, FINDING_GAIN))
 #define findings_hold(f)                                                                           \
     (finding_times_hold((f)->times) &&                                                             \
      every(i, FINDING_COUNT,                                                                       \
            findings_bit_set(f, i) == ((f)->debounce[i].left > 0U) &&                               \
-               (f)->debounce[i].left <= (f)->times[i].heal_steps) &&                               \
+               (f)->debounce[i].left <=                                                            \
+                   ((f)->returns[i].heal_steps > (f)->times[i].heal_steps                          \
+                        ? (f)->returns[i].heal_steps                                               \
+                        : (f)->times[i].heal_steps)) &&                                            \
      (!findings_bit_set(f, FINDING_TRIP) || (f)->trip != REASON_NONE) &&                           \
      ((f)->present[0] & ~(f)->active[0]) == 0U && ((f)->present[1] & ~(f)->active[1]) == 0U)
 /* Of the first 32 rows those that modes sets. */

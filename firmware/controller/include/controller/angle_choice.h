@@ -75,6 +75,7 @@ typedef struct {
     bool valid;        /* the angle in use may make torque */
     angle_by_t by;     /* whose it is */
     bool sensor_wrong; /* contradicted by the observer */
+    bool observed;     /* the observer is confirmed */
     reason_t name;     /* of a wrong sensor; REASON_NONE until it is known */
 } angle_choice_t;
 

@@ -40,7 +40,14 @@ typedef enum { FINDING_REACTION_LIST(FINDING_REACTION_ENUM) } finding_reaction_t
 
 /* clang-format off */
 /*
- * X(check, reason, qualify time, heal time, explained by, reaction)
+ * X(check, reason, evidence, qualify time, heal time, explained by, reaction)
+ *
+ * Evidence is of the check, not of the reason. MEASURED: a line, a counter, an end of a range,
+ * measurements of one thing that contradict each other now, a current against its own reference.
+ * INFERRED: a model with parameters says so; it may warn, choose the safer of two values and lower
+ * a deferrable line that the hydraulic brake fills, but latches nothing and ends no braking.
+ * EXCEPTION: inferred, but waiting would make torque of the wrong sign or destroy the bridge;
+ * README of the monitor has the reason of each.
  *
  * A time is AT_ONCE; MS(n); FIELD(section, name), a field of the configuration in ms; RAMP(section,
  * name), such a field behind the time in which the torque ramps out; NEVER; or OWN(text): the check
@@ -52,80 +59,98 @@ typedef enum { FINDING_REACTION_LIST(FINDING_REACTION_ENUM) } finding_reaction_t
  * yet; READING_BY_STEPS only explains others: a rotor reading that steps out of order explain.
  */
 #define FINDING_FAULTS(X)                                                                          \
-    X(STATE_DAMAGED, MEMORY, AT_ONCE, NEVER, NONE, SAFE_STATE)                                     \
-    X(TRIP_PHASE_OPEN, PHASE_OPEN, OWN("3 ms"), AT_ONCE, NONE, SAFE_STATE)                         \
-    X(TRIP, NONE, OWN("1 PWM period and more"), AT_ONCE, NONE, TRIP)                               \
-    X(STEPS, PROGRAM_FLOW, OWN("9 ms"), AT_ONCE, NONE, SAFE_STATE)                                 \
-    X(NO_CURRENT_SUM, CURRENT_SUM, OWN("3 ms"), AT_ONCE, NONE, SAFE_STATE)                         \
-    X(NO_CURRENT_PHASE, PHASE_OPEN, OWN("3 ms"), AT_ONCE, NONE, SAFE_STATE)                        \
-    X(CURRENT_RAIL, CURRENT_SENSOR, FIELD(monitor, sensor_fault_time_ms), AT_ONCE, NONE,           \
+    X(STATE_DAMAGED, MEMORY, MEASURED, AT_ONCE, NEVER, NONE, SAFE_STATE)                           \
+    X(TRIP_PHASE_OPEN, PHASE_OPEN, MEASURED, OWN("3 ms"), AT_ONCE, NONE, SAFE_STATE)               \
+    X(TRIP, NONE, MEASURED, OWN("1 PWM period and more"), AT_ONCE, NONE, TRIP)                     \
+    X(STEPS, PROGRAM_FLOW, MEASURED, OWN("9 ms"), AT_ONCE, NONE, SAFE_STATE)                       \
+    X(NO_CURRENT_SUM, CURRENT_SUM, MEASURED, OWN("3 ms"), AT_ONCE, NONE, SAFE_STATE)               \
+    X(NO_CURRENT_PHASE, PHASE_OPEN, MEASURED, OWN("3 ms"), AT_ONCE, NONE, SAFE_STATE)              \
+    X(CURRENT_RAIL, CURRENT_SENSOR, MEASURED, FIELD(monitor, sensor_fault_time_ms), AT_ONCE,       \
+      NONE, SAFE_STATE)                                                                            \
+    X(CURRENT_MISSING, CURRENT_SENSOR, MEASURED, OWN("3 ms"), AT_ONCE, NONE, SAFE_STATE)           \
+    X(SUM, CURRENT_SUM, MEASURED, FIELD(monitor, sensor_fault_time_ms), AT_ONCE, NONE,             \
       SAFE_STATE)                                                                                  \
-    X(CURRENT_MISSING, CURRENT_SENSOR, OWN("3 ms"), AT_ONCE, NONE, SAFE_STATE)                     \
-    X(SUM, CURRENT_SUM, FIELD(monitor, sensor_fault_time_ms), AT_ONCE, NONE, SAFE_STATE)           \
-    X(SUM_UNDETERMINED, CURRENT_SUM, OWN("8 PWM periods"), AT_ONCE, NONE, SAFE_STATE)              \
-    X(BUS_LOW, BUS_UNDERVOLTAGE,                                                                   \
+    X(SUM_UNDETERMINED, CURRENT_SUM, MEASURED, OWN("8 PWM periods"), AT_ONCE, NONE, SAFE_STATE)    \
+    X(BUS_LOW, BUS_UNDERVOLTAGE, MEASURED,                                                         \
       OWN("monitor.battery_message_time_ms + monitor.voltage_fault_time_ms"), AT_ONCE, NONE,       \
       SAFE_STATE)                                                                                  \
-    X(BUS_HIGH, BUS_OVERVOLTAGE, OWN("monitor.battery_message_time_ms"), AT_ONCE, NONE, TRIP)      \
-    X(ANGLE_MISSING, ROTOR_LOST, RAMP(monitor, rotor_fault_time_ms), AT_ONCE, NONE, RAMP)          \
-    X(ANGLE, ROTOR_IMPLAUSIBLE, OWN("monitor.angle_fault_time_ms"), AT_ONCE, NONE, SAFE_STATE)     \
-    X(TORQUE, TORQUE_IMPLAUSIBLE, FIELD(monitor, torque_fault_time_ms), AT_ONCE, NONE,             \
+    X(BUS_HIGH, BUS_OVERVOLTAGE, MEASURED, OWN("monitor.battery_message_time_ms"), AT_ONCE,        \
+      NONE, TRIP)                                                                                  \
+    X(ANGLE_MISSING, ROTOR_LOST, MEASURED, RAMP(monitor, rotor_fault_time_ms), AT_ONCE, NONE,      \
+      RAMP)                                                                                        \
+    X(ANGLE, ROTOR_IMPLAUSIBLE, EXCEPTION, OWN("monitor.angle_fault_time_ms"), AT_ONCE, NONE,      \
       SAFE_STATE)                                                                                  \
-    X(SWITCH_STUCK, HARDWARE_BREAK, OWN("5 to 22 ms"), AT_ONCE, NONE, TRIP)                        \
-    X(CONFIGURATION, CONFIG_INVALID, AT_ONCE, AT_ONCE, NONE, SAFE_STATE)                           \
-    X(SELFTEST, SELFTEST_FAILED, OWN("modes.selftest_timeout_ms"), AT_ONCE, NONE, SAFE_STATE)      \
-    X(OFFSETS_WRONG, OFFSET_IMPLAUSIBLE, OWN("at calibration"), AT_ONCE, NONE, SAFE_STATE)
+    X(TORQUE, TORQUE_IMPLAUSIBLE, EXCEPTION, FIELD(monitor, torque_fault_time_ms), AT_ONCE,        \
+      NONE, SAFE_STATE)                                                                            \
+    X(SWITCH_STUCK, HARDWARE_BREAK, EXCEPTION, OWN("5 to 22 ms"), AT_ONCE, NONE, TRIP)             \
+    X(CONFIGURATION, CONFIG_INVALID, MEASURED, AT_ONCE, AT_ONCE, NONE, SAFE_STATE)                 \
+    X(SELFTEST, SELFTEST_FAILED, MEASURED, OWN("modes.selftest_timeout_ms"), AT_ONCE, NONE,        \
+      SAFE_STATE)                                                                                  \
+    X(OFFSETS_WRONG, OFFSET_IMPLAUSIBLE, MEASURED, OWN("at calibration"), AT_ONCE, NONE,           \
+      SAFE_STATE)
 
 #define FINDING_WARNINGS(X)                                                                        \
-    X(BUS_JUMPED, BUS_SENSOR, AT_ONCE, OWN("100 ms"), NONE, OFF)                                   \
-    X(BATTERY_LEFT, BATTERY_DISCONNECTED, AT_ONCE, OWN("100 ms"), NONE, OFF)                       \
-    X(BATTERY_UNKNOWN, NONE, AT_ONCE, OWN("100 ms"), NONE, OFF)                                    \
-    X(WINDING_HOT, WINDING_OVERTEMPERATURE, FIELD(monitor, sensor_fault_time_ms), MS(1000), NONE,  \
-      OFF)                                                                                         \
-    X(SWITCH_HOT, SWITCH_OVERTEMPERATURE, FIELD(monitor, sensor_fault_time_ms), MS(1000), NONE,    \
-      OFF)                                                                                         \
-    X(CURRENT_A, CURRENT_SENSOR_A, OWN("2 PWM periods"), OWN("at restart"), BATTERY, LIMIT)        \
-    X(CURRENT_B, CURRENT_SENSOR_B, OWN("2 PWM periods"), OWN("at restart"), BATTERY, LIMIT)        \
-    X(CURRENT_C, CURRENT_SENSOR_C, OWN("2 PWM periods"), OWN("at restart"), BATTERY, LIMIT)        \
-    X(WINDING_THERMISTOR, WINDING_SENSOR, FIELD(monitor, sensor_fault_time_ms), MS(1000), BATTERY, \
-      NONE)                                                                                        \
-    X(SWITCH_THERMISTOR, SWITCH_SENSOR, FIELD(monitor, sensor_fault_time_ms), MS(1000), BATTERY,   \
-      NONE)                                                                                        \
-    X(ROTOR_READING, ROTOR_UNCERTAIN, AT_ONCE, FIELD(monitor, rotor_warning_time_ms),              \
+    X(BUS_JUMPED, BUS_SENSOR, MEASURED, AT_ONCE, OWN("100 ms"), NONE, OFF)                         \
+    X(BATTERY_LEFT, BATTERY_DISCONNECTED, EXCEPTION, AT_ONCE, OWN("100 ms"), NONE, OFF)            \
+    X(BATTERY_UNKNOWN, NONE, EXCEPTION, AT_ONCE, OWN("100 ms"), NONE, OFF)                         \
+    X(WINDING_HOT, WINDING_OVERTEMPERATURE, MEASURED, FIELD(monitor, sensor_fault_time_ms),        \
+      MS(1000), NONE, OFF)                                                                         \
+    X(SWITCH_HOT, SWITCH_OVERTEMPERATURE, MEASURED, FIELD(monitor, sensor_fault_time_ms),          \
+      MS(1000), NONE, OFF)                                                                         \
+    X(CURRENT_A, CURRENT_SENSOR_A, EXCEPTION, OWN("2 PWM periods"), OWN("at restart"), BATTERY,    \
+      LIMIT)                                                                                       \
+    X(CURRENT_B, CURRENT_SENSOR_B, EXCEPTION, OWN("2 PWM periods"), OWN("at restart"), BATTERY,    \
+      LIMIT)                                                                                       \
+    X(CURRENT_C, CURRENT_SENSOR_C, EXCEPTION, OWN("2 PWM periods"), OWN("at restart"), BATTERY,    \
+      LIMIT)                                                                                       \
+    X(WINDING_THERMISTOR, WINDING_SENSOR, MEASURED, FIELD(monitor, sensor_fault_time_ms),          \
+      MS(1000), BATTERY, NONE)                                                                     \
+    X(SWITCH_THERMISTOR, SWITCH_SENSOR, MEASURED, FIELD(monitor, sensor_fault_time_ms),            \
+      MS(1000), BATTERY, NONE)                                                                     \
+    X(ROTOR_READING, ROTOR_UNCERTAIN, MEASURED, AT_ONCE, FIELD(monitor, rotor_warning_time_ms),    \
       BATTERY_OR_STEPS, LIMIT)                                                                     \
-    X(READING_BY_STEPS, NONE, AT_ONCE, AT_ONCE, NONE, NONE)                                        \
-    X(FORCED_TORQUE, OVERSPEED, OWN("2 ms"), MS(1000), BY_STEPS, LEAST)                            \
-    X(ROTOR_SLIPS, ROTOR_SLIPPED, OWN("12 ms"), OWN("monitor.rotor_warning_time_ms"), BY_STEPS,    \
-      LIMIT)                                                                                       \
-    X(ROTOR_FREEZES, ROTOR_FROZEN, OWN("2 ms"), OWN("monitor.rotor_warning_time_ms"), BY_STEPS,    \
-      LIMIT)                                                                                       \
-    X(ROTOR_REVERSES, ROTOR_REVERSED, OWN("2 ms"), OWN("monitor.rotor_warning_time_ms"), BY_STEPS, \
-      LIMIT)                                                                                       \
-    X(ROTOR_UNNAMED, ROTOR_UNCERTAIN, OWN("2 ms"), OWN("monitor.rotor_warning_time_ms"), STEPS,    \
-      LIMIT)                                                                                       \
-    X(OBSERVER_IN_USE, ROTOR_UNCERTAIN, AT_ONCE, AT_ONCE, STEPS, LIMIT)                            \
-    X(BRAKE_DEAD, HYDRAULIC_DEAD, MS(1000), MS(1000), NONE, NONE)                                  \
-    X(BRAKE_WEAK, HYDRAULIC_WEAK, FIELD(brake, hydraulic_timeout_ms), MS(1000), NONE, NONE)        \
-    X(BRAKE_STUCK, HYDRAULIC_STUCK, FIELD(brake, hydraulic_timeout_ms), MS(1000), NONE, NONE)      \
-    X(BRAKE_STRONG, HYDRAULIC_STRONG, FIELD(brake, hydraulic_timeout_ms), MS(1000), NONE, NONE)    \
-    X(BRAKE_LATE, HYDRAULIC_LATE, AT_ONCE, MS(10000), NONE, NONE)                                  \
-    X(BRAKE_REPORT, HYDRAULIC_FEEDBACK, OWN("brake.hydraulic_timeout_ms"), OWN("1000 ms"), NONE,   \
+    X(ROTOR_GLITCH, ROTOR_UNCERTAIN, MEASURED, AT_ONCE, MS(1000), BATTERY_OR_STEPS, NONE)          \
+    X(ROTOR_STOPS, ROTOR_UNCERTAIN, INFERRED, AT_ONCE, MS(1000), BATTERY_OR_STEPS, NONE)           \
+    X(READING_BY_STEPS, NONE, MEASURED, AT_ONCE, AT_ONCE, NONE, NONE)                              \
+    X(FORCED_TORQUE, OVERSPEED, EXCEPTION, OWN("2 ms"), MS(1000), BY_STEPS, LEAST)                 \
+    X(ROTOR_SLIPS, ROTOR_SLIPPED, EXCEPTION, OWN("12 ms"),                                         \
+      OWN("monitor.rotor_warning_time_ms"), BY_STEPS, LIMIT)                                       \
+    X(ROTOR_FREEZES, ROTOR_FROZEN, EXCEPTION, OWN("2 ms"),                                         \
+      OWN("monitor.rotor_warning_time_ms"), BY_STEPS, LIMIT)                                       \
+    X(ROTOR_REVERSES, ROTOR_REVERSED, EXCEPTION, OWN("2 ms"),                                      \
+      OWN("monitor.rotor_warning_time_ms"), BY_STEPS, LIMIT)                                       \
+    X(ROTOR_UNNAMED, ROTOR_UNCERTAIN, EXCEPTION, OWN("2 ms"),                                      \
+      OWN("monitor.rotor_warning_time_ms"), STEPS, LIMIT)                                          \
+    X(OBSERVER_IN_USE, ROTOR_UNCERTAIN, MEASURED, MS(200), AT_ONCE, STEPS, LIMIT)                  \
+    X(BRAKE_DEAD, HYDRAULIC_DEAD, MEASURED, MS(1000), MS(1000), NONE, NONE)                        \
+    X(BRAKE_WEAK, HYDRAULIC_WEAK, MEASURED, FIELD(brake, hydraulic_timeout_ms), MS(1000), NONE,    \
       NONE)                                                                                        \
-    X(ACCELERATOR, ACCELERATOR_SENSOR, OWN("pedals.fault_time_ms"), OWN("pedals.fault_time_ms"),   \
-      NONE, LIMIT)                                                                                 \
-    X(BRAKE_PEDAL, BRAKE_PEDAL_SENSOR, OWN("pedals.fault_time_ms"), OWN("pedals.fault_time_ms"),   \
-      NONE, LIMIT)                                                                                 \
-    X(DEMAND_OLD, DEMAND_TIMEOUT, OWN("brake.demand_timeout_ms"), AT_ONCE, NONE, HAND_OVER)        \
-    X(DEMAND_REFUSED, DEMAND_IMPLAUSIBLE, AT_ONCE, OWN("1000 ms"), NONE, NONE)                     \
-    X(BUS_CONTRADICTED, BUS_SENSOR, OWN("200 ms"), OWN("200 ms"), NONE, LIMIT)                     \
-    X(FLUX_LOW, FLUX_WEAK, OWN("200 ms"), OWN("200 ms"), BUS_READING, NONE)                        \
-    X(FLUX_HIGH, BUS_SENSOR, OWN("200 ms"), OWN("200 ms"), BUS_READING, LIMIT)                     \
-    X(GAIN, CURRENT_GAIN, OWN("a window of charge"), OWN("a window of charge"), NONE, NONE)        \
-    X(OFFSETS_OLD, OFFSETS_STORED, OWN("modes.offset_wait_ms"), OWN("at calibration"), NONE, LIMIT)
+    X(BRAKE_STUCK, HYDRAULIC_STUCK, MEASURED, FIELD(brake, hydraulic_timeout_ms), MS(1000),        \
+      NONE, NONE)                                                                                  \
+    X(BRAKE_STRONG, HYDRAULIC_STRONG, MEASURED, FIELD(brake, hydraulic_timeout_ms), MS(1000),      \
+      NONE, NONE)                                                                                  \
+    X(BRAKE_LATE, HYDRAULIC_LATE, MEASURED, AT_ONCE, MS(10000), NONE, NONE)                        \
+    X(BRAKE_REPORT, HYDRAULIC_FEEDBACK, MEASURED, OWN("brake.hydraulic_timeout_ms"),               \
+      OWN("1000 ms"), NONE, NONE)                                                                  \
+    X(ACCELERATOR, ACCELERATOR_SENSOR, MEASURED, OWN("pedals.fault_time_ms"),                      \
+      OWN("pedals.fault_time_ms"), NONE, LIMIT)                                                    \
+    X(BRAKE_PEDAL, BRAKE_PEDAL_SENSOR, MEASURED, OWN("pedals.fault_time_ms"),                      \
+      OWN("pedals.fault_time_ms"), NONE, LIMIT)                                                    \
+    X(DEMAND_OLD, DEMAND_TIMEOUT, MEASURED, OWN("brake.demand_timeout_ms"), AT_ONCE, NONE,         \
+      HAND_OVER)                                                                                   \
+    X(DEMAND_REFUSED, DEMAND_IMPLAUSIBLE, MEASURED, AT_ONCE, OWN("1000 ms"), NONE, NONE)           \
+    X(BUS_CONTRADICTED, BUS_SENSOR, MEASURED, OWN("200 ms"), OWN("200 ms"), NONE, LIMIT)           \
+    X(FLUX_LOW, FLUX_WEAK, INFERRED, OWN("200 ms"), OWN("200 ms"), BUS_READING, NONE)              \
+    X(FLUX_HIGH, BUS_SENSOR, INFERRED, OWN("200 ms"), OWN("200 ms"), BUS_READING, NONE)            \
+    X(GAIN, CURRENT_GAIN, INFERRED, OWN("a window of charge"), OWN("a window of charge"), NONE,    \
+      NONE)                                                                                        \
+    X(OFFSETS_OLD, OFFSETS_STORED, MEASURED, OWN("modes.offset_wait_ms"),                          \
+      OWN("at calibration"), NONE, LIMIT)
 /* clang-format on */
 
 #define FINDING_LIST(X) FINDING_FAULTS(X) FINDING_WARNINGS(X)
-#define FINDING_ENUM(check, reason, qualify, heal, explained_by, reaction) FINDING_##check,
+#define FINDING_ENUM(check, reason, evidence, qualify, heal, explained_by, reaction)               \
+    FINDING_##check,
 typedef enum { FINDING_LIST(FINDING_ENUM) FINDING_COUNT } finding_t;
 #undef FINDING_ENUM
 
@@ -134,19 +159,33 @@ typedef struct {
     uint16_t qualify_steps, heal_steps;
 } finding_times_t;
 
-enum { FINDING_WORDS = 2 };
+/* A named warning that comes and goes heals more slowly at every return within FINDING_QUIET_STEPS
+ * of its last presence: twice as slowly as before, at least FINDING_RETURN_STEPS, at most
+ * FINDING_QUIET_STEPS, after which it is forgotten. So a loose contact makes no more than five
+ * changes a second. */
+enum { FINDING_WORDS = 2, FINDING_RETURN_STEPS = 100, FINDING_QUIET_STEPS = 10000 };
+
+/* How a row comes and goes. */
+typedef struct {
+    uint16_t heal_steps;  /* now; 0: those of its times */
+    uint16_t quiet_steps; /* left until its returns are forgotten */
+} finding_returns_t;
 
 typedef struct {
-    uint32_t active[FINDING_WORDS]; /* a bit a row: present, or its times run */
+    uint32_t active[FINDING_WORDS]; /* a bit a row: present, or its times or returns run */
     uint32_t present[FINDING_WORDS];
     uint32_t suspected[FINDING_WORDS];
     reason_t trip; /* REASON_NONE: none */
     debounce_t debounce[FINDING_COUNT];
+    finding_returns_t returns[FINDING_COUNT];
     finding_times_t times[FINDING_COUNT];
+    bool braking_kept; /* there is no other brake: what takes the motor's away heals at once */
 } findings_t;
 
-/* Nothing is found. times: of every row. */
-void findings_init(findings_t *findings, const finding_times_t times[FINDING_COUNT]);
+/* Nothing is found. times: of every row. no_other_brake: rows with the reaction OFF heal after
+ * their own time however often they come. */
+void findings_init(findings_t *findings, const finding_times_t times[FINDING_COUNT],
+                   bool no_other_brake);
 
 /* For findings_set(): a step of the row's debounce. */
 void findings_step(findings_t *findings, finding_t row, bool condition);

@@ -36,6 +36,7 @@ typedef struct {
     bool angle_valid; /* the angle in use may make torque */
     angle_by_t angle_by;
     bool sensor_wrong;    /* the observer contradicts the rotor sensor */
+    bool rotor_observed;  /* the observer knows the angle, whatever the sensor shows */
     int32_t speed_mrad_s; /* of the angle in use, mechanical, signed */
     /* Means */
     dq_t sampled_pu; /* of the samples, without correction, Q15 */

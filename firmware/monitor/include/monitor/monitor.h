@@ -105,10 +105,10 @@ bool monitor_fast_intact(const monitor_fast_state_t *state, const config_t *conf
 /* ---- slow ---- */
 
 typedef struct {
-    debounce_t bus; /* beyond a trip and not back */
+    debounce_t bus;      /* beyond a trip and not back */
     uint16_t flow_level; /* weighted sum of wrong and right steps */
     uint16_t last_fast_step;
-    uint16_t last_rotor_faults;
+    uint16_t last_rotor_faults, last_sudden_stops;
     uint16_t steps;        /* step count, wrapping: the watchdog is fed only while it advances */
     bool release_trip;     /* the bus is back from above its trip */
     uint16_t return_steps; /* left until torque returns after that */

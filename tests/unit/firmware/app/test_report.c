@@ -409,7 +409,7 @@ void test_each_check_that_finds_a_fault_is_printed_beneath_it(void)
                    " ends by itself, after its heal time, 100 ms\n"
                    "   after 200 ms: less driving torque, whole braking torque;"
                    " ends by itself, after its heal time, 200 ms\n"
-                   "   after 200 ms: less driving torque, whole braking torque;"
+                   "   after 200 ms: none, it is only reported;"
                    " ends by itself, after its heal time, 200 ms\n");
     for (uint32_t i = 0; report_faults(&boot, "OVERCURRENT", i, &line); i++) {
         keep();
@@ -424,7 +424,7 @@ void test_each_check_that_finds_a_fault_is_printed_beneath_it(void)
 static uint32_t lines_of_all_faults(void)
 {
 #define CODE(number, identifier, text, clearing, driver) REASON_##identifier,
-#define FOUND(check, reason, qualify, heal, explained_by, reaction) REASON_##reason,
+#define FOUND(check, reason, evidence, qualify, heal, explained_by, reaction) REASON_##reason,
     static const reason_t CODES[] = {FAULT_LIST(CODE)};
     static const reason_t FOUND_BY[] = {FINDING_LIST(FOUND)};
 #undef CODE

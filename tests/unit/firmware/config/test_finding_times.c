@@ -44,6 +44,9 @@ void test_fields_of_the_configuration_are_times_in_milliseconds(void)
     assert_times(23, 1, FINDING_TORQUE);
     assert_times(1, 3100, FINDING_ROTOR_READING);
     assert_times(1, 1000, FINDING_FORCED_TORQUE); /* fixed */
+    assert_times(1, 1000, FINDING_ROTOR_GLITCH);
+    assert_times(1, 1000, FINDING_ROTOR_STOPS);
+    assert_times(200, 1, FINDING_OBSERVER_IN_USE);
     for (finding_t row = FINDING_WINDING_HOT; row <= FINDING_SWITCH_HOT; row++) {
         assert_times(17, 1000, row);
     }
@@ -71,6 +74,7 @@ void test_every_other_row_has_a_filter_of_its_own_and_counts_at_once(void)
         FINDING_CURRENT_RAIL,      FINDING_SUM,           FINDING_TORQUE,
         FINDING_ROTOR_READING,     FINDING_FORCED_TORQUE, FINDING_ANGLE_MISSING,
         FINDING_WINDING_HOT,       FINDING_SWITCH_HOT,    FINDING_WINDING_THERMISTOR,
+        FINDING_ROTOR_GLITCH,      FINDING_ROTOR_STOPS,   FINDING_OBSERVER_IN_USE,
         FINDING_SWITCH_THERMISTOR, FINDING_BRAKE_DEAD,    FINDING_BRAKE_WEAK,
         FINDING_BRAKE_STUCK,       FINDING_BRAKE_STRONG,  FINDING_BRAKE_LATE,
     };

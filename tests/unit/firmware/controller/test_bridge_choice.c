@@ -35,7 +35,7 @@ void setUp(void)
     bridge_choice_init(&state);
     finding_times_t times[FINDING_COUNT];
     finding_times(&config, times);
-    findings_init(&findings, times);
+    findings_init(&findings, times, false);
     const bridge_case_t driving = {.torque_enabled = true,
                                    .demanded = true,
                                    .torque_feasible = true,

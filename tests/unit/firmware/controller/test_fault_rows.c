@@ -77,7 +77,7 @@ static bool comes_with_the_demand(reason_t reason)
 
 static bool is_of_rotor(finding_t row)
 {
-    return row == FINDING_OBSERVER_IN_USE ||
+    return row == FINDING_OBSERVER_IN_USE || row == FINDING_ROTOR_GLITCH ||
            (row >= FINDING_ROTOR_SLIPS && row <= FINDING_ROTOR_UNNAMED);
 }
 
@@ -163,14 +163,14 @@ static void show_cause(finding_t row, int ms)
     static uint16_t rotor_faults;
     if (row >= FINDING_CURRENT_A && row <= FINDING_CURRENT_C) {
         rig.to_slow.wrong_current_sensor = (uint8_t)(1 + (int)row - (int)FINDING_CURRENT_A);
-    } else if (row == FINDING_ROTOR_READING) {
+    } else if (row == FINDING_ROTOR_READING || row == FINDING_ROTOR_GLITCH) {
         rig.to_slow.rotor_faults = ++rotor_faults;
     } else if (row == FINDING_OBSERVER_IN_USE) {
         rig.to_slow.sensor_valid = false;
     } else if (row >= FINDING_ROTOR_SLIPS && row <= FINDING_ROTOR_UNNAMED) {
         show_wrong_rotor(row, ms);
-    } else if (is_of_brake(row)) {
-        /* As brake blending does it, after the modes have acted. */
+    } else if (is_of_brake(row) || row == FINDING_ROTOR_STOPS) {
+        /* As brake blending and monitor do it, after the modes have acted. */
         findings_set(&rig.controller.slow.findings, row, true);
     } else if (row == FINDING_FLUX_LOW || row == FINDING_FLUX_HIGH) {
         show_flux(row == FINDING_FLUX_LOW ? 0.6 : 1.4);
@@ -196,7 +196,8 @@ static int time_of_cause_ms(finding_t row)
         return 1200;
     }
     const bool slow = row == FINDING_FLUX_LOW || row == FINDING_FLUX_HIGH ||
-                      row == FINDING_BUS_CONTRADICTED || row == FINDING_ROTOR_UNNAMED;
+                      row == FINDING_BUS_CONTRADICTED || row == FINDING_ROTOR_UNNAMED ||
+                      row == FINDING_OBSERVER_IN_USE;
     return slow ? 1000 : 60;
 }
 

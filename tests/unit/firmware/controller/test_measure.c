@@ -47,7 +47,7 @@ void setUp(void)
     last.temperature.winding_cC = 2500;
     finding_times_t times[FINDING_COUNT];
     finding_times(&config, times);
-    findings_init(&findings, times);
+    findings_init(&findings, times, false);
     measure_init(&state, &config, BASES_MODEL_TIMER_Hz);
 }
 
@@ -246,7 +246,7 @@ void test_an_invalid_sensor_without_an_observer_is_no_angle(void)
     TEST_ASSERT_FALSE(now.sensor_wrong);
 }
 
-/* An observer in use is a warning while the bridge switches: coasting needs no angle. */
+/* An observer in use for 200 ms is a warning while the bridge switches: coasting needs no angle. */
 void test_the_observer_s_speed_is_used_with_its_angle(void)
 {
     const double turn = 0.02;
@@ -257,9 +257,13 @@ void test_the_observer_s_speed_is_used_with_its_angle(void)
     report.speed_q32 = 0;
     step();
     TEST_ASSERT_TRUE(now.angle_valid);
+    TEST_ASSERT_TRUE(now.rotor_observed);
     TEST_ASSERT_EQUAL_INT(ANGLE_BY_OBSERVER, now.angle_by);
     TEST_ASSERT_FALSE(now.sensor_wrong);
     assert_speed(turn * 1.1);
+    run(198);
+    TEST_ASSERT_FALSE(findings_present(&findings, FINDING_OBSERVER_IN_USE));
+    step();
     TEST_ASSERT_TRUE(findings_present(&findings, FINDING_OBSERVER_IN_USE));
     report.bridge = BRIDGE_OFF;
     step();

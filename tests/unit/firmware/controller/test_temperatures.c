@@ -23,7 +23,7 @@ void setUp(void)
     temperatures_init(&state, &config);
     finding_times_t times[FINDING_COUNT];
     finding_times(&config, times);
-    findings_init(&findings, times);
+    findings_init(&findings, times, false);
     const wheel_temperatures_t as_ambient = {.winding_cC = 2500, .switch_cC = 2500};
     in.temperature = as_ambient;
     now.in = &in;

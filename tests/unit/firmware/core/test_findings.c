@@ -17,7 +17,7 @@ static void init_with(uint16_t qualify_steps, uint16_t heal_steps)
         times[row].qualify_steps = qualify_steps;
         times[row].heal_steps = heal_steps;
     }
-    findings_init(&findings, times);
+    findings_init(&findings, times, false);
 }
 
 /* Every row at once, and for as long as its condition. */
@@ -58,17 +58,24 @@ static const finding_t FAULTS[] = {
     FINDING_OFFSETS_WRONG,
 };
 static const finding_t WARNINGS[] = {
-    FINDING_BUS_JUMPED,        FINDING_BATTERY_LEFT,     FINDING_BATTERY_UNKNOWN,
-    FINDING_WINDING_HOT,       FINDING_SWITCH_HOT,       FINDING_CURRENT_A,
-    FINDING_CURRENT_B,         FINDING_CURRENT_C,        FINDING_WINDING_THERMISTOR,
-    FINDING_SWITCH_THERMISTOR, FINDING_ROTOR_READING,    FINDING_READING_BY_STEPS,
-    FINDING_FORCED_TORQUE,     FINDING_ROTOR_SLIPS,      FINDING_ROTOR_FREEZES,
-    FINDING_ROTOR_REVERSES,    FINDING_ROTOR_UNNAMED,    FINDING_OBSERVER_IN_USE,
-    FINDING_BRAKE_DEAD,        FINDING_BRAKE_WEAK,       FINDING_BRAKE_STUCK,
-    FINDING_BRAKE_STRONG,      FINDING_BRAKE_LATE,       FINDING_BRAKE_REPORT,
-    FINDING_ACCELERATOR,       FINDING_BRAKE_PEDAL,      FINDING_DEMAND_OLD,
-    FINDING_DEMAND_REFUSED,    FINDING_BUS_CONTRADICTED, FINDING_FLUX_LOW,
-    FINDING_FLUX_HIGH,         FINDING_GAIN,             FINDING_OFFSETS_OLD,
+    FINDING_BUS_JUMPED,         FINDING_BATTERY_LEFT,
+    FINDING_BATTERY_UNKNOWN,    FINDING_WINDING_HOT,
+    FINDING_SWITCH_HOT,         FINDING_CURRENT_A,
+    FINDING_CURRENT_B,          FINDING_CURRENT_C,
+    FINDING_WINDING_THERMISTOR, FINDING_SWITCH_THERMISTOR,
+    FINDING_ROTOR_READING,      FINDING_ROTOR_GLITCH,
+    FINDING_ROTOR_STOPS,        FINDING_READING_BY_STEPS,
+    FINDING_FORCED_TORQUE,      FINDING_ROTOR_SLIPS,
+    FINDING_ROTOR_FREEZES,      FINDING_ROTOR_REVERSES,
+    FINDING_ROTOR_UNNAMED,      FINDING_OBSERVER_IN_USE,
+    FINDING_BRAKE_DEAD,         FINDING_BRAKE_WEAK,
+    FINDING_BRAKE_STUCK,        FINDING_BRAKE_STRONG,
+    FINDING_BRAKE_LATE,         FINDING_BRAKE_REPORT,
+    FINDING_ACCELERATOR,        FINDING_BRAKE_PEDAL,
+    FINDING_DEMAND_OLD,         FINDING_DEMAND_REFUSED,
+    FINDING_BUS_CONTRADICTED,   FINDING_FLUX_LOW,
+    FINDING_FLUX_HIGH,          FINDING_GAIN,
+    FINDING_OFFSETS_OLD,
 };
 enum {
     FAULT_COUNT = sizeof FAULTS / sizeof FAULTS[0],
@@ -98,20 +105,24 @@ static bool is_explained(finding_t row, finding_t by)
                                         FINDING_BATTERY_UNKNOWN};
     static const finding_t WITHOUT_BATTERY[] = {
         FINDING_CURRENT_A,          FINDING_CURRENT_B,         FINDING_CURRENT_C,
-        FINDING_WINDING_THERMISTOR, FINDING_SWITCH_THERMISTOR, FINDING_ROTOR_READING};
-    static const finding_t IN_ORDER[] = {FINDING_ROTOR_READING, FINDING_ROTOR_UNNAMED,
+        FINDING_WINDING_THERMISTOR, FINDING_SWITCH_THERMISTOR, FINDING_ROTOR_READING,
+        FINDING_ROTOR_GLITCH,       FINDING_ROTOR_STOPS};
+    static const finding_t IN_ORDER[] = {FINDING_ROTOR_READING, FINDING_ROTOR_GLITCH,
+                                         FINDING_ROTOR_STOPS, FINDING_ROTOR_UNNAMED,
                                          FINDING_OBSERVER_IN_USE};
     static const finding_t BY_STEPS[] = {FINDING_FORCED_TORQUE, FINDING_ROTOR_SLIPS,
                                          FINDING_ROTOR_FREEZES, FINDING_ROTOR_REVERSES};
     return (is_one_of(row, BY_STEPS, 4) && by == FINDING_READING_BY_STEPS) ||
-           (is_one_of(row, WITHOUT_BATTERY, 6) && is_one_of(by, BATTERY, 3)) ||
-           (is_one_of(row, IN_ORDER, 3) && by == FINDING_STEPS) ||
+           (is_one_of(row, WITHOUT_BATTERY, 8) && is_one_of(by, BATTERY, 3)) ||
+           (is_one_of(row, IN_ORDER, 5) && by == FINDING_STEPS) ||
            ((row == FINDING_FLUX_LOW || row == FINDING_FLUX_HIGH) &&
             by == FINDING_BUS_CONTRADICTED);
 }
 
-#define ROW(check, name, qualify_time, heal_time, explained_by, reacts)                            \
-    {FINDING_##check, REASON_##name, FINDING_REACTION_##reacts, qualify_time, heal_time},
+#define ROW(check, name, evidence, qualify_time, heal_time, explained_by, reacts)                  \
+    {FINDING_##check,           REASON_##name, EVIDENCE_##evidence,                                \
+     FINDING_REACTION_##reacts, qualify_time,  heal_time},
+typedef enum { EVIDENCE_MEASURED, EVIDENCE_INFERRED, EVIDENCE_EXCEPTION } evidence_t;
 #define AT_ONCE "at once"
 #define NEVER "never"
 #define MS(n) #n " ms"
@@ -122,6 +133,7 @@ static bool is_explained(finding_t row, finding_t by)
 static const struct {
     finding_t row;
     reason_t reason;
+    evidence_t evidence;
     finding_reaction_t reaction;
     const char *qualify, *heal;
 } ROWS[] = {FINDING_LIST(ROW)};
@@ -175,6 +187,25 @@ void test_every_reaction_has_its_text(void)
     TEST_ASSERT_EQUAL_STRING("none, it is only reported",
                              findings_reaction_text(FINDING_REACTION_NONE));
     TEST_ASSERT_EQUAL_STRING("unknown", findings_reaction_text((finding_reaction_t)count));
+}
+
+/* The rule of evidence: what is only inferred warns, but for a closed list. */
+void test_what_is_inferred_takes_no_torque(void)
+{
+    static const finding_t EXCEPTIONS[] = {
+        FINDING_ANGLE,           FINDING_TORQUE,      FINDING_SWITCH_STUCK,  FINDING_BATTERY_LEFT,
+        FINDING_BATTERY_UNKNOWN, FINDING_CURRENT_A,   FINDING_CURRENT_B,     FINDING_CURRENT_C,
+        FINDING_FORCED_TORQUE,   FINDING_ROTOR_SLIPS, FINDING_ROTOR_FREEZES, FINDING_ROTOR_REVERSES,
+        FINDING_ROTOR_UNNAMED};
+    const int count = sizeof EXCEPTIONS / sizeof EXCEPTIONS[0];
+    for (int k = 0; k < FINDING_COUNT; k++) {
+        const bool exception = is_one_of(ROWS[k].row, EXCEPTIONS, count);
+        TEST_ASSERT_EQUAL_INT(exception, ROWS[k].evidence == EVIDENCE_EXCEPTION);
+        if (ROWS[k].evidence == EVIDENCE_INFERRED) {
+            TEST_ASSERT_EQUAL_INT(FINDING_REACTION_NONE, ROWS[k].reaction);
+            TEST_ASSERT_TRUE(k >= FAULT_COUNT);
+        }
+    }
 }
 
 static bool is_latched(reason_t reason)
@@ -270,6 +301,7 @@ void test_of_neighbouring_rows_that_with_the_reason_is_found_and_no_other(void)
         }
         findings_set_named(&findings, first, last, REASON_NONE);
         for (finding_t row = first; row <= last; row++) {
+            findings_set(&one_by_one, row, false);
             TEST_ASSERT_FALSE(findings_qualified(&findings, row));
         }
     }
@@ -429,7 +461,7 @@ void test_a_row_counts_and_heals_after_its_own_times(void)
         times[row].heal_steps = (uint16_t)(100 - row);
     }
     for (int row = 0; row < FINDING_COUNT; row++) {
-        findings_init(&findings, times);
+        findings_init(&findings, times, false);
         for (int n = 1; n < 2 + row; n++) {
             find((finding_t)row);
             TEST_ASSERT_FALSE(findings_present(&findings, (finding_t)row));
@@ -456,7 +488,8 @@ void test_a_step_without_the_condition_begins_the_qualify_time_anew(void)
     }
 }
 
-/* Rows without anything to count are passed over: it makes no difference. */
+/* Rows without anything to count are passed over: it makes no difference. Of faults, which do not
+ * heal more slowly each time. */
 void test_every_row_is_its_debounce_in_any_sequence(void)
 {
     random_t random = random_seeded(1);
@@ -464,11 +497,92 @@ void test_every_row_is_its_debounce_in_any_sequence(void)
     memset(expected, 0, sizeof expected);
     init_with(3, 4);
     for (int n = 0; n < 20000; n++) {
-        const finding_t row = (finding_t)random_between(&random, 0, FINDING_COUNT - 1);
+        const finding_t row = (finding_t)random_between(&random, 0, FAULT_COUNT - 1);
         const bool condition = random_chance(&random, 0.6);
         const bool present = debounce_step(&expected[row], condition, 3, 4);
         findings_set(&findings, row, condition);
         const uint32_t bit = findings.present[(uint32_t)row / 32U] & findings_bit(row);
         TEST_ASSERT_EQUAL_INT(present, bit != 0U);
     }
+}
+
+/* ---- what comes and goes ---- */
+
+/* Steps without the condition until the row is gone; from when it is present. */
+static int heal_steps_of(finding_t row)
+{
+    int steps = 0;
+    while (findings_qualified(&findings, row)) {
+        findings_set(&findings, row, false);
+        steps++;
+    }
+    return steps;
+}
+
+static void rest(finding_t row, int steps)
+{
+    for (int n = 0; n < steps; n++) {
+        findings_set(&findings, row, false);
+    }
+}
+
+/* 100 ms at the first return, twice as long at each one, ten seconds in the end. */
+void test_a_warning_that_returns_heals_twice_as_slowly_each_time(void)
+{
+    static const int EXPECTED[] = {1, 100, 200, 400, 800, 1600, 3200, 6400, 10000, 10000};
+    for (int k = 0; k < (int)(sizeof EXPECTED / sizeof EXPECTED[0]); k++) {
+        find(FINDING_BATTERY_LEFT);
+        TEST_ASSERT_EQUAL_INT(EXPECTED[k], heal_steps_of(FINDING_BATTERY_LEFT));
+        rest(FINDING_BATTERY_LEFT, 5);
+    }
+    rest(FINDING_BATTERY_LEFT, FINDING_QUIET_STEPS);
+    find(FINDING_BATTERY_LEFT);
+    TEST_ASSERT_EQUAL_INT(1, heal_steps_of(FINDING_BATTERY_LEFT));
+}
+
+/* 5 and 25 Hz, half of the time, for five seconds: five changes in any second. */
+void test_a_loose_contact_makes_at_most_five_changes_a_second(void)
+{
+    static const int HALF_PERIODS_ms[] = {1, 20, 50, 100, 250};
+    for (int k = 0; k < 5; k++) {
+        setUp();
+        int changes_at_ms[64];
+        int changes = 0;
+        bool before = false;
+        for (int ms = 0; ms < 5000; ms++) {
+            findings_set(&findings, FINDING_BATTERY_LEFT, ms / HALF_PERIODS_ms[k] % 2 == 0);
+            const bool now = findings_present(&findings, FINDING_BATTERY_LEFT);
+            if (now != before) {
+                TEST_ASSERT_LESS_THAN_INT(64, changes);
+                changes_at_ms[changes++] = ms;
+                if (changes > 5) {
+                    TEST_ASSERT_GREATER_OR_EQUAL_INT(1000, ms - changes_at_ms[changes - 6]);
+                }
+            }
+            before = now;
+        }
+        TEST_ASSERT_GREATER_THAN_INT(1, changes);
+    }
+}
+
+/* Faults are latched elsewhere, what has no name only explains, and without another brake nothing
+ * takes the motor's braking away for longer than its cause. */
+void test_what_must_end_with_its_cause_does_so_however_often_it_comes(void)
+{
+    static const finding_t ROWS_AT_ONCE[] = {FINDING_SUM, FINDING_BATTERY_UNKNOWN,
+                                             FINDING_READING_BY_STEPS, FINDING_BATTERY_LEFT};
+    for (int k = 0; k < 4; k++) {
+        setUp();
+        findings.braking_kept = true;
+        for (int n = 0; n < 10; n++) {
+            find(ROWS_AT_ONCE[k]);
+            TEST_ASSERT_EQUAL_INT(1, heal_steps_of(ROWS_AT_ONCE[k]));
+        }
+    }
+    setUp();
+    findings.braking_kept = true; /* less driving torque may last */
+    find(FINDING_BUS_CONTRADICTED);
+    rest(FINDING_BUS_CONTRADICTED, 2);
+    find(FINDING_BUS_CONTRADICTED);
+    TEST_ASSERT_EQUAL_INT(100, heal_steps_of(FINDING_BUS_CONTRADICTED));
 }

@@ -185,7 +185,7 @@ void test_slow_monitor_reports_the_fault(void)
     finding_times_t times[FINDING_COUNT];
     finding_times(&config, times);
     findings_t findings;
-    findings_init(&findings, times);
+    findings_init(&findings, times, false);
     monitor_case_t wrong = measured(400.0, 0.0, 10.0, 90.0, &AS_CONFIGURED);
     for (int n = 1; n <= 30; n++) {
         wrong.report.sequence = (uint16_t)(wrong.report.sequence + 20U);

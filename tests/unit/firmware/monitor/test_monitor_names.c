@@ -119,10 +119,11 @@ void test_first_step_does_not_check_the_fast_loop_s_count(void)
     fast_steps_per_slow = FAST_PER_SLOW;
 }
 
-/* A locked wheel, or a sensor that has stopped. Below 4 hand-over speeds it may fall to zero. */
-void test_a_sensor_that_stops_faster_than_a_tyre_is_uncertain_for_its_warning_time(void)
+/* A locked or unloaded wheel, or a sensor that has stopped: only shown, for a second. Below 4
+ * hand-over speeds it may fall to zero. */
+void test_a_sensor_that_stops_faster_than_a_tyre_is_only_shown(void)
 {
-    const int32_t time_ms = config.monitor.rotor_warning_time_ms;
+    const int32_t time_ms = 1000;
     config.rotor.sensor = CONFIG_ROTOR_ENCODER;
     const int32_t slow_mrad_s = 4 * config.brake.blend_out_end_mrad_s;
     in.now.speed_mrad_s = slow_mrad_s;
@@ -135,8 +136,24 @@ void test_a_sensor_that_stops_faster_than_a_tyre_is_uncertain_for_its_warning_ti
     (void)run(100);
     in.now.speed_mrad_s = 0;
     TEST_ASSERT_EQUAL_INT(REASON_ROTOR_UNCERTAIN, step().warning);
+    TEST_ASSERT_EQUAL_INT(FINDING_COUNT, findings_limiting(&findings));
     TEST_ASSERT_EQUAL_INT(REASON_ROTOR_UNCERTAIN, run(time_ms - 1).warning);
     TEST_ASSERT_EQUAL_INT(REASON_NONE, step().warning);
+}
+
+/* A skipped sector leaves less driving torque unless the observer sees the rotor. */
+void test_a_reading_out_of_order_is_only_shown_while_the_observer_sees_the_rotor(void)
+{
+    in.now.rotor_observed = true;
+    in.report.rotor_faults = 1;
+    TEST_ASSERT_EQUAL_INT(REASON_ROTOR_UNCERTAIN, step().warning);
+    TEST_ASSERT_EQUAL_INT(FINDING_COUNT, findings_limiting(&findings));
+    in.now.rotor_observed = false;
+    TEST_ASSERT_EQUAL_INT(REASON_ROTOR_UNCERTAIN, run(999).warning);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, step().warning);
+    in.report.rotor_faults = 2;
+    (void)step();
+    TEST_ASSERT_EQUAL_INT(FINDING_ROTOR_READING, findings_limiting(&findings));
 }
 
 /* 61.8 V at the end of the range. The fast monitor has seen the reading jump; or it shows less than
@@ -154,6 +171,7 @@ void test_bus_reading_that_no_bus_has_is_its_sensor_s(void)
     (void)run(MONITOR_BUS_RETURN_STEPS);
     TEST_ASSERT_EQUAL_INT(REASON_NONE, step().warning);
 
+    setUp();
     in.report.bridge = BRIDGE_PWM;
     in.now.bus_voltage_mV = 30000; /* half of its millisecond */
     out = step();

@@ -115,7 +115,7 @@ static inline reason_t found(void)
     finding_times_t times[FINDING_COUNT];
     findings_t findings;
     finding_times(&config, times);
-    findings_init(&findings, times);
+    findings_init(&findings, times, false);
     brake_blending_report(&state, &findings);
     return findings_reason(&findings, findings_warning(&findings));
 }

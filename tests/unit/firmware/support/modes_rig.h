@@ -61,7 +61,7 @@ static inline void start(void)
         times[row].qualify_steps = 1;
         times[row].heal_steps = 1;
     }
-    findings_init(&findings, times);
+    findings_init(&findings, times, false);
     in = CALM;
     warning_before = FINDING_COUNT;
 }

@@ -60,7 +60,7 @@ static inline void rig_up(const monitor_case_t *as_healthy)
     monitor_init(&state);
     finding_times_t times[FINDING_COUNT];
     finding_times(&config, times);
-    findings_init(&findings, times);
+    findings_init(&findings, times, false);
     healthy = *as_healthy;
     in = healthy;
     fast_steps_per_slow = FAST_PER_SLOW;

@@ -60,7 +60,7 @@ static inline void torque_rig_start(void)
     const last_t none = {.torque_command_mNm = 0};
     finding_times_t times[FINDING_COUNT];
     finding_times(&config, times);
-    findings_init(&findings, times);
+    findings_init(&findings, times, false);
     torque_init(&state, &config);
     last = none;
 }

@@ -27,7 +27,7 @@ void setUp(void)
     brake_blending_init(&state, &config);
     finding_times_t times[FINDING_COUNT];
     finding_times(&config, times);
-    findings_init(&findings, times);
+    findings_init(&findings, times, false);
     const hydraulic_feedback_t none = {0};
     in.hydraulic = none;
     in.brake_torque_mNm = DEMAND_mNm;
