@@ -117,7 +117,8 @@ set(image "${PROJECT_BINARY_DIR}/hubfoc_stm32f405")
 
 add_test(NAME stm32_image_is_the_same_from_another_folder
   COMMAND "${CMAKE_COMMAND}" "-DSOURCE=${PROJECT_SOURCE_DIR}" "-DBUILD=${PROJECT_BINARY_DIR}"
-    -DTARGET=hubfoc_stm32f405 -DPRESET=stm32f405 "-DOPTIONS=-DHUBFOC_CONFIG=${HUBFOC_CONFIG}"
+    -DTARGET=hubfoc_stm32f405 -DPRESET=stm32f405 "-DCOMPILER=${CMAKE_C_COMPILER}"
+    "-DOPTIONS=-DHUBFOC_CONFIG=${HUBFOC_CONFIG}"
     "-DFILES=${image}.bin;${image}.hex;${image}_config.bin"
     "-DWORK=${CMAKE_CURRENT_BINARY_DIR}/rebuild"
     -P "${CMAKE_CURRENT_LIST_DIR}/rebuild.cmake")

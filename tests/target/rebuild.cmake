@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 # cmake -DSOURCE=<repository> -DBUILD=<its build directory> -DPRESET=stm32f405 -DTARGET=<target>
+#       -DCOMPILER=<compiler>
 #       -DOPTIONS="-DNAME=value ..." "-DFILES=<file below BUILD>;..." -DWORK=<scratch>
 #       -P rebuild.cmake
 #
 # The same sources, compiled by the same compiler in a folder with another name and depth, give the
 # same files, byte for byte. The commit is handed over, because the copy has no history. The ELF of
 # the firmware is the same too, except where a compiler cache rewrites the names of sources in the
-# information for debuggers.
+# information for debuggers. Files that were found to be the same before need no second build, as
+# long as the compiler is the same (HUBFOC_NO_CACHE=1 builds always): .dev/known/rebuilt.
 cmake_minimum_required(VERSION 3.25)
 file(READ "${BUILD}/firmware/app/commit/app/commit.h" header)
 if(NOT header MATCHES "HUBFOC_COMMIT \"([^\"]+)\"")
@@ -14,6 +16,23 @@ if(NOT header MATCHES "HUBFOC_COMMIT \"([^\"]+)\"")
 endif()
 set(ENV{HUBFOC_COMMIT} "${CMAKE_MATCH_1}")
 separate_arguments(OPTIONS)
+
+set(content "${OPTIONS}")
+foreach(path IN LISTS FILES)
+  file(SHA256 "${path}" here)
+  string(APPEND content " ${here}")
+endforeach()
+execute_process(COMMAND "${COMPILER}" --version OUTPUT_VARIABLE compiler
+  COMMAND_ERROR_IS_FATAL ANY)
+string(SHA256 key "${content} ${compiler}")
+set(known "${SOURCE}/.dev/known/rebuilt")
+if(EXISTS "${known}" AND NOT "$ENV{HUBFOC_NO_CACHE}")
+  file(STRINGS "${known}" keys)
+  if(key IN_LIST keys)
+    message(STATUS "the same in another folder before (known)")
+    return()
+  endif()
+endif()
 
 # Compiled anew: a compiler cache would only show that it gives back what it was given.
 set(ENV{CCACHE_DISABLE} 1)
@@ -43,3 +62,5 @@ foreach(path IN LISTS FILES)
   message(STATUS "${file} ${here}")
 endforeach()
 file(REMOVE_RECURSE "${WORK}")
+file(MAKE_DIRECTORY "${SOURCE}/.dev/known")
+file(APPEND "${known}" "${key}\n")
