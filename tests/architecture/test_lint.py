@@ -55,23 +55,28 @@ def test_python_types_agree() -> None:
 ANALYSIS = "clang-analyzer-*"
 """What follows every path through a function: 98 % of the time of all checks."""
 
+LARGE = ROOT / "firmware" / "config" / "fields.c"
+"""Its lists of ranges are a million nodes of a syntax tree: nine tenths of the time of the rest."""
+
 
 def test_the_pure_modules_have_no_known_defects(tmp_path: Path) -> None:
-    """clang-tidy with the options the build compiles them with."""
-    assert_no_defects(tmp_path, f"-{ANALYSIS}")
+    """clang-tidy with the options the build compiles them with; all but one large table."""
+    assert_no_defects(tmp_path, f"-{ANALYSIS}", LARGE)
 
 
 def test_no_path_through_the_pure_modules_has_a_known_defect(tmp_path: Path) -> None:
-    """With the analysis of paths as well, in a full run."""
+    """With the analysis of paths as well, in a full run, and that table."""
     assert_no_defects(tmp_path, "")
 
 
-def assert_no_defects(tmp_path: Path, but: str) -> None:
+def assert_no_defects(tmp_path: Path, but: str, *left_out: Path) -> None:
     clang_tidy = shutil.which("clang-tidy")
     if clang_tidy is None:
         pytest.fail("no clang-tidy here; tools/dev setup checks installs it")
     build = Path(os.environ["HUBFOC_BUILD_DIR"])
-    sources = [str(path) for module in PURE for path in sources_of(module)]
+    every = [path for module in PURE for path in sources_of(module)]
+    assert set(left_out) < set(every)
+    sources = [str(path) for path in every if path not in left_out]
     commands = json.loads((build / "compile_commands.json").read_text(encoding="utf-8"))
     wanted = different([portable(entry) for entry in commands if entry["file"] in sources])
     assert {one.file for one in wanted} == set(sources)
