@@ -5,6 +5,7 @@ A criterion that cannot fail proves nothing.
 """
 
 import json
+import os
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
@@ -65,6 +66,8 @@ SHORTENED = {
     "ece15": ("max_duration_s=30",),
     "descent_full": ("max_duration_s=10", "initial_soc=1"),
 }
+BEGINNING = {} if "HUBFOC_FOR_LONG" in os.environ else {"udds": ("max_duration_s=600",)}
+"""Of 1 370 s, with the steepest of its accelerations at 455 s; in a long run the whole cycle."""
 
 
 def evaluated(done: subprocess.CompletedProcess[str], path: Path) -> dict[str, bool]:
@@ -77,7 +80,8 @@ def evaluated(done: subprocess.CompletedProcess[str], path: Path) -> dict[str, b
 def test_criteria_are_met_and_energy_is_conserved(
     hubsim: Hubsim, tmp_path: Path, name: str
 ) -> None:
-    done = hubsim("run", name, "--json", "out.json")
+    shorter = [part for short in BEGINNING.get(name, ()) for part in ("--set", short)]
+    done = hubsim("run", name, *shorter, "--json", "out.json")
     assert done.returncode == 0, f"{done.stdout}\n{done.stderr}"
     criteria = evaluated(done, tmp_path / "out.json")
     assert all(criteria.values())
