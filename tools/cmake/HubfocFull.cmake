@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-# hubfoc_only_full(TARGET...): what nothing but tests labelled "full" needs. It is not part of "all",
-# which ./tools/dev test builds, but of the target "full_tests", which --full builds as well, and
-# so does every build by a preset of CMakePresets.json.
+# hubfoc_only_full(TARGET...): what nothing but tests labelled "full" needs. It is not part of
+# "all", which ./tools/dev test builds, but of the target "full_tests", which --full builds as well,
+# and so does every build by a preset of CMakePresets.json.
 add_custom_target(full_tests)
 
 function(hubfoc_only_full)

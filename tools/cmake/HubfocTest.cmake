@@ -8,12 +8,12 @@
 #       EXCEPT (tests/unit/runner/suite.h). It is one test of ctest; each file that is APART is
 #       another. MOCKS are headers mocked by CMock. Run with sanitizers and to measure what they
 #       reach; the plain host build only knows how to make them (tools/mutants).
-#   hubfoc_add_python_test(NAME regen_table FILES test_a.py test_b.py [LABELS python] [TIMEOUT
-#     seconds] [INSTRUMENTED] [LONGER])
+#   hubfoc_add_python_test(NAME regen_table FILES test_a.py test_b.py [LABELS python]
+#     [TIMEOUT seconds] [INSTRUMENTED] [LONGER])
 #       pytest in the project's private environment. LONGER: with --full once more, with
-#       HUBFOC_FOR_LONG in the environment, by which its files choose more cases. With sanitizers it is run again only if it is
-#       INSTRUMENTED: executes C that this build compiled, in an instrumented program or with the
-#       sanitizer loaded first.
+#       HUBFOC_FOR_LONG in the environment, by which its files choose more cases. With sanitizers it
+#       is run again only if it is INSTRUMENTED: executes C that this build compiled, in an
+#       instrumented program or with the sanitizer loaded first.
 #   hubfoc_add_command_test(NAME name COMMAND ... [LABELS ...] [TIMEOUT seconds])
 
 hubfoc_require_test_tools()

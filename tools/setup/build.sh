@@ -85,8 +85,8 @@ configure_host() {
     configure host "HUBFOC_TESTS=$tests" "$@"
 }
 
-# build_targets PRESET [TARGET...], in a configured directory; all of it but what only tests labelled
-# full need (tools/cmake/HubfocFull.cmake)
+# build_targets PRESET [TARGET...], in a configured directory; by default all but what only tests
+# labelled full need (tools/cmake/HubfocFull.cmake)
 build_targets() {
     local preset=$1 targets=()
     shift
@@ -109,9 +109,9 @@ build() {
     configure "$preset" HUBFOC_TESTS=ON && build_targets "$preset" "$@"
 }
 
-# build_for_tests FULL [FOLDER...]: all presets, or what the tests of these folders need of them, and
-# if FULL is not empty what the tests labelled full need. Leaves the presets' names in BUILT and
-# NOT_BUILT, and what each took in the file times of LOG_DIR.
+# build_for_tests FULL [FOLDER...]: all presets, or what the tests of these folders need of them;
+# with a FULL that is not empty also what the tests labelled full need. Leaves the presets' names in
+# BUILT and NOT_BUILT, and what each took in the file times of LOG_DIR.
 BUILT=()
 NOT_BUILT=()
 build_for_tests() {

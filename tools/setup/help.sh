@@ -56,8 +56,8 @@ keep the others from being tested.
 
   FOLDER         only the tests of a folder, for example unit/firmware/torque
   --full         also the tests labelled full: whole cycles, large sweeps, long fuzzing
-  --no-cache     repeat proofs, static analysis and second builds that were good before with the same
-                 content (.dev/known)
+  --no-cache     repeat proofs, static analysis and second builds that were good before with the
+                 same content (.dev/known)
   --json FILE    write what was done and what it took, also when tests fail: wall_s, cpu_s, cores;
                  configure_s, build_s and test_s of each preset; cases by kind and preset; the names
                  of the tests left out and failed; proofs run and cached
