@@ -42,18 +42,19 @@ static int32_t ratio_q15(int32_t a, int32_t b)
 /* What brakes twice as early, as configured and twice as late would report, of gain one and of any
  * gain within the band. */
 typedef struct {
-    int32_t smaller_mNm, larger_mNm;
+    int32_t smaller_mNm, nominal_mNm, larger_mNm;
     int32_t least_mNm, most_mNm;
 } possible_t;
 
 static possible_t possible(const config_t *config, const hydraulic_model_t *model,
-                           int32_t reported_mNm)
+                           int32_t nominal_mNm)
 {
     const int32_t early_mNm = hydraulic_model_early_mNm(model);
     const int32_t late_mNm = hydraulic_model_late_mNm(model);
     const int32_t band_q15 = config->brake.hydraulic_gain_band_q15;
-    possible_t out = {.smaller_mNm = q_min(q_min(early_mNm, late_mNm), reported_mNm),
-                      .larger_mNm = q_max(q_max(early_mNm, late_mNm), reported_mNm)};
+    possible_t out = {.smaller_mNm = q_min(q_min(early_mNm, late_mNm), nominal_mNm),
+                      .nominal_mNm = nominal_mNm,
+                      .larger_mNm = q_max(q_max(early_mNm, late_mNm), nominal_mNm)};
     out.least_mNm = q15_product(out.smaller_mNm, ONE_Q15 - band_q15);
     out.most_mNm = q15_product(out.larger_mNm, ONE_Q15 + band_q15);
     return out;
@@ -112,6 +113,33 @@ static bool is_new_report(hydraulic_feedback_state_t *state, const hydraulic_fee
     return is_new;
 }
 
+/* Most that a torque may change towards an end of the commands, since the last report and, as its
+ * age is known no better, the delay of one. */
+static int32_t reachable_mNm(const hydraulic_feedback_state_t *state, const config_brake_t *brake,
+                             int32_t distance_mNm)
+{
+    const int32_t time_ms = state->between_ms + brake->hydraulic_report_delay_ms;
+    return q_scale(q_max(distance_mNm, 0), time_ms,
+                   q_max(brake->hydraulic_time_constant_ms / 2, time_ms));
+}
+
+/* True if no brake with half the lag and a gain within the band changes so fast. */
+static bool jumps(const hydraulic_feedback_state_t *state, const config_t *config,
+                  const hydraulic_model_t *model, int32_t report_mNm)
+{
+    const config_brake_t *brake = &config->brake;
+    const hydraulic_range_t commanded = hydraulic_model_commanded(model);
+    const int32_t band_q15 = brake->hydraulic_gain_band_q15;
+    const int32_t noise_mNm = 2 * brake->hydraulic_tolerance_mNm;
+    const int32_t rise_mNm = reachable_mNm(
+        state, brake, q15_product(commanded.most_mNm, ONE_Q15 + band_q15) - state->raw_mNm);
+    const int32_t fall_mNm = reachable_mNm(
+        state, brake, state->raw_mNm - q15_product(commanded.least_mNm, ONE_Q15 - band_q15));
+    const int32_t change_mNm = report_mNm - state->raw_mNm;
+    return state->seen && state->between_ms < HYDRAULIC_FEEDBACK_PAST_ms &&
+           (change_mNm > rise_mNm + noise_mNm || -change_mNm > fall_mNm + noise_mNm);
+}
+
 /* What a report shows of the brake. Beside a command so small that a dead brake would agree with it
  * as well, one that was short still is. */
 static reason_t shown(const hydraulic_feedback_state_t *state, const possible_t *could,
@@ -128,11 +156,25 @@ static reason_t shown(const hydraulic_feedback_state_t *state, const possible_t 
     return tells || !hydraulic_feedback_is_short(state) ? REASON_NONE : state->shows;
 }
 
+/* A report that contradicts the commands counts as that of a brake as late as configured, with the
+ * gain at the end of the band. */
+static int32_t counted_mNm(const config_t *config, const possible_t *could, int32_t report_mNm)
+{
+    const int32_t tolerance_mNm = config->brake.hydraulic_tolerance_mNm;
+    const int32_t band_q15 = config->brake.hydraulic_gain_band_q15;
+    if (report_mNm < could->least_mNm - tolerance_mNm) {
+        return q15_product(could->nominal_mNm, ONE_Q15 - band_q15);
+    }
+    if (report_mNm > could->most_mNm + tolerance_mNm) {
+        return q15_product(could->nominal_mNm, ONE_Q15 + band_q15);
+    }
+    return report_mNm;
+}
+
 static void keep(hydraulic_feedback_state_t *state, int32_t report_mNm)
 {
     state->change_mNm = state->seen ? report_mNm - state->report_mNm : 0;
     state->report_mNm = report_mNm;
-    state->seen = true;
 }
 
 /* A report of a brake that follows its commands. */
@@ -145,9 +187,10 @@ static void judge(hydraulic_feedback_state_t *state, const config_t *config,
     if (hydraulic_feedback_is_short(state)) {
         state->short_ms = was_short ? q_min(state->short_ms + state->between_ms, INT16_MAX) : 0;
     }
-    learn(state, config, could, report_mNm);
-    keep(state, q_clamp(report_mNm, q_max(could->least_mNm - tolerance_mNm, 0),
-                        could->most_mNm + tolerance_mNm));
+    if (state->heal_ms == 0) {
+        learn(state, config, could, report_mNm);
+    }
+    keep(state, counted_mNm(config, could, report_mNm));
 }
 
 static int32_t modelled_ago_mNm(const hydraulic_feedback_state_t *state, int32_t ago_ms)
@@ -178,17 +221,22 @@ hydraulic_feedback_out_t hydraulic_feedback_step(hydraulic_feedback_state_t *sta
     const int32_t modelled_mNm = hydraulic_model_torque_mNm(model);
     state->now = (state->now + 1U) % (HYDRAULIC_FEEDBACK_PAST_ms + 1);
     state->model_mNm[state->now] = modelled_mNm;
+    state->heal_ms = q_max(state->heal_ms - 1, 0);
     if (brake->hydraulic_timeout_ms > 0 && is_new_report(state, report)) {
         const int32_t report_mNm = q_clamp(report->torque_mNm, 0, MOST_mNm);
         const possible_t could =
             possible(config, model, modelled_ago_mNm(state, brake->hydraulic_report_delay_ms));
+        if (commanded && jumps(state, config, model, report_mNm)) {
+            state->heal_ms = HYDRAULIC_FEEDBACK_HEAL_ms;
+        }
         if (commanded) {
             judge(state, config, &could, report_mNm);
         } else {
             keep(state, report_mNm);
         }
+        state->raw_mNm = report_mNm;
+        state->seen = true;
     }
-    state->heal_ms = q_max(state->heal_ms - 1, 0);
     if (state->seen && state->since_ms > brake->hydraulic_timeout_ms) {
         state->heal_ms = HYDRAULIC_FEEDBACK_HEAL_ms;
         state->shows = REASON_NONE;

@@ -26,6 +26,29 @@ static int32_t lag_step_q6(int32_t torque_q6, int32_t target_mNm, int32_t lag_ms
     return torque_q6 + q_limit(change_q6, largest_q6);
 }
 
+/* A command joins the recent ones, which become those before after a while. */
+static void keep_range(hydraulic_model_t *model, int32_t command_mNm, int32_t while_ms)
+{
+    hydraulic_range_t *recent = &model->recent;
+    recent->least_mNm = q_min(recent->least_mNm, command_mNm);
+    recent->most_mNm = q_max(recent->most_mNm, command_mNm);
+    model->recent_ms++;
+    if (model->recent_ms >= while_ms) {
+        model->before = *recent;
+        recent->least_mNm = recent->most_mNm = command_mNm;
+        model->recent_ms = 0;
+    }
+}
+
+hydraulic_range_t hydraulic_model_commanded(const hydraulic_model_t *model)
+{
+    const hydraulic_range_t out = {
+        .least_mNm = q_min(model->recent.least_mNm, model->before.least_mNm),
+        .most_mNm = q_max(model->recent.most_mNm, model->before.most_mNm),
+    };
+    return out;
+}
+
 void hydraulic_model_step(hydraulic_model_t *model, const config_t *config, int32_t command_mNm)
 {
     const config_brake_t *brake = &config->brake;
@@ -37,6 +60,8 @@ void hydraulic_model_step(hydraulic_model_t *model, const config_t *config, int3
                                brake->hydraulic_rate_mNm_s % STEPS_PER_S * ONE_Q6 / STEPS_PER_S;
     model->next = model->next + 1 < HYDRAULIC_MODEL_COMMANDS ? model->next + 1 : 0;
     model->commands_mNm[model->next] = q_clamp(command_mNm, 0, brake->max_hydraulic_torque_mNm);
+    keep_range(model, model->commands_mNm[model->next],
+               2 * dead_ms + report_ms + HYDRAULIC_MODEL_BETWEEN_MOST_ms);
     model->torque_q6_mNm =
         lag_step_q6(model->torque_q6_mNm, command_mNm_ago(model, dead_ms), lag_ms, largest_q6);
     model->early_q6_mNm =

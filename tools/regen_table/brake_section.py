@@ -40,8 +40,8 @@ class Brake(Section):
             0.0,
             1.0,
             "s",
-            "reports of the hydraulic torque that are missing for longer are not used, nor shown a"
-            " brake that contradicts its commands for less; 0: none is used",
+            "reports of the hydraulic torque that are missing for longer are not used; 0: none is"
+            " used",
         ),
     ] = 0.07
     hydraulic_report_delay_s: Annotated[
@@ -57,7 +57,8 @@ class Brake(Section):
             0.001,
             20e3,
             "N m",
-            "noise of a report; farther from what the commands explain it shows a wrong brake;"
+            "four standard deviations of the noise of a report; farther from what the commands"
+            " explain it shows a wrong brake;"
             " absent: 1.25 % of max_hydraulic_torque_nm",
         ),
     ] = None

@@ -186,16 +186,15 @@ CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
         .hydraulic_time_constant_ms  = 80,
         .hydraulic_rate_mNm_s        = 50000, /* [mNm/s] fastest change of hydraulic torque */
         /* [ms] reports of the measured hydraulic torque that are missing for longer are not
-         * used, nor shown a brake that contradicts its commands for less; 0: none is used;
-         * default 70 */
+         * used; 0: none is used; default 70 */
         .hydraulic_timeout_ms        = 70,
         /* [ms] from the hydraulic torque to its report; default 10 */
         .hydraulic_report_delay_ms   = 10,
         /* the gain of the hydraulic brake is learned within 1 -+ this; 0: not learned;
          * default 0.2 */
         .hydraulic_gain_band_q15     = 6554,
-        /* [mNm] noise of a report; farther from what the commands explain it shows a wrong
-         * brake; default 1.25 % of max_hydraulic_torque_mNm */
+        /* [mNm] four standard deviations of the noise of a report; farther from what the
+         * commands explain it shows a wrong brake; default 1.25 % of max_hydraulic_torque_mNm */
         .hydraulic_tolerance_mNm     = 100,
         /* [ms] in which motor torque above a fallen deferrable limit goes down to a tenth,
          * with feedback at most twice as long; 0: at once; default hydraulic_dead_time_ms and

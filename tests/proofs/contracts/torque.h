@@ -165,6 +165,11 @@ POST(hydraulic_model_step, is_within(model->torque_q6_mNm - old(model->torque_q6
      -(config->brake.hydraulic_rate_mNm_s / 1000 * 64 + 64), config->brake.hydraulic_rate_mNm_s /
      1000 * 64 + 64))
 
+POST(hydraulic_model_commanded, result.least_mNm <= model->recent.least_mNm && result.least_mNm <=
+     model->before.least_mNm)
+POST(hydraulic_model_commanded, result.most_mNm >= model->recent.most_mNm && result.most_mNm >=
+     model->before.most_mNm)
+
 PRE(hydraulic_model_torque_mNm, is_within(model->torque_q6_mNm, 0, 64 * 20000000))
 POST(hydraulic_model_torque_mNm, is_within(result, 0, 20000000))
 

@@ -223,15 +223,15 @@
     X(hydraulic_rate_mNm_s,                  100,       2000000000, "mNm/s", \
       "fastest change of hydraulic torque") \
     X(hydraulic_timeout_ms,                  0,         1000,       "ms", \
-      "reports of the measured hydraulic torque that are missing for longer are not used, nor " \
-      "shown a brake that contradicts its commands for less; 0: none is used; default 70") \
+      "reports of the measured hydraulic torque that are missing for longer are not used; " \
+      "0: none is used; default 70") \
     X(hydraulic_report_delay_ms,             0,         40,         "ms", \
       "from the hydraulic torque to its report; default 10") \
     X(hydraulic_gain_band_q15,               0,         16384,      "1", \
       "the gain of the hydraulic brake is learned within 1 -+ this; 0: not learned; default 0.2") \
     X(hydraulic_tolerance_mNm,               1,         20000000,   "mNm", \
-      "noise of a report; farther from what the commands explain it shows a wrong brake; " \
-      "default 1.25 % of max_hydraulic_torque_mNm") \
+      "four standard deviations of the noise of a report; farther from what the commands " \
+      "explain it shows a wrong brake; default 1.25 % of max_hydraulic_torque_mNm") \
     X(bridging_time_ms,                      0,         10000,      "ms", \
       "in which motor torque above a fallen deferrable limit goes down to a tenth, with feedback " \
       "at most twice as long; 0: at once; default hydraulic_dead_time_ms and 2.3 " \

@@ -123,12 +123,9 @@ typedef enum { FINDING_REACTION_LIST(FINDING_REACTION_ENUM) } finding_reaction_t
       OWN("monitor.rotor_warning_time_ms"), STEPS, LIMIT)                                          \
     X(OBSERVER_IN_USE, ROTOR_UNCERTAIN, MEASURED, MS(200), AT_ONCE, STEPS, LIMIT)                  \
     X(BRAKE_DEAD, HYDRAULIC_DEAD, MEASURED, MS(1000), MS(1000), NONE, NONE)                        \
-    X(BRAKE_WEAK, HYDRAULIC_WEAK, MEASURED, FIELD(brake, hydraulic_timeout_ms), MS(1000), NONE,    \
-      NONE)                                                                                        \
-    X(BRAKE_STUCK, HYDRAULIC_STUCK, MEASURED, FIELD(brake, hydraulic_timeout_ms), MS(1000),        \
-      NONE, NONE)                                                                                  \
-    X(BRAKE_STRONG, HYDRAULIC_STRONG, MEASURED, FIELD(brake, hydraulic_timeout_ms), MS(1000),      \
-      NONE, NONE)                                                                                  \
+    X(BRAKE_WEAK, HYDRAULIC_WEAK, MEASURED, MS(250), MS(1000), NONE, NONE)                         \
+    X(BRAKE_STUCK, HYDRAULIC_STUCK, MEASURED, MS(250), MS(1000), NONE, NONE)                       \
+    X(BRAKE_STRONG, HYDRAULIC_STRONG, MEASURED, MS(250), MS(1000), NONE, NONE)                     \
     X(BRAKE_LATE, HYDRAULIC_LATE, MEASURED, AT_ONCE, MS(10000), NONE, NONE)                        \
     X(BRAKE_REPORT, HYDRAULIC_FEEDBACK, MEASURED, OWN("brake.hydraulic_timeout_ms"),               \
       OWN("1000 ms"), NONE, NONE)                                                                  \

@@ -12,10 +12,12 @@
  *
  * A report contradicts the commands beyond what gains 1 -+ brake.hydraulic_gain_band make of them,
  * by more than brake.hydraulic_tolerance. Whether the brake or its sensor is wrong nobody can tell,
- * so such a report is shown, and counts as the nearest torque that the commands explain: a wrong
+ * so such a report is shown, and counts as that of a gain at the end of the band: a wrong
  * one moves neither brake further than a gain at the end of the band. After brake.hydraulic_timeout
- * without a report the model stands in; feedback returns after HYDRAULIC_FEEDBACK_HEAL_ms of
- * reports. DERIVATIONS.md, Hydraulic feedback and Wrong reports.
+ * without a report, and at once after one that has changed by more than twice the tolerance faster
+ * than a brake with half the lag can follow the latest commands, the model stands in; feedback
+ * returns after HYDRAULIC_FEEDBACK_HEAL_ms without either. DERIVATIONS.md, Hydraulic feedback and
+ * Wrong reports.
  */
 #ifndef TORQUE_HYDRAULIC_FEEDBACK_H
 #define TORQUE_HYDRAULIC_FEEDBACK_H
@@ -29,7 +31,7 @@
 #include "torque/hydraulic_model.h"
 
 enum {
-    HYDRAULIC_FEEDBACK_PAST_ms = 63,
+    HYDRAULIC_FEEDBACK_PAST_ms = HYDRAULIC_MODEL_BETWEEN_MOST_ms,
     HYDRAULIC_FEEDBACK_HEAL_ms = 1000,
     HYDRAULIC_FEEDBACK_LATE_ms = 1500 /* a brake that is short for less was late */
 };
@@ -39,6 +41,7 @@ typedef struct {
     uint32_t now;
     int32_t least_q15, gain_q15, most_q15; /* learned; 32 768 = 1.0 */
     int32_t report_mNm, change_mNm;        /* last report, and its change to the one before */
+    int32_t raw_mNm;                       /* last report, as it came */
     int32_t since_ms, between_ms;          /* the last report; the last two */
     int32_t heal_ms;                       /* until it is used again; 0: in use */
     int32_t short_ms; /* from the first report that was short to the last, saturating */
@@ -48,7 +51,7 @@ typedef struct {
 
 typedef struct {
     bool used;          /* there is feedback */
-    bool lost;          /* there was feedback, and it is missing */
+    bool lost;          /* there was feedback, and it is missing or flickers */
     int32_t torque_mNm; /* hydraulic torque now, magnitude: measured, without feedback modelled */
 } hydraulic_feedback_out_t;
 

@@ -20,7 +20,6 @@ void setUp(void)
     config.monitor.torque_fault_time_ms = 23;
     config.monitor.rotor_warning_time_ms = 3100;
     config.monitor.rotor_fault_time_ms = 41;
-    config.brake.hydraulic_timeout_ms = 61;
 }
 
 void tearDown(void) {}
@@ -54,9 +53,9 @@ void test_fields_of_the_configuration_are_times_in_milliseconds(void)
         assert_times(17, 1000, row);
     }
     assert_times(1000, 1000, FINDING_BRAKE_DEAD);
-    assert_times(61, 1000, FINDING_BRAKE_WEAK);
-    assert_times(61, 1000, FINDING_BRAKE_STUCK);
-    assert_times(61, 1000, FINDING_BRAKE_STRONG);
+    assert_times(250, 1000, FINDING_BRAKE_WEAK);
+    assert_times(250, 1000, FINDING_BRAKE_STUCK);
+    assert_times(250, 1000, FINDING_BRAKE_STRONG);
     assert_times(1, 10000, FINDING_BRAKE_LATE);
 }
 

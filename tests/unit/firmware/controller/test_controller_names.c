@@ -69,7 +69,7 @@ static void run_displaced(int milliseconds)
 void test_the_hydraulic_brake_is_named_by_its_reports_whatever_the_motor_shows(void)
 {
     rig_report_brake(&rig, 10000);
-    rig_run(&rig, 100);
+    rig_run(&rig, 300);
     TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_STUCK, rig.out.warning_reason);
     run_displaced(1);
     TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_STUCK, rig.out.warning_reason);

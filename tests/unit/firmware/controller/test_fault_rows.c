@@ -654,7 +654,7 @@ static void check_warning(reason_t reason)
 void test_a_finding_of_the_hydraulic_brake_is_no_acknowledgements_to_end(void)
 {
     rig_report_brake(&rig, 10000);
-    rig_run(&rig, 100);
+    rig_run(&rig, 300);
     TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_STUCK, rig.out.warning_reason);
     rig.slow_in.demand.brake_torque_mNm = 0;
     for (int rpm = 300; rpm >= 0; rpm -= 3) {

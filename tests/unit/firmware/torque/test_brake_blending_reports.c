@@ -6,6 +6,7 @@
 #include "blending_rig.h"
 
 enum { DEMAND_mNm = 64000, OPTIMUM_mNm = 24000, TIMEOUT_ms = 50, TOLERANCE_mNm = 3750 };
+enum { QUALIFY_ms = 250 };
 enum { HEAL_ms = 1000 };
 
 static double gain, shown; /* of the brake; share of its torque that the sensor reports */
@@ -87,7 +88,7 @@ void test_a_report_that_lacks_torque_is_named_and_makes_a_bounded_excess(void)
                 TEST_ASSERT_LESS_OR_EQUAL_INT32(DEMAND_mNm + asked_mNm / 4 + TOLERANCE_mNm,
                                                 sum_mNm);
             }
-            if (n == TIMEOUT_ms + 2 * period_ms) {
+            if (n == QUALIFY_ms + 2 * period_ms) {
                 TEST_ASSERT_EQUAL_INT(k % 4 == 3 ? REASON_NONE : REASON_HYDRAULIC_WEAK, named());
             }
         }
@@ -163,7 +164,7 @@ void test_a_report_of_too_much_torque_is_named_and_takes_no_more_than_the_band_e
     gain = 1.5;
     run(3000);
     TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_STRONG, named());
-    TEST_ASSERT_LESS_OR_EQUAL_INT32(DEMAND_mNm + asked_mNm / 4, run(1));
+    TEST_ASSERT_INT32_WITHIN(100, DEMAND_mNm + asked_mNm / 4, run(1)); /* 1.5/1.2 of it */
 }
 
 void test_a_sensor_stuck_at_its_end_takes_next_to_nothing_of_the_motor(void)
@@ -171,7 +172,7 @@ void test_a_sensor_stuck_at_its_end_takes_next_to_nothing_of_the_motor(void)
     in.brake_torque_mNm = 0;
     run(100);
     reports = false;
-    for (int n = 0; n < 100; n++) {
+    for (int n = 0; n < QUALIFY_ms + HEAL_ms; n++) {
         in.hydraulic.age_ms = 0;
         in.hydraulic.torque_mNm = 300000;
         run(1);

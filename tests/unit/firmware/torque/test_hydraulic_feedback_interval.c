@@ -38,6 +38,7 @@ void test_lasting_reports_close_the_interval_and_leave_the_band_never(void)
     assert_interval(32440 - 3, 33095 + 3);
     settled(10000, 5000, 800);
     assert_interval(LOWEST_q15 + 63, LOWEST_q15 + 63);
+    settled(10000, 15000, 800);
     settled(10000, 20000, 800);
     assert_interval(HIGHEST_q15 - 63, HIGHEST_q15 - 63);
 }
@@ -67,7 +68,7 @@ static void assert_shows(reason_t reason, int32_t counted_mNm)
 }
 
 /* 64 * 2^15 mN m: gains of 3/4 and 5/4 explain 64 * 24576 to 64 * 40960. */
-void test_what_no_gain_in_the_band_explains_shows_a_wrong_brake_and_counts_as_the_nearest(void)
+void test_what_no_gain_in_the_band_explains_shows_a_wrong_brake_and_counts_as_the_end(void)
 {
     config.brake.max_hydraulic_torque_mNm = 20000000;
     const int32_t least_mNm = 64 * LOWEST_q15 - TOLERANCE_mNm;
@@ -76,19 +77,19 @@ void test_what_no_gain_in_the_band_explains_shows_a_wrong_brake_and_counts_as_th
     settled(64 * ONE_q15, least_mNm, 1);
     assert_shows(REASON_NONE, least_mNm);
     settled(64 * ONE_q15, least_mNm - 1, 1);
-    assert_shows(REASON_HYDRAULIC_WEAK, least_mNm);
+    assert_shows(REASON_HYDRAULIC_WEAK, 64 * LOWEST_q15);
     settled(64 * ONE_q15, quarter_mNm, 1);
-    assert_shows(REASON_HYDRAULIC_WEAK, least_mNm);
+    assert_shows(REASON_HYDRAULIC_WEAK, 64 * LOWEST_q15);
     settled(64 * ONE_q15, quarter_mNm - 1, 1);
-    assert_shows(REASON_HYDRAULIC_DEAD, least_mNm);
+    assert_shows(REASON_HYDRAULIC_DEAD, 64 * LOWEST_q15);
     settled(64 * ONE_q15, INT32_MIN, 1);
-    assert_shows(REASON_HYDRAULIC_DEAD, least_mNm);
+    assert_shows(REASON_HYDRAULIC_DEAD, 64 * LOWEST_q15);
     settled(64 * ONE_q15, most_mNm, 1);
     assert_shows(REASON_NONE, most_mNm);
     settled(64 * ONE_q15, most_mNm + 1, 1);
-    assert_shows(REASON_HYDRAULIC_STRONG, most_mNm);
+    assert_shows(REASON_HYDRAULIC_STRONG, 64 * HIGHEST_q15);
     settled(64 * ONE_q15, INT32_MAX, 1);
-    assert_shows(REASON_HYDRAULIC_STRONG, most_mNm);
+    assert_shows(REASON_HYDRAULIC_STRONG, 64 * HIGHEST_q15);
 }
 
 /* Commands up to the tolerance are next to none. */
@@ -96,11 +97,112 @@ void test_too_much_torque_beside_next_to_no_command_is_a_brake_that_is_stuck(voi
 {
     const int32_t most_mNm = TOLERANCE_mNm + TOLERANCE_mNm / 4 + TOLERANCE_mNm;
     settled(TOLERANCE_mNm, most_mNm + 1, 1);
-    assert_shows(REASON_HYDRAULIC_STUCK, most_mNm);
+    assert_shows(REASON_HYDRAULIC_STUCK, TOLERANCE_mNm + TOLERANCE_mNm / 4);
     settled(TOLERANCE_mNm + 4, most_mNm + 6, 1);
-    assert_shows(REASON_HYDRAULIC_STRONG, most_mNm + 5);
+    assert_shows(REASON_HYDRAULIC_STRONG, TOLERANCE_mNm + TOLERANCE_mNm / 4 + 5);
     settled(0, 0, 1);
     assert_shows(REASON_NONE, 0);
+}
+
+/* Where early, nominal and late brakes differ the contradiction is with all of them, and the
+ * nominal one counts. */
+void test_a_report_that_contradicts_counts_as_that_of_a_brake_as_late_as_configured(void)
+{
+    modelled(40000, 80000, 20000);
+    reported(20000 * 3 / 4 - TOLERANCE_mNm - 1, 0);
+    assert_shows(REASON_HYDRAULIC_WEAK, 30000);
+    begin();
+    modelled(40000, 80000, 20000);
+    reported(80000 * 5 / 4 + TOLERANCE_mNm + 1, 0);
+    assert_shows(REASON_HYDRAULIC_STRONG, 50000);
+}
+
+/* ---- what is faster than the brake's lag ---- */
+
+enum { BRAKE_mNm = 40000, HALF_LAG_ms = 30 };
+
+/* A brake that has made its command for long, and its report after the one of 40 N m. */
+static bool is_used(int32_t report_mNm, int32_t after_ms)
+{
+    const hydraulic_range_t steady = {BRAKE_mNm, BRAKE_mNm};
+    begin();
+    settled(BRAKE_mNm, BRAKE_mNm, 1);
+    model.recent = model.before = steady;
+    for (int ms = 1; ms < after_ms; ms++) {
+        silent();
+    }
+    reported(report_mNm, 0);
+    TEST_ASSERT_TRUE(out.used || (out.lost && state.heal_ms == HYDRAULIC_FEEDBACK_HEAL_ms));
+    return out.used;
+}
+
+/* A gain of 3/4 or 5/4 is 10 N m away, of which a brake with a lag of 30 ms makes a 30th in each
+ * millisecond; noise is twice the tolerance. */
+void test_a_report_that_changes_faster_than_half_the_lag_permits_is_not_used(void)
+{
+    config.brake.hydraulic_time_constant_ms = 2 * HALF_LAG_ms;
+    config.brake.hydraulic_timeout_ms = 1000;
+    for (int32_t delay_ms = 0; delay_ms <= 10; delay_ms += 10) {
+        config.brake.hydraulic_report_delay_ms = delay_ms;
+        const int32_t times_ms[] = {1, 15, 19, 29, 62};
+        for (int k = 0; k < 5; k++) {
+            const int32_t whole_mNm = BRAKE_mNm / 4;
+            const int32_t part_mNm = whole_mNm * (times_ms[k] + delay_ms) / HALF_LAG_ms;
+            const int32_t most_mNm =
+                (part_mNm < whole_mNm ? part_mNm : whole_mNm) + 2 * TOLERANCE_mNm;
+            TEST_ASSERT_TRUE(is_used(BRAKE_mNm - most_mNm, times_ms[k]));
+            TEST_ASSERT_FALSE(is_used(BRAKE_mNm - most_mNm - 1, times_ms[k]));
+            TEST_ASSERT_TRUE(is_used(BRAKE_mNm + most_mNm, times_ms[k]));
+            TEST_ASSERT_FALSE(is_used(BRAKE_mNm + most_mNm + 1, times_ms[k]));
+        }
+        TEST_ASSERT_TRUE(is_used(0, 63)); /* or longer, nobody knows */
+    }
+}
+
+/* Beyond the band already, it may come back by what the noise is only. */
+void test_a_report_beyond_the_band_may_change_towards_the_commands_alone(void)
+{
+    config.brake.hydraulic_time_constant_ms = 2 * HALF_LAG_ms;
+    const hydraulic_range_t steady = {BRAKE_mNm, BRAKE_mNm};
+    for (int more = 0; more <= 1; more++) {
+        begin();
+        settled(BRAKE_mNm, 60000, 1);
+        model.recent = model.before = steady;
+        reported(60000 + 2 * TOLERANCE_mNm + more, 0);
+        TEST_ASSERT_EQUAL_INT(more == 0, out.used);
+        begin();
+        settled(BRAKE_mNm, 20000, 1);
+        model.recent = model.before = steady;
+        reported(20000 - 2 * TOLERANCE_mNm - more, 0);
+        TEST_ASSERT_EQUAL_INT(more == 0, out.used);
+    }
+}
+
+void test_neither_the_first_report_nor_one_beside_an_anti_lock_system_is_too_fast(void)
+{
+    const hydraulic_range_t none = {0, 0};
+    model.recent = model.before = none;
+    reported(200000, 0);
+    TEST_ASSERT_TRUE(out.used);
+    report.torque_mNm = 0;
+    out = hydraulic_feedback_step(&state, &config, &model, &report, false);
+    TEST_ASSERT_TRUE(out.used);
+    reported(200000, 0);
+    TEST_ASSERT_TRUE(out.lost);
+}
+
+void test_a_report_that_is_too_fast_begins_the_heal_time_anew_and_teaches_nothing_in_it(void)
+{
+    settled(BRAKE_mNm, BRAKE_mNm, 60);
+    const int32_t least_q15 = state.least_q15, most_q15 = state.most_q15;
+    settled(BRAKE_mNm, 200000, 1);
+    TEST_ASSERT_TRUE(out.lost);
+    settled(BRAKE_mNm, 0, HYDRAULIC_FEEDBACK_HEAL_ms);
+    TEST_ASSERT_TRUE(out.lost); /* the first of them was too fast as well */
+    assert_interval(least_q15, most_q15);
+    settled(BRAKE_mNm, 0, 1);
+    TEST_ASSERT_TRUE(out.used);
+    TEST_ASSERT_LESS_THAN_INT32(least_q15, state.least_q15);
 }
 
 /* Reports that come 5 ms apart. */

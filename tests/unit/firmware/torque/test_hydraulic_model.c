@@ -169,3 +169,34 @@ void test_any_rate_is_kept_within_a_64th_of_1_mNm_in_a_millisecond(void)
                                            torque_mNm);
     }
 }
+
+/* All commands of the dead time of a late brake, the report's delay and the time between two
+ * reports, 143 ms; and none that is older than twice that. */
+void test_the_range_of_commands_holds_all_that_may_still_move_a_report(void)
+{
+    enum { WHILE_ms = 2 * 35 + 10 + HYDRAULIC_MODEL_BETWEEN_MOST_ms, STEPS = 3000 };
+    static int32_t given_mNm[STEPS];
+    random_t random = random_seeded(51);
+    config.brake.hydraulic_dead_time_ms = 35;
+    config.brake.hydraulic_report_delay_ms = 10;
+    config.brake.max_hydraulic_torque_mNm = 300000;
+    hydraulic_model_init(&model);
+    for (int n = 0; n < STEPS; n++) {
+        given_mNm[n] = n > 0 && random_chance(&random, 0.95) ? given_mNm[n - 1]
+                                                             : random_between(&random, 0, 300000);
+        hydraulic_model_step(&model, &config, given_mNm[n]);
+        const hydraulic_range_t range = hydraulic_model_commanded(&model);
+        int32_t inner[2] = {INT32_MAX, 0}, outer[2] = {INT32_MAX, 0};
+        for (int ago = 0; ago < 2 * WHILE_ms; ago++) {
+            const int32_t c = n >= ago ? given_mNm[n - ago] : 0;
+            outer[0] = c < outer[0] ? c : outer[0];
+            outer[1] = c > outer[1] ? c : outer[1];
+            if (ago <= WHILE_ms) {
+                inner[0] = outer[0];
+                inner[1] = outer[1];
+            }
+        }
+        TEST_ASSERT_TRUE(outer[0] <= range.least_mNm && range.least_mNm <= inner[0]);
+        TEST_ASSERT_TRUE(inner[1] <= range.most_mNm && range.most_mNm <= outer[1]);
+    }
+}
