@@ -324,6 +324,8 @@ POST(torque_limits_strategy, lines_hold(line))
 POST(torque_limits_strategy, line[TORQUE_LINE_ABS].torque_mNm ==
      old(line[TORQUE_LINE_ABS].torque_mNm) && line[TORQUE_LINE_ENABLE].torque_mNm ==
      old(line[TORQUE_LINE_ENABLE].torque_mNm))
+POST(torque_limits_strategy, line[TORQUE_LINE_CURRENT_GAIN].torque_mNm ==
+     old(line[TORQUE_LINE_CURRENT_GAIN].torque_mNm))
 POST(torque_limits_strategy, line[TORQUE_LINE_MAX_TORQUE].torque_mNm ==
      old(line[TORQUE_LINE_MAX_TORQUE].torque_mNm) && line[TORQUE_LINE_ROTOR].torque_mNm ==
      old(line[TORQUE_LINE_ROTOR].torque_mNm))
@@ -381,8 +383,8 @@ POST(torque_limits_anti_lock, wheel->abs_active || state->abs_hold_steps > 0 || 
 POST(torque_limits_anti_lock, wheel->abs_active ? state->abs_hold_steps == config->brake.abs_hold_ms
      : state->abs_hold_steps <= old(state->abs_hold_steps))
 
-PRE(torque_limits_tightest, begin == 0 && (end == TORQUE_LINE_LOSS_OPTIMUM || end ==
-     TORQUE_LINE_COUNT))
+PRE(torque_limits_tightest, begin == 0 && (end == TORQUE_LINE_CURRENT_GAIN || end ==
+     TORQUE_LINE_LOSS_OPTIMUM || end == TORQUE_LINE_COUNT))
 POST(torque_limits_tightest, every(i, TORQUE_LINE_COUNT, i >= (int)end || result.torque_mNm <=
      lines[i].torque_mNm))
 POST(torque_limits_tightest, some(i, TORQUE_LINE_COUNT, i < (int)end && result.torque_mNm ==
