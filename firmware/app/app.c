@@ -175,6 +175,8 @@ void app_boot(void)
     watchdog_start(boot_may_control(&app.boot) ? SUPERVISOR_TIMEOUT_ms : BOOT_TIMEOUT_ms);
     if (boot_may_control(&app.boot)) {
         start_control(app.boot.config);
+    } else if (boot_knows_address(&app.boot)) {
+        (void)can_link_init(&app.can, app.boot.config, time_ms());
     }
     time_start_tick();
 }
@@ -396,6 +398,9 @@ void app_background(void)
         /* the watchdog is not fed; the console still prints the result */
     } else if (app.config == NULL) {
         watchdog_feed(); /* bridge off; a restart would only hide the reason */
+        if (boot_knows_address(&app.boot)) {
+            can_link_transmit_boot(&app.can, now_ms, boot_waits_for(&app.boot));
+        }
     } else {
         if (!background_check_step(&app.check, memory_stack_free_bytes())) {
             app.memory_good = false;

@@ -113,6 +113,20 @@ bool boot_config_accepted(const boot_report_t *report)
            !report->rotor_sensor_missing;
 }
 
+bool boot_knows_address(const boot_report_t *report)
+{
+    return report->clock_good && config_has_address(report->config, report->config_result.code);
+}
+
+waits_for_t boot_waits_for(const boot_report_t *report)
+{
+    const bool accepted = report->config_result.code == CONFIG_RESULT_OK &&
+                          !report->rotor_sensor_missing &&
+                          report->inverter != INVERTER_FREQUENCY_UNSUPPORTED &&
+                          report->inverter != INVERTER_DEAD_TIME_UNSUPPORTED;
+    return accepted ? WAITS_FOR_SELFTEST : WAITS_FOR_CONFIGURATION;
+}
+
 bool boot_selftest_passed(const boot_report_t *report)
 {
     return report->ram_good && report->firmware_good;

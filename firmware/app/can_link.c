@@ -80,3 +80,11 @@ void can_link_transmit_state(can_link_t *link, uint32_t now_ms, const slow_outpu
         node_sent(&link->node, now_ms);
     }
 }
+
+void can_link_transmit_boot(can_link_t *link, uint32_t now_ms, waits_for_t waits_for)
+{
+    messages_frame_t frame;
+    while (node_next_boot(&link->node, now_ms, waits_for, &frame) && transmit(&frame)) {
+        node_sent(&link->node, now_ms);
+    }
+}

@@ -218,12 +218,17 @@ static bool is_due(uint32_t due_ms, uint32_t now_ms)
            UINT32_MAX / 2U; /* not in the future, also when the clock has wrapped in between */
 }
 
-/* One of the first `kinds` that are sent. */
+static uint32_t bit_of(messages_kind_t kind)
+{
+    return UINT32_C(1) << ((uint32_t)kind - MESSAGES_RECEIVED);
+}
+
+/* One of the kinds whose bits are set. */
 static bool next_of(node_t *node, uint32_t kinds, uint32_t now_ms, const slow_output_t *output,
                     const wheel_temperatures_t *temperature, messages_frame_t *frame)
 {
-    for (uint32_t i = 0; i < kinds; i++) {
-        if (!is_due(node->due_ms[i], now_ms)) {
+    for (uint32_t i = 0; i < MESSAGES_SENT; i++) {
+        if ((kinds & bit_of(sent_kind(i))) == 0 || !is_due(node->due_ms[i], now_ms)) {
             continue;
         }
         const messages_values_t values = {
@@ -248,14 +253,21 @@ static bool next_of(node_t *node, uint32_t kinds, uint32_t now_ms, const slow_ou
 bool node_next(node_t *node, uint32_t now_ms, const slow_output_t *output,
                const wheel_temperatures_t *temperature, messages_frame_t *frame)
 {
-    return next_of(node, MESSAGES_SENT, now_ms, output, temperature, frame);
+    return next_of(node, UINT32_MAX, now_ms, output, temperature, frame);
 }
 
 bool node_next_state(node_t *node, uint32_t now_ms, const slow_output_t *output,
                      const wheel_temperatures_t *temperature, messages_frame_t *frame)
 {
-    return next_of(node, MESSAGES_WHEEL_STATE - MESSAGES_RECEIVED + 1U, now_ms, output, temperature,
-                   frame);
+    return next_of(node, bit_of(MESSAGES_WHEEL_STATE), now_ms, output, temperature, frame);
+}
+
+bool node_next_boot(node_t *node, uint32_t now_ms, waits_for_t waits_for, messages_frame_t *frame)
+{
+    static const wheel_temperatures_t unknown = {INT32_MAX, INT32_MAX};
+    const slow_output_t output = {.mode = MODE_BOOT, .waits_for = waits_for};
+    return next_of(node, bit_of(MESSAGES_WHEEL_STATE) | bit_of(MESSAGES_WHEEL_AVAILABLE), now_ms,
+                   &output, &unknown, frame);
 }
 
 void node_sent(node_t *node, uint32_t now_ms)

@@ -372,6 +372,20 @@ static bool name_is_text(const char name[CONFIG_NAME_LENGTH])
     return length > 0 && length < CONFIG_NAME_LENGTH && name[length] == '\0';
 }
 
+bool config_has_address(const config_t *config, config_result_code_t code)
+{
+    const bool intact = code != CONFIG_RESULT_MAGIC && code != CONFIG_RESULT_VERSION &&
+                        code != CONFIG_RESULT_SIZE && code != CONFIG_RESULT_CRC;
+    if (!intact) {
+        return false;
+    }
+    const config_vehicle_t *vehicle = &config->vehicle;
+    const config_field_t base = config_field_at(offsetof(config_t, vehicle.can_base));
+    return vehicle->wheel_position >= 0 && vehicle->wheel_position < CONFIG_WHEELS &&
+           vehicle->can_base >= base.lowest && vehicle->can_base <= base.highest &&
+           vehicle->can_base % CONFIG_CAN_BASE_STEP == 0;
+}
+
 config_result_t config_validate(const config_t *config, uint32_t size_bytes)
 {
     config_result_t out = {.code = CONFIG_RESULT_OK,

@@ -14,6 +14,7 @@
 
 #include "config/config.h"
 #include "config/validate.h"
+#include "core/waits_for.h"
 #include "hal/inverter.h"
 #include "hal/watchdog.h"
 
@@ -37,6 +38,14 @@ boot_report_t boot_run(void);
 
 /* Accepted by the validator, feasible for the port's timers, and the rotor sensor is present. */
 bool boot_config_accepted(const boot_report_t *report);
+
+/* True if the wheel may send although it must not control: the clock is good, and magic, version,
+ * size and CRC of the configuration hold, so that its address is the wheel's. */
+bool boot_knows_address(const boot_report_t *report);
+
+/* What a wheel without control waits for: another configuration, or a part of the board that did
+ * not start. */
+waits_for_t boot_waits_for(const boot_report_t *report);
 
 /* True if RAM and the firmware's CRC are good. */
 bool boot_selftest_passed(const boot_report_t *report);

@@ -37,4 +37,7 @@ void can_link_transmit(can_link_t *link, uint32_t now_ms, const slow_output_t *o
 void can_link_transmit_state(can_link_t *link, uint32_t now_ms, const slow_output_t *output,
                              const wheel_temperatures_t *temperature);
 
+/* Sends what a wheel without control says, if it is due: BOOT, and what it waits for. */
+void can_link_transmit_boot(can_link_t *link, uint32_t now_ms, waits_for_t waits_for);
+
 #endif

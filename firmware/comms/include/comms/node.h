@@ -100,6 +100,10 @@ bool node_next(node_t *node, uint32_t now_ms, const slow_output_t *output,
 bool node_next_state(node_t *node, uint32_t now_ms, const slow_output_t *output,
                      const wheel_temperatures_t *temperature, messages_frame_t *frame);
 
+/* The same of a wheel without control: WheelState in BOOT, and WheelAvailable for waits_for;
+ * torques and speed are 0. */
+bool node_next_boot(node_t *node, uint32_t now_ms, waits_for_t waits_for, messages_frame_t *frame);
+
 /* The CAN controller has taken the frame of the last node_next(). */
 void node_sent(node_t *node, uint32_t now_ms);
 

@@ -10,6 +10,7 @@
 #ifndef CONFIG_VALIDATE_H
 #define CONFIG_VALIDATE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "config/config.h"
@@ -46,6 +47,10 @@ typedef struct {
 /* size_bytes: number of readable bytes from `config` on; fewer than sizeof(config_t) is refused
  * without being read. */
 config_result_t config_validate(const config_t *config, uint32_t size_bytes);
+
+/* True if an image still says where its wheel is on CAN although it was refused with this code:
+ * magic, version, size and CRC hold, and the fields of the address are in their ranges. */
+bool config_has_address(const config_t *config, config_result_code_t code);
 
 /* The refusal of a value outside lowest .. highest, for the checks of a board too. section and
  * field are kept as pointers. */

@@ -223,6 +223,8 @@ void test_refused_configuration_starts_neither_bridge_nor_rotor_sensor(void)
     const boot_report_t report = boot_run();
     TEST_ASSERT_FALSE(boot_may_control(&report));
     TEST_ASSERT_EQUAL_STRING("motor.", report.config_result.section);
+    TEST_ASSERT_TRUE(boot_knows_address(&report));
+    TEST_ASSERT_EQUAL_INT(WAITS_FOR_CONFIGURATION, boot_waits_for(&report));
     TEST_ASSERT_EQUAL_STRING("pole_pairs", report.config_result.field);
     TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_RANGE, report.config_result.code);
 }
@@ -274,5 +276,8 @@ void test_configuration_beyond_the_board_s_timer_is_refused(void)
         const boot_report_t report = boot_run();
         TEST_ASSERT_FALSE(boot_config_accepted(&report));
         TEST_ASSERT_FALSE(boot_may_control(&report));
+        TEST_ASSERT_TRUE(boot_knows_address(&report));
+        TEST_ASSERT_EQUAL_INT(i < 2 ? WAITS_FOR_CONFIGURATION : WAITS_FOR_SELFTEST,
+                              boot_waits_for(&report));
     }
 }

@@ -193,6 +193,63 @@ void test_corrupt_configuration_is_refused_with_its_field_and_the_bridge_stays_o
     TEST_ASSERT_FALSE(host_watchdog_bit());
 }
 
+/* Frames on the bus in 100 ms of a configuration that the board refuses; the latest WheelState and
+ * WheelAvailable of the front left wheel. Without PWM a step is a millisecond. */
+static int frames_in_boot(config_t *config, can_frame_t *state, can_frame_t *available)
+{
+    config->crc32 = config_crc32(config, (uint32_t)offsetof(config_t, crc32));
+    connect(config);
+    app_boot();
+    run_for(100);
+    TEST_ASSERT_EQUAL_INT(0, command_count);
+    can_frame_t frame;
+    int count = 0;
+    while (host_can_receive(&frame)) {
+        *state = frame.identifier == 0x180 ? frame : *state;
+        *available = frame.identifier == 0x198 ? frame : *available;
+        count++;
+    }
+    return count;
+}
+
+/* Ten WheelState and one WheelAvailable. */
+void test_a_refused_but_intact_configuration_is_told_to_the_vehicle(void)
+{
+    config_t config = CONFIG_IMAGE;
+    config.vehicle.wheel_position = MESSAGES_FRONT_LEFT;
+    config.motor.pole_pairs = 0;
+    can_frame_t state = {0}, available = {0};
+    TEST_ASSERT_EQUAL_INT(10 + 1, frames_in_boot(&config, &state, &available));
+    TEST_ASSERT_EQUAL_UINT16(0x180, state.identifier);
+    TEST_ASSERT_EQUAL_UINT8(MODE_BOOT, state.data[1] >> 4);
+    TEST_ASSERT_EQUAL_UINT8(REASON_NONE, state.data[2]);
+    TEST_ASSERT_TRUE(e2e_intact(E2E_PROFILE_2, state.data, 0x180));
+    TEST_ASSERT_EQUAL_UINT16(0x198, available.identifier);
+    TEST_ASSERT_TRUE(e2e_intact(E2E_PROFILE_2, available.data, 0x198));
+    TEST_ASSERT_EQUAL_UINT8(WAITS_FOR_CONFIGURATION,
+                            (available.data[4] >> 6 | available.data[5] << 2) & 0xFF);
+}
+
+void test_a_wheel_whose_address_is_not_known_is_silent(void)
+{
+    config_t config = CONFIG_IMAGE;
+    can_frame_t frame = {0};
+    config.vehicle.wheel_position = 4;
+    TEST_ASSERT_EQUAL_INT(0, frames_in_boot(&config, &frame, &frame));
+    config = CONFIG_IMAGE;
+    config.vehicle.can_base = 0x110;
+    TEST_ASSERT_EQUAL_INT(0, frames_in_boot(&config, &frame, &frame));
+    config = CONFIG_IMAGE;
+    config.format_version--;
+    TEST_ASSERT_EQUAL_INT(0, frames_in_boot(&config, &frame, &frame));
+    config = CONFIG_IMAGE;
+    config.motor.pole_pairs = 0; /* the CRC is the old one's */
+    connect(&config);
+    app_boot();
+    run_for(100);
+    TEST_ASSERT_FALSE(host_can_receive(&frame));
+}
+
 void test_board_without_its_crystal_reports_it_and_stays_in_boot(void)
 {
     connect(&CONFIG_IMAGE);

@@ -319,6 +319,31 @@ void test_wheel_health_reports_the_warning_and_the_receivers_states(void)
     TEST_ASSERT_EQUAL_UINT8(REASON_ROTOR_UNCERTAIN, frame.data[7]);
 }
 
+/* WheelState byte 1, bits 4 to 7: the mode; WheelAvailable bits 38 to 45: waits_for. */
+void test_a_wheel_without_control_sends_its_mode_and_what_it_waits_for_and_nothing_else(void)
+{
+    int states = 0, available = 0;
+    messages_frame_t frame;
+    for (uint32_t now_ms = 1; now_ms <= 1000; now_ms++) {
+        while (node_next_boot(&node, now_ms, WAITS_FOR_CONFIGURATION, &frame)) {
+            TEST_ASSERT_TRUE(
+                e2e_intact(messages_profile(node.offered), frame.data, frame.identifier));
+            if (node.offered == MESSAGES_WHEEL_STATE) {
+                TEST_ASSERT_EQUAL_UINT8(MODE_BOOT, frame.data[1] >> 4);
+                states++;
+            } else {
+                TEST_ASSERT_EQUAL_INT(MESSAGES_WHEEL_AVAILABLE, node.offered);
+                TEST_ASSERT_EQUAL_UINT8(WAITS_FOR_CONFIGURATION,
+                                        (frame.data[4] >> 6 | frame.data[5] << 2) & 0xFF);
+                available++;
+            }
+            node_sent(&node, now_ms);
+        }
+    }
+    TEST_ASSERT_EQUAL_INT(100, states);
+    TEST_ASSERT_EQUAL_INT(10, available);
+}
+
 void test_a_receive_filter_needs_four_identifiers(void)
 {
     uint16_t identifiers[MESSAGES_RECEIVED];

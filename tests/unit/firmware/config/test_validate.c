@@ -246,6 +246,48 @@ void test_the_base_of_the_identifiers_is_a_multiple_of_32(void)
     assert_relation("vehicle.can_base a multiple of 32");
 }
 
+static bool has_address(void)
+{
+    config.crc32 = config_crc32(&config, (uint32_t)offsetof(config_t, crc32));
+    return config_has_address(&config, config_validate(&config, sizeof config).code);
+}
+
+/* A refused image names its wheel only if it is the one that was written, and its address exists.
+ */
+void test_a_refused_image_has_an_address_if_it_is_intact_and_the_address_is_in_range(void)
+{
+    TEST_ASSERT_TRUE(has_address());
+    config.motor.pole_pairs = 0;
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_RANGE, sealed_result().code);
+    TEST_ASSERT_TRUE(has_address());
+    config.motor.pole_pairs = 1;
+    TEST_ASSERT_FALSE(
+        config_has_address(&config, config_validate(&config, sizeof config).code)); /* CRC */
+    TEST_ASSERT_FALSE(
+        config_has_address(&config, config_validate(&config, sizeof config - 4U).code));
+    static const int32_t WHEELS[] = {-1, 4};
+    static const int32_t BASES[] = {-32, 0x110, 0x760};
+    for (int k = 0; k < 2; k++) {
+        config = CONFIG_LU2013;
+        config.vehicle.wheel_position = WHEELS[k];
+        TEST_ASSERT_FALSE(has_address());
+    }
+    for (int k = 0; k < 3; k++) {
+        config = CONFIG_LU2013;
+        config.vehicle.can_base = BASES[k];
+        TEST_ASSERT_FALSE(has_address());
+    }
+    config = CONFIG_LU2013;
+    config.vehicle.wheel_position = 3;
+    config.vehicle.can_base = 0x740;
+    TEST_ASSERT_TRUE(has_address());
+    config.magic ^= 1U;
+    TEST_ASSERT_FALSE(has_address());
+    config.magic ^= 1U;
+    config.format_version++;
+    TEST_ASSERT_FALSE(has_address());
+}
+
 void test_stop_lamp_off_threshold_must_not_exceed_its_on_threshold(void)
 {
     config.brake.stop_lamp_off_mm_s2 = config.brake.stop_lamp_on_mm_s2;
