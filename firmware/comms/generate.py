@@ -3,8 +3,9 @@
 
 generated/hubfoc.h, generated/hubfoc.c and the message table of README.md; with the numbers of the
 end-to-end protection (protection.py) generated/protection.h and the Python module
-host_sim/python/hubsim/can_protocol.py; and, before that, the DBC's own value tables of reasons and
-of ``waits_for`` from the lists in firmware/core.
+host_sim/python/hubsim/can_protocol.py; hubfoc_four_wheels.dbc, the same protocol with a message for
+each wheel; and, before that, the DBC's own value tables of reasons and of ``waits_for`` from the
+lists in firmware/core, its version and its attributes of the protection.
 
 cantools' code, with two changes: without the date, so that equal protocols make equal files, and
 without the range checks of physical values, which are the only floating point in it and which
@@ -12,6 +13,8 @@ nothing here calls. It keeps cantools' licence, MIT, whose text it carries.
 
     tools/dev python firmware/comms/generate.py            write
     tools/dev python firmware/comms/generate.py --check    only say whether everything is up to date
+    tools/dev python firmware/comms/generate.py --base 0x320 --output DIR    both DBCs of a vehicle
+                                                           with [vehicle] can_base = 0x320
 """
 
 import argparse
@@ -29,13 +32,14 @@ from cantools.database.can.c_source import generate
 
 MODULE = Path(__file__).resolve().parent
 DBC = MODULE / "hubfoc.dbc"
+FOUR_WHEELS = MODULE / "hubfoc_four_wheels.dbc"
 README = MODULE / "README.md"
 CORE = MODULE.parent / "core" / "include" / "core"
 PYTHON = MODULE.parents[1] / "host_sim/python/hubsim/can_protocol.py"
 BEGIN = "<!-- from hubfoc.dbc by generate.py -->\n"
 END = "<!-- end -->\n"
 
-WHEELS = 4
+WHEELS = ("front_left", "front_right", "rear_left", "rear_right")
 BIT_RATE_PER_S = 500_000
 LINE_COLUMNS = 100
 # Start, identifier, control, CRC, delimiters, acknowledge, end and intermission of a classic data
@@ -75,6 +79,78 @@ def with_value_tables(dbc: str) -> str:
         table = listed(header)
         dbc = re.sub(rf"^(VAL_ \d+ {signal}) [^;]*;", rf"\1 {table};", dbc, flags=re.MULTILINE)
     return dbc
+
+
+def with_protection(dbc: str) -> str:
+    """Return the DBC with version and attributes of the protection made new."""
+    dbc = re.sub(r'^BA_ "E2E.*;\n', "", dbc, flags=re.MULTILINE)
+    dbc = re.sub(r'^VERSION ".*"$', f'VERSION "{protection.VERSION}"', dbc, flags=re.MULTILINE)
+    made = protection.attributes(load_text(dbc).messages, MODULE)
+    return re.sub(r"(\A.*\nBA_ [^\n]*\n)", lambda found: found[1] + made, dbc, flags=re.DOTALL)
+
+
+def moved(dbc: str, base: int) -> str:
+    """Return the DBC with other identifiers: base instead of the one in the DBC."""
+
+    def identifier(found: re.Match[str]) -> str:
+        return f"{found[1]}{int(found[2]) + base - protection.BASE}"
+
+    text = re.sub(
+        r"^(BO_ |VAL_ |(?:CM_|BA_ \"\w+\") (?:BO_|SG_) )(\d+)\b",
+        identifier,
+        dbc,
+        flags=re.MULTILINE,
+    )
+    return with_protection(text)
+
+
+def _per_wheel(paragraph: str, each: set[int]) -> str:
+    """Return a message's paragraph, or a line about one, once for each wheel it is of."""
+    found = re.match(
+        r"(BO_ |VAL_ |(?:CM_|BA_ \"\w+\") (?:BO_|SG_) )(\d+)\b(.*)", paragraph, re.DOTALL
+    )
+    if found is None:
+        return paragraph
+    start, identifier, rest = found[1], int(found[2]), found[3]
+    if identifier not in each:
+        receivers = ",".join(f"wheel_{wheel}" for wheel in WHEELS)
+        return re.sub(r" wheel$", f" {receivers}", paragraph, flags=re.MULTILINE)
+    text = ""
+    for number, wheel in enumerate(WHEELS):
+        own = re.sub(r" wheel$", f" wheel_{wheel}", rest, flags=re.MULTILINE)
+        if start == "BO_ ":
+            own = re.sub(r"\A (\w+):", rf" \1{wheel.title().replace('_', '')}:", own)
+        text += f"{start}{identifier + number}{own}"
+    return text
+
+
+def four_wheels(dbc: str) -> str:
+    """Return the DBC of a vehicle with four wheels, each with messages of its own."""
+    messages = load_text(dbc).messages
+    each = {message.frame_id for message in messages if message.senders != ["battery"]}
+    parts = re.split(r"^(?=BO_ |VAL_ |CM_ |BA_)", dbc, flags=re.MULTILINE)
+    text = "".join(_per_wheel(part, each) for part in parts)
+    names = [wheel.replace("_", " ") for wheel in WHEELS]
+    text = re.sub(
+        r"^(BU_: .*) wheel$",
+        rf"\1 {' '.join(f'wheel_{w}' for w in WHEELS)}",
+        text,
+        flags=re.MULTILINE,
+    )
+    comments = "".join(
+        f'CM_ BU_ wheel_{wheel} "The hubfoc controller of the {name} wheel.";\n'
+        for wheel, name in zip(WHEELS, names, strict=True)
+    )
+    text = re.sub(r'^CM_ BU_ wheel ".*";\n', comments, text, flags=re.MULTILINE)
+    text = re.sub(
+        r'^CM_ "hubfoc, one wheel.*";$',
+        'CM_ "hubfoc, four wheels; made from hubfoc.dbc by'
+        " generate.py. Every message carries a CRC and a counter:"
+        ' firmware/comms/README.md.";',
+        text,
+        flags=re.MULTILINE,
+    )
+    return with_protection(text)
 
 
 def without_phys_range(text: str) -> str:
@@ -149,7 +225,7 @@ def tables(database: Database) -> str:
     load = (
         "With the most bit stuffing there can be, one wheel takes"
         f" {100 * load_share(database, 1):.1f} % of a bus of {BIT_RATE_PER_S // 1000} kbit/s, four"
-        f" wheels {100 * load_share(database, WHEELS):.1f} %, the battery's message included."
+        f" wheels {100 * load_share(database, len(WHEELS)):.1f} %, the battery's message included."
     )
     lines.append(f"\n{textwrap.fill(load, LINE_COLUMNS)}\n")
     for message in database.messages:
@@ -177,6 +253,14 @@ def readme(database: Database, text: str) -> str:
     return f"{before}{BEGIN}\n{tables(database)}\n{END}{after}"
 
 
+def base_of(text: str) -> int:
+    """Return a base of the identifiers, within the range of config.h."""
+    base = int(text, 0)
+    if base % 32 or not 0 <= base <= 0x740:
+        raise argparse.ArgumentTypeError(f"{text}, accepted: a multiple of 32, up to 0x740")
+    return base
+
+
 def write(path: Path, text: str) -> None:
     """Replace a file as a whole or not at all."""
     path.parent.mkdir(exist_ok=True)
@@ -199,11 +283,23 @@ def main() -> int:
         action="store_true",
         help="write nothing; fail if something is out of date",
     )
-    only_check = parser.parse_args().check
+    parser.add_argument("--output", type=Path, help="write the DBCs there, and nothing else")
+    parser.add_argument(
+        "--base", type=base_of, default=protection.BASE, help="[vehicle] can_base of those DBCs"
+    )
+    options = parser.parse_args()
+    if options.base != protection.BASE and options.output is None:
+        parser.error("--base: with --output DIR")
     try:
-        dbc = with_value_tables(DBC.read_text(encoding="utf-8"))
+        dbc = with_protection(with_value_tables(DBC.read_text(encoding="utf-8")))
         database = load_text(dbc)
-        wanted = {DBC: dbc}
+        if options.output is not None:
+            options.output.mkdir(parents=True, exist_ok=True)
+            of_vehicle = moved(dbc, options.base)
+            write(options.output / DBC.name, of_vehicle)
+            write(options.output / FOUR_WHEELS.name, four_wheels(of_vehicle))
+            return 0
+        wanted = {DBC: dbc, FOUR_WHEELS: four_wheels(dbc)}
         wanted |= {MODULE / "generated" / name: text for name, text in c_code(database).items()}
         wanted[MODULE / "generated/protection.h"] = protection.header()
         wanted[PYTHON] = protection.python_module(database, MODULE)
@@ -216,7 +312,7 @@ def main() -> int:
         for path, text in wanted.items()
         if not path.is_file() or path.read_text(encoding="utf-8") != text
     ]
-    if only_check:
+    if options.check:
         for path in stale:
             print(
                 f"{path.relative_to(MODULE.parents[1])} is not what hubfoc.dbc makes; run tools/dev"

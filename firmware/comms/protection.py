@@ -5,6 +5,7 @@ A message with a checksum of 16 bits has AUTOSAR's profile 5, one with 8 bits pr
 """
 
 import re
+from collections.abc import Iterable
 from pathlib import Path
 
 from cantools.database.can import Database, Message
@@ -51,6 +52,21 @@ def header() -> str:
         "#ifndef COMMS_GENERATED_PROTECTION_H\n#define COMMS_GENERATED_PROTECTION_H\n\n"
         f"enum {{\n{lines}}};\n\n#define PROTECTION_P2_DATA_IDS {{{listed}}}\n\n#endif\n"
     )
+
+
+def attributes(messages: Iterable[Message], module: Path) -> str:
+    """Return the DBC's attributes of the protection, by AUTOSAR's names of its parameters."""
+    text, step = "", enumerator(module, "E2E_STEP_MAX")
+    for message in messages:
+        of = f"BO_ {message.frame_id}"
+        text += f'BA_ "E2EProfile" {of} {profile(message)};\n'
+        text += f'BA_ "E2EMaxDeltaCounter" {of} {step};\n'
+        if profile(message) == 5:
+            text += f'BA_ "E2EDataID" {of} {P5_DATA_ID ^ message.frame_id};\n'
+        else:
+            ids = " ".join(str(entry ^ message.frame_id & 0xFF) for entry in data_ids())
+            text += f'BA_ "E2EDataIDList" {of} "{ids}";\n'
+    return text
 
 
 def enumerator(module: Path, name: str) -> int:

@@ -46,6 +46,7 @@ def tree(tmp_path: Path) -> Path:
         "firmware/config/generated/lu2013.bin": configuration,
         "firmware/config/generated/other.bin": b"another one",
         "firmware/comms/hubfoc.dbc": b'VERSION ""',
+        "firmware/comms/hubfoc_four_wheels.dbc": b'VERSION ""',
         "LICENSE": b"Apache",
         "tools/release/LICENSES.md": b"# Licences",
         "build/stm32f405/hubfoc_stm32f405.bin": configuration + b"\xff" * 9 + banner + b"\0",
@@ -84,7 +85,13 @@ def test_a_release_contains_every_part_with_version_and_checksum(
     files = {p.relative_to(folder).as_posix() for p in folder.rglob("*") if p.is_file()}
     ends = {f"hubfoc-{VERSION}-stm32f405{end}" for end in (".bin", ".hex", ".elf")}
     assert files == ends | {
-        *("configurations/lu2013.bin", "configurations/other.bin", "hubfoc.dbc", wheel_name()),
+        *(
+            "configurations/lu2013.bin",
+            "configurations/other.bin",
+            "hubfoc.dbc",
+            "hubfoc_four_wheels.dbc",
+            wheel_name(),
+        ),
         *(f"fmu/{name}" for name in collect.UNITS),
         *("LICENSE", "LICENSES.md", "SHA256SUMS"),
     }

@@ -51,7 +51,8 @@ def parts(root: Path, build: Path, wheel: Path, version: str) -> dict[str, Path]
     found |= {
         f"configurations/{path.name}": path for path in sorted((root / GENERATED).glob("*.bin"))
     }
-    found["hubfoc.dbc"] = root / "firmware" / "comms" / "hubfoc.dbc"
+    for dbc in ("hubfoc.dbc", "hubfoc_four_wheels.dbc"):
+        found[dbc] = root / "firmware" / "comms" / dbc
     found |= {f"fmu/{name}": build / "host" / "host_sim" / "fmu" / name for name in UNITS}
     found[wheel.name] = wheel
     found["LICENSE"] = root / "LICENSE"

@@ -480,6 +480,7 @@ int hubfoc_battery_peak_init(struct hubfoc_battery_peak_t *msg_p)
     if (msg_p == NULL) return -1;
 
     memset(msg_p, 0, sizeof(struct hubfoc_battery_peak_t));
+    msg_p->pack_current_a = -8192;
 
     return 0;
 }
@@ -1005,6 +1006,8 @@ int hubfoc_wheel_health_init(struct hubfoc_wheel_health_t *msg_p)
     if (msg_p == NULL) return -1;
 
     memset(msg_p, 0, sizeof(struct hubfoc_wheel_health_t));
+    msg_p->winding_temperature_c = 3000;
+    msg_p->switch_temperature_c = 3000;
 
     return 0;
 }

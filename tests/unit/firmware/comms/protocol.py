@@ -12,7 +12,7 @@ from typing import Any, TypeAlias
 
 import cantools
 import cffi
-from cantools.database.can import Database
+from cantools.database.can import Database, Message, Signal
 
 ROOT = Path(__file__).resolve().parents[4]
 FIRMWARE = ROOT / "firmware"
@@ -26,6 +26,19 @@ WHEEL_MASK = 0x7FC  # bits of an identifier that select the message
 # A structure, an enumerator's or a function's value of the C, which has the types that the headers
 # give it.
 CValue: TypeAlias = Any
+
+
+FOUR_WHEELS_DBC = MODULE / "hubfoc_four_wheels.dbc"
+
+
+def attribute(owner: Message | Signal, name: str) -> int | str:
+    """Return an attribute's value; of a message or signal that does not name it, the default."""
+    assert owner.dbc is not None
+    found = owner.dbc.attributes.get(name)
+    assert found is not None, name
+    value = found.value
+    assert isinstance(value, int | str)
+    return value
 
 
 def load(frame_id_mask: int | None = None) -> Database:

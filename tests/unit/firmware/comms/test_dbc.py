@@ -3,10 +3,12 @@
 
 import re
 from itertools import combinations
+from pathlib import Path
 
+import cantools
 import pytest
 from cantools.database.can import Database, Message, Signal
-from protocol import DBC, MODULE, WHEELS, enumerators, listed_in, reasons
+from protocol import DBC, FOUR_WHEELS_DBC, MODULE, WHEELS, enumerators, listed_in, reasons
 
 # Suffix of a name and its unit.
 UNITS = {"_nm": "Nm", "_rad_s": "rad/s", "_v": "V", "_a": "A", "_c": "degC", "_percent": "%"}
@@ -238,8 +240,69 @@ def test_link_states_have_the_firmware_s_numbers_and_names(signal: str, database
     assert choices("WheelHealth", signal, database) == expected
 
 
-def test_the_file_uses_only_constructs_that_every_tool_reads() -> None:
-    text = DBC.read_bytes().decode("ascii")
+def test_the_dbc_of_four_wheels_has_every_message_of_each_wheel(database: Database) -> None:
+    four = cantools.database.load_file(str(FOUR_WHEELS_DBC), strict=True)
+    assert isinstance(four, Database)
+    assert four.version == database.version
+    expected = {}
+    for message in database.messages:
+        for wheel, number in WHEELS.items():
+            each = message.senders != ["battery"]
+            suffix = wheel.title().replace("_", "") if each else ""
+            own = {"wheel": f"wheel_{wheel.lower()}"}
+            expected[message.name + suffix] = (
+                message.frame_id + (number if each else 0),
+                [own.get(sender, sender) for sender in message.senders],
+                message.cycle_time,
+                message.comment,
+                [
+                    (s.name, s.start, s.length, s.conversion, s.minimum, s.maximum, s.raw_initial)
+                    for s in message.signals
+                ],
+                [(s.unit, s.comment, s.choices) for s in message.signals],
+            )
+    assert {message.name for message in four.messages} == set(expected)
+    for message in four.messages:
+        number, senders, cycle, comment, layout, meaning = expected[message.name]
+        assert (message.frame_id, message.senders) == (number, senders)
+        assert (message.cycle_time, message.comment) == (cycle, comment)
+        assert repr(layout) == repr(
+            [
+                (s.name, s.start, s.length, s.conversion, s.minimum, s.maximum, s.raw_initial)
+                for s in message.signals
+            ]
+        )
+        assert repr(meaning) == repr([(s.unit, s.comment, s.choices) for s in message.signals])
+        receivers = {receiver for s in message.signals for receiver in s.receivers}
+        wheels = {f"wheel_{wheel.lower()}" for wheel in WHEELS}
+        if message.name.startswith("Battery"):
+            assert receivers == wheels
+        else:
+            assert len(receivers | set(message.senders)) == 2
+            assert len(wheels & (receivers | set(message.senders))) == 1
+    assert all(VECTOR_NAME.fullmatch(message.name) for message in four.messages)
+
+
+def test_start_values_are_in_range_and_zero_but_for_what_is_not_given(database: Database) -> None:
+    """A receiver shows them before the first frame, a sender sends them before it knows better."""
+    odd = {}
+    for message, signal in signals(database):
+        raw = signal.raw_initial or 0
+        assert isinstance(raw, int)
+        physical = raw * signal.conversion.scale
+        assert (signal.minimum or 0) <= physical <= (signal.maximum or 0), signal.name
+        if raw != 0:
+            odd[f"{message.name}.{signal.name}"] = round(physical, 6)
+    assert odd == {
+        "BatteryPeak.pack_current_a": -1638.4,
+        "WheelHealth.winding_temperature_c": 300.0,
+        "WheelHealth.switch_temperature_c": 300.0,
+    }
+
+
+@pytest.mark.parametrize("path", [DBC, FOUR_WHEELS_DBC])
+def test_the_file_uses_only_constructs_that_every_tool_reads(path: Path) -> None:
+    text = path.read_bytes().decode("ascii")
     assert "\r" not in text
     after_names = text.partition("BS_:")[2]
     keywords = {
@@ -249,7 +312,10 @@ def test_the_file_uses_only_constructs_that_every_tool_reads() -> None:
     }
     assert keywords <= SECTIONS
     attributes = re.findall(r'^BA_DEF_ \w+ "(\w+)"', text, re.MULTILINE)
-    assert attributes == ["GenMsgCycleTime"]
+    assert attributes == [
+        *("GenMsgCycleTime", "GenSigStartValue"),
+        *("E2EProfile", "E2EMaxDeltaCounter", "E2EDataID", "E2EDataIDList"),
+    ]
 
 
 def test_names_are_short_enough_for_every_tool(database: Database) -> None:

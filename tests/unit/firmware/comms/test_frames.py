@@ -8,6 +8,7 @@ implementations.
 import random
 from collections.abc import Iterator
 
+import cantools
 import pytest
 from cantools.autosar.end_to_end import (
     apply_profile2_crc,
@@ -16,7 +17,7 @@ from cantools.autosar.end_to_end import (
     compute_profile5_crc,
 )
 from cantools.database.can import Database, Message, Signal
-from protocol import DBC, MODULE, WHEELS, Comms, CValue
+from protocol import DBC, FOUR_WHEELS_DBC, MODULE, WHEELS, Comms, CValue, attribute
 
 # The list of e2e.c, derived from four entries as in its comment.
 VERSION = 2  # of the protocol
@@ -214,6 +215,27 @@ def test_checksums_of_random_content_equal_an_independent_implementation(
         assert comms.lib.e2e_intact(kind, data, identifier)
         data[0] ^= dice.randrange(1, 256)
         assert not comms.lib.e2e_intact(kind, data, identifier)
+
+
+def test_a_client_that_knows_the_four_wheels_dbc_alone_is_understood(comms: Comms) -> None:
+    """Profile, data ids and identifier come from its attributes, checksums from cantools."""
+    four = cantools.database.load_file(str(FOUR_WHEELS_DBC), strict=True)
+    assert isinstance(four, Database)
+    for message in four.messages:
+        for counter in range(16):
+            start = {signal.name: signal.initial or 0 for signal in message.signals}
+            data = bytes(message.encode(start | {"counter": counter}))
+            if attribute(message, "E2EProfile") == 5:
+                sent = apply_profile5_crc(data, int(attribute(message, "E2EDataID")))
+                profile = comms.lib.E2E_PROFILE_5
+            else:
+                ids = str(attribute(message, "E2EDataIDList")).split()
+                sent = apply_profile2_crc(data, int(ids[counter]))
+                profile = comms.lib.E2E_PROFILE_2
+            assert sent is not None
+            frame = comms.ffi.new("uint8_t[8]", bytes(sent))
+            assert comms.lib.e2e_intact(profile, frame, message.frame_id), message.name
+        assert attribute(message, "E2EMaxDeltaCounter") == comms.lib.E2E_STEP_MAX
 
 
 def test_a_sender_of_the_version_before_is_refused_whatever_it_sends(comms: Comms) -> None:

@@ -11,9 +11,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import cantools
 import pytest
 from cantools.database.can import Database
-from protocol import DBC, MODULE, ROOT
+from protocol import DBC, MODULE, ROOT, attribute
 
 PYTHON = Path("host_sim/python/hubsim/can_protocol.py")
 WARNINGS = [
@@ -60,6 +61,7 @@ def copy(tmp_path: Path) -> Path:
         "include/comms/node.h",
         "generated/protection.h",
         "hubfoc.dbc",
+        "hubfoc_four_wheels.dbc",
         "README.md",
         "generated/hubfoc.h",
         "generated/hubfoc.c",
@@ -104,12 +106,35 @@ def test_a_changed_message_is_detected_in_code_and_tables_and_updated_by_one_run
     stale = run_generator(copy, "--check")
     assert stale.returncode == 1
     assert [line.split(" ")[0] for line in stale.stderr.splitlines()] == [
+        "firmware/comms/hubfoc_four_wheels.dbc",
         "firmware/comms/generated/hubfoc.c",
         "host_sim/python/hubsim/can_protocol.py",
         "firmware/comms/README.md",
     ]
     assert run_generator(copy).returncode == 0
     assert run_generator(copy, "--check").returncode == 0
+
+
+def test_the_dbcs_of_another_base_have_their_identifiers_and_data_ids_moved(
+    tmp_path: Path, database: Database
+) -> None:
+    made = run_generator(MODULE, "--base", "0x320", "--output", str(tmp_path))
+    assert made.returncode == 0, made.stderr
+    one = cantools.database.load_file(str(tmp_path / "hubfoc.dbc"), strict=True)
+    four = cantools.database.load_file(str(tmp_path / "hubfoc_four_wheels.dbc"), strict=True)
+    assert isinstance(one, Database)
+    assert isinstance(four, Database)
+    for message in database.messages:
+        other = one.get_message_by_name(message.name)
+        assert other.frame_id - 0x320 == message.frame_id - 0x100
+        assert other.cycle_time == message.cycle_time
+        assert [str(signal) for signal in other.signals] == [str(s) for s in message.signals]
+    assert attribute(one.get_message_by_name("Demand"), "E2EDataID") == 2 << 11 | 0x320
+    assert four.get_message_by_name("DemandRearRight").frame_id == 0x323
+    refused = run_generator(MODULE, "--base", "0x330", "--output", str(tmp_path))
+    assert refused.returncode == 2
+    assert "0x330, accepted: a multiple of 32" in refused.stderr
+    assert run_generator(MODULE, "--base", "0x320").returncode == 2
 
 
 def test_overlapping_signals_are_refused_in_one_line_without_output(copy: Path) -> None:
