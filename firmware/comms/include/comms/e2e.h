@@ -18,7 +18,7 @@
  *
  * The data id is never sent, so a frame under another message's or another wheel's identifier, or
  * of another version of the protocol, is refused. Numbers of both: generated/protection.h. What
- * they detect: README, End-to-end protection.
+ * they detect: DERIVATIONS, Detected errors.
  *
  * The receiver, one for each received message:
  *

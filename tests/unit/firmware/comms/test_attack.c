@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Mutated, repeated, delayed and replayed Demand frames by the hundred thousand, and in the
- * test `full` by the million: how many are used, against the bound of the README.
+ * test `full` by the million: how many are used, against the bound of DERIVATIONS.
  *
  * A frame with random content passes the CRC with p = 2^-16; for a flip of up to three bits or a
  * burst of up to 15 p = 0. Of n such frames more than n p + 6 sqrt(n p) + 6 pass with a
