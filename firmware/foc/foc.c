@@ -100,7 +100,7 @@ static void measure_idle_current(foc_state_t *state, const uint16_t codes[SENSE_
 {
     foc_period_t *const period = &state->period;
     const sense_out_t sensed = sense_step(&state->current.sense, codes, state->current.on_q16);
-    const ab16_t i = sensor_isolation_current(&state->current, codes, sensed.i);
+    const ab16_t i = sensor_isolation_idle(&state->current, codes, sensed, period);
     period->i_ab_pu = i;
     period->current_sum_pu = sensed.sum_pu;
     period->i_pu = transforms_park(i, angle_rotation(period->theta_turn));

@@ -199,7 +199,7 @@ static void check_current_sensors(const config_t *config, const measured_t *now,
     findings_set(findings, FINDING_CURRENT_RAIL,
                  measured_switching(now) ? report->adc_saturated : sum_at_end(report));
     findings_set(findings, FINDING_SUM, report->offsets_done && beyond && !named);
-    findings_set(findings, FINDING_SUM_UNDETERMINED, report->current_undetermined && !named);
+    findings_set(findings, FINDING_SUM_UNDETERMINED, report->current_undetermined);
     findings_set_named(findings, FINDING_CURRENT_A, FINDING_CURRENT_C,
                        named ? (reason_t)(REASON_CURRENT_SENSOR_A + wrong - 1U) : REASON_NONE);
 }

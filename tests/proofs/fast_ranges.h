@@ -14,6 +14,7 @@
 #include "proof.h"
 #include "reference_prefilter.h"
 #include "sense.h"
+#include "sensor_isolation.h"
 #include "transforms.h"
 #include "vectors.h"
 
@@ -158,15 +159,28 @@ static inline bool codes_hold(const uint16_t codes[SENSE_PHASES])
     return codes[0] <= SENSE_CODE_MAX && codes[1] <= SENSE_CODE_MAX && codes[2] <= SENSE_CODE_MAX;
 }
 
+static inline bool agreement_holds(const agreement_t *agreement, int32_t enough_periods)
+{
+    return within(agreement->periods, 0, enough_periods) &&
+           within(agreement->turned, -65536, 65536);
+}
+
+/* agrees_periods: 20 ms at 4 .. 100 kHz. */
 static inline bool isolation_holds(const sensor_isolation_t *state)
 {
-    return within(state->suspect_pu, 0, 8191) &&
-           state->suspect_range_pu == (uint32_t)(2 * state->suspect_pu) &&
+    const bool every = state->suspect_pu == SENSOR_ISOLATION_EVERY_SUM_PU;
+    return (every || within(state->suspect_pu, 0, 8191)) &&
+           state->suspect_range_pu == (every ? 0U : (uint32_t)(2 * state->suspect_pu)) &&
            within(state->implausible_pu, 16, 32767) && within(state->removed_share_q15, 0, 8192) &&
            within(state->l_q_over_l_d_q10, 0, 16384) && within(state->l_d_over_l_q_q10, 0, 16384) &&
            vector_holds(state->predicted_pu, 65536) && vector_holds(state->change_pu, 1 << 24) &&
            within(state->begin_sum_pu, -MOST_READING_SUM_PU, MOST_READING_SUM_PU) &&
-           state->answer <= SENSE_PHASES && state->phase <= SENSE_PHASES;
+           state->answer <= SENSE_PHASES && state->phase <= SENSE_PHASES &&
+           within(state->agrees_periods, 80, 2000) &&
+           within(state->proof_periods, state->agrees_periods,
+                  SENSOR_ISOLATION_QUIET_MS / SENSOR_ISOLATION_AGREES_MS * state->agrees_periods) &&
+           agreement_holds(&state->returned, state->agrees_periods) &&
+           agreement_holds(&state->proved, state->proof_periods);
 }
 
 /* Current references before the one in use lie in the circle; with the changes that count as zero

@@ -245,6 +245,21 @@ static void sensor_isolation_examine_by_contract(foc_period_t *period,
 }
 #define sensor_isolation_examine sensor_isolation_examine_by_contract
 
+ab16_t sensor_isolation_idle(foc_current_state_t *current, const uint16_t codes[SENSE_PHASES],
+                             sense_out_t sensed, const foc_period_t *period)
+{
+    sensor_isolation_t any_state;
+    (void)period;
+    PROVE(sense_holds(&current->sense) && codes_hold(codes));
+    PROVE(isolation_holds(&current->isolation));
+    PROVE(pair_holds(sensed.i.v));
+    PROVE(within(sensed.sum_pu, -MOST_READING_SUM_PU, MOST_READING_SUM_PU));
+    ASSUME(isolation_holds(&any_state));
+    current->isolation = any_state;
+    const ab16_t out = {.v = any_pair()};
+    return out;
+}
+
 void sensor_isolation_acknowledge(sensor_isolation_t *state)
 {
     sensor_isolation_t any_state;

@@ -82,6 +82,12 @@ void prove_sensor_isolation(void)
     sensor_isolation_examine(&period, codes, &current,
                              any_within(-MOST_READING_SUM_PU, MOST_READING_SUM_PU));
     PROVE(pair_holds(period.i_ab_pu.v) && isolation_holds(state));
+    const sense_out_t sensed = {
+        .i = {.v = any_pair()},
+        .sum_pu = any_within(-MOST_READING_SUM_PU, MOST_READING_SUM_PU),
+    };
+    PROVE(pair_holds(sensor_isolation_idle(&current, codes, sensed, &period).v));
+    PROVE(isolation_holds(state));
     sensor_isolation_acknowledge(state);
     PROVE(isolation_holds(state));
     PROOF_END();

@@ -78,7 +78,7 @@ BUDGETS = (
 )
 SLOW_BUDGET = Budget("cortex-m4", SLOW_STEP, 12500, max_at_most=18000)
 """Of each configuration, in every state of the envelope."""
-LOOP_BYTES_AT_MOST = 3072
+LOOP_BYTES_AT_MOST = 3584
 REFERENCE_GCC = 12
 OTHER_GCC_SHARE = 1.05
 """The goals are those of the reference release; another one may need a twentieth more."""

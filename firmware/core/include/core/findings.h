@@ -97,12 +97,12 @@ typedef enum { FINDING_REACTION_LIST(FINDING_REACTION_ENUM) } finding_reaction_t
       MS(1000), NONE, OFF)                                                                         \
     X(SWITCH_HOT, SWITCH_OVERTEMPERATURE, MEASURED, FIELD(monitor, sensor_fault_time_ms),          \
       MS(1000), NONE, OFF)                                                                         \
-    X(CURRENT_A, CURRENT_SENSOR_A, EXCEPTION, OWN("2 PWM periods"), OWN("at restart"), BATTERY,    \
-      LIMIT)                                                                                       \
-    X(CURRENT_B, CURRENT_SENSOR_B, EXCEPTION, OWN("2 PWM periods"), OWN("at restart"), BATTERY,    \
-      LIMIT)                                                                                       \
-    X(CURRENT_C, CURRENT_SENSOR_C, EXCEPTION, OWN("2 PWM periods"), OWN("at restart"), BATTERY,    \
-      LIMIT)                                                                                       \
+    X(CURRENT_A, CURRENT_SENSOR_A, EXCEPTION, OWN("2 PWM periods"), OWN("20 ms and more"),         \
+      BATTERY, LIMIT)                                                                              \
+    X(CURRENT_B, CURRENT_SENSOR_B, EXCEPTION, OWN("2 PWM periods"), OWN("20 ms and more"),         \
+      BATTERY, LIMIT)                                                                              \
+    X(CURRENT_C, CURRENT_SENSOR_C, EXCEPTION, OWN("2 PWM periods"), OWN("20 ms and more"),         \
+      BATTERY, LIMIT)                                                                              \
     X(WINDING_THERMISTOR, WINDING_SENSOR, MEASURED, FIELD(monitor, sensor_fault_time_ms),          \
       MS(1000), BATTERY, NONE)                                                                     \
     X(SWITCH_THERMISTOR, SWITCH_SENSOR, MEASURED, FIELD(monitor, sensor_fault_time_ms),            \

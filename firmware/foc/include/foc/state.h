@@ -117,10 +117,16 @@ typedef struct {
     int32_t sensor; /* config.rotor.sensor */
 } rotor_state_t;
 
+/* sensor_isolation.h: periods in which the named sensor agrees with the other two */
+typedef struct {
+    int32_t periods; /* up to as many as are enough */
+    int32_t turned;  /* electrical angle in them, up to a turn either way */
+} agreement_t;
+
 /* sensor_isolation.h */
 typedef struct {
-    int32_t suspect_pu;        /* |sum| that is examined; 0: every sum, while a sensor is named */
-    uint32_t suspect_range_pu; /* twice that */
+    int32_t suspect_pu; /* |sum| that is examined; beyond every sum while a sensor is named */
+    uint32_t suspect_range_pu; /* twice that; 0 while a sensor is named, which examines every sum */
     int32_t implausible_pu;    /* |sum| that no healthy sensors make */
     int32_t removed_share_q15; /* of a current error by one period's voltage, a (1 - a) */
     int32_t l_q_over_l_d_q10, l_d_over_l_q_q10;
@@ -132,8 +138,18 @@ typedef struct {
     uint16_t agreeing;    /* consecutive implausible sums with the same answer */
     uint16_t unknown;     /* consecutive implausible sums without, wrapping */
     uint8_t answer;       /* the latest: phase, or SENSE_PHASES */
-    uint8_t phase;     /* whose sensor is named, reconstructed at all times; SENSE_PHASES: none */
-    bool undetermined; /* an implausible sum that no single sensor explains */
+    uint8_t phase;        /* whose sensor is named, reconstructed; SENSE_PHASES: none */
+    bool undetermined;    /* an implausible sum that no single sensor explains */
+    /* Of the named sensor. */
+    bool may_return;        /* its return counts: it was wrong for no longer than a glitch */
+    uint8_t signs;          /* of the current in `proved`: 1 negative, 2 positive, 3 both */
+    uint16_t theta_turn;    /* at the latest sample */
+    uint32_t named_step;    /* step_count when it was named */
+    uint32_t used_step;     /* step_count when a sensor was last used again */
+    agreement_t returned;   /* since they have disagreed last */
+    agreement_t proved;     /* of these, with much current in its phase */
+    int32_t agrees_periods; /* are enough to have returned: 20 ms */
+    int32_t proof_periods;  /* are enough to be used again: as many, or more after each return */
 } sensor_isolation_t;
 
 /* frozen_currents.h */

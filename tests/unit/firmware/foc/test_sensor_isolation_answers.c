@@ -142,8 +142,10 @@ void test_two_answers_in_a_row_that_agree_name_a_sensor(void)
     TEST_ASSERT_FALSE(sensor_isolation_due(isolation, 1));
     explained(2);
     TEST_ASSERT_EQUAL_UINT8(3, sensor_isolation_named(isolation));
-    TEST_ASSERT_TRUE(sensor_isolation_due(isolation, 1)); /* every sum but zero is examined now */
-    TEST_ASSERT_FALSE(sensor_isolation_due(isolation, 0));
+    static const int32_t SUMS_PU[] = {-196608, -1, 0, 1, 196608}; /* every one is examined now */
+    for (int k = 0; k < 5; k++) {
+        TEST_ASSERT_TRUE(sensor_isolation_due(isolation, SUMS_PU[k]));
+    }
 }
 
 void test_the_eighth_unexplained_sum_in_a_row_is_undetermined_until_acknowledged(void)
@@ -162,6 +164,18 @@ void test_the_eighth_unexplained_sum_in_a_row_is_undetermined_until_acknowledged
         sensor_isolation_acknowledge(isolation);
     }
     TEST_ASSERT_EQUAL_UINT16(0, isolation->periods);
+}
+
+void test_a_name_in_time_determines_the_sum(void)
+{
+    for (int n = 1; n <= 8; n++) {
+        unexplained();
+    }
+    explained(2);
+    TEST_ASSERT_TRUE(isolation->undetermined);
+    explained(2);
+    TEST_ASSERT_FALSE(isolation->undetermined);
+    TEST_ASSERT_EQUAL_UINT8(3, sensor_isolation_named(isolation));
 }
 
 /* A period without a suspect sum is between them. */

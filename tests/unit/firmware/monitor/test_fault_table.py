@@ -21,7 +21,7 @@ BEGIN, END = (
     "<!-- end -->",
 )
 WORDS = re.compile(
-    r"at once|never|at calibration|at restart|a speed error|a window of charge|torque ramp"
+    r"at once|never|at calibration|a speed error|a window of charge|torque ramp"
     r"|\d+ (ms|PWM periods?)( and more)?|\d+ to \d+ ms"
 )
 TIMES = ("_ms", "_periods")

@@ -165,12 +165,25 @@ void test_sum_at_the_end_of_the_range_is_exact(void)
     }
 }
 
-void test_a_sum_whose_sensor_has_a_name_is_no_fault_either_way(void)
+/* The fast loop calls a sum undetermined beside a named sensor if another one is wrong as well. */
+void test_an_undetermined_sum_is_a_fault_whether_a_sensor_has_a_name_or_not(void)
 {
-    in.report.current_undetermined = true;
+    for (uint8_t wrong = 0; wrong <= 3; wrong++) {
+        in.report.wrong_current_sensor = wrong;
+        in.report.current_undetermined = false;
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, run(100).fault);
+        in.report.current_undetermined = true;
+        TEST_ASSERT_EQUAL_INT(REASON_CURRENT_SUM, step().fault);
+    }
+}
+
+void test_a_sum_is_a_fault_again_once_its_sensor_has_no_name_any_more(void)
+{
+    in.report.current_sum_pu = config.monitor.current_sum_pu_q15 + 1;
     in.report.wrong_current_sensor = 2;
     TEST_ASSERT_EQUAL_INT(REASON_NONE, run(100).fault);
     in.report.wrong_current_sensor = 0;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(config.monitor.sensor_fault_time_ms - 1).fault);
     TEST_ASSERT_EQUAL_INT(REASON_CURRENT_SUM, step().fault);
 }
 
