@@ -200,8 +200,8 @@
       "series resistance of the pack times driven_wheels: voltage per ampere of one motor when " \
       "all motors take the same; 0: not counted, the fold-back then overshoots its line") \
     X(current_filter_ms,                     0,         10000,      "ms", \
-      "longest time constant of the current that the management reports: sensors of the motor are " \
-      "compared with it over eight times this; counts only where it reports one; default 2 s") \
+      "longest time constant of the current that the management reports: sensors of the motor " \
+      "are compared with it over eight times this; counts only where it reports one; default 2 s") \
     X(overvoltage_trip_mV,                   1000,      2000000,    "mV", \
       "bridge goes to its safe state") \
     X(undervoltage_trip_mV,                  500,       2000000,    "mV", \
