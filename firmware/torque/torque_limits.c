@@ -74,17 +74,6 @@ torque_limits_classes_t torque_limits_classes(const limit_t braking[TORQUE_LINE_
     return out;
 }
 
-torque_limits_classes_t torque_limits_beyond_strategy(const limit_t braking[TORQUE_LINE_COUNT])
-{
-    torque_limits_classes_t out = {.hard_mNm = FEASIBLE_UNBOUNDED,
-                                   .deferrable_mNm = FEASIBLE_UNBOUNDED};
-    for (torque_line_t line = 0; line < TORQUE_LINE_CURRENT_GAIN; line++) {
-        sort_line(&out, line, torque_limits_deferrable(line), braking[line].torque_mNm);
-    }
-    out.hard_mNm = q_min(out.hard_mNm, braking[TORQUE_LINE_ABS].torque_mNm);
-    return out;
-}
-
 torque_line_t torque_limits_tightest_line(const limit_t lines[TORQUE_LINE_COUNT])
 {
     torque_line_t out = (torque_line_t)0;

@@ -409,15 +409,6 @@ POST(torque_limits_classes, some(i, TORQUE_LINE_COUNT, i != TORQUE_LINE_ELECTRIC
 POST(torque_limits_classes, !lines_hold(braking) || (result.hard_mNm >= 0 && result.deferrable_mNm
      >= 0))
 
-POST(torque_limits_beyond_strategy, every(i, TORQUE_LINE_LOSS_OPTIMUM, result.hard_mNm <=
-     braking[i].torque_mNm || result.deferrable_mNm <= braking[i].torque_mNm))
-POST(torque_limits_beyond_strategy, result.hard_mNm <= braking[TORQUE_LINE_ENABLE].torque_mNm &&
-     result.hard_mNm <= braking[TORQUE_LINE_ABS].torque_mNm && result.hard_mNm <=
-     braking[TORQUE_LINE_PHASE_CURRENT].torque_mNm && result.hard_mNm <=
-     braking[TORQUE_LINE_VOLTAGE].torque_mNm)
-POST(torque_limits_beyond_strategy, !lines_hold(braking) || (result.hard_mNm >= 0 &&
-     result.deferrable_mNm >= 0))
-
 POST(torque_limits_tightest_line, is_within((int)result, 0, TORQUE_LINE_COUNT - 1))
 POST(torque_limits_tightest_line, is_first_of_the_tightest(lines, TORQUE_LINE_COUNT, result))
 

@@ -125,9 +125,6 @@ typedef struct {
 
 torque_limits_classes_t torque_limits_classes(const limit_t braking[TORQUE_LINE_COUNT]);
 
-/* The same without the lines of the strategy, for a motor that makes up for a hydraulic brake. */
-torque_limits_classes_t torque_limits_beyond_strategy(const limit_t braking[TORQUE_LINE_COUNT]);
-
 /* The line of the tightest bound; on a tie the first. For display of the table. */
 torque_line_t torque_limits_tightest_line(const limit_t lines[TORQUE_LINE_COUNT]);
 

@@ -26,15 +26,6 @@ static bool is_hard(int line)
            line == TORQUE_LINE_ENABLE || line == TORQUE_LINE_ABS;
 }
 
-/* A strategy's share of the braking, or what is only inferred: a motor may exceed it for a
- * hydraulic brake. */
-static bool is_strategy(int line)
-{
-    return line == TORQUE_LINE_CURRENT_GAIN || line == TORQUE_LINE_LOSS_OPTIMUM ||
-           line == TORQUE_LINE_ELECTRIC_RATED || line == TORQUE_LINE_BLEND_OUT ||
-           line == TORQUE_LINE_ELECTRIC_SHARE;
-}
-
 void test_every_line_has_its_class(void)
 {
     for (int k = 0; k < TORQUE_LINE_COUNT; k++) {
@@ -56,10 +47,6 @@ void test_each_bound_is_in_one_class(void)
         const torque_limits_classes_t all = torque_limits_classes(lines);
         TEST_ASSERT_EQUAL_INT32(hard_mNm, all.hard_mNm);
         TEST_ASSERT_EQUAL_INT32(deferrable_mNm, all.deferrable_mNm);
-        const torque_limits_classes_t beyond = torque_limits_beyond_strategy(lines);
-        TEST_ASSERT_EQUAL_INT32(hard_mNm, beyond.hard_mNm);
-        TEST_ASSERT_EQUAL_INT32(is_strategy(k) ? FEASIBLE_UNBOUNDED : deferrable_mNm,
-                                beyond.deferrable_mNm);
     }
 }
 
