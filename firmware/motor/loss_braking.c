@@ -17,15 +17,15 @@ static int64_t square(int32_t x)
     return (int64_t)x * x;
 }
 
-loss_braking_t loss_braking_at(const feasible_set_t *set, feasible_returned_t returned,
+loss_braking_t loss_braking_at(const motor_model_t *model, feasible_returned_t returned,
                                int32_t share_q15)
 {
-    const motor_constants_t *k = set->model->constants;
+    const motor_constants_t *k = model->constants;
     const int32_t whole_b = k->current_most_b - (k->current_most_b >> CIRCLE_RESERVE_LOG2);
     const int32_t derated_b =
         share_q15 < Q15_ONE ? (int32_t)(((int64_t)whole_b * share_q15) >> 15) : whole_b;
     const loss_braking_t out = {
-        .current_b = set->model->config->brake.loss_braking != 0 ? derated_b : 0,
+        .current_b = model->config->brake.loss_braking != 0 ? derated_b : 0,
         .returned = returned,
         .by_map_mNm = FEASIBLE_UNBOUNDED,
     };

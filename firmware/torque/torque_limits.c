@@ -14,9 +14,17 @@ void torque_limits_init(torque_limits_state_t *state, torque_limits_t *table)
                                          .discharge = {.allowed_q24 = SCALED_ONE},
                                          .abs_hold_steps = 0};
     *state = fresh;
+    torque_limits_clear(table);
+}
+
+void torque_limits_clear(torque_limits_t *table)
+{
     const loss_braking_t no_losses = {.by_map_mNm = FEASIBLE_UNBOUNDED};
     table->losses = no_losses;
     table->drawn_b = 0;
+    table->least_winding_mNm = 0;
+    table->least_switch_mNm = 0;
+    table->current_missing_q15 = 0;
     for (torque_line_t line = 0; line < TORQUE_LINE_COUNT; line++) {
         table->driving[line] = limit_init(FEASIBLE_UNBOUNDED, REASON_NONE);
         table->braking[line] = table->driving[line];
@@ -26,7 +34,7 @@ void torque_limits_init(torque_limits_state_t *state, torque_limits_t *table)
 bool torque_limits_deferrable(torque_line_t line)
 {
     static const bool DEFERRABLE[TORQUE_LINE_COUNT] = {
-#define TORQUE_LINE_CLASS(name, deferrable, ahead) [TORQUE_LINE_##name] = (deferrable),
+#define TORQUE_LINE_CLASS(name, deferrable) [TORQUE_LINE_##name] = (deferrable),
         TORQUE_LINES(TORQUE_LINE_CLASS)
 #undef TORQUE_LINE_CLASS
     };
@@ -67,7 +75,7 @@ torque_limits_classes_t torque_limits_classes(const limit_t braking[TORQUE_LINE_
 {
     torque_limits_classes_t out = {.hard_mNm = FEASIBLE_UNBOUNDED,
                                    .deferrable_mNm = FEASIBLE_UNBOUNDED};
-#define TORQUE_LINE_SORT(name, deferrable, ahead)                                                  \
+#define TORQUE_LINE_SORT(name, deferrable)                                                         \
     sort_line(&out, TORQUE_LINE_##name, (deferrable), braking[TORQUE_LINE_##name].torque_mNm);
     TORQUE_LINES(TORQUE_LINE_SORT)
 #undef TORQUE_LINE_SORT
@@ -88,7 +96,7 @@ torque_line_t torque_limits_tightest_line(const limit_t lines[TORQUE_LINE_COUNT]
 const char *torque_limits_line_text(torque_line_t line)
 {
     static const char *const TEXTS[TORQUE_LINE_COUNT] = {
-#define TORQUE_LINE_TEXT(name, deferrable, ahead) [TORQUE_LINE_##name] = #name,
+#define TORQUE_LINE_TEXT(name, deferrable) [TORQUE_LINE_##name] = #name,
         TORQUE_LINES(TORQUE_LINE_TEXT)
 #undef TORQUE_LINE_TEXT
     };
@@ -210,90 +218,6 @@ limit_t torque_limits_braking_hot(limit_t driving, int32_t least_mNm)
     return limit_init(q_max(driving.torque_mNm, least_mNm), driving.reason);
 }
 
-/* Lines of which only the temperatures differ for driving and braking. */
-static int32_t common_lines(torque_limits_t *out, const config_t *config,
-                            const motor_model_t *model, const measured_t *now)
-{
-    const config_motor_t *motor = &config->motor;
-    limit_t *line = out->driving;
-    line[TORQUE_LINE_MAX_TORQUE] = limit_init(motor->max_torque_mNm, REASON_MAX_TORQUE);
-    line[TORQUE_LINE_MAX_POWER] =
-        limit_init(power_torque_mNm(config, q_abs(model->speed_mrad_s)), REASON_MAX_POWER);
-    const int32_t winding_q15 = winding_share_q15(config, model->winding_temperature_cC);
-    const int32_t switch_q15 = switch_share_q15(config, now->switch_temperature_cC);
-    line[TORQUE_LINE_WINDING] = share_line(config, winding_q15, REASON_WINDING_TEMPERATURE);
-    line[TORQUE_LINE_SWITCH] = share_line(config, switch_q15, REASON_SWITCH_TEMPERATURE);
-    line[TORQUE_LINE_ROTOR] =
-        limit_init(now->angle_valid ? FEASIBLE_UNBOUNDED : 0, REASON_ROTOR_UNCERTAIN);
-    limit_t *braking = out->braking;
-    braking[TORQUE_LINE_MAX_TORQUE] = line[TORQUE_LINE_MAX_TORQUE];
-    braking[TORQUE_LINE_MAX_POWER] = line[TORQUE_LINE_MAX_POWER];
-    out->least_winding_mNm = least_hot_mNm(model, now->winding_lasting_mA,
-                                           torque_limits_winding(config, now->sensed.winding_cC));
-    out->least_switch_mNm = least_hot_mNm(model, now->switch_lasting_mA,
-                                          torque_limits_switch(config, now->sensed.switch_cC));
-    braking[TORQUE_LINE_WINDING] =
-        torque_limits_braking_hot(line[TORQUE_LINE_WINDING], out->least_winding_mNm);
-    braking[TORQUE_LINE_SWITCH] =
-        torque_limits_braking_hot(line[TORQUE_LINE_SWITCH], out->least_switch_mNm);
-    braking[TORQUE_LINE_ROTOR] = line[TORQUE_LINE_ROTOR];
-    return q_min(winding_q15, switch_q15);
-}
-
-static feasible_returned_t returned_at(const motor_model_t *model, int32_t current_mA,
-                                       int32_t margin_mA, int32_t bus_mV)
-{
-    const feasible_returned_t out = {
-        .power_b = feasible_power_b(model, current_mA, bus_mV),
-        .margin_b = feasible_power_b(model, margin_mA, bus_mV),
-    };
-    return out;
-}
-
-static void solve_ends(limit_t *line, feasible_side_t *side, feasible_circle_t *circle)
-{
-    const feasible_bounds_t ends = feasible_by_voltage_and_current(side, circle);
-    line[TORQUE_LINE_PHASE_CURRENT] = limit_init(ends.current_mNm, REASON_PHASE_CURRENT);
-    line[TORQUE_LINE_VOLTAGE] = limit_init(ends.voltage_mNm, REASON_VOLTAGE);
-}
-
-static void solve_returned(torque_limits_t *out, const feasible_side_t *side,
-                           const battery_limit_t *charge, int32_t bus_mV)
-{
-    limit_t *line = out->braking;
-    const int32_t by_map_mNm = feasible_by_returned_mNm(side, out->losses.returned);
-    line[TORQUE_LINE_RETURNED] =
-        limit_init(loss_braking_torque_mNm(side, &out->losses, by_map_mNm), charge->reason);
-    line[TORQUE_LINE_RETURNED_PEAK] = line[TORQUE_LINE_RETURNED];
-    if (charge->peak_mA != charge->current_mA) {
-        const feasible_returned_t peak =
-            returned_at(side->set->model, charge->peak_mA, charge->peak_margin_mA, bus_mV);
-        const int32_t most_mNm = feasible_by_returned_mNm(side, peak);
-        line[TORQUE_LINE_RETURNED_PEAK] =
-            limit_init(q_max(most_mNm, line[TORQUE_LINE_RETURNED].torque_mNm), charge->peak_reason);
-    }
-}
-
-static void feasible_lines(torque_limits_t *out, const feasible_set_t *set,
-                           const battery_limit_t *discharge, const battery_limit_t *charge,
-                           int32_t bus_mV)
-{
-    const int32_t cap_mNm = q_min(out->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm,
-                                  out->driving[TORQUE_LINE_MAX_POWER].torque_mNm);
-    feasible_circle_t circle = {.known = false};
-    static const side_t SIDES[2] = {SIDE_DRIVING, SIDE_BRAKING};
-    for (int k = 0; k < 2; k++) {
-        limit_t *line = SIDES[k] == SIDE_DRIVING ? out->driving : out->braking;
-        feasible_side_t side = feasible_side_at(set, SIDES[k], cap_mNm);
-        solve_ends(line, &side, &circle);
-        line[TORQUE_LINE_DRAWN] =
-            limit_init(feasible_by_drawn_mNm(&side, out->drawn_b), discharge->reason);
-        if (SIDES[k] == SIDE_BRAKING) {
-            solve_returned(out, &side, charge, bus_mV);
-        }
-    }
-}
-
 /* What a torque looks like where a share of the current is not seen. */
 static int32_t seen_mNm(int32_t torque_mNm, int32_t missing_q15)
 {
@@ -308,6 +232,22 @@ static limit_t gain_line(const limit_t *lines, int32_t missing_q15)
         const limit_t before = torque_limits_tightest(lines, 0, TORQUE_LINE_CURRENT_GAIN);
         out.torque_mNm = seen_mNm(before.torque_mNm, missing_q15);
     }
+    return out;
+}
+
+static void set_both(torque_limits_t *table, torque_line_t line, limit_t limit)
+{
+    table->driving[line] = limit;
+    table->braking[line] = limit;
+}
+
+static feasible_returned_t returned_at(const motor_model_t *model, int32_t current_mA,
+                                       int32_t margin_mA, int32_t bus_mV)
+{
+    const feasible_returned_t out = {
+        .power_b = feasible_power_b(model, current_mA, bus_mV),
+        .margin_b = feasible_power_b(model, margin_mA, bus_mV),
+    };
     return out;
 }
 
@@ -327,13 +267,17 @@ static limit_t faded(int32_t torque_mNm, int32_t share_q15, int32_t whole_mNm, r
                : limit_init(whole_mNm, reason);
 }
 
-limit_t torque_limits_blend_out(const config_t *config, int32_t speed_mrad_s)
+static limit_t blend_out_line(const config_t *config, int32_t share_q15)
 {
     const config_brake_t *brake = &config->brake;
     const bool series = brake->strategy == CONFIG_STRATEGY_SERIES_OPTIMAL;
     return faded(series ? config->motor.max_torque_mNm : brake->electric_rated_torque_mNm,
-                 blend_out_share_q15(brake, q_abs(speed_mrad_s)), FEASIBLE_UNBOUNDED,
-                 REASON_BLEND_OUT);
+                 share_q15, FEASIBLE_UNBOUNDED, REASON_BLEND_OUT);
+}
+
+limit_t torque_limits_blend_out(const config_t *config, int32_t speed_mrad_s)
+{
+    return blend_out_line(config, blend_out_share_q15(&config->brake, q_abs(speed_mrad_s)));
 }
 
 /* The lines of the strategy and their blend-out: a rating or a share is scaled; the loss optimum
@@ -349,7 +293,7 @@ void torque_limits_strategy(limit_t line[TORQUE_LINE_COUNT], const config_t *con
     const int32_t rated_mNm = brake->electric_rated_torque_mNm;
     line[TORQUE_LINE_ELECTRIC_RATED] =
         limit_init(series ? FEASIBLE_UNBOUNDED : rated_mNm, REASON_ELECTRIC_RATED);
-    line[TORQUE_LINE_BLEND_OUT] = torque_limits_blend_out(config, speed_mrad_s);
+    line[TORQUE_LINE_BLEND_OUT] = blend_out_line(config, share_q15);
     const int32_t part_mNm =
         q15_share_of(brake_torque_mNm, (int16_t)brake->parallel_electric_share_q15);
     line[TORQUE_LINE_ELECTRIC_SHARE] =
@@ -373,6 +317,82 @@ limit_t torque_limits_anti_lock(torque_limits_state_t *state, const config_t *co
     const int32_t left_mNm =
         q_scale(q_max(brake_torque_mNm, 0), state->abs_share_percent, WHOLE_PERCENT);
     return limit_init(left_mNm, REASON_ABS);
+}
+
+void torque_limits_plain(torque_limits_t *table, const motor_model_t *model,
+                         int32_t switch_temperature_cC, int32_t brake_torque_mNm)
+{
+    const config_t *config = model->config;
+    const int32_t winding_q15 = winding_share_q15(config, model->winding_temperature_cC);
+    const int32_t switch_q15 = switch_share_q15(config, switch_temperature_cC);
+    set_both(table, TORQUE_LINE_MAX_POWER,
+             limit_init(power_torque_mNm(config, q_abs(model->speed_mrad_s)), REASON_MAX_POWER));
+    const limit_t winding = share_line(config, winding_q15, REASON_WINDING_TEMPERATURE);
+    const limit_t switches = share_line(config, switch_q15, REASON_SWITCH_TEMPERATURE);
+    table->driving[TORQUE_LINE_WINDING] = winding;
+    table->driving[TORQUE_LINE_SWITCH] = switches;
+    table->braking[TORQUE_LINE_WINDING] =
+        torque_limits_braking_hot(winding, table->least_winding_mNm);
+    table->braking[TORQUE_LINE_SWITCH] =
+        torque_limits_braking_hot(switches, table->least_switch_mNm);
+    table->driving[TORQUE_LINE_MAX_SPEED] = torque_limits_max_speed(config, model->speed_mrad_s);
+    const int32_t optimum_mNm =
+        loss_maps_torque_mNm(config, model->speed_mrad_s, model->winding_temperature_cC) +
+        scaled_shift(model->friction_b, -model->constants->torque_shift);
+    torque_limits_strategy(table->braking, config, model->speed_mrad_s,
+                           seen_mNm(optimum_mNm, table->current_missing_q15),
+                           q_max(brake_torque_mNm, 0));
+    table->losses = loss_braking_at(model, table->losses.returned, q_min(winding_q15, switch_q15));
+}
+
+feasible_side_t torque_limits_ends(torque_limits_t *table, const feasible_set_t *set, side_t sign,
+                                   feasible_circle_t *circle)
+{
+    const int32_t cap_mNm = q_min(table->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm,
+                                  table->driving[TORQUE_LINE_MAX_POWER].torque_mNm);
+    limit_t *line = sign == SIDE_DRIVING ? table->driving : table->braking;
+    feasible_side_t side = feasible_side_at(set, sign, cap_mNm);
+    const feasible_bounds_t ends = feasible_by_voltage_and_current(&side, circle);
+    line[TORQUE_LINE_PHASE_CURRENT] = limit_init(ends.current_mNm, REASON_PHASE_CURRENT);
+    line[TORQUE_LINE_VOLTAGE] = limit_init(ends.voltage_mNm, REASON_VOLTAGE);
+    return side;
+}
+
+void torque_limits_drawn(torque_limits_t *table, const feasible_side_t *side)
+{
+    limit_t *line = side->sign == (int32_t)SIDE_DRIVING ? table->driving : table->braking;
+    line[TORQUE_LINE_DRAWN].torque_mNm = feasible_by_drawn_mNm(side, table->drawn_b);
+}
+
+void torque_limits_returned(torque_limits_t *table, const feasible_side_t *side)
+{
+    limit_t *line = table->braking;
+    const int32_t by_map_mNm = feasible_by_returned_mNm(side, table->losses.returned);
+    line[TORQUE_LINE_RETURNED].torque_mNm =
+        loss_braking_torque_mNm(side, &table->losses, by_map_mNm);
+    line[TORQUE_LINE_RETURNED_PEAK] = line[TORQUE_LINE_RETURNED];
+}
+
+/* What the battery permits, in the table, for the parts that follow. */
+static void permit(torque_limits_t *table, const motor_model_t *model,
+                   const battery_limit_t *discharge, const battery_limit_t *charge, int32_t bus_mV)
+{
+    table->drawn_b = feasible_power_b(model, discharge->current_mA, bus_mV);
+    table->losses.returned = returned_at(model, charge->current_mA, charge->margin_mA, bus_mV);
+    table->driving[TORQUE_LINE_DRAWN].reason = discharge->reason;
+    table->braking[TORQUE_LINE_DRAWN].reason = discharge->reason;
+    table->braking[TORQUE_LINE_RETURNED].reason = charge->reason;
+}
+
+/* The short-time charge current, never less than the lasting one. */
+static void raise_peak(torque_limits_t *table, const feasible_side_t *side,
+                       const battery_limit_t *charge, int32_t bus_mV)
+{
+    const feasible_returned_t peak =
+        returned_at(side->set->model, charge->peak_mA, charge->peak_margin_mA, bus_mV);
+    const int32_t most_mNm = feasible_by_returned_mNm(side, peak);
+    table->braking[TORQUE_LINE_RETURNED_PEAK] = limit_init(
+        q_max(most_mNm, table->braking[TORQUE_LINE_RETURNED].torque_mNm), charge->peak_reason);
 }
 
 void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
@@ -402,24 +422,30 @@ void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
                       battery->max_voltage_mV - battery->foldback_voltage_mV,
                       battery->max_voltage_mV - highest_mV, -drawn_mA, CHARGE);
 
-    const int32_t derating_q15 = common_lines(table, config, model, now);
-    table->drawn_b = feasible_power_b(model, discharge.current_mA, bus_mV);
-    const loss_braking_t losses = loss_braking_at(
-        set, returned_at(model, charge.current_mA, charge.margin_mA, bus_mV), derating_q15);
-    table->losses.current_b = losses.current_b;
-    table->losses.returned = losses.returned;
-    feasible_lines(table, set, &discharge, &charge, bus_mV);
-    table->driving[TORQUE_LINE_MAX_SPEED] = torque_limits_max_speed(config, model->speed_mrad_s);
+    set_both(table, TORQUE_LINE_MAX_TORQUE,
+             limit_init(config->motor.max_torque_mNm, REASON_MAX_TORQUE));
+    permit(table, model, &discharge, &charge, bus_mV);
+    table->least_winding_mNm = least_hot_mNm(model, now->winding_lasting_mA,
+                                             torque_limits_winding(config, now->sensed.winding_cC));
+    table->least_switch_mNm = least_hot_mNm(model, now->switch_lasting_mA,
+                                            torque_limits_switch(config, now->sensed.switch_cC));
+    table->current_missing_q15 = in->current_missing_q15;
+    torque_limits_plain(table, model, now->switch_temperature_cC, in->brake_torque_mNm);
+    feasible_circle_t circle = {.known = false};
+    const feasible_side_t driving = torque_limits_ends(table, set, SIDE_DRIVING, &circle);
+    torque_limits_drawn(table, &driving);
+    const feasible_side_t braking = torque_limits_ends(table, set, SIDE_BRAKING, &circle);
+    torque_limits_drawn(table, &braking);
+    torque_limits_returned(table, &braking);
+    if (charge.peak_mA != charge.current_mA) {
+        raise_peak(table, &braking, &charge, bus_mV);
+    }
+    set_both(table, TORQUE_LINE_ROTOR,
+             limit_init(now->angle_valid ? FEASIBLE_UNBOUNDED : 0, REASON_ROTOR_UNCERTAIN));
     table->driving[TORQUE_LINE_ENABLE] = share_line(config, enable->drive_q15, enable->reason);
     table->braking[TORQUE_LINE_ENABLE] = share_line(config, enable->brake_q15, enable->reason);
     table->driving[TORQUE_LINE_CURRENT_GAIN] = gain_line(table->driving, in->current_missing_q15);
     table->braking[TORQUE_LINE_CURRENT_GAIN] = gain_line(table->braking, in->current_missing_q15);
-    const int32_t optimum_mNm =
-        loss_maps_torque_mNm(config, model->speed_mrad_s, model->winding_temperature_cC) +
-        scaled_shift(model->friction_b, -model->constants->torque_shift);
-    torque_limits_strategy(table->braking, config, model->speed_mrad_s,
-                           seen_mNm(optimum_mNm, in->current_missing_q15),
-                           q_max(in->brake_torque_mNm, 0));
     table->braking[TORQUE_LINE_ABS] =
         torque_limits_anti_lock(state, config, &now->in->demand, in->brake_torque_mNm);
 }

@@ -56,7 +56,8 @@ HEAVY: tuple[str, ...] = (
 # their products and quotients of 64 bits are too hard for the solvers (SOUNDNESS.md, Values only).
 VALUES: dict[str, tuple[str, ...]] = {
     "torque_steps": (
-        "torque_limits_step", "current_setpoint_step", "brake_blending_step",
+        "torque_limits_step", "torque_limits_plain", "torque_limits_ends", "torque_limits_drawn",
+        "torque_limits_returned", "current_setpoint_step", "brake_blending_step",
         "brake_blending_report", "torque_step", "torque_limits_of",
     ),
     "monitor_whole": ("monitor_step",),
@@ -131,8 +132,11 @@ POINTEES = {
     "feasible_set_t": {"model": "motor_model_t"},
     "feasible_side_t": {"set": "feasible_set_t"},
     "recorder_t": {"memory": "recorder_memory_t"},
-    "measured_t": {"report": "fast_report_t", "in": "slow_input_t",
-                   "battery": "battery_limits_t"},  # fmt: skip
+    "measured_t": {
+        "report": "fast_report_t",
+        "in": "slow_input_t",
+        "battery": "battery_limits_t",
+    },
 }
 CHECKS = (
     "--signed-overflow-check",

@@ -62,10 +62,9 @@
      every(k, TORQUE_LINE_COUNT, k >= (line) || (lines)[k].torque_mNm > (most_mNm)))
 
 #define ahead_holds(s)                                                                             \
-    (lines_hold((s)->driving_lines) && lines_hold((s)->braking_lines) &&                           \
-     (s)->expected.brake_torque_mNm >= 0 && (s)->now.driving.torque_mNm >= 0 &&                    \
-     (s)->now.braking.torque_mNm >= 0 && (s)->ahead.driving.torque_mNm >= 0 &&                     \
-     (s)->ahead.braking.torque_mNm >= 0)
+    (lines_hold((s)->table.driving) && lines_hold((s)->table.braking) &&                           \
+     (s)->now.driving.torque_mNm >= 0 && (s)->now.braking.torque_mNm >= 0 &&                       \
+     (s)->ahead.driving.torque_mNm >= 0 && (s)->ahead.braking.torque_mNm >= 0)
 
 /* A low-pass of values below 2^23, and a magnitude. */
 #define road_holds(s)                                                                              \

@@ -83,9 +83,8 @@ PLANTED = (
                  "int32_t d_b = q_limit(map_b, m->constants->current_most_b)",
                  "int32_t d_b = map_b"),
     PlantedError("available_ahead_step", "torque/available_ahead.c",
-                 "limit_init(returned ? q_max(then_mNm, losses->torque_mNm) : then_mNm, "
-                 "now[line].reason)",
-                 "(limit_t){.torque_mNm = then_mNm}"),
+                 "(state->step + 1U) % AVAILABLE_AHEAD_ROUND_steps;",
+                 "(state->step + 1U) % (AVAILABLE_AHEAD_ROUND_steps + 1U);"),
     PlantedError("torque_step", "torque/torque.c",
                  "q_max(q_max(hydraulic_mNm, own_path_mNm) - split.hydraulic_mNm, 0)",
                  "q_max(hydraulic_mNm, own_path_mNm) - split.hydraulic_mNm - 1"),

@@ -96,7 +96,7 @@ POST(feasible_point, set->model->flux_b < 4 || set->model->constants->torque_inv
      set->model->x_per_airgap_q23 < 0 || (airgap_b >= 0 ? result.x_b >= 0 : result.x_b <= 0))
 
 /* motor/loss_braking.h */
-POST(loss_braking_at, set->model->config->brake.loss_braking != 0 || result.current_b == 0)
+POST(loss_braking_at, model->config->brake.loss_braking != 0 || result.current_b == 0)
 POST(loss_braking_at, result.by_map_mNm == FEASIBLE_UNBOUNDED && result.torque_mNm == 0 &&
      result.returned.power_b == returned.power_b && result.returned.margin_b == returned.margin_b)
 

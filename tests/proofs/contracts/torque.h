@@ -9,12 +9,10 @@
 /* torque/available_ahead.h */
 POST(available_ahead_init, state->now.driving.torque_mNm == 0 && state->now.braking.torque_mNm == 0
      && state->ahead.driving.torque_mNm == 0 && state->ahead.braking.torque_mNm == 0)
-POST(available_ahead_init, every(i, TORQUE_LINE_COUNT, state->driving_lines[i].torque_mNm ==
-     FEASIBLE_UNBOUNDED && state->braking_lines[i].torque_mNm == FEASIBLE_UNBOUNDED))
-POST(available_ahead_init, every(i, AVAILABLE_SLOPED_LINES, !state->driving[i].known &&
-     !state->braking[i].known))
-POST(available_ahead_init, state->step == 0 && !state->speed.known && !state->voltage.known)
-POST(available_ahead_init, state->expected.brake_torque_mNm == 0)
+POST(available_ahead_init, every(i, TORQUE_LINE_COUNT, state->table.driving[i].torque_mNm ==
+     FEASIBLE_UNBOUNDED && state->table.braking[i].torque_mNm == FEASIBLE_UNBOUNDED))
+POST(available_ahead_init, state->step == 0 && !state->speed.known && !state->voltage.known &&
+     !state->returned.known && !state->drawn.known)
 
 PRE(available_ahead_step, motor_constants_hold(motor) && derating_relations_hold(config))
 PRE(available_ahead_step, lines_hold(limits->driving) && lines_hold(limits->braking) &&
@@ -318,6 +316,49 @@ POST(torque_limits_step, !now->in->demand.abs_active || table->braking[TORQUE_LI
 POST(torque_limits_step, q_abs(set->model->speed_mrad_s) >
      set->model->config->brake.blend_out_end_mrad_s ||
      table->braking[TORQUE_LINE_BLEND_OUT].torque_mNm == 0)
+
+POST(torque_limits_clear, every(i, TORQUE_LINE_COUNT, table->driving[i].torque_mNm ==
+     FEASIBLE_UNBOUNDED && table->braking[i].torque_mNm == FEASIBLE_UNBOUNDED))
+POST(torque_limits_clear, table->drawn_b == 0)
+
+PRE(torque_limits_plain, model_shifts_hold(model->constants) && table_holds(table))
+POST(torque_limits_plain, table_holds(table) && table->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm ==
+     old(table->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm) &&
+     table->braking[TORQUE_LINE_MAX_TORQUE].torque_mNm ==
+     old(table->braking[TORQUE_LINE_MAX_TORQUE].torque_mNm))
+POST(torque_limits_plain, q_abs(model->speed_mrad_s) > model->config->brake.blend_out_end_mrad_s ||
+     table->braking[TORQUE_LINE_BLEND_OUT].torque_mNm == 0)
+
+PRE(torque_limits_ends, model_shifts_hold(set->model->constants) && is_a_sign((int32_t)sign) &&
+     table_holds(table))
+POST(torque_limits_ends, result.set == set && result.sign == (int32_t)sign)
+POST(torque_limits_ends, table_holds(table) && table->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm ==
+     old(table->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm) &&
+     table->braking[TORQUE_LINE_MAX_TORQUE].torque_mNm ==
+     old(table->braking[TORQUE_LINE_MAX_TORQUE].torque_mNm))
+POST(torque_limits_ends, table->braking[TORQUE_LINE_BLEND_OUT].torque_mNm ==
+     old(table->braking[TORQUE_LINE_BLEND_OUT].torque_mNm))
+
+PRE(torque_limits_drawn, model_shifts_hold(side->set->model->constants) && is_a_sign(side->sign) &&
+     table_holds(table))
+POST(torque_limits_drawn, table_holds(table) && table->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm ==
+     old(table->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm) &&
+     table->braking[TORQUE_LINE_MAX_TORQUE].torque_mNm ==
+     old(table->braking[TORQUE_LINE_MAX_TORQUE].torque_mNm))
+POST(torque_limits_drawn, table->braking[TORQUE_LINE_BLEND_OUT].torque_mNm ==
+     old(table->braking[TORQUE_LINE_BLEND_OUT].torque_mNm))
+
+PRE(torque_limits_returned, model_shifts_hold(side->set->model->constants) && is_a_sign(side->sign)
+     && table_holds(table))
+POST(torque_limits_returned, table_holds(table) &&
+     table->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm ==
+     old(table->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm) &&
+     table->braking[TORQUE_LINE_MAX_TORQUE].torque_mNm ==
+     old(table->braking[TORQUE_LINE_MAX_TORQUE].torque_mNm))
+POST(torque_limits_returned, table->braking[TORQUE_LINE_BLEND_OUT].torque_mNm ==
+     old(table->braking[TORQUE_LINE_BLEND_OUT].torque_mNm))
+POST(torque_limits_returned, table->braking[TORQUE_LINE_RETURNED_PEAK].torque_mNm ==
+     table->braking[TORQUE_LINE_RETURNED].torque_mNm)
 
 PRE(torque_limits_strategy, brake_torque_mNm >= 0 && lines_hold(line))
 POST(torque_limits_strategy, lines_hold(line))

@@ -27,7 +27,7 @@ typedef struct {
 } loss_braking_t;
 
 /* share_q15: derating of winding and switches, 32 767 = none. */
-loss_braking_t loss_braking_at(const feasible_set_t *set, feasible_returned_t returned,
+loss_braking_t loss_braking_at(const motor_model_t *model, feasible_returned_t returned,
                                int32_t share_q15);
 
 /* Largest braking torque, mN m: the one that returns nothing on the current circle, or by_map_mNm,

@@ -21,29 +21,28 @@
 #include "torque/foldback.h"
 #include "torque/limit.h"
 
-/* X(identifier, deferrable: transferred to the hydraulic brake as fast as its torque rises, what it
- * is taken for 300 ms later: its present bound, or what available_ahead expects of it) */
+/* X(identifier, deferrable: transferred to the hydraulic brake as fast as its torque rises) */
 #define TORQUE_LINES(X)                                                                            \
-    X(MAX_TORQUE, false, PRESENT)                                                                  \
-    X(MAX_POWER, false, EXPECTED)                                                                  \
-    X(PHASE_CURRENT, false, EXPECTED)                                                              \
-    X(VOLTAGE, false, EXPECTED)                                                                    \
-    X(DRAWN, true, EXPECTED)                                                                       \
-    X(RETURNED, true, EXPECTED)                                                                    \
-    X(RETURNED_PEAK, false, EXPECTED)                                                              \
-    X(MAX_SPEED, true, EXPECTED)                                                                   \
-    X(WINDING, true, EXPECTED)                                                                     \
-    X(SWITCH, true, EXPECTED)                                                                      \
-    X(ROTOR, false, PRESENT)                                                                       \
-    X(ENABLE, false, PRESENT)                                                                      \
-    X(CURRENT_GAIN, true, PRESENT)                                                                 \
-    X(LOSS_OPTIMUM, true, EXPECTED)                                                                \
-    X(ELECTRIC_RATED, true, EXPECTED)                                                              \
-    X(BLEND_OUT, true, EXPECTED)                                                                   \
-    X(ELECTRIC_SHARE, true, EXPECTED)                                                              \
-    X(ABS, false, PRESENT)
+    X(MAX_TORQUE, false)                                                                           \
+    X(MAX_POWER, false)                                                                            \
+    X(PHASE_CURRENT, false)                                                                        \
+    X(VOLTAGE, false)                                                                              \
+    X(DRAWN, true)                                                                                 \
+    X(RETURNED, true)                                                                              \
+    X(RETURNED_PEAK, false)                                                                        \
+    X(MAX_SPEED, true)                                                                             \
+    X(WINDING, true)                                                                               \
+    X(SWITCH, true)                                                                                \
+    X(ROTOR, false)                                                                                \
+    X(ENABLE, false)                                                                               \
+    X(CURRENT_GAIN, true)                                                                          \
+    X(LOSS_OPTIMUM, true)                                                                          \
+    X(ELECTRIC_RATED, true)                                                                        \
+    X(BLEND_OUT, true)                                                                             \
+    X(ELECTRIC_SHARE, true)                                                                        \
+    X(ABS, false)
 
-#define TORQUE_LINE_ENUM(name, deferrable, ahead) TORQUE_LINE_##name,
+#define TORQUE_LINE_ENUM(name, deferrable) TORQUE_LINE_##name,
 typedef enum { TORQUE_LINES(TORQUE_LINE_ENUM) TORQUE_LINE_COUNT } torque_line_t;
 #undef TORQUE_LINE_ENUM
 
@@ -71,10 +70,14 @@ typedef struct {
     int32_t drawn_b;                             /* feasible_power_b() of the discharge current */
     int32_t least_winding_mNm, least_switch_mNm; /* the lines WINDING and SWITCH fall no lower,
                                                     braking, while only an estimate is hot */
+    int32_t current_missing_q15;                 /* torque_limits_input_t */
 } torque_limits_t;
 
 /* No bounds, whole battery currents. */
 void torque_limits_init(torque_limits_state_t *state, torque_limits_t *table);
+
+/* A table without bounds. */
+void torque_limits_clear(torque_limits_t *table);
 
 /* Slow loop, once per step. now: bus voltage (clamped to 0 .. twice the over-voltage trip),
  * temperatures and the battery's limits, of any value. table: from torque_limits_init(); all lines
@@ -83,6 +86,28 @@ void torque_limits_init(torque_limits_state_t *state, torque_limits_t *table);
 void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
                         const measured_t *now, const torque_enable_t *enable,
                         const torque_limits_input_t *in, torque_limits_t *table);
+
+/* ---- the table as a function ----
+ * Its parts in the order of a step, for this step and for a later one (available_ahead.h): of the
+ * motor at a speed, winding temperature and voltage, and of what the table holds: of a battery
+ * drawn_b, losses.returned, and the reasons of DRAWN and RETURNED; least_winding_mNm,
+ * least_switch_mNm, current_missing_q15. */
+
+/* MAX_POWER, MAX_SPEED, WINDING, SWITCH and the lines of the strategy; the current of the losses.
+ */
+void torque_limits_plain(torque_limits_t *table, const motor_model_t *model,
+                         int32_t switch_temperature_cC, int32_t brake_torque_mNm);
+
+/* PHASE_CURRENT and VOLTAGE of a side, up to MAX_TORQUE and MAX_POWER. circle: one for both sides
+ * of a set. Returns the side up to the tightest of the four. */
+feasible_side_t torque_limits_ends(torque_limits_t *table, const feasible_set_t *set, side_t sign,
+                                   feasible_circle_t *circle);
+
+/* DRAWN of a side of torque_limits_ends(). */
+void torque_limits_drawn(torque_limits_t *table, const feasible_side_t *side);
+
+/* RETURNED of its braking side, and RETURNED_PEAK like it. */
+void torque_limits_returned(torque_limits_t *table, const feasible_side_t *side);
 
 /* The lines of the braking strategy, LOSS_OPTIMUM to ELECTRIC_SHARE. optimum_mNm: shaft torque that
  * returns the most energy now, below 0 counts as 0; brake_torque_mNm: of both brakes together, >=

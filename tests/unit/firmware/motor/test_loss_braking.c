@@ -107,7 +107,7 @@ static int32_t bound_mNm(int32_t speed_mrad_s, int32_t share_q15, feasible_retur
     model = model_at(&config, speed_mrad_s, 2500);
     set = feasible_set_at(&model, NO_VOLTAGE_LIMIT_mV);
     const feasible_side_t side = feasible_side_at(&set, SIDE_BRAKING, 200000);
-    *losses = loss_braking_at(&set, returned, share_q15);
+    *losses = loss_braking_at(set.model, returned, share_q15);
     return loss_braking_torque_mNm(&side, losses, feasible_by_returned_mNm(&side, returned));
 }
 
@@ -250,7 +250,7 @@ void test_driving_setpoints_and_those_of_a_battery_that_takes_the_power_stay_as_
     for (int32_t torque_mNm = -40000; torque_mNm <= 40000; torque_mNm += 5000) {
         const int32_t power_b = feasible_power_b(&model, torque_mNm > 0 ? 0 : 200000, 53000);
         const feasible_returned_t returned = {.power_b = power_b, .margin_b = 0};
-        const loss_braking_t losses = loss_braking_at(&set, returned, Q15_ONE);
+        const loss_braking_t losses = loss_braking_at(set.model, returned, Q15_ONE);
         const current_setpoint_t map = current_setpoint_step(&set, torque_mNm, 0);
         const current_setpoint_t out = loss_braking_setpoint(&set, &losses, torque_mNm, map);
         TEST_ASSERT_EQUAL_INT32(map.i_d_mA, out.i_d_mA);

@@ -31,14 +31,15 @@ void tearDown(void) {}
 
 void test_losses_may_take_the_phase_current_less_a_256th_and_the_derating(void)
 {
-    TEST_ASSERT_EQUAL_INT32(WHOLE_b, loss_braking_at(&motor.set, NO_POWER, Q15_ONE).current_b);
+    TEST_ASSERT_EQUAL_INT32(WHOLE_b, loss_braking_at(&motor.model, NO_POWER, Q15_ONE).current_b);
     TEST_ASSERT_EQUAL_INT32(255 * 32766 / 2,
-                            loss_braking_at(&motor.set, NO_POWER, 32766).current_b);
-    TEST_ASSERT_EQUAL_INT32(WHOLE_b / 2, loss_braking_at(&motor.set, NO_POWER, 1 << 14).current_b);
+                            loss_braking_at(&motor.model, NO_POWER, 32766).current_b);
+    TEST_ASSERT_EQUAL_INT32(WHOLE_b / 2,
+                            loss_braking_at(&motor.model, NO_POWER, 1 << 14).current_b);
     motor.config.brake.loss_braking = 0;
-    TEST_ASSERT_EQUAL_INT32(0, loss_braking_at(&motor.set, NO_POWER, Q15_ONE).current_b);
+    TEST_ASSERT_EQUAL_INT32(0, loss_braking_at(&motor.model, NO_POWER, Q15_ONE).current_b);
     TEST_ASSERT_EQUAL_INT32(FEASIBLE_UNBOUNDED,
-                            loss_braking_at(&motor.set, NO_POWER, Q15_ONE).by_map_mNm);
+                            loss_braking_at(&motor.model, NO_POWER, Q15_ONE).by_map_mNm);
 }
 
 /* ---- torque without a returned power ---- */

@@ -9,7 +9,7 @@
 
 static inline void ahead_step(available_ahead_state_t *state, const motor_constants_t *motor,
                               const config_t *config, const torque_limits_t *limits,
-                              const available_inputs_t *in)
+                              const available_inputs_t *in, int32_t brake_torque_mNm)
 {
     const measured_t now = {.speed_mrad_s = in->speed_mrad_s,
                             .winding_temperature_cC = in->winding_temperature_cC,
@@ -17,7 +17,7 @@ static inline void ahead_step(available_ahead_state_t *state, const motor_consta
                             .sensed = {.winding_cC = in->winding_temperature_cC,
                                        .switch_cC = in->switch_temperature_cC}};
     available_ahead_step(state, motor, config, limits, &now, in->phase_voltage_mV,
-                         in->brake_torque_mNm);
+                         brake_torque_mNm);
 }
 
 #endif

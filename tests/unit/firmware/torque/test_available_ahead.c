@@ -81,7 +81,7 @@ static void step(sample_t at)
         .winding_temperature_cC = (int32_t)at.winding_cC,
         .switch_temperature_cC = (int32_t)at.switch_cC,
     };
-    ahead_step(&drive.ahead, &drive.motor, config, &drive.table, &seen);
+    ahead_step(&drive.ahead, &drive.motor, config, &drive.table, &seen, 0);
     now_braking[length] = torque_limits_tightest(drive.table.braking, 0, TORQUE_LINE_COUNT);
     now_driving[length] = torque_limits_tightest(drive.table.driving, 0, TORQUE_LINE_COUNT);
     ahead_braking[length] = drive.ahead.ahead.braking;
