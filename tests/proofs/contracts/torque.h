@@ -311,8 +311,8 @@ POST(torque_limits_step, enable->brake_q15 > 0 || table->braking[TORQUE_LINE_ENA
 POST(torque_limits_step, in->current_missing_q15 > 0 ||
      (table->driving[TORQUE_LINE_CURRENT_GAIN].torque_mNm == FEASIBLE_UNBOUNDED &&
      table->braking[TORQUE_LINE_CURRENT_GAIN].torque_mNm == FEASIBLE_UNBOUNDED))
-POST(torque_limits_step, !now->in->demand.abs_active || table->braking[TORQUE_LINE_ABS].torque_mNm <=
-     q_max(in->brake_torque_mNm, 0))
+POST(torque_limits_step, !now->in->demand.abs_active ||
+     table->braking[TORQUE_LINE_ABS].torque_mNm <= q_max(in->brake_torque_mNm, 0))
 POST(torque_limits_step, q_abs(set->model->speed_mrad_s) >
      set->model->config->brake.blend_out_end_mrad_s ||
      table->braking[TORQUE_LINE_BLEND_OUT].torque_mNm == 0)
