@@ -185,20 +185,14 @@ def test_the_integral_of_a_recorded_power_is_its_account(drive: Drive) -> None:
 
 
 def test_controller_fault_is_reported_with_reason_and_time(drive: Drive) -> None:
-    name, loaded, beside = scenario.load(
-        "stop", {"demand_nm": 40.0, "max_duration_s": 1.0, "stop_at_standstill": False}
-    )
-    # An insulated winding of very small heat capacity overheats before the torque rate permits zero
-    # current.
-    plant = {
-        "thermal.active": 1.0,
-        "thermal.winding_heat_capacity_j_per_k": 0.02,
-        "thermal.winding_thermal_resistance_k_per_w": 0.0,
-        "thermal.winding_temperature_c": 100.0,
-    }
-    result = run.simulate(name, drive, loaded, beside, (), plant)
+    settings = {"demand_nm": 40.0, "max_duration_s": 1.5, "stop_at_standstill": False}
+    events = {"events.open.at_s": 1.0, "events.open.inject": "phase_a_open"}
+    name, loaded, beside = scenario.load("stop", settings | events)
+    result = run.simulate(name, drive, loaded, beside, ())
     assert {fault.wheel for fault in result.faults} == {0, 1, 2, 3}
-    assert {fault.reason for fault in result.faults} == {"winding over-temperature"}
+    assert {fault.reason for fault in result.faults} == {
+        "phase wire or switch open: no current where one is wanted"
+    }
 
 
 def test_a_detuned_plant_does_not_change_the_controllers_configuration(drive: Drive) -> None:
