@@ -205,10 +205,11 @@ static battery_limit_t battery_limit(foldback_state_t *state, const config_batte
  * other brake. A sensor may take it. */
 static int32_t least_hot_mNm(const motor_model_t *model, int32_t lasting_mA, limit_t sensed)
 {
-    const motor_point_t lasting = {.d_b = 0,
-                                   .x_b = -motor_model_current_b(model->constants, lasting_mA)};
+    const motor_constants_t *k = model->constants;
+    const motor_point_t lasting = {
+        .d_b = 0, .x_b = -q_min(motor_model_current_b(k, lasting_mA), k->current_most_b)};
     const int32_t lasting_mNm =
-        q_clamp(-motor_model_torque_mNm(model, lasting), 0, model->config->motor.max_torque_mNm);
+        q_min(q_abs(motor_model_torque_mNm(model, lasting)), model->config->motor.max_torque_mNm);
     const bool alone = model->config->driver.no_other_brake != 0;
     return alone ? sensed.torque_mNm : q_min(sensed.torque_mNm, lasting_mNm);
 }

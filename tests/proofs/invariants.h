@@ -46,7 +46,9 @@
 #define anti_lock_holds(s) (is_within((s)->abs_share_percent, 0, 100) && (s)->abs_hold_steps >= 0)
 
 #define table_holds(t)                                                                             \
-    every(i, TORQUE_LINE_COUNT, (t)->driving[i].torque_mNm >= 0 && (t)->braking[i].torque_mNm >= 0)
+    (is_within((t)->current_missing_q15, 0, 16384) &&                                              \
+     every(i, TORQUE_LINE_COUNT,                                                                   \
+           (t)->driving[i].torque_mNm >= 0 && (t)->braking[i].torque_mNm >= 0))
 
 #define lines_hold(lines) every(i, TORQUE_LINE_COUNT, (lines)[i].torque_mNm >= 0)
 

@@ -293,7 +293,10 @@ PRE(torque_limits_step, is_within(set->model->config->battery.foldback_voltage_m
 PRE(torque_limits_step, anti_lock_holds(state))
 PRE(torque_limits_step, is_within(state->charge.allowed_q24, 0, SCALED_ONE) &&
      is_within(state->discharge.allowed_q24, 0, SCALED_ONE))
-PRE(torque_limits_step, model_shifts_hold(set->model->constants))
+PRE(torque_limits_step, motor_constants_hold(set->model->constants) &&
+     is_within(set->model->flux_b, 0, 1 << 26) && is_within(set->model->friction_b, 0, 1 << 26) &&
+     derating_relations_hold(set->model->config) && now->winding_lasting_mA >= 0 &&
+     now->switch_lasting_mA >= 0)
 PRE(torque_limits_step, table_holds(table) && is_within(in->current_missing_q15, 0, 16384))
 POST(torque_limits_step, is_within(state->charge.allowed_q24, 0, SCALED_ONE) &&
      is_within(state->discharge.allowed_q24, 0, SCALED_ONE))

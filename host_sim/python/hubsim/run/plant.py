@@ -21,6 +21,7 @@ EVENTS = (
     "bus.contactor_open",
     "brake.torque_loss",
     "brake_sensor.gain_error",
+    "brake_sensor.noise_nm",
     "brake_sensor.offset_nm",
     "brake_sensor.stuck",
     "brake_sensor.invalid",

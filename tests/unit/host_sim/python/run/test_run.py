@@ -185,10 +185,10 @@ def test_the_integral_of_a_recorded_power_is_its_account(drive: Drive) -> None:
 
 
 def test_controller_fault_is_reported_with_reason_and_time(drive: Drive) -> None:
-    settings = {"demand_nm": 40.0, "max_duration_s": 1.5, "stop_at_standstill": False}
-    events = {"events.open.at_s": 1.0, "events.open.inject": "phase_a_open"}
-    name, loaded, beside = scenario.load("stop", settings | events)
-    result = run.simulate(name, drive, loaded, beside, ())
+    name, loaded, beside = scenario.load(
+        "stop", {"demand_nm": 40.0, "max_duration_s": 1.0, "stop_at_standstill": False}
+    )
+    result = run.simulate(name, drive, loaded, beside, (), {"fault.phase_open": 1.0})
     assert {fault.wheel for fault in result.faults} == {0, 1, 2, 3}
     assert {fault.reason for fault in result.faults} == {
         "phase wire or switch open: no current where one is wanted"
