@@ -289,7 +289,7 @@ void app_millisecond_isr(void)
     recorder_slow(&app.recorder, &snapshot->output, &snapshot->temperature);
     if (app.retained != NULL) {
         kept_temperature_write(&app.retained->temperature,
-                               controller_temperatures(&app.controller.slow));
+                               controller_warmest_cC(&app.controller.slow));
     }
     app.samples = app.recorder.takes_samples ? app.recorder.memory : NULL;
     double_buffer_swap(&app.to_fast);

@@ -60,6 +60,15 @@ void controller_start_warm(controller_slow_t *slow, int32_t warmest_cC)
     slow->measure.temperatures.kept_cC = warmest_cC;
 }
 
+int32_t controller_warmest_cC(const controller_slow_t *slow)
+{
+    const thermal_model_state_t *model = &slow->measure.temperatures.model;
+    const int32_t model_cC =
+        q_max(thermal_model_inner_cC(&model->winding), thermal_model_inner_cC(&model->switches));
+    return q_max(model_cC,
+                 q_max(slow->last.temperature.winding_cC, slow->last.temperature.switch_cC));
+}
+
 wheel_temperatures_t controller_temperatures(const controller_slow_t *slow)
 {
     return slow->last.temperature;

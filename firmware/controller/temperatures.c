@@ -93,8 +93,10 @@ void temperatures_step(temperatures_t *state, const config_t *config, int32_t cu
         start(state, config, &winding, &switches);
     }
     const int32_t unknown_cC = config->motor.reference_temperature_cC;
-    now->winding_temperature_cC =
+    const int32_t hotter =
         hotter_cC(&state->winding_offset_q16, &model->winding, &winding, unknown_cC);
+    now->winding_temperature_cC = winding.shows ? winding.shown_cC : hotter;
+    now->winding_hotter_cC = hotter - now->winding_temperature_cC;
     now->switch_temperature_cC =
         hotter_cC(&state->switch_offset_q16, &model->switches, &switches, unknown_cC);
     now->sensed.winding_cC = sensed_cC(&model->winding, &winding, now->winding_temperature_cC);

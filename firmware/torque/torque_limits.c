@@ -24,6 +24,7 @@ void torque_limits_clear(torque_limits_t *table)
     table->drawn_b = 0;
     table->least_winding_mNm = 0;
     table->least_switch_mNm = 0;
+    table->winding_hotter_cC = 0;
     table->current_missing_q15 = 0;
     for (torque_line_t line = 0; line < TORQUE_LINE_COUNT; line++) {
         table->driving[line] = limit_init(FEASIBLE_UNBOUNDED, REASON_NONE);
@@ -324,7 +325,8 @@ void torque_limits_plain(torque_limits_t *table, const motor_model_t *model,
                          int32_t switch_temperature_cC, int32_t brake_torque_mNm)
 {
     const config_t *config = model->config;
-    const int32_t winding_q15 = winding_share_q15(config, model->winding_temperature_cC);
+    const int32_t winding_q15 =
+        winding_share_q15(config, model->winding_temperature_cC + table->winding_hotter_cC);
     const int32_t switch_q15 = switch_share_q15(config, switch_temperature_cC);
     set_both(table, TORQUE_LINE_MAX_POWER,
              limit_init(power_torque_mNm(config, q_abs(model->speed_mrad_s)), REASON_MAX_POWER));
@@ -430,6 +432,7 @@ void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
                                              torque_limits_winding(config, now->sensed.winding_cC));
     table->least_switch_mNm = least_hot_mNm(model, now->switch_lasting_mA,
                                             torque_limits_switch(config, now->sensed.switch_cC));
+    table->winding_hotter_cC = now->winding_hotter_cC;
     table->current_missing_q15 = in->current_missing_q15;
     torque_limits_plain(table, model, now->switch_temperature_cC, in->brake_torque_mNm);
     feasible_circle_t circle = {.known = false};

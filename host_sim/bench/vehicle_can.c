@@ -41,7 +41,7 @@ void vehicle_can_send(vehicle_can_t *can, const slow_input_t *in)
 static e2e_receiver_t *link_of(vehicle_can_t *can, uint16_t identifier)
 {
     return identifier == messages_identifier(MESSAGES_WHEEL_STATE, can->address) ? &can->state_link
-                                                                               : &can->brake_link;
+                                                                                 : &can->brake_link;
 }
 
 void vehicle_can_receive(vehicle_can_t *can, const messages_frame_t *frame)

@@ -7,6 +7,7 @@ compiler and for three Cortex-M cores.
 """
 
 import functools
+import itertools
 import re
 import shutil
 import subprocess
@@ -283,12 +284,14 @@ def call_tree(objects: list[Path], root: str) -> tuple[dict[str, Function], set[
 def costly(function: Function) -> list[str]:
     """Return the instructions refused in a fast step.
 
-    Hardware division, floating point, calls through a pointer.
+    Hardware division, floating point, calls through a pointer; a `bx` behind the `pop` of its
+    register is a return.
     """
     return [
         text
-        for text in function.instructions
+        for before, text in itertools.pairwise(("", *function.instructions))
         if re.match(r"(?:[su]div|v[a-z]\w*|blx r\d+|bx r\d+)\b", text)
+        and not re.match(rf"pop\b.*\b{text.split()[-1]}\b", before)
     ]
 
 

@@ -153,6 +153,7 @@
     ORACLE_LIMIT_LINE(X, switch, TORQUE_LINE_SWITCH) \
     ORACLE_LIMIT_LINE(X, rotor, TORQUE_LINE_ROTOR) \
     ORACLE_LIMIT_LINE(X, enable, TORQUE_LINE_ENABLE) \
+    ORACLE_LIMIT_LINE(X, current_gain, TORQUE_LINE_CURRENT_GAIN) \
     ORACLE_LIMIT_LINE(X, loss_optimum, TORQUE_LINE_LOSS_OPTIMUM) \
     ORACLE_LIMIT_LINE(X, electric_rated, TORQUE_LINE_ELECTRIC_RATED) \
     ORACLE_LIMIT_LINE(X, blend_out, TORQUE_LINE_BLEND_OUT) \
@@ -207,7 +208,11 @@
 /* X(structure, field, "reason"): not part of the stored hashes */
 #define ORACLE_NOT_HASHED(X) \
     X(torque_limits_t, losses, "between two modules of the slow step, shown nowhere") \
-    X(torque_limits_t, drawn_b, "between two modules of the slow step, shown nowhere")
+    X(torque_limits_t, drawn_b, "between two modules of the slow step, shown nowhere") \
+    X(torque_limits_t, least_winding_mNm, "likewise") \
+    X(torque_limits_t, least_switch_mNm, "likewise") \
+    X(torque_limits_t, winding_hotter_cC, "likewise") \
+    X(torque_limits_t, current_missing_q15, "likewise")
 
 /* clang-format on */
 

@@ -116,6 +116,7 @@ TESTED: tuple[str, ...] = (
 
 # Sources of a part, where they are not the one of the header's name.
 SOURCES = {
+    "controller/controller": ("fast_step.c", "controller.c"),
     "monitor/monitor": ("monitor_fast.c", "monitor.c"),
     "monitor/monitor_fast": (),
     "motor/motor_model": ("motor_constants.c", "motor_model.c"),

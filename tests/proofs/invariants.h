@@ -47,6 +47,7 @@
 
 #define table_holds(t)                                                                             \
     (is_within((t)->current_missing_q15, 0, 16384) &&                                              \
+     is_within((t)->winding_hotter_cC, 0, 69400) &&                                                \
      every(i, TORQUE_LINE_COUNT,                                                                   \
            (t)->driving[i].torque_mNm >= 0 && (t)->braking[i].torque_mNm >= 0))
 
@@ -79,9 +80,8 @@
      is_within((s)->demand.brake_torque_mNm, 0, 100000000) &&                                      \
      is_within((s)->demand.received_brake_torque_mNm, 0, 100000000) && (s)->demand.lost_ms >= 0 && \
      anti_lock_holds(&(s)->limits) && is_within((s)->limits.charge.allowed_q24, 0, SCALED_ONE) &&  \
-     is_within((s)->limits.discharge.allowed_q24, 0, SCALED_ONE) &&                                \
-     lines_hold((s)->table.driving) && lines_hold((s)->table.braking) && road_holds(&(s)->road) && \
-     is_within((s)->hold.torque_mNm, 0, (c)->driver.hold_torque_mNm) &&                            \
+     is_within((s)->limits.discharge.allowed_q24, 0, SCALED_ONE) && table_holds(&(s)->table) &&    \
+     road_holds(&(s)->road) && is_within((s)->hold.torque_mNm, 0, (c)->driver.hold_torque_mNm) &&  \
      is_within((s)->hold.release_ms, 0, (c)->driver.hold_release_ms) &&                            \
      (s)->hold.begun_mrad_s >= 0 && (s)->lamp.speed_lp_q8_mrad_s >= 0 &&                           \
      is_within((s)->lamp.decel_lp_mm_s2.accumulator, -(1 << 30), 1 << 30) &&                       \
@@ -204,10 +204,9 @@ enum { MOST_ROW_POINTS = 65 };
     (finding_times_hold((f)->times) &&                                                             \
      every(i, FINDING_COUNT,                                                                       \
            findings_bit_set(f, i) == ((f)->debounce[i].left > 0U) &&                               \
-               (f)->debounce[i].left <=                                                            \
-                   ((f)->returns[i].heal_steps > (f)->times[i].heal_steps                          \
-                        ? (f)->returns[i].heal_steps                                               \
-                        : (f)->times[i].heal_steps)) &&                                            \
+               (f)->debounce[i].left <= ((f)->returns[i].heal_steps > (f)->times[i].heal_steps     \
+                                             ? (f)->returns[i].heal_steps                          \
+                                             : (f)->times[i].heal_steps)) &&                       \
      (!findings_bit_set(f, FINDING_TRIP) || (f)->trip != REASON_NONE) &&                           \
      ((f)->present[0] & ~(f)->active[0]) == 0U && ((f)->present[1] & ~(f)->active[1]) == 0U)
 /* Of the first 32 rows those that modes sets. */

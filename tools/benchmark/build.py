@@ -149,7 +149,7 @@ def compile_sources(core: Core, sources: list[Path], directory: Path) -> list[st
         small = source in for_size or source.parent.name == "cortex_m"
         optimise = ["-Os" if small else core.optimise]
         optimise += flags.get(source.parent, []) + flags.get(source, [])
-        optimise += WHOLE_OBJECTS if source.parent in modules else []
+        optimise += WHOLE_OBJECTS if source.parent in modules and core is CORES[0] else []
         what = f"compiling {source.relative_to(ROOT)} for {core.name}"
         command = [compiler, *common, *optimise, "-c", str(source)]
         compile_if_changed(command, target, lambda words: run(words, what))
@@ -169,9 +169,9 @@ def compile_program(
 ) -> list[Path]:
     """Compile a program for one core and link it with each of the configurations.
 
-    shared: the objects of `shared_sources` for this core. whole: the modules are optimised once
-    more when they are linked, as in the images; else each function stays one. Returns the ELFs, in
-    the order of the configurations.
+    shared: the objects of `shared_sources` for this core. whole: on the core of the images the
+    modules are optimised once more when they are linked, as there; else each function stays one.
+    Returns the ELFs, in the order of the configurations.
     """
     compiler = tool(PREFIX + "gcc", "gcc-arm-none-eabi")
     images = [IMAGES / f"{config}.c" for config in configs]
@@ -185,7 +185,7 @@ def compile_program(
     script = ROOT / "hal" / "qemu_mps2" / "link.ld"
     link = [
         core.optimise,
-        *(WHOLE_PROGRAM if whole else ["-fno-lto"]),
+        *(WHOLE_PROGRAM if whole and core is CORES[0] else ["-fno-lto"]),
         "-nostartfiles",
         "--specs=nano.specs",
         f"-T{script}",

@@ -75,6 +75,11 @@ def symbols(elf: Path, prefix: str = "arm-none-eabi-") -> dict[str, Symbol]:
     return {symbol.name: symbol for symbol in all_symbols(elf, prefix)}
 
 
+def _names(operands: str) -> set[str]:
+    """Return the registers of a list without ranges: a return address is popped alone."""
+    return set(re.findall(r"\w+", operands))
+
+
 def _registers(operands: str) -> int:
     """Count of registers in a list like ``{r4, r6-r8, lr}``."""
     count = 0
@@ -109,6 +114,7 @@ class _Reader:
     def __init__(self, lines: list[str]) -> None:
         self.found: dict[str, Function] = {}
         self._at: dict[int, Function] = {}  # of each instruction
+        self._popped = ""  # latest; ARMv6-M returns by `pop {r3}`, `bx r3` where it drops arguments
         for line in lines:
             if head := _HEAD.match(line):
                 address, name = int(head.group(1), 16), head.group(2)
@@ -123,7 +129,10 @@ class _Reader:
     ) -> None:
         name = mnemonic.removesuffix(".w").removesuffix(".n")
         target = _TARGET.search(operands)
-        if (name == "blx" and not target) or (name == "bx" and operands[:2] != "lr"):
+        if name == "pop":
+            self._popped = operands
+        returns = name == "bx" and operands.split(maxsplit=1)[0] in {"lr", *_names(self._popped)}
+        if name in ("bx", "blx") and not target and not returns:
             function.indirect = True
         if not target or not name.startswith(("b", "cb")):
             return

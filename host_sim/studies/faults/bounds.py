@@ -65,7 +65,7 @@ def least_copper_w(motor: Motor, torque_nm: float) -> float:
     return float(1.5 * motor.phase_resistance_ohm * np.min(d_a**2 + q_a**2))
 
 
-def _reports_nothing(o: Outcome) -> bool:
+def _without_report(o: Outcome) -> bool:
     measured = o.fault.endswith(faults.MEASURED_SUFFIX)
     return faults.table()[o.fault].brake != "" and not measured
 
@@ -101,7 +101,7 @@ def base(o: Outcome) -> str:
 
 def kind(o: Outcome) -> str:
     """Return why a harmful run has no right first reason."""
-    if _reports_nothing(o):
+    if _without_report(o):
         return "no report"
     if _hides_in_power(o):
         return "power"

@@ -70,6 +70,11 @@ POST(controller_fast_report_complete, report->trip == old(report->trip) && repor
 
 POST(controller_limits, result == &slow->torque.table)
 
+POST(controller_start_warm, slow->measure.temperatures.kept_cC == warmest_cC)
+
+POST(controller_warmest_cC, result >= slow->last.temperature.winding_cC && result >=
+     slow->last.temperature.switch_cC)
+
 POST(controller_temperatures, result.winding_cC == slow->last.temperature.winding_cC)
 
 PRE(controller_slow_step, battery_relations_hold(config) && derating_relations_hold(config))
@@ -119,6 +124,8 @@ PRE(measure_step, is_within(last->current_missing_q15, 0, 16384))
 PRE(measure_step, is_within(in->temperature.winding_cC, -100000, 100000) &&
      is_within(in->temperature.switch_cC, -100000, 100000))
 POST(measure_step, measure_holds(state, config) && findings_hold(findings))
+POST(measure_step, result.winding_lasting_mA >= 0 && result.switch_lasting_mA >= 0 &&
+     is_within(result.winding_hotter_cC, 0, 69400))
 POST(measure_step, result.report == report && result.in == in && result.battery == &in->bms)
 POST(measure_step, result.trip == REASON_NONE || result.trip == report->trip || result.trip ==
      REASON_MEMORY)
@@ -176,22 +183,20 @@ POST(temperatures_init, state->winding_offset_q16 == 0 && state->switch_offset_q
      state->kept_cC == TEMPERATURE_NONE_cC)
 POST(temperatures_init, temperatures_hold(state))
 
-PRE(temperatures_step, is_within(now->in->temperature.winding_cC, -100000, 100000) && is_within(now->in->temperature.switch_cC,
-     -100000, 100000))
+PRE(temperatures_step, is_within(now->in->temperature.winding_cC, -100000, 100000) &&
+     is_within(now->in->temperature.switch_cC, -100000, 100000))
 PRE(temperatures_step, temperatures_hold(state) && findings_hold(findings) &&
      is_within(current_missing_q15, 0, 16384))
 POST(temperatures_step, temperatures_hold(state) && state->model.started)
 POST(temperatures_step, config->monitor.winding_sensor_fitted == 0 ||
      !is_within(now->in->temperature.winding_cC, config->monitor.lowest_temperature_cC,
-     config->monitor.highest_temperature_cC) || (now->winding_temperature_cC >= now->in->temperature.winding_cC &&
-     now->sensed.winding_cC == now->in->temperature.winding_cC))
+     config->monitor.highest_temperature_cC) || (now->winding_temperature_cC ==
+     now->in->temperature.winding_cC && now->sensed.winding_cC == now->winding_temperature_cC))
 POST(temperatures_step, config->monitor.switch_sensor_fitted == 0 ||
      !is_within(now->in->temperature.switch_cC, config->monitor.lowest_temperature_cC,
-     config->monitor.highest_temperature_cC) || (now->switch_temperature_cC >= now->in->temperature.switch_cC &&
-     now->sensed.switch_cC == now->in->temperature.switch_cC))
-POST(temperatures_step, !state->model.winding.known || now->winding_temperature_cC >=
-     old(thermal_model_inner_cC(&state->model.winding)) + TEMPERATURES_COLDER_cC ||
-     !old(state->model.started))
+     config->monitor.highest_temperature_cC) || (now->switch_temperature_cC >=
+     now->in->temperature.switch_cC && now->sensed.switch_cC == now->in->temperature.switch_cC))
+POST(temperatures_step, is_within(now->winding_hotter_cC, 0, 69400))
 POST(temperatures_step, is_within(now->winding_temperature_cC, -34700, 34700) &&
      is_within(now->switch_temperature_cC, -34700, 34700))
 POST(temperatures_step, now->winding_lasting_mA >= 0 && now->switch_lasting_mA >= 0)

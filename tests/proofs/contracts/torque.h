@@ -227,6 +227,8 @@ PRE(torque_step, battery_relations_hold(config) && derating_relations_hold(confi
 PRE(torque_step, is_within(last->torque_command_mNm, -400000000, 400000000) &&
      last->hydraulic_added_mNm >= 0)
 PRE(torque_step, is_within(watch->current_missing_q15, 0, 16384))
+PRE(torque_step, now->winding_lasting_mA >= 0 && now->switch_lasting_mA >= 0 &&
+     is_within(now->winding_hotter_cC, 0, 69400))
 POST(torque_step, torque_state_holds(state, config) && findings_hold(findings))
 POST(torque_step, is_within(result.command_mNm, -400000000, 400000000) && result.hydraulic_added_mNm
      >= 0)
@@ -295,8 +297,9 @@ PRE(torque_limits_step, is_within(state->charge.allowed_q24, 0, SCALED_ONE) &&
      is_within(state->discharge.allowed_q24, 0, SCALED_ONE))
 PRE(torque_limits_step, motor_constants_hold(set->model->constants) &&
      is_within(set->model->flux_b, 0, 1 << 26) && is_within(set->model->friction_b, 0, 1 << 26) &&
-     derating_relations_hold(set->model->config) && now->winding_lasting_mA >= 0 &&
-     now->switch_lasting_mA >= 0)
+     derating_relations_hold(set->model->config))
+PRE(torque_limits_step, now->winding_lasting_mA >= 0 && now->switch_lasting_mA >= 0 &&
+     is_within(now->winding_hotter_cC, 0, 69400))
 PRE(torque_limits_step, table_holds(table) && is_within(in->current_missing_q15, 0, 16384))
 POST(torque_limits_step, is_within(state->charge.allowed_q24, 0, SCALED_ONE) &&
      is_within(state->discharge.allowed_q24, 0, SCALED_ONE))

@@ -8,7 +8,6 @@
 #define APP_KEPT_TEMPERATURE_H
 
 #include "core/measured.h"
-#include "core/q15.h"
 
 typedef struct {
     int32_t warmest_cC;
@@ -21,9 +20,9 @@ static inline int32_t kept_temperature_read(const kept_temperature_t *kept)
     return kept->inverted == ~(uint32_t)kept->warmest_cC ? kept->warmest_cC : TEMPERATURE_NONE_cC;
 }
 
-static inline void kept_temperature_write(kept_temperature_t *kept, wheel_temperatures_t used)
+static inline void kept_temperature_write(kept_temperature_t *kept, int32_t warmest_cC)
 {
-    kept->warmest_cC = q_max(used.winding_cC, used.switch_cC);
+    kept->warmest_cC = warmest_cC;
     kept->inverted = ~(uint32_t)kept->warmest_cC;
 }
 

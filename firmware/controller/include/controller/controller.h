@@ -110,6 +110,10 @@ const torque_limits_t *controller_limits(const controller_slow_t *slow);
  * more. TEMPERATURE_NONE_cC: nothing is known from before. */
 void controller_start_warm(controller_slow_t *slow, int32_t warmest_cC);
 
+/* The warmest of what the thermal model holds, to be given to controller_start_warm() after a
+ * reset. */
+int32_t controller_warmest_cC(const controller_slow_t *slow);
+
 /* The temperatures in use in the latest slow step; before the first the reference temperature. */
 wheel_temperatures_t controller_temperatures(const controller_slow_t *slow);
 

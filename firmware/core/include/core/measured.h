@@ -49,11 +49,13 @@ typedef struct {
     int32_t latest_i_d_mA, latest_i_q_mA; /* sampled */
     int32_t latest_u_d_mV, latest_u_q_mV; /* applied */
     /* Temperatures */
-    const wheel_temperatures_t *shown;                     /* by the sensors, of any value */
-    int32_t winding_temperature_cC, switch_temperature_cC; /* the hotter of sensor and model */
-    wheel_temperatures_t sensed; /* by a sensor alone; TEMPERATURE_NONE_cC: only a model says how
-                                    hot it is, and braking torque keeps to these currents, peak
-                                    phase, which last for ever */
+    const wheel_temperatures_t *shown; /* by the sensors, of any value */
+    int32_t winding_temperature_cC; /* of resistance and magnets: the sensor's, else the model's */
+    int32_t winding_hotter_cC;      /* how much more the model says, >= 0: for the limit */
+    int32_t switch_temperature_cC;  /* the hotter of sensor and model: for the limit */
+    wheel_temperatures_t sensed;    /* by a sensor alone; TEMPERATURE_NONE_cC: only a model says how
+                                       hot it is, and braking torque keeps to these currents, peak
+                                       phase, which last for ever */
     int32_t winding_lasting_mA, switch_lasting_mA;
 } measured_t;
 

@@ -24,7 +24,7 @@
     X(11, FAULT_CAUSE, "the fault's cause to go")                                                  \
     X(12, REST, "standstill without demand")                                                       \
     X(13, ACKNOWLEDGEMENT, "an acknowledgement")                                                   \
-    X(14, RESTART, "a restart of the controller")                                                 \
+    X(14, RESTART, "a restart of the controller")                                                  \
     X(15, COOLING, "a colder winding or inverter")
 
 #define WAITS_FOR_ENUM_LINE(number, identifier, text) WAITS_FOR_##identifier = (number),

@@ -70,6 +70,7 @@ typedef struct {
     int32_t drawn_b;                             /* feasible_power_b() of the discharge current */
     int32_t least_winding_mNm, least_switch_mNm; /* the lines WINDING and SWITCH fall no lower,
                                                     braking, while only an estimate is hot */
+    int32_t winding_hotter_cC;                   /* measured_t */
     int32_t current_missing_q15;                 /* torque_limits_input_t */
 } torque_limits_t;
 
@@ -91,7 +92,7 @@ void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
  * Its parts in the order of a step, for this step and for a later one (available_ahead.h): of the
  * motor at a speed, winding temperature and voltage, and of what the table holds: of a battery
  * drawn_b, losses.returned, and the reasons of DRAWN and RETURNED; least_winding_mNm,
- * least_switch_mNm, current_missing_q15. */
+ * least_switch_mNm, winding_hotter_cC, current_missing_q15. */
 
 /* MAX_POWER, MAX_SPEED, WINDING, SWITCH and the lines of the strategy; the current of the losses.
  */

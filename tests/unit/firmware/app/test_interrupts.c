@@ -273,8 +273,7 @@ void test_the_warmest_temperature_is_kept_over_a_reset(void)
 {
     milliseconds(10);
     TEST_ASSERT_INT32_WITHIN(5, 2500, kept_temperature_read(kept()));
-    const wheel_temperatures_t hot = {.winding_cC = 13000, .switch_cC = 4000};
-    kept_temperature_write(kept(), hot);
+    kept_temperature_write(kept(), 13000);
     app_boot();
     milliseconds(10);
     TEST_ASSERT_INT32_WITHIN(5, 13000, kept_temperature_read(kept()));

@@ -28,6 +28,7 @@ TIMES = ("_ms", "_periods")
 CHECK_COLUMNS = [
     "check",
     "reason",
+    "evidence",
     "qualify time",
     "heal time",
     "explained by",
@@ -139,7 +140,7 @@ def test_every_time_is_a_field_of_the_configuration_or_a_number() -> None:
     fields = configured()
     assert "monitor.sensor_fault_time_ms" in fields
     for row in checks():
-        for time in row[2:4]:
+        for time in row[3:5]:
             for part in time.split(" + "):
                 name = part.strip("` ")
                 is_time = name in fields and name.endswith(TIMES)
@@ -158,8 +159,9 @@ def test_every_word_of_a_column_is_explained_below_the_tables() -> None:
         assert row[3] in words_of("clearing")
         assert row[4] in words_of("driver")
     for row in checks():
-        assert row[4] in ("none", *words_of("explained by"))
-        assert row[5] in words_of("reaction")
+        assert row[2] in ("measured", "inferred", "exception")
+        assert row[5] in ("none", *words_of("explained by"))
+        assert row[6] in words_of("reaction")
 
 
 def test_an_explanation_lists_its_checks() -> None:
@@ -180,9 +182,9 @@ def test_an_explanation_lists_its_checks() -> None:
         ),
         (
             FINDINGS,
-            'X(STEPS, PROGRAM_FLOW, OWN("9 ms"), AT_ONCE',
-            "X(STEPS, PROGRAM_FLOW, FIELD(monitor, flow_ms), MS(7)",
-            "| `STEPS` | `PROGRAM_FLOW` | `monitor.flow_ms` | 7 ms | none |",
+            'X(STEPS, PROGRAM_FLOW, MEASURED, OWN("9 ms"), AT_ONCE',
+            "X(STEPS, PROGRAM_FLOW, MEASURED, FIELD(monitor, flow_ms), MS(7)",
+            "| `STEPS` | `PROGRAM_FLOW` | measured | `monitor.flow_ms` | 7 ms | none |",
         ),
         (
             EXPLANATIONS,
@@ -205,7 +207,11 @@ def test_a_changed_list_is_detected_and_written_by_one_run(
 
 def test_a_row_that_is_not_understood_is_refused(tmp_path: Path) -> None:
     module = copy_to(tmp_path)
-    replace(tmp_path / FINDINGS, "X(STEPS, PROGRAM_FLOW, OWN(", "X(STEPS, PROGRAM_FLOW, SOON(")
+    replace(
+        tmp_path / FINDINGS,
+        "X(STEPS, PROGRAM_FLOW, MEASURED, OWN(",
+        "X(STEPS, PROGRAM_FLOW, MEASURED, SOON(",
+    )
     result = run_generator(module)
     assert result.returncode != 0
     assert "FINDING_FAULTS" in result.stderr

@@ -253,6 +253,8 @@ void test_of_changing_inputs_the_expected_table_is_that_of_a_step_at_the_expecte
     random_t random = random_seeded(42);
     for (int n = 0; n < 1000; n++) {
         rig_up(n % 2 == 0 ? CONFIG_LU2013 : CONFIG_IPM400V);
+        config.motor.friction_torque_mNm = 0; /* no torque lasts without a current */
+        config.motor.viscous_friction_uNm_s = 0;
         motor_constants_init(&motor, &config);
         random_inputs(&random);
         available_ahead_init(&ahead);

@@ -18,7 +18,7 @@ HARD = (("ebike36v", 14.0, 3.0, 10.0), ("scooter48v", 18.0, 8.0, 10.0), ("lu2013
 
 def ride(
     drive: str, torque: float, slope: float, kmh: float, duration_s: float = 90.0, **sensor: float
-) -> dict[str, np.ndarray]:
+) -> hubsim.Recording:
     """Drive with this torque, in N m; heat is on."""
     configuration = hubsim.load_configuration(MOTORS / f"{drive}.toml", {})
     plant = {"thermal.active": 1.0} | {f"winding_sensor.{k}": v for k, v in sensor.items()}
@@ -53,6 +53,7 @@ def test_a_healthy_sensor_that_lags_is_no_finding(
 )
 def test_a_sensor_that_reads_low_lets_no_winding_burn(sensor: dict[str, float]) -> None:
     """Within 10 K of the limit, and hot enough that without the model it would be far beyond."""
-    run = ride(*HARD[0], duration_s=400.0, **sensor)
+    drive, torque, slope, kmh = HARD[0]
+    run = ride(drive, torque, slope, kmh, 400.0, **sensor)
     hottest = max(run["wheel0.winding_temperature_c"])
     assert EBIKE_LIMIT_C - 15.0 < hottest < EBIKE_LIMIT_C + 10.0

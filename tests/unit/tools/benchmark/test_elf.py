@@ -70,6 +70,15 @@ DISASSEMBLY = """
  8000034:\t.word\t0x20000101
  8000038:\t.word\t0x08000011
 
+08000040 <with_arguments>:
+ 8000040:\tpush\t{r0, r1, lr}
+ 8000042:\tpop\t{r3}
+ 8000044:\tadd\tsp, #8
+ 8000046:\tbx\tr3
+
+08000048 <through_a_pointer>:
+ 8000048:\tbx\tr2
+
 20000100 <erase>:
 20000100:\tpush\t{r4, lr}
 20000102:\tpop\t{r4, pc}
@@ -92,6 +101,15 @@ def test_a_jump_within_a_function_is_none_whatever_else_its_address_is_called(
 ) -> None:
     monkeypatch.setattr(elf, "_run", lambda *_: DISASSEMBLY)
     assert elf.functions(Path("program.elf"))["first"].jumps == set()
+
+
+def test_a_jump_to_what_was_popped_is_a_return_and_to_another_register_a_call(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(elf, "_run", lambda *_: DISASSEMBLY)
+    functions = elf.functions(Path("program.elf"))
+    assert not functions["with_arguments"].indirect
+    assert functions["through_a_pointer"].indirect
 
 
 def test_the_linkers_jump_to_a_far_function_is_a_call_of_that(
