@@ -359,7 +359,7 @@ CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
         .short_release_permille    = 900,
         /* 1: a winding temperature sensor is fitted, default; 0: none, the estimate stands
          * alone */
-        .winding_sensor_fitted     = 1,
+        .winding_sensor_fitted     = 0,
         .switch_sensor_fitted      = 1, /* likewise of the switches */
         /* [cC] the estimate of temperatures never starts below it; default 2000 */
         .coldest_ambient_cC        = 2000,
@@ -446,5 +446,5 @@ CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
             -69, -93, -74, -137, -157,
         },
     },
-    .crc32 = 0x5C868EB0,
+    .crc32 = 0x13E5E2CA,
 };

@@ -92,6 +92,12 @@ static const fault_case_t FAULTS[] = {
      "clock fault: crystal or PLL did not start"},
 };
 
+/* With a clock and a good configuration the vehicle is told why the wheel does not start. */
+static bool tells_at_boot(const fault_case_t *fault)
+{
+    return fault->instant == AT_BOOT && fault->inject == timer;
+}
+
 /* What was seen from a fault on. */
 typedef struct {
     double noisy_s; /* when there was torque last */
@@ -141,7 +147,9 @@ static bool at_boot(const fault_case_t *fault)
            expect(says("hubfoc ") && says(" on stm32") && says("self-test RAM: good") &&
                       says("self-test firmware CRC: good"),
                   "it greets, and its self-tests are good") &&
-           expect(seen.frame_s < 0.0, "it sends no message") &&
+           expect((seen.frame_s >= 0.0) == tells_at_boot(fault),
+                  tells_at_boot(fault) ? "it says that it waits for the self-test"
+                                       : "it sends no message") &&
            expect(chip_resets(rig.chip) == 1, "boots without a reset");
 }
 
@@ -197,6 +205,9 @@ static void format_row(const fault_case_t *fault, char row[ROW_BYTES])
     if (fault->instant == BRAKING) {
         /* The bridge follows at the end of its period. */
         (void)snprintf(time, sizeof time, "%.2f ms", 1000.0 * (seen.noisy_s + PERIOD_S));
+    }
+    if (tells_at_boot(fault)) {
+        (void)snprintf(can, sizeof can, "BOOT: waits for the self-test");
     }
     if (fault->reason != REASON_NONE) {
         (void)snprintf(can, sizeof can, "FAULT: %s", reason_text(fault->reason));
