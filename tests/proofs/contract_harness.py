@@ -95,7 +95,10 @@ VALUES: dict[str, tuple[str, ...]] = {
     "controller_init": ("controller_init", "finding_times"),
     "controller_slow": ("controller_slow_step",),
     "measure": ("measure_init", "measure_step", "measure_setpoint"),
-    "controller_fast": ("controller_fast_step", "controller_limits", "controller_temperatures"),
+    "controller_fast": (
+        "controller_fast_step", "controller_limits", "controller_temperatures",
+        "controller_start_warm", "controller_warmest_cC",
+    ),
     "operating_point": (
         "operating_point_init", "operating_point_rotor",
         "operating_point_of", "operating_point_setpoint", "operating_point_initial_setpoint",

@@ -207,6 +207,7 @@ enum { MOST_ROW_POINTS = 65 };
                (f)->debounce[i].left <= ((f)->returns[i].heal_steps > (f)->times[i].heal_steps     \
                                              ? (f)->returns[i].heal_steps                          \
                                              : (f)->times[i].heal_steps)) &&                       \
+     every(i, (int)FINDING_BUS_JUMPED, (f)->returns[i].heal_steps == 0U) &&                        \
      (!findings_bit_set(f, FINDING_TRIP) || (f)->trip != REASON_NONE) &&                           \
      ((f)->present[0] & ~(f)->active[0]) == 0U && ((f)->present[1] & ~(f)->active[1]) == 0U)
 /* Of the first 32 rows those that modes sets. */

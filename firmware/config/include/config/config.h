@@ -274,8 +274,8 @@
     X(wheel_position,                        0,         3,          "", \
       "address on CAN: 0 front left, 1 front right, 2 rear left, 3 rear right") \
     X(can_base,                              0,         1856,       "", \
-      "identifier of Demand for the front left wheel, the lowest of all; a multiple of 32; default " \
-      "256")
+      "identifier of Demand for the front left wheel, the lowest of all; a multiple of 32; " \
+      "default 256")
 
 #define CONFIG_DRIVER_FIELDS(X) \
     X(lost_hold_ms,                          0,         10000,      "ms", \
