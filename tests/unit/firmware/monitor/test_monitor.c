@@ -363,10 +363,9 @@ void test_monitor_counts_its_steps_for_the_watchdog(void)
 
 void test_cause_has_priority_over_its_consequences(void)
 {
-    const reason_t order[] = {REASON_OVERCURRENT,        REASON_PROGRAM_FLOW,
-                              REASON_CURRENT_SENSOR,     REASON_CURRENT_SUM,
-                              REASON_BUS_OVERVOLTAGE,    REASON_ROTOR_LOST,
-                              REASON_TORQUE_IMPLAUSIBLE};
+    const reason_t order[] = {
+        REASON_OVERCURRENT,     REASON_PROGRAM_FLOW, REASON_CURRENT_SENSOR,    REASON_CURRENT_SUM,
+        REASON_BUS_OVERVOLTAGE, REASON_ROTOR_LOST,   REASON_TORQUE_IMPLAUSIBLE};
     in.now.trip = REASON_OVERCURRENT;
     in.report.adc_saturated = true;
     in.report.current_sum_pu = 32767;
