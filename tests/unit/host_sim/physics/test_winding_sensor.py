@@ -5,7 +5,6 @@ drive by a healthy one, and no winding burns by a wrong one."""
 from pathlib import Path
 
 import hubsim
-import numpy as np
 import pytest
 from hubsim.reasons import identifier
 
