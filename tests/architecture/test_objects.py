@@ -285,11 +285,12 @@ def costly(function: Function) -> list[str]:
     """Return the instructions refused in a fast step.
 
     Hardware division, floating point, calls through a pointer; a `bx` behind the `pop` of its
-    register is a return.
+    register is a return, also where the stack pointer moves between the two.
     """
+    moved = [text for text in function.instructions if not re.match(r"add\s+sp\b", text)]
     return [
         text
-        for before, text in itertools.pairwise(("", *function.instructions))
+        for before, text in itertools.pairwise(("", *moved))
         if re.match(r"(?:[su]div|v[a-z]\w*|blx r\d+|bx r\d+)\b", text)
         and not re.match(rf"pop\b.*\b{text.split()[-1]}\b", before)
     ]

@@ -72,16 +72,16 @@ def test_every_part_has_tasks_and_its_entries_are_found() -> None:
 
 
 def test_a_run_that_cannot_go_on_is_a_difference() -> None:
-    task = tasks.ScenarioTask("scenarios", "winding_sensor_open", "scooter48v")
+    task = tasks.ScenarioTask("scenarios", "stop", "scooter48v", {"initial_speed_kmh": 90.0})
     one = tasks.done(task)
-    assert "over-temperature" in one.failure
+    assert "stays in FAULT before the run begins" in one.failure
     assert one.entries == {}
     found = Results(["slow_output.mode"])
     found.add(one.part, one.entries)
     stored = results(scenarios={task.label: ONE})
     assert baseline.compared(stored, found, complete=True) == (
         ["scenarios: DIFFERS in missing: 1 of 1 entries, the first is "
-         "'winding_sensor_open scooter48v' (missing)"], False,
+         "'stop scooter48v' (missing)"], False,
     )  # fmt: skip
 
 

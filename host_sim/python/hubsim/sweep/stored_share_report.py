@@ -11,7 +11,7 @@ from rich.progress import Progress
 
 from hubsim import files
 from hubsim.sweep import cases, drives, stored_share
-from hubsim.sweep.stored_share import NOT_STARTED, SLOW_SHARE, TOLERANCE, TOLERANCE_SLOW, Outcome
+from hubsim.sweep.stored_share import NOT_STARTED, SLOW_SHARE, TOLERANCE, TOLERANCE_LARGE, Outcome
 
 SHOWN_PERCENT = 3.0  # what lies beyond is drawn on the edge
 PERCENT = 100.0
@@ -75,14 +75,14 @@ def figure(outcomes: Sequence[Outcome]) -> Figure:
     )  # fmt: skip
     groups = (
         (f"from {SLOW_SHARE:.0%} of the largest speed on", False, plotting.BLUE, TOLERANCE),
-        (f"below {SLOW_SHARE:.0%}", True, plotting.ORANGE, TOLERANCE_SLOW),
+        (f"below {SLOW_SHARE:.0%}, or a charge current", True, plotting.ORANGE, TOLERANCE_LARGE),
     )
     for name, axes in zip(names, panels, strict=False):
-        for text, slow, colour, tolerance in groups:
+        for text, wide, colour, tolerance in groups:
             here = [
                 o
                 for o in outcomes
-                if o.drive == name and o.comparable and (o.speed_share_of_top < SLOW_SHARE) == slow
+                if o.drive == name and o.comparable and (o.tolerance == TOLERANCE_LARGE) == wide
             ]
             found = np.clip([PERCENT * o.difference for o in here], -SHOWN_PERCENT, SHOWN_PERCENT)
             axes.plot([o.open_circuit_v for o in here], found, ".", color=colour, label=text)

@@ -42,9 +42,9 @@ def warnings_of(name: str, share: float, dead_s: float) -> list[str]:
     moves = found["vehicle.speed_m_per_s"] > SLOWEST_M_PER_S
     codes = found["wheel0.warning_reason"][moves]
     changes = np.flatnonzero(np.diff(codes, prepend=0.0))
-    found = [reasons.shown(code) for code in codes[changes]]
+    names = [reasons.shown(code) for code in codes[changes]]
     # A torque that falls faster than the brake's lag is at first that of a wrong report.
-    return [name for name in found if name != "HYDRAULIC_FEEDBACK"]
+    return [name for name in names if name != "HYDRAULIC_FEEDBACK"]
 
 
 @pytest.mark.parametrize("share", SHARES)

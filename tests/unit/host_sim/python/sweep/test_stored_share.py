@@ -130,6 +130,7 @@ def test_tolerance_and_worst_stops() -> None:
     fast = replace(OUTCOME, number=2, difference=0.012)
     none = replace(OUTCOME, number=5, difference=-0.5, impossible_s=1.0)
     assert (slow.within, fast.within, none.comparable) == (True, False, False)
+    assert replace(fast, ideal_reason="charge_current").within
     assert [o.number for o in stored_share_report.worst([slow, OUTCOME, none, fast], 2)] == [2, 1]
     first, *named = stored_share_report.summary([slow, OUTCOME, none, fast])
     assert first.startswith("lu2013: 2 of 3 within the tolerance, -0.10 to +1.50 %")
