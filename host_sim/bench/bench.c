@@ -9,7 +9,9 @@
 enum {
     MILLI = 1000,
     LOST_S = 1000000,
-    BATTERY_STREAM = 1000 /* of random numbers; of wheels from 0, of their brakes from 2000 on */
+    /* Of random numbers; of wheels from 0, of their brakes from 2000 on. */
+    BATTERY_STREAM = 1000,
+    DEMAND_STREAM = 1001
 };
 static const double SLOW_STEP_S = 1.0 / CONTROLLER_SLOW_RATE_HZ;
 static const double ROUNDING =
@@ -75,6 +77,8 @@ static void begin_accounts(bench_t *bench)
     bench->bus_before_j = bus_stored_j(&bench->params.bus, &bench->bus);
     bench->driver = driver_init();
     bench->demand_age_s = 0.0;
+    bench->demand_due_s = 0.0;
+    bench->demand_random = random_init((uint64_t)bench->params.run.seed, DEMAND_STREAM);
     bench->period = 0;
     bench->time_s = 0.0;
     bench->slow_steps = 0;
@@ -208,6 +212,22 @@ static double pedal_nm(const bench_t *bench)
     return driver->follow_trace > 0.5 ? bench->demand.brake_nm : driver->brake_demand_nm;
 }
 
+/* The driver's demand reaches the controllers when its message comes. */
+static void send_demand(bench_t *bench, const driver_demand_t *demand)
+{
+    const driver_params_t *driver = &bench->params.driver;
+    bench->demand_age_s += SLOW_STEP_S;
+    if (bench->time_s + ROUNDING * SLOW_STEP_S >= bench->demand_due_s) {
+        const double longer_s =
+            driver->demand_jitter_s > 0.0
+                ? driver->demand_jitter_s * random_uniform(&bench->demand_random)
+                : 0.0;
+        bench->demand = *demand;
+        bench->demand_age_s = driver->demand_age_s;
+        bench->demand_due_s = bench->time_s + driver->demand_period_s + longer_s;
+    }
+}
+
 static void slow_step(bench_t *bench)
 {
     const bench_params_t *params = &bench->params;
@@ -218,10 +238,10 @@ static void slow_step(bench_t *bench)
     } else if (params->driver.silent > 0.5) {
         bench->demand_age_s += SLOW_STEP_S;
     } else {
-        bench->demand_age_s = params->driver.demand_age_s;
-        bench->demand =
+        const driver_demand_t demand =
             driver_step(&params->driver, &bench->driver, &bench->trace, &bench->road.vehicle,
                         bench->wheels, bench->vehicle.speed_m_per_s, bench->time_s, SLOW_STEP_S);
+        send_demand(bench, &demand);
     }
     if (has_pedals(bench)) {
         press_pedals(bench);

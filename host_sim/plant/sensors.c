@@ -35,15 +35,20 @@ sensors_t sensors_init(const sensors_params_t *params)
 {
     const double bits = plant_min(floor(params->adc_bits), CODE_BITS);
     const double steps = exp2(bits);
+    const double steps_per_a = 0.5 * steps / params->current_full_scale_a;
     sensors_t out = {
-        .steps_per_a = 0.5 * steps / params->current_full_scale_a,
-        .steps_per_v = steps / params->voltage_full_scale_v,
+        .steps_per_a = {steps_per_a * (1.0 + params->current_a_gain_error),
+                        steps_per_a * (1.0 + params->current_b_gain_error),
+                        steps_per_a * (1.0 + params->current_c_gain_error)},
+        .steps_per_v = steps / params->voltage_full_scale_v * (1.0 + params->bus_gain_error),
         .middle_steps = 0.5 * steps,
         .highest_step = steps - 1.0,
         .codes_per_step = (uint32_t)(CODES / steps),
         .offset_a = {params->current_offset_a, -params->current_offset_a, params->current_offset_a},
         .current_noise_a = params->current_noise_a,
         .bus_voltage_noise_v = params->bus_voltage_noise_v,
+        .angle_offset_turn = params->angle_offset_deg / 360.0,
+        .angle_error_turn = params->angle_error_deg / 360.0,
     };
     const double edges_deg[SENSORS_HALL_SECTORS] = {
         params->hall_edge_0_deg, params->hall_edge_1_deg, params->hall_edge_2_deg,
@@ -65,6 +70,17 @@ uint8_t sensors_hall_state(const sensors_t *sensors, double theta_turn)
         passed += theta_turn >= sensors->edge_turn[k] ? 1 : 0;
     }
     return sensors->state_from[passed > 0 ? passed - 1 : SENSORS_HALL_SECTORS - 1];
+}
+
+/* What an angle sensor shows: 65 536 = one electrical turn. */
+static inline uint16_t shown_turn(const sensors_t *sensors, double theta_turn)
+{
+    double shown = theta_turn;
+    if (sensors->angle_error_turn > 0.0 || sensors->angle_offset_turn != 0.0) {
+        shown = within_turn(theta_turn + sensors->angle_offset_turn +
+                            sensors->angle_error_turn * sin(PLANT_TWO_PI * theta_turn));
+    }
+    return (uint16_t)((uint32_t)(shown * ANGLE_TURN + 0.5) % ANGLE_TURN);
 }
 
 /* steps: quantity in steps of the converter from the bottom of its range. */
@@ -93,10 +109,10 @@ sensors_sample_t sensors_sample(const sensors_t *sensors, const sensors_fault_t 
     sensors_sample_t out;
     for (int x = 0; x < 3; x++) {
         out.phase_current_code[x] =
-            code_of(sensors, sensors->middle_steps + i_a[x] * sensors->steps_per_a);
+            code_of(sensors, sensors->middle_steps + i_a[x] * sensors->steps_per_a[x]);
     }
     out.bus_voltage_code = code_of(sensors, v_dc * sensors->steps_per_v);
-    out.rotor_angle_turn = (uint16_t)((uint32_t)(theta_turn * ANGLE_TURN + 0.5) % ANGLE_TURN);
+    out.rotor_angle_turn = shown_turn(sensors, theta_turn);
     const unsigned lines =
         sensors_hall_state(sensors, theta_turn) & ~(unsigned)fault->hall_stuck_low;
     out.hall_state = (uint8_t)(lines | fault->hall_stuck_high);

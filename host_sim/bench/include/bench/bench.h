@@ -54,6 +54,8 @@ typedef struct {
     driver_demand_t demand;
     cockpit_t cockpit;
     double demand_age_s;     /* of the message the controllers have */
+    double demand_due_s;     /* when the next one comes */
+    random_t demand_random;  /* of its jitter */
     ledger_t booked;         /* what only the bench can count; bench_ledger() has everything */
     double kinetic_before_j; /* when the run began */
     double magnetic_before_j;

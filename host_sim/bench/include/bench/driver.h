@@ -36,6 +36,8 @@
     X(most_brake_nm,        0.0,  1e5,   "N m",   "end of the brake pedal, at each driven wheel") \
     X(demand_age_s,         0.0,  1e6,   "s", \
       "age of the demands when they arrive at the controllers") \
+    X(demand_period_s,      0.0,  1.0,   "s",     "of their message; 0: every millisecond") \
+    X(demand_jitter_s,      0.0,  1.0,   "s",     "most that a period is longer, at random") \
     X(silent,               0.0,  1.0,   "", \
       "1: no more messages, the controllers see the last demand grow old") \
     X(uses_pedals,          0.0,  1.0,   "", \

@@ -41,6 +41,15 @@
     X(hall_edge_5_deg,        0.0,   360.0, "deg", "sector 5") \
     X(current_drift_a_per_s, -1e3,   1e3,   "A/s", \
       "growth of the offset of phases a and c, and of the opposite in b") \
+    X(current_a_gain_error,  -0.5,   0.5,   "1", \
+      "share of its current that sensor a shows too much") \
+    X(current_b_gain_error,  -0.5,   0.5,   "1",   "sensor b") \
+    X(current_c_gain_error,  -0.5,   0.5,   "1",   "sensor c") \
+    X(bus_gain_error,        -0.5,   0.5,   "1",   "share of the bus voltage shown too much") \
+    X(angle_offset_deg,     -30.0,   30.0,  "deg", \
+      "electrical, what an angle sensor shows too much") \
+    X(angle_error_deg,        0.0,   30.0,  "deg", \
+      "electrical, amplitude of an error that an angle sensor has once an electrical turn") \
     X(sampling_delay_s,       0.0,   1e-4,  "s", \
       "converters sample so long after the middle of the low sides' time; 0: in it") \
     X(shunt_settling_s,       0.0,   1e-4,  "s", \
@@ -59,11 +68,12 @@ enum { SENSORS_HALL_SECTORS = 6 };
 
 /* Worked out once. */
 typedef struct {
-    double steps_per_a, steps_per_v; /* steps of the converter */
+    double steps_per_a[3], steps_per_v; /* steps of the converter */
     double middle_steps, highest_step;
     uint32_t codes_per_step; /* a step in 12-bit codes */
     double offset_a[3];
     double current_noise_a, bus_voltage_noise_v;
+    double angle_offset_turn, angle_error_turn;
     double edge_turn[SENSORS_HALL_SECTORS];   /* rising */
     uint8_t state_from[SENSORS_HALL_SECTORS]; /* hall state that begins at edge_turn[k] */
 } sensors_t;

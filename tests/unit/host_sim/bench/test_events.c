@@ -86,6 +86,43 @@ void test_demand_age_grows_without_can_frames(void)
     TEST_ASSERT_EQUAL_DOUBLE(10.0, bench->demand.brake_nm);
 }
 
+/* How often, in how many milliseconds, a new demand comes; the driver wants another one in each. */
+static int demands_in(bench_t *bench, int milliseconds, double *oldest_s)
+{
+    int out = 0;
+    *oldest_s = 0.0;
+    for (int ms = 0; ms < milliseconds; ms++) {
+        const double before_nm = bench->demand.brake_nm;
+        bench->params.driver.brake_demand_nm += 0.01;
+        fixture_run(bench, 0.001);
+        out += bench->demand.brake_nm != before_nm ? 1 : 0;
+        *oldest_s = fmax(*oldest_s, bench->demand_age_s);
+    }
+    return out;
+}
+
+void test_demands_come_once_a_period_and_grow_old_between(void)
+{
+    params.driver.demand_period_s = 0.02;
+    bench_t *bench = fixture_start(&params, &config);
+    double oldest_s;
+    TEST_ASSERT_INT_WITHIN(1, 20, demands_in(bench, 400, &oldest_s));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.019, oldest_s);
+}
+
+void test_jitter_makes_each_period_longer_by_up_to_its_size(void)
+{
+    params.driver.demand_period_s = 0.01;
+    params.driver.demand_jitter_s = 0.01;
+    bench_t *bench = fixture_start(&params, &config);
+    double oldest_s;
+    /* 15 ms and the rest of a millisecond in the mean; four standard errors of a uniform one. */
+    const double periods = 1500.0 / 15.5;
+    const double deviation = 10.0 / sqrt(12.0) * sqrt(periods) / 15.5;
+    TEST_ASSERT_DOUBLE_WITHIN(4.0 * deviation, periods, demands_in(bench, 1500, &oldest_s));
+    TEST_ASSERT_TRUE(oldest_s > 0.017 && oldest_s < 0.02 + 1e-9);
+}
+
 void test_failed_brake_of_one_wheel_does_not_affect_the_others(void)
 {
     params = fixture_vehicle();

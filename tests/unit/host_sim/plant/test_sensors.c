@@ -175,3 +175,38 @@ void test_a_grounded_hall_line_reads_low_and_an_open_one_high_at_every_angle(voi
         TEST_ASSERT_EQUAL_UINT8(7U, sample(NO_CURRENT, 50.0, theta_turn).hall_state);
     }
 }
+
+void test_each_sensor_shows_its_current_by_its_own_gain(void)
+{
+    const plant_abc_t current = {.a = 82.5, .b = -41.25, .c = -41.25}; /* 1 024, 512 codes */
+    params.current_a_gain_error = 0.25;
+    params.current_b_gain_error = -0.125;
+    const sensors_sample_t seen = sample(current, 50.0, 0.0);
+    TEST_ASSERT_EQUAL_UINT16(2048 + 1280, seen.phase_current_code[0]);
+    TEST_ASSERT_EQUAL_UINT16(2048 - 448, seen.phase_current_code[1]);
+    TEST_ASSERT_EQUAL_UINT16(2048 - 512, seen.phase_current_code[2]);
+}
+
+void test_the_bus_voltage_is_shown_by_the_gain_of_its_sensor(void)
+{
+    params.bus_gain_error = -0.25;
+    TEST_ASSERT_EQUAL_UINT16(1536, sample(NO_CURRENT, 30.9, 0.0).bus_voltage_code);
+}
+
+void test_an_angle_sensor_mounted_askew_shows_its_offset_also_across_zero(void)
+{
+    params.angle_offset_deg = 22.5; /* 4 096 of 65 536 */
+    TEST_ASSERT_EQUAL_UINT16(16384 + 4096, sample(NO_CURRENT, 50.0, 0.25).rotor_angle_turn);
+    TEST_ASSERT_EQUAL_UINT16(2048, sample(NO_CURRENT, 50.0, 1.0 - 0.03125).rotor_angle_turn);
+    params.angle_offset_deg = -22.5;
+    TEST_ASSERT_EQUAL_UINT16(65536 - 4096, sample(NO_CURRENT, 50.0, 0.0).rotor_angle_turn);
+}
+
+void test_the_error_of_an_angle_sensor_goes_around_once_an_electrical_turn(void)
+{
+    params.angle_error_deg = 22.5;
+    TEST_ASSERT_EQUAL_UINT16(0, sample(NO_CURRENT, 50.0, 0.0).rotor_angle_turn);
+    TEST_ASSERT_EQUAL_UINT16(16384 + 4096, sample(NO_CURRENT, 50.0, 0.25).rotor_angle_turn);
+    TEST_ASSERT_EQUAL_UINT16(32768, sample(NO_CURRENT, 50.0, 0.5).rotor_angle_turn);
+    TEST_ASSERT_EQUAL_UINT16(49152 - 4096, sample(NO_CURRENT, 50.0, 0.75).rotor_angle_turn);
+}
