@@ -41,6 +41,11 @@ def no_options(_parser: Parser) -> None:
     """Add no option."""
 
 
+def nothing_more(_outcomes: Sequence[DataclassInstance]) -> Mapping[str, Any]:
+    """Return nothing."""
+    return {}
+
+
 @dataclass(frozen=True)
 class Study(Generic[Case, Outcome]):
     """One study.
@@ -69,6 +74,8 @@ class Study(Generic[Case, Outcome]):
         Of the cases that are drawn, with the options ``--count`` and ``--seed``; None: it has none.
     options : callable
         Adds further options.
+    more : callable
+        What ``--json`` has besides origin, summary and runs, by key.
     """
 
     name: str
@@ -82,6 +89,7 @@ class Study(Generic[Case, Outcome]):
     holds: Callable[[Sequence[Outcome]], bool]
     count: int | None = None
     options: Callable[[Parser], None] = no_options
+    more: Callable[[Sequence[Outcome]], Mapping[str, Any]] = nothing_more
 
     @property
     def folder(self) -> Path:
@@ -104,7 +112,7 @@ class Study(Generic[Case, Outcome]):
             found = self.stored()
             lines = self.summary(found)
             renew_page(self.name, self.tables(found))
-            write_json(self.name, options, lines, found)
+            write_json(self.name, options, lines, found, self.more(found))
             return lines, self.holds(found)
         check(self.name, options)
         drawn = self.cases(options)
@@ -114,7 +122,7 @@ class Study(Generic[Case, Outcome]):
         made = cases.files_of(self.name, found, lines, getattr(options, "seed", None), options.date)
         made |= plotting.rendered({self.name: self.figure(found)})
         leave(self.name, options, made, self.tables(found))
-        write_json(self.name, options, lines, found)
+        write_json(self.name, options, lines, found, self.more(found))
         return lines, self.holds(found)
 
 
@@ -250,6 +258,7 @@ def write_json(
     options: argparse.Namespace,
     lines: Sequence[str],
     found: Sequence[DataclassInstance],
+    more: Mapping[str, Any] | None = None,
 ) -> None:
     """Write what ``--json`` asks for; numbers that are not finite are null."""
     if options.json is None:
@@ -258,7 +267,8 @@ def write_json(
         scenario=name, seed=getattr(options, "seed", None), date=options.date
     )
     runs = [{key: _finite(value) for key, value in asdict(o).items()} for o in found]
-    files.write_text(options.json, as_json({"provenance": origin, "summary": lines, "runs": runs}))
+    content = {"provenance": origin, "summary": lines, **(more or {}), "runs": runs}
+    files.write_text(options.json, as_json(content))
 
 
 def _finite(value: Any) -> Any:  # noqa: ANN401, int, float or str
