@@ -12,6 +12,8 @@ const double PHASES_OPEN_STEP_S = 0.5e-6;
 static const double OPEN_SHARE = 1.3;
 /* Longest step, times the fastest rate, that three stages take: 1e-10 of the current. */
 static const double SHORT_SHARE = 0.007;
+/* Less has died out. */
+static const double QUIET_A = 1e-5;
 
 phases_t phases_at(const pmsm_t *machine, double omega_rad_s)
 {
@@ -104,6 +106,16 @@ static plant_ab_t without_iron(const phases_t *phases, plant_ab_t flux, plant_ph
         .alpha = phases->per_l_sum * x + phases->per_l_difference * (cos2 * x + sin2 * y),
         .beta = phases->per_l_sum * y + phases->per_l_difference * (sin2 * x - cos2 * y),
     };
+    return out;
+}
+
+/* Of windings and their iron, which sees the turning flux alone. */
+static plant_ab_t wire_current(const phases_t *phases, plant_ab_t flux, plant_phasor_t axis)
+{
+    const plant_ab_t i_t = without_iron(phases, flux, axis);
+    const double turning_s = phases->iron_s * phases->omega_rad_s;
+    const plant_ab_t out = {.alpha = i_t.alpha - turning_s * flux.beta,
+                            .beta = i_t.beta + turning_s * flux.alpha};
     return out;
 }
 
@@ -252,11 +264,7 @@ static void remember_currents(const phases_t *phases, phases_state_t *state,
         }
         return;
     }
-    const plant_ab_t flux = from_phases(state->flux_wb);
-    const plant_ab_t i_t = without_iron(phases, flux, state->axis);
-    const double turning_s = phases->iron_s * phases->omega_rad_s;
-    const plant_ab_t i = {.alpha = i_t.alpha - turning_s * flux.beta,
-                          .beta = i_t.beta + turning_s * flux.alpha};
+    const plant_ab_t i = wire_current(phases, from_phases(state->flux_wb), state->axis);
     double current_a[PHASES];
     to_phases(i, current_a);
     for (int x = 0; x < PHASES; x++) {
@@ -277,6 +285,28 @@ void phases_advance(const phases_t *phases, phases_state_t *state, const phases_
     }
     state->axis = end;
     remember_currents(phases, state, legs);
+}
+
+bool phases_coast(const phases_t *phases, phases_state_t *state, double most_v, double h,
+                  phases_flow_t *flow)
+{
+    const double w = phases->omega_rad_s;
+    const plant_ab_t flux = from_phases(state->flux_wb);
+    const double square = flux.alpha * flux.alpha + flux.beta * flux.beta;
+    const plant_ab_t i = wire_current(phases, flux, state->axis);
+    if (fabs(i.alpha) + fabs(i.beta) > QUIET_A || 3.0 * w * w * square >= most_v * most_v) {
+        return false;
+    }
+    const plant_phasor_t half_turn = plant_small_phasor(0.5 * w * h);
+    const plant_phasor_t turn = plant_turned(half_turn, half_turn);
+    const plant_ab_t turned = {.alpha = flux.alpha * turn.cos - flux.beta * turn.sin,
+                               .beta = flux.beta * turn.cos + flux.alpha * turn.sin};
+    to_phases(turned, state->flux_wb);
+    state->axis = plant_turned(state->axis, turn);
+    const double drag_j_per_rad = 1.5 * h * phases->iron_s * w * square;
+    flow->iron_j += w * drag_j_per_rad;
+    flow->torque_nms -= phases->machine->params.pole_pairs * drag_j_per_rad;
+    return true;
 }
 
 void phases_terminals(const phases_t *phases, const phases_state_t *state,

@@ -172,12 +172,31 @@ static void show(const period_t *p, const double before_a[PHASES], double passed
     }
 }
 
+/* A time without edges in which no leg conducts; false: one does, or begins to. */
+static bool coast(period_t *p, double duration_s)
+{
+    phases_flow_t part = {.iron_j = 0.0};
+    for (int x = 0; x < PHASES; x++) {
+        if (p->gate[x] != DEAD || p->state.current_a[x] != 0.0) {
+            return false;
+        }
+    }
+    if (!phases_coast(&p->phases, &p->state, p->bus_v, duration_s, &part)) {
+        return false;
+    }
+    const phases_leg_t none[PHASES] = {{.open = true}, {.open = true}, {.open = true}};
+    const double no_current_a[PHASES] = {0.0, 0.0, 0.0};
+    book(p, none, &part);
+    show(p, no_current_a, duration_s);
+    return true;
+}
+
 /* A time without edges; diodes may stop and begin to conduct. */
 static void pass(period_t *p, double duration_s)
 {
     double left_s = duration_s;
     int ends = 0;
-    while (left_s > SHORTEST_S) {
+    while (left_s > SHORTEST_S && !coast(p, left_s)) {
         choose_diodes(p);
         phases_leg_t legs[PHASES];
         connect(p, legs);

@@ -74,6 +74,15 @@ void phases_to(const phases_t *phases, const phases_state_t *state, pmsm_state_t
 void phases_advance(const phases_t *phases, phases_state_t *state, const phases_leg_t legs[PHASES],
                     double h, phases_flow_t *flow);
 
+/*
+ * The same with all legs open, at once for any h <= 0.5 rad / omega, where nothing but the angle
+ * changes: what flows in the windings has died out but for the iron's share, and the line EMF
+ * sqrt(3) omega |lambda| is below most_v, V, so no diode begins to conduct. Flux turns with the
+ * rotor, and the torque is the iron's drag. False: it is not so, and nothing has changed.
+ */
+bool phases_coast(const phases_t *phases, phases_state_t *state, double most_v, double h,
+                  phases_flow_t *flow);
+
 /* Wire currents and the voltages of the legs' ends against the negative rail, now, with the legs as
  * they are. */
 void phases_terminals(const phases_t *phases, const phases_state_t *state,

@@ -147,3 +147,64 @@ void test_an_open_leg_has_zero_current_and_its_terminal_the_back_emf(void)
     }
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, flow.torque_nms);
 }
+
+/* Iron losses included, so a current flows in the windings although none does in the wires. */
+static void coast_at(const pmsm_params_t *params, double omega_rad_s)
+{
+    const pmsm_t machine = pmsm_at_temperature(params, 25.0);
+    const phases_t phases = phases_at(&machine, omega_rad_s);
+    const pmsm_state_t rotor = pmsm_at_rest(0.15);
+    phases_state_t steps = phases_from(&phases, &rotor);
+    const phases_leg_t legs[PHASES] = {{.open = true}, {.open = true}, {.open = true}};
+    phases_flow_t settling = {.iron_j = 0.0};
+    TEST_ASSERT_EQUAL(omega_rad_s == 0.0, phases_coast(&phases, &steps, 1000.0, STEP_S, &settling));
+    for (int k = 0; k < 1000; k++) {
+        phases_advance(&phases, &steps, legs, 1e-7, &settling);
+    }
+    phases_state_t once = steps;
+    phases_flow_t of_steps = {.iron_j = 0.0};
+    phases_flow_t of_once = {.iron_j = 0.0};
+    for (int k = 0; k < 500; k++) {
+        phases_advance(&phases, &steps, legs, 1e-7, &of_steps);
+    }
+    TEST_ASSERT_TRUE(phases_coast(&phases, &once, 1000.0, STEP_S, &of_once));
+    for (int x = 0; x < PHASES; x++) {
+        TEST_ASSERT_DOUBLE_WITHIN(1e-10, steps.flux_wb[x], once.flux_wb[x]);
+        TEST_ASSERT_EQUAL_DOUBLE(0.0, once.current_a[x]);
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, steps.axis.cos, once.axis.cos);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, steps.axis.sin, once.axis.sin);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-15 + 1e-6 * fabs(of_steps.iron_j), of_steps.iron_j,
+                              of_once.iron_j);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-15 + 1e-6 * fabs(of_steps.torque_nms), of_steps.torque_nms,
+                              of_once.torque_nms);
+    TEST_ASSERT_EQUAL(omega_rad_s != 0.0, of_once.iron_j > 1e-6);
+}
+
+void test_open_windings_coast_at_once_to_where_small_steps_take_them(void)
+{
+    const pmsm_params_t salient = salient_machine();
+    const pmsm_params_t saturating = saturating_machine();
+    coast_at(&salient, 0.0);
+    coast_at(&salient, 500.0);
+    coast_at(&salient, -900.0);
+    coast_at(&saturating, 500.0);
+}
+
+void test_windings_do_not_coast_while_current_flows_or_the_emf_may_open_a_diode(void)
+{
+    const pmsm_params_t params = plain_machine();
+    const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
+    const phases_t phases = phases_at(&machine, 400.0);
+    pmsm_state_t rotor = pmsm_at_rest(0.15);
+    const double line_v = sqrt(3.0) * 400.0 * machine.flux_wb;
+    phases_flow_t flow = {.iron_j = 0.0};
+    phases_state_t state = phases_from(&phases, &rotor);
+    const phases_state_t before = state;
+    TEST_ASSERT_FALSE(phases_coast(&phases, &state, 0.999 * line_v, STEP_S, &flow));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &state, sizeof(state));
+    TEST_ASSERT_TRUE(phases_coast(&phases, &state, 1.001 * line_v, STEP_S, &flow));
+    rotor.i_t.q = 1e-3;
+    state = phases_from(&phases, &rotor);
+    TEST_ASSERT_FALSE(phases_coast(&phases, &state, 1000.0, STEP_S, &flow));
+}
