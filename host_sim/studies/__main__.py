@@ -22,10 +22,15 @@ def names() -> list[str]:
     return sorted(path.parent.name for path in FOLDER.glob("*/study.py"))
 
 
+def docstring(name: str) -> str:
+    """Return what a study says of itself, read without what it imports."""
+    text = (FOLDER / name / "study.py").read_text(encoding="utf-8")
+    return ast.get_docstring(ast.parse(text)) or ""
+
+
 def question(name: str) -> str:
     """Return what a study asks, in one line: the first of its module."""
-    text = (FOLDER / name / "study.py").read_text(encoding="utf-8")
-    return (ast.get_docstring(ast.parse(text)) or "").partition("\n")[0]
+    return docstring(name).partition("\n")[0]
 
 
 def listed() -> str:
@@ -45,7 +50,16 @@ def main(arguments: Sequence[str]) -> int:
         hint = f"did you mean {near[0]}?" if near else f"there are: {', '.join(names())}"
         print(f"study: no study {arguments[0]!r}, {hint}", file=sys.stderr)
         return 2
-    return int(importlib.import_module(f"studies.{name}.study").main(arguments[1:]))
+    try:
+        study = importlib.import_module(f"studies.{name}.study")
+    except ModuleNotFoundError as error:
+        if not set(HELP) & set(arguments[1:]):
+            raise
+        print(f"{USAGE}\n\n{docstring(name)}")
+        print(f"{error.name} is not installed, without which it cannot list its options, accepted:")
+        print("after './tools/dev setup sim figures'")
+        return 0
+    return int(study.main(arguments[1:]))
 
 
 if __name__ == "__main__":

@@ -124,6 +124,8 @@ class DevFixture(unittest.TestCase):
         shutil.copy2(ROOT / "tools/dev", self.home / "tools/dev")
         for folder in ("setup", "run_tests"):
             shutil.copytree(ROOT / "tools" / folder, self.home / "tools" / folder)
+        for folder in ("host_sim", "tools/regen_table"):  # whose programs explain themselves
+            (self.home / folder).symlink_to(ROOT / folder)
         self.before = self.contents()
 
     def contents(self) -> set[Path]:

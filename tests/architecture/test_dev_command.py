@@ -64,8 +64,84 @@ class DevCommandTest(DevFixture):
         self.assertEqual((result.returncode, result.stdout), (USAGE, ""))
         self.assertIn("Usage:", result.stderr)
 
-    def test_an_unknown_command_is_an_error_that_names_it(self) -> None:
-        self.assert_refused(self.run_dev("simm"), "simm", "--help")
+    def test_help_of_a_program_s_own_command_needs_python_alone_and_does_not_install(self) -> None:
+        for arguments, words in (
+            (["hubsim", "--help"], "usage: hubsim"),
+            (["hubsim", "sweep", "--help"], "usage: hubsim sweep"),
+            (["hubsim", "faults", "-h"], "usage: hubsim faults"),
+            (["study"], "dips"),
+            (["study", "dips", "--help"], "What is missing of the demand"),
+            (["python", "-m", "regen_table", "solve", "--help"], "usage: regen_table solve"),
+            (["python", "-m", "hubsim.fmu", "--help"], "usage: hubsim.fmu"),
+        ):
+            result = self.run_dev(*arguments)
+            self.assertEqual((result.returncode, result.stderr), (0, ""), arguments)
+            self.assertIn(words, result.stdout)
+        self.assertEqual(self.contents(), self.before)
+
+    def test_an_unknown_command_is_an_error_with_what_was_meant_or_all_that_there_are(self) -> None:
+        for word, meant in (("simm", "sim"), ("tset", "test"), ("frimware", "firmware")):
+            self.assert_refused(self.run_dev(word), f"'{word}', did you mean {meant}?")
+        self.assert_refused(self.run_dev("xyzzy"), "'xyzzy', there are: sim test table")
+
+    def test_every_command_names_a_drive_by_its_file_or_by_a_name(self) -> None:
+        motors = self.home / "tools/motors/board"
+        motors.mkdir(parents=True)
+        for name in ("mine", "board/other"):
+            (motors.parent / f"{name}.toml").touch()
+        (self.base / "here.toml").touch()
+        self.before = self.contents()
+        for command in (["table"], ["fmu", "--config"], ["firmware", "--config"],
+                        ["flash", "--config"], ["bench", "--config"]):  # fmt: skip
+            self.assert_refused(self.run_dev(*command, "min"), "'min', did you mean mine?")
+            self.assert_refused(self.run_dev(*command, "none.toml"), "none.toml: no such file")
+            self.assert_refused(self.run_dev(*command, str(self.base)), "is a directory")
+        # The firmware is built with a table, and the command that makes it is named.
+        for drive in ("mine", "other", "here.toml"):
+            for command in ("firmware", "flash", "bench"):
+                result = self.run_dev(command, "--config", drive)
+                self.assert_refused(result, f"'tools/dev table {drive}' makes it")
+
+        path, environment = self.pretend_everything_is_installed()
+        for drive, file in (("other", str(motors / "other.toml")), ("here.toml", "here.toml")):
+            self.run_dev("table", drive, path=path, environment=environment)
+            self.assertEqual(self.calls("python")[-1], f"-m regen_table generate {file}")
+            self.run_dev("fmu", "--config", drive, path=path, environment=environment)
+            configured = [call for call in self.calls("cmake") if "HUBFOC_FMU_CONFIG" in call]
+            self.assertTrue(configured[-1].endswith(str((self.base / file).resolve())), configured)
+
+    def test_a_folder_where_another_user_has_set_up_is_an_error_in_one_line(self) -> None:
+        if os.geteuid() != 0:
+            self.skipTest("only root can run a command as two users")
+        for folder in (self.home, self.home / ".dev"):
+            folder.mkdir(exist_ok=True)
+            os.chown(folder, UNPRIVILEGED, -1)
+        (self.home / ".dev/lock").touch()
+        result = self.run_dev("setup", "qemu", user=UNPRIVILEGED)
+        self.assertEqual(result.returncode, 1)
+        self.assertRegex(
+            result.stderr,
+            r"^tools/dev: \S+/\.dev/lock belongs to root: run this as that user[^\n]*\n$",
+        )
+
+    def test_a_release_with_a_file_that_git_does_not_know_is_refused(self) -> None:
+        def git(*arguments: str) -> None:
+            subprocess.run(["git", "-c", "user.name=x", "-c", "user.email=x@x", *arguments],
+                           cwd=self.home, check=True, capture_output=True)  # fmt: skip
+
+        git("init")
+        git("add", ".")
+        git("commit", "-m", "all")
+        image = self.home / "firmware/config/generated/own.bin"
+        image.parent.mkdir(parents=True)
+        image.touch()
+        self.before = self.contents()
+        self.assert_refused(self.run_dev("release"), "firmware/config/generated/own.bin", "--trial")
+        git("add", ".")
+        git("commit", "-m", "own")
+        (self.home / "tools/setup/flash.sh").write_text("# changed\n", encoding="utf-8")
+        self.before = self.contents()
+        self.assert_refused(self.run_dev("release"), "tools/setup/flash.sh", "--trial")
 
     def test_a_surplus_argument_is_an_error_that_names_it(self) -> None:
         for command in ("sim", "bench", "report", "format", "lint"):
@@ -78,14 +154,10 @@ class DevCommandTest(DevFixture):
         self.assert_refused(self.run_dev("flash", "--wrong"), "--wrong")
         self.assert_refused(self.run_dev("clean", "--wrong"), "--wrong")
         self.assert_refused(self.run_dev("bench", "--wrong"), "--wrong")
-        self.assert_refused(
-            self.run_dev("bench", "--config", "absent"), "absent", "tools/dev table"
-        )
         self.assert_refused(self.run_dev("setup", "wrong"), "wrong", "build", "arm", "qemu")
 
-    def test_a_missing_configuration_file_is_an_error_before_installation(self) -> None:
-        self.assert_refused(self.run_dev("table", "absent.toml"), "absent.toml", "no such file")
-        self.assert_refused(self.run_dev("table"), "CONFIG.toml")
+    def test_a_missing_argument_is_an_error_before_installation(self) -> None:
+        self.assert_refused(self.run_dev("table"), "DRIVE")
         self.assert_refused(self.run_dev("table", "-o"), "-o")
 
     def test_an_unknown_port_or_probe_is_an_error_that_lists_the_known_ones(self) -> None:

@@ -59,7 +59,8 @@ class SetupTest(DevFixture):
             (["hubsim", "stops", "--count", "4"], {"sim", "figures"}),
             (["hubsim", "blackbox", "log.txt"], {"sim", "figures"}),
             (["hubsim", "report", "a.json", "--blackbox", "log.txt"], {"sim", "figures"}),
-            (["study"], {"sim"}),
+            (["hubsim", "faults", "--list"], {"sim"}),
+            (["hubsim", "faults", "--reduced"], {"sim", "figures"}),
             (["study", "coast"], {"sim", "figures"}),
             (["table", "mine.toml"], {"sim"}),
             (["table", "mine.toml", "--plots"], {"sim", "figures"}),
@@ -76,6 +77,30 @@ class SetupTest(DevFixture):
             asked = next(call for call in checks if "--place" not in call)
             asked_sets = set(re.findall(r"/requirements/(\w+)\.txt", asked))
             self.assertEqual(asked_sets, sets, arguments)
+
+    @needs_headers
+    def test_every_command_that_builds_tests_installs_the_packages_they_are_configured_with(
+        self,
+    ) -> None:
+        """After another command had installed its own ones and no more."""
+        cmake = (ROOT / "tools/cmake/HubfocTools.cmake").read_text(encoding="utf-8")
+        found = re.search(r"foreach\(package IN ITEMS ([\w ]+)\)", cmake)
+        assert found is not None
+        path, environment = self.pretend_everything_is_installed()
+        for command in ("bench", "mutants", "oracle", "coverage", "test"):
+            (self.base / "calls").unlink(missing_ok=True)
+            self.run_dev(command, path=path, environment=environment)
+            configured = [call for call in self.calls("cmake") if "HUBFOC_TESTS=ON" in call]
+            self.assertTrue(configured or command != "bench", command)
+            asked = next(
+                call
+                for call in self.calls("python")
+                if "check_venv" in call and "-place" not in call
+            )
+            locks = [Path(name) for name in asked.split() if name.endswith(".txt")]
+            pinned = "".join(lock.read_text(encoding="utf-8") for lock in locks)
+            for package in found[1].split():
+                self.assertRegex(pinned, rf"(?m)^{package}==", command)
 
     def test_continuous_integration_runs_the_readme_s_two_commands_in_its_order(self) -> None:
         shutil.copytree(ROOT / ".ci", self.home / ".ci")

@@ -20,6 +20,52 @@ usage_fail() {
     exit "$EXIT_USAGE"
 }
 
+# edit_distance A B: how many letters are added, left out or changed between two words.
+edit_distance() {
+    local a=$1 b=$2 i j changed above row=()
+    for ((j = 0; j <= ${#b}; j++)); do row[j]=$j; done
+    for ((i = 1; i <= ${#a}; i++)); do
+        changed=${row[0]} row[0]=$i
+        for ((j = 1; j <= ${#b}; j++)); do
+            above=${row[j]}
+            [[ ${a:i-1:1} == "${b:j-1:1}" ]] || changed=$((changed + 1))
+            row[j]=$changed
+            ((above + 1 >= row[j])) || row[j]=$((above + 1))
+            ((row[j - 1] + 1 >= row[j])) || row[j]=$((row[j - 1] + 1))
+            changed=$above
+        done
+    done
+    printf '%d' "${row[${#b}]}"
+}
+
+# suggestion WORD KNOWN...: the known word that was meant, or all of them where none is near.
+suggestion() {
+    local word=$1 known nearest='' distance least
+    shift
+    least=$((${#word} / 2 + 1))
+    for known in "$@"; do
+        distance=$(edit_distance "$word" "$known")
+        if ((distance < least)); then nearest=$known least=$distance; fi
+    done
+    if [[ -n $nearest ]]; then
+        printf 'did you mean %s?' "$nearest"
+    else
+        printf 'there are: %s' "$*"
+    fi
+}
+
+# check_known WHAT WORD KNOWN...: refuses another word; WHAT is its place, as in "flash: no probe".
+check_known() {
+    contains "$2" "${@:3}" || usage_fail "$1 '$2', $(suggestion "${@:2}")"
+}
+
+contains() {
+    local wanted=$1 word
+    shift
+    for word in "$@"; do [[ $word == "$wanted" ]] && return; done
+    return 1
+}
+
 # Ctrl-C ends tools/dev also where the running program handles it and ends normally, as ctest does.
 trap 'exit 130' INT
 trap 'exit 143' TERM

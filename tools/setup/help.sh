@@ -12,13 +12,13 @@ work.
 
   sim                           the urban cycle with three braking strategies: energies and report
   test [--quick] [FOLDER...]    all tests: host, host with sanitizers, emulated Cortex-M4
-  table CONFIG.toml [-o DIR]    configuration and torque table of one vehicle, as C and binary
+  table DRIVE [-o DIR]          configuration and torque table of one vehicle, as C and binary
   firmware [PORT]               ELF, BIN, HEX, sizes, stack; stm32f405 (default), stm32g431, qemu
   flash [PORT]                  firmware onto a board through a debug probe
   hubsim ARGUMENT...            the simulator's own command
   study [NAME]                  measurements in closed loop: table, picture; no NAME: their list
   python ARGUMENT...            the project's Python, with hubsim and regen_table importable
-  fmu [--config CONFIG.toml]    units for co-simulation (FMI 2.0, 3.0): controller, whole vehicle
+  fmu [--config DRIVE]          units for co-simulation (FMI 2.0, 3.0): controller, whole vehicle
   release [-o DIR]              firmware, configurations, DBC, FMUs and wheel with SHA-256 sums
   bench                         instructions, stack, code size, simulation speed
   coverage [--mcdc]             which lines, branches and conditions the C tests reach
@@ -30,7 +30,9 @@ work.
   setup [GROUP...]              only install
   clean [--all]                 remove build/ (with --all also .dev/)
 
-tools/dev COMMAND --help has the details. Exit status: 0 done, 1 failed, 2 wrong usage.
+A DRIVE is a TOML file, or the name of one in tools/motors.
+tools/dev COMMAND --help has the details. Exit status: 0 done, 1 failed, 2 wrong usage, 130
+interrupted.
 TEXT
 }
 
@@ -69,23 +71,24 @@ TEXT
 
 help_table() {
     cat <<'TEXT'
-Usage: tools/dev table CONFIG.toml [-o DIR] [--plots]
+Usage: tools/dev table DRIVE [-o DIR] [--plots]
 
-Turns one vehicle's TOML (see tools/motors) into the configuration that the firmware is built with:
-<name>.c and, with the same bytes, <name>.bin. Without -o they go to firmware/config/generated. With
---plots the figures of losses and optimum are drawn as well, into DIR or else build/report/figures.
+Turns one vehicle's TOML file into the configuration that the firmware is built with. DRIVE is the
+file, or the name of one in tools/motors. It becomes <name>.c and, with the same bytes, <name>.bin.
+Without -o they go to firmware/config/generated. With --plots the figures of losses and optimum are
+drawn as well, into DIR or else build/report/figures.
 TEXT
 }
 
 # shellcheck disable=SC2154  # build.sh has the boards
 help_firmware() {
     cat <<TEXT
-Usage: tools/dev firmware [PORT] [--config NAME] [--board BOARD]
+Usage: tools/dev firmware [PORT] [--config DRIVE] [--board BOARD]
 
 Builds the firmware for PORT, stm32f405 (default), stm32g431 or qemu; prints its sizes, the depth of
-the stack and the paths of ELF, BIN and HEX. NAME is a configuration in firmware/config/generated
-(made by tools/dev table); if not given, wheel24v for stm32g431 and lu2013 for the others. BOARD,
-from which PORT follows, is one of
+the stack and the paths of ELF, BIN and HEX. DRIVE is a TOML file or the name of one in
+tools/motors, of which tools/dev table has made the configuration; if not given, wheel24v for
+stm32g431 and lu2013 for the others. BOARD, from which PORT follows, is one of
     stm32f405: ${BOARDS_stm32f405[*]}
     stm32g431: ${BOARDS_stm32g431[*]}
 (hal/<port>/boards); the port's first if not given.
@@ -94,9 +97,9 @@ TEXT
 
 help_flash() {
     cat <<'TEXT'
-Usage: tools/dev flash [PORT] [--config NAME [--only-config]] [--board BOARD]
+Usage: tools/dev flash [PORT] [--config DRIVE [--only-config]] [--board BOARD]
                        [--probe stlink|cmsis-dap|jlink] [--with openocd|pyocd] [--dry-run]
-       tools/dev flash [PORT] --config NAME --only-config --with serial --line DEVICE
+       tools/dev flash [PORT] --config DRIVE --only-config --with serial --line DEVICE
 
 Builds the firmware (as tools/dev firmware does) and writes it to the board through a debug probe,
 by default an ST-Link, with OpenOCD (default) or with pyOCD, which finds the probe itself and
@@ -117,10 +120,10 @@ help_hubsim() {
     cat <<'TEXT'
 Usage: tools/dev hubsim ARGUMENT...
 
-Brings the simulation engine up to date and hands the arguments to `python -m hubsim`; its own help
-follows once it is installed (tools/dev setup sim), and `tools/dev hubsim COMMAND --help` is its own
-as well. Sweeps, pictures and files that end in .parquet or .mf4 install their Python packages
-first; `run SCENARIO --on qemu` installs the emulator and builds the cross-compiled controllers.
+Brings the simulation engine up to date and hands the arguments to `python -m hubsim`, whose own
+help follows; `tools/dev hubsim COMMAND --help` is its own as well and installs nothing. Sweeps,
+pictures and files that end in .parquet or .mf4 install their Python packages first; `run SCENARIO
+--on qemu` installs the emulator and builds the cross-compiled controllers.
 TEXT
 }
 
@@ -148,18 +151,18 @@ TEXT
 
 help_fmu() {
     cat <<'TEXT'
-Usage: tools/dev fmu [--config CONFIG.toml]
+Usage: tools/dev fmu [--config DRIVE]
 
-Builds four units for co-simulation from one drive (default: tools/motors/lu2013.toml) and prints
-their paths: hubfoc_controller (one controller) and hubfoc_vehicle (controllers with motors,
-battery, brakes and road), each for FMI 2.0 and 3.0, with binary for this machine and complete
-source.
+Builds four units for co-simulation from one drive, a TOML file or the name of one in tools/motors
+(default: lu2013), and prints their paths: hubfoc_controller (one controller) and hubfoc_vehicle
+(controllers with motors, battery, brakes and road), each for FMI 2.0 and 3.0, with binary for this
+machine and complete source.
 TEXT
 }
 
 help_bench() {
     cat <<'TEXT'
-Usage: tools/dev bench [--config NAME] [--no-simulation] [--update-readme]
+Usage: tools/dev bench [--config DRIVE] [--no-simulation] [--update-readme]
 
 Measures both step functions on emulated cores (instructions, code, stack), the interrupts of the
 flashable images on the models of their chips, the firmware's size and the simulation's speed;

@@ -12,20 +12,21 @@ readonly REQUIREMENTS="$ROOT/tools/setup/requirements"
 # shellcheck disable=SC2034  # read by tools/dev
 readonly PYTHON_SETS=(sim figures formats sweep fmi examples bench test dev)
 
-# At least 3.11 (tomllib), and able to make an environment with pip in it. Debian's python3 without
-# python3-venv cannot, and fails only after it has made half of one.
-python_is_good() {
-    "$1" -c 'import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1
-}
-
-# The system's own interpreter first: version managers change which one is first on PATH.
-find_python() {
-    local candidate
+# find_interpreter [MODULE...]: a Python of at least 3.11 (tomllib) that has these modules. The
+# system's own first: version managers change which one is first on PATH.
+find_interpreter() {
+    local candidate modules
+    modules=$(printf ', %s' sys "$@")
     for candidate in /usr/bin/python3 python3 python3.13 python3.12 python3.11; do
-        have "$candidate" && python_is_good "$candidate" && command -v "$candidate" && return
+        have "$candidate" && "$candidate" -c "import ${modules#, }
+sys.exit(sys.version_info < (3, 11))" >/dev/null 2>&1 && command -v "$candidate" && return
     done
     return 1
 }
+
+# Able to make an environment with pip in it. Debian's python3 without python3-venv cannot, and
+# fails only after it has made half of one.
+find_python() { find_interpreter venv ensurepip; }
 
 # check_venv [--place] [SET...]: asked of the environment itself: it must start, contain every
 # pinned version of the sets, and have been made for this directory (its scripts and the .pth file
@@ -45,10 +46,12 @@ venv_is_ready() { check_venv "$@" >/dev/null 2>&1; }
 venv_belongs_here() { check_venv --place >/dev/null 2>&1; }
 python_is_ready() { venv_belongs_here || find_python >/dev/null; }
 
-# Where the project's own packages are; and, for a test run, what a test's Python programs read
-# (tools/run_tests).
+# Where the project's own packages are.
+readonly PACKAGE_FOLDERS=("$ROOT/tools" "$ROOT/host_sim/python" "$ROOT/host_sim")
+
+# And, for a test run, what a test's Python programs read (tools/run_tests).
 pth_text() {
-    printf '%s\n' "$ROOT/tools" "$ROOT/host_sim/python" "$ROOT/host_sim" \
+    printf '%s\n' "${PACKAGE_FOLDERS[@]}" \
         'import os; "HUBFOC_OPENED" in os.environ and __import__("run_tests.opened")'
 }
 

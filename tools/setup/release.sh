@@ -13,7 +13,8 @@ DIR/hubfoc-VERSION (default: build/release), with the SHA-256 of every file in S
 version is that of project() in CMakeLists.txt. The same commit and compilers give the same BIN from
 any folder.
 
-  --trial        also with changed files; the commit in every part then ends in "+"
+  --trial        also with changed files and such that git does not know; with changed ones the
+                 commit in every part ends in "+"
 TEXT
 }
 
@@ -31,10 +32,10 @@ cmd_release() {
         esac
         shift
     done
+    [[ -n $trial ]] || check_committed
     ensure build host arm sim fmi test
     if [[ -z $trial ]] && ! is_a_commit; then
-        usage_fail "release: not the files of a commit; commit them, or --trial (tools/dev" \
-            "release --help)"
+        usage_fail "release: not the files of a commit (tools/dev release --help)"
     fi
     SOURCE_DATE_EPOCH=$(git -C "$ROOT" log -1 --format=%ct 2>/dev/null || echo 0)
     export SOURCE_DATE_EPOCH
@@ -49,6 +50,16 @@ cmd_release() {
         fail "the wheel could not be built"
     "$VENV_PYTHON" "$ROOT/tools/release/collect.py" --config "$DEFAULT_CONFIG" \
         --wheel "$wheels"/*.whl --output "$output"
+}
+
+# check_committed: refuses files that git does not know or that have changed: configurations, drives
+# and modules of a release are found by their places.
+check_committed() {
+    local file
+    [[ -e $ROOT/.git ]] || return 0
+    file=$(git -C "$ROOT" status --porcelain --untracked-files=all | sed -n '1s/^...//p')
+    [[ -z $file ]] || usage_fail "release: $file is not as in a commit; commit it, move it away," \
+        "or --trial (tools/dev release --help)"
 }
 
 is_a_commit() {
