@@ -1,16 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """``python -m studies``: what ``./tools/dev study`` does.
 
-Exit status 0: done, and what the study asks for holds; 1: refused, failed, or it does not hold;
-2: wrong call. The list loads the standard library alone.
+Exit status 0: done, and what the study asks for holds; 1: it does not hold, or failed; 2: refused;
+130: interrupted. The list loads the standard library alone.
 """
 
 import ast
-import difflib
 import importlib
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+
+from regen_table.suggest import suggestion
 
 FOLDER = Path(__file__).resolve().parent
 HELP = ("-h", "--help")
@@ -46,8 +47,7 @@ def main(arguments: Sequence[str]) -> int:
         return 0
     name = arguments[0].replace("-", "_")
     if name not in names():
-        near = difflib.get_close_matches(name, names(), n=1)
-        hint = f"did you mean {near[0]}?" if near else f"there are: {', '.join(names())}"
+        hint = suggestion(name, names())
         print(f"study: no study {arguments[0]!r}, {hint}", file=sys.stderr)
         return 2
     try:

@@ -24,7 +24,7 @@ from hubsim.sweep.cases import DataclassInstance
 from hubsim.sweep.drives import DRIVES
 from matplotlib.figure import Figure
 from regen_table import generate, installation, plotting
-from regen_table.cli import Parser
+from regen_table.cli import REFUSED, Parser, interrupted
 from regen_table.errors import ConfigurationError
 from rich.console import Console
 from rich.progress import Progress
@@ -283,9 +283,9 @@ def reported(name: str, made: Callable[[Progress], tuple[list[str], bool]]) -> i
             lines, holds = made(bar)
     except (HubsimError, ConfigurationError) as error:
         print(f"study {name}: {error}", file=sys.stderr)
-        return 1
-    except KeyboardInterrupt:
-        return 130
+        return REFUSED
+    except KeyboardInterrupt as interrupt:
+        return interrupted(f"study {name}", interrupt)
     try:
         print(*lines, sep="\n", flush=True)
     except BrokenPipeError:  # the reader has gone: nothing more to say

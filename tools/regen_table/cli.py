@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The command line: ``python -m regen_table COMMAND CONFIG.toml ...``.
+"""The command line: ``python -m regen_table COMMAND DRIVE ...``.
 
-Errors are one line on stderr and exit code 1.
+Errors are one line on stderr. Exit status 0: done; 1: something that was to be checked does not
+hold, or failed; 2: refused, because the call or a file of its is wrong; 130: interrupted.
 """
 
 import argparse
@@ -12,10 +13,13 @@ import re
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from regen_table import BATTERIES, STOP_LIMITS, STRATEGIES, installation
 from regen_table.errors import CheckFailedError, ConfigurationError
+from regen_table.suggest import suggestion
+
+FAILED, REFUSED, INTERRUPTED = 1, 2, 130  # exit status
 
 
 class Parser(argparse.ArgumentParser):
@@ -23,7 +27,37 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Say what is wrong and exit with status 2."""
-        self.exit(2, f"{self.prog}: {message} (see {self.prog} --help)\n")
+        self.exit(REFUSED, f"{self.prog}: {message} (see {self.prog} --help)\n")
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:  # noqa: ANN401
+        """Refuse what is left over here, where the options of this very command are known."""
+        options, left = super().parse_known_args(args, namespace)
+        if left:
+            word = left[0].partition("=")[0]
+            if not word.startswith("-"):
+                self.error(f"{word!r}: one argument too many")
+            self.error(f"no {word!r}, {suggestion(word, self._option_string_actions)}")
+        return options, left
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:  # noqa: ANN401, as there
+        """Refuse what is no choice, with the one that was meant."""
+        if action.choices is not None and value not in action.choices:
+            hint = suggestion(str(value), map(str, action.choices))
+            raise argparse.ArgumentError(action, f"no {str(value)!r}, {hint}")
+
+
+def drive_file(named: str) -> Path:
+    """Return the file of a drive on the command line, named as ``installation.drive_file``."""
+    try:
+        return installation.drive_file(named)
+    except ConfigurationError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
+
+
+def interrupted(program: str, interrupt: KeyboardInterrupt) -> int:
+    """Say on stderr that Ctrl-C ended a program, and how to go on; return the exit status."""
+    print("; ".join(filter(None, (f"{program}: interrupted", str(interrupt)))), file=sys.stderr)
+    return INTERRUPTED
 
 
 class ShowVersion(argparse.Action):
@@ -51,19 +85,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         commands = importlib.import_module("regen_table.commands")
         return int(getattr(commands, f"run_{options.command}")(options))
-    except (ConfigurationError, CheckFailedError) as error:
+    except CheckFailedError as error:
         print(error, file=sys.stderr)
-        return 1
+        return FAILED
+    except ConfigurationError as error:
+        print(error, file=sys.stderr)
+        return REFUSED
     except ModuleNotFoundError as error:
         print(installation.missing(error), file=sys.stderr)
-        return 1
+        return FAILED
     except BrokenPipeError:
         os.dup2(
             os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno()
         )  # the reader has gone: nothing more to say
-        return 1
-    except KeyboardInterrupt:
-        return 130
+        return FAILED
+    except KeyboardInterrupt as interrupt:
+        return interrupted("regen_table", interrupt)
 
 
 def _with_negative_lists(arguments: Sequence[str]) -> list[str]:
@@ -193,10 +230,11 @@ def _parser() -> argparse.ArgumentParser:
 
     def add(name: str, text: str, several: bool = False) -> argparse.ArgumentParser:
         command = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
+        about = "a TOML file, or the name of one in tools/motors"
         if several:
-            command.add_argument("configs", type=Path, nargs="+", metavar="CONFIG.toml")
+            command.add_argument("configs", type=drive_file, nargs="+", metavar="DRIVE", help=about)
         else:
-            command.add_argument("config", type=Path, metavar="CONFIG.toml")
+            command.add_argument("config", type=drive_file, metavar="DRIVE", help=about)
         command.set_defaults(command=name)
         return command
 

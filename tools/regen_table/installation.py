@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from regen_table.errors import ConfigurationError
+from regen_table.suggest import suggestion
 
 _DATA = Path(__file__).resolve().parent / "data"
 INSTALLED = (_DATA / "build.json").is_file()
@@ -62,10 +63,20 @@ def drive_file(named: str | Path) -> Path:
     """Return the file of a drive that may be named as a file or as one of those that come along.
 
     "lu2013" is tools/motors/lu2013.toml, unless a file of that very name is here.
+
+    Raises
+    ------
+    ConfigurationError
+        For a name, so without folder and suffix, that no drive has.
     """
     path = Path(named)
-    known = ROOT / "tools" / "motors" / f"{path.name}.toml"
-    return known if path.name == str(named) and not path.exists() and known.is_file() else path
+    if path.exists() or path.suffix or path.name != str(named):
+        return path
+    motors = ROOT / "tools" / "motors"
+    known = {file.stem: file for file in (*motors.glob("*.toml"), *motors.glob("*/*.toml"))}
+    if path.name not in known:
+        raise ConfigurationError(f"no drive {path.name!r}, {suggestion(path.name, known)}")
+    return known[path.name]
 
 
 @cache

@@ -5,7 +5,6 @@ Light to import (pydantic and the standard library): the simulator reads the sam
 module.
 """
 
-import difflib
 import tomllib
 import types
 from collections.abc import Mapping
@@ -19,6 +18,7 @@ from pydantic_core import ErrorDetails
 from regen_table import inputs, installation, relations
 from regen_table.errors import ConfigurationError
 from regen_table.sections import Drive
+from regen_table.suggest import suggestion
 
 __all__ = ["ConfigurationError", "Drive", "load", "parse"]
 
@@ -87,13 +87,7 @@ def _explain(details: ErrorDetails, keys: list[str]) -> str:
     parent = Drive if len(keys) == 1 else _section(keys[0])
     if kind == "extra_forbidden":
         what = "section" if parent is Drive and isinstance(value, Mapping) else "key"
-        known = list(parent.model_fields)
-        near = difflib.get_close_matches(keys[-1], known, n=1, cutoff=0.5)
-        return (
-            f"unknown {what}, did you mean {near[0]}?"
-            if near
-            else f"unknown {what}, known are {', '.join(known)}"
-        )
+        return f"unknown {what}, {suggestion(keys[-1], parent.model_fields)}"
     if parent is Drive:
         return (
             "this section is missing"

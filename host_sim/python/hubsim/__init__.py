@@ -21,9 +21,9 @@ directly in the package is their common floor: the engine, one controller, files
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from regen_table import __version__
-
 if TYPE_CHECKING:
+    from regen_table import __version__
+
     from hubsim.configuration import Configuration
     from hubsim.configuration import load as load_configuration
     from hubsim.controller import Controller
@@ -33,7 +33,8 @@ if TYPE_CHECKING:
     from hubsim.run.external import Measurement, Plant
     from hubsim.variables import Values, Variable
 
-# Loaded at first use, so that a command that needs none of it starts without NumPy and the engine.
+# Loaded at first use: a command that needs none of it starts without NumPy and the engine, and
+# ``can_protocol`` alone works where nothing else is installed.
 _PLACES = {
     "Bench": ("hubsim.run.bench", "Bench"),
     "Configuration": ("hubsim.configuration", "Configuration"),
@@ -44,6 +45,7 @@ _PLACES = {
     "Recording": ("hubsim.run.bench", "Recording"),
     "Values": ("hubsim.variables", "Values"),
     "Variable": ("hubsim.variables", "Variable"),
+    "__version__": ("regen_table", "__version__"),
     "load_configuration": ("hubsim.configuration", "load"),
     "parameters": ("hubsim.engine", "parameters"),
 }

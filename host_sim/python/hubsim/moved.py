@@ -3,6 +3,8 @@
 
 import sys
 
+from regen_table.cli import REFUSED
+
 STUDIES = {
     "blend_out": "blend_out",
     "coast": "coast",
@@ -11,10 +13,9 @@ STUDIES = {
     "envelope": "envelope",
     "faults_tables": "faults",
 }
-WRONG_CALL = 2
 
 
 def answer(name: str) -> int:
     """Name the study on stderr; return the exit status of a wrong call."""
     print(f"hubsim: {name} is a study now: ./tools/dev study {STUDIES[name]}", file=sys.stderr)
-    return WRONG_CALL
+    return REFUSED

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The firmware's reasons by their identifiers, read from core/reason.h."""
 
-import difflib
 import re
 from functools import cache
+
+from regen_table.suggest import suggestion
 
 from hubsim.engine import ROOT
 
@@ -58,6 +59,4 @@ def meant(name: str) -> frozenset[int]:
         return frozenset(code for code in codes().values() if code >= first_fault())
     if name in codes():
         return frozenset({codes()[name]})
-    near = difflib.get_close_matches(name, [*codes(), ANY_FAULT], n=1, cutoff=0.5)
-    hint = f"did you mean {near[0]}?" if near else f"accepted: {ANY_FAULT}, {', '.join(codes())}"
-    raise ValueError(f"no reason {name!r}, {hint}")
+    raise ValueError(f"no reason {name!r}, {suggestion(name, [ANY_FAULT, *codes()])}")

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command line: ``python -m hubsim COMMAND ...``.
 
-Errors are one line on stderr. Exit status 0: done and every criterion met; 1: refused, failed or a
-criterion not met; 2: wrong call. Only what a command needs is imported, and only when it runs:
-``--help`` loads the standard library alone.
+Errors are one line on stderr. Exit status 0: done and every criterion met; 1: a criterion not met,
+or failed; 2: refused, because the call or a file of its is wrong; 130: interrupted. Only what a
+command needs is imported, and only when it runs: ``--help`` loads the standard library alone.
 """
 
 import argparse
@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from regen_table import installation
-from regen_table.cli import Parser, ShowVersion
+from regen_table.cli import REFUSED, Parser, ShowVersion, drive_file, interrupted
 from regen_table.errors import ConfigurationError
 
 from hubsim import moved
@@ -69,12 +69,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stdout.flush()
     except (HubsimError, ConfigurationError) as error:
         print(f"hubsim: {error}", file=sys.stderr)
-        return 1
+        return REFUSED
     except ModuleNotFoundError as error:
         print(f"hubsim: {installation.missing(error)}", file=sys.stderr)
         return 1
-    except KeyboardInterrupt:
-        return 130
+    except KeyboardInterrupt as interrupt:
+        return interrupted("hubsim", interrupt)
     except OSError as error:
         return _cannot_print(error)
     return status
@@ -113,10 +113,10 @@ def _add_common(command: Parser) -> None:
     """Add what every command that runs something takes."""
     command.add_argument(
         "--config",
-        type=installation.drive_file,
+        type=drive_file,
         default=DEFAULT_CONFIG,
-        metavar="TOML",
-        help="the drive, a file or the name of one that comes along; default: lu2013",
+        metavar="DRIVE",
+        help="a TOML file, or the name of a drive that comes along; default: lu2013",
     )
     command.add_argument(
         "--set",
@@ -348,9 +348,9 @@ def _add_report(commands: Commands) -> None:
     )
     command.add_argument(
         "--config",
-        type=installation.drive_file,
-        metavar="TOML",
-        help="the drive; default: the one that comes along under the result's name",
+        type=drive_file,
+        metavar="DRIVE",
+        help="a file or a name; default: the one that comes along under the result's name",
     )
     command.add_argument(
         "--stops",
@@ -387,9 +387,9 @@ def _add_blackbox(commands: Commands) -> None:
     command.add_argument("file", metavar="LOG", type=Path, help="text with the shell's answer")
     command.add_argument(
         "--config",
-        type=installation.drive_file,
+        type=drive_file,
         default=DEFAULT_CONFIG,
-        metavar="TOML",
+        metavar="DRIVE",
         help="the drive, whose full scales make amperes and volts; default: lu2013",
     )
     command.add_argument(

@@ -208,8 +208,7 @@ def sweep_runs(options: argparse.Namespace) -> int:
                 lambda done, planned: bar.update(task, completed=done, total=planned),
             )
         except KeyboardInterrupt:
-            print("hubsim: interrupted; the same command goes on where it stopped", file=sys.stderr)
-            raise
+            raise KeyboardInterrupt("the same command goes on where it stopped") from None
     for line in conduct.summary(table, [v.key for v in found.varied], options.output):
         print(line)
     return 0 if conduct.is_clean(table) else 1

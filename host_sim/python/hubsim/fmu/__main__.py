@@ -5,6 +5,8 @@ import argparse
 import sys
 from pathlib import Path
 
+from regen_table.cli import REFUSED, drive_file
+
 from hubsim.errors import HubsimError
 from hubsim.fmu import KINDS
 
@@ -21,7 +23,7 @@ def main() -> int:
     ):
         command = commands.add_parser(name, help=text)
         command.add_argument("--kind", choices=KINDS, required=True)
-        command.add_argument("--config", type=Path, required=True, metavar="TOML")
+        command.add_argument("--config", type=drive_file, required=True, metavar="DRIVE")
         command.add_argument("-o", "--output", type=Path, required=True, metavar="FILE")
         if name == "pack":
             command.add_argument(
@@ -56,7 +58,7 @@ def main() -> int:
             )
     except HubsimError as error:
         print(f"hubsim.fmu: {error}", file=sys.stderr)
-        return 1
+        return REFUSED
     return 0
 
 

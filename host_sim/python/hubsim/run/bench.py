@@ -78,7 +78,7 @@ class Bench:
     ----------
     drive : Configuration, str or Path
         What the simulated world is made of, and, unless ``controller`` says otherwise, what the
-        controllers are configured with.
+        controllers are configured with. A keyword ``drive`` with sections is the scenario's key.
     scenario : str or Path
         A built-in scenario (``hubsim list``) or a TOML file; by default nothing happens that is not
         set.
@@ -96,6 +96,7 @@ class Bench:
     def __init__(
         self,
         drive: Configuration | str | Path | None = None,
+        /,
         scenario: str | Path | None = None,
         *,
         controller: Configuration | str | Path | None = None,
@@ -103,9 +104,11 @@ class Bench:
         record: Sequence[str] = ("*",),
         **settings: Any,  # noqa: ANN401, whatever a scenario's keys take
     ) -> None:
+        if drive is None and isinstance(settings.get("drive"), Configuration | str | Path):
+            drive = settings.pop("drive")
         chosen, beside = _scenario(scenario, settings)
         if drive is None:
-            raise HubsimError("drive: missing, accepted: a drive's .toml file")
+            raise HubsimError("drive: missing, accepted: a drive's .toml file or name")
         config = drive if isinstance(drive, Configuration) else configuration.load(drive)
         if config.drive is None:
             raise HubsimError(

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The criteria of a scenario, evaluated for a finished run."""
 
-import difflib
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -9,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from regen_table.schema import Drive
+from regen_table.suggest import suggestion
 
 from hubsim import engine, reasons
 from hubsim.errors import HubsimError
@@ -130,12 +130,8 @@ def signals_named(names: Iterable[str], known: Sequence[str], scalars: Iterable[
         elif name in known and not name.startswith(_ACCOUNTS):
             wanted.add(name)
         elif name not in scalars:
-            near = difflib.get_close_matches(name, [*known, *wheels, *scalars], n=1, cutoff=0.6)
-            hint = (
-                f"did you mean {near[0]}?"
-                if near
-                else "'hubsim list --signals' and '--parameters' show what there is"
-            )
+            everything = "'hubsim list --signals' and '--parameters' show what there is"
+            hint = suggestion(name, [*known, *wheels, *scalars], everything)
             raise ExpressionError(f"no quantity {name!r}, {hint}")
     return wanted
 

@@ -182,7 +182,8 @@ class Plant:
 
     def __init__(
         self,
-        drive: Configuration | str | Path,
+        drive: Configuration | str | Path | None = None,
+        /,
         scenario: str | Path | None = None,
         *,
         plant: Mapping[str, float] | None = None,

@@ -7,6 +7,8 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
+from regen_table.suggest import suggestion
+
 from hubsim import files
 from hubsim.engine import ROOT
 from hubsim.errors import HubsimError
@@ -65,9 +67,8 @@ def load(name: str, beside: Path | None = None) -> Cycle:
     if name in names():
         return read(DIRECTORY / f"{name}.csv")
     if not name.endswith(".csv"):
-        raise HubsimError(
-            f"cycle: no cycle {name!r}, accepted: {', '.join(names())} or a .csv file"
-        )
+        everything = f"accepted: {', '.join(names())} or a .csv file"
+        raise HubsimError(f"cycle: no cycle {name!r}, {suggestion(name, names(), everything)}")
     return read((beside or Path()) / name)
 
 

@@ -8,7 +8,6 @@ Changes reach the controllers at the millisecond in which they happen; a ramp mo
 millisecond.
 """
 
-import difflib
 import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -16,6 +15,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from pydantic import Field, model_validator
+from regen_table.suggest import suggestion
 
 from hubsim import engine
 from hubsim.engine import Engine, Parameter
@@ -84,8 +84,7 @@ class Event(Section):
         if bool(self.set) == (self.inject is not None):
             raise ValueError("accepted: either set or inject")
         if self.inject is not None and self.inject not in INJECTIONS:
-            near = difflib.get_close_matches(self.inject, INJECTIONS, n=1, cutoff=0.5)
-            hint = f"did you mean {near[0]}?" if near else "'hubsim faults --list' shows all"
+            hint = suggestion(self.inject, INJECTIONS, "'hubsim faults --list' shows all")
             raise ValueError(f"inject: {self.inject!r} is not accepted, {hint}")
         if self.amount is not None and not (self.inject and INJECTIONS[self.inject].amount):
             raise ValueError(
@@ -121,11 +120,8 @@ def check_parameter(name: str, value: float) -> None:
     """Refuse a parameter that does not exist or a value beyond its range, with ValueError."""
     known = engine.parameters()
     if name not in known:
-        near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
-        raise ValueError(
-            f"{name}: unknown key, "
-            + (f"did you mean {near[0]}?" if near else "'hubsim list --parameters' shows all")
-        )
+        hint = suggestion(name, known, "'hubsim list --parameters' shows all")
+        raise ValueError(f"{name}: unknown key, {hint}")
     parameter = known[name]
     if not parameter.lowest <= value <= parameter.highest:
         raise ValueError(f"{name}: {value:g} is not accepted, accepted: {range_of(parameter)}")

@@ -5,13 +5,14 @@
 two; it is written by hand from what can be seen of a fault, not from runs.
 """
 
-import difflib
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
+
+from regen_table.suggest import suggestion
 
 from hubsim.errors import HubsimError
 
@@ -113,8 +114,7 @@ def named(names: Sequence[str]) -> list[Fault]:
         elif name in known:
             found[name] = known[name]
         else:
-            near = difflib.get_close_matches(name, [*known, *groups], n=1, cutoff=0.5)
-            hint = f"did you mean {near[0]}?" if near else "'hubsim faults --list' shows all"
+            hint = suggestion(name, [*known, *groups], "'hubsim faults --list' shows all")
             raise HubsimError(f"no fault {name!r}, {hint}")
     return list(found.values()) if names else swept()
 

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Keys of a scenario's file: how they are declared, and one line for what is wrong with them."""
 
-import difflib
 import types
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Union, get_args, get_origin
@@ -9,6 +8,7 @@ from typing import Annotated, Any, Union, get_args, get_origin
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
+from regen_table.suggest import suggestion
 
 
 class Section(BaseModel):
@@ -52,10 +52,7 @@ def _explain(details: ErrorDetails, model: type[BaseModel]) -> tuple[str, str]:
     if details["type"] == "value_error":
         return key, str(details["msg"]).removeprefix("Value error, ")
     if details["type"] == "extra_forbidden":
-        near = difflib.get_close_matches(path[-1], owner.model_fields, n=1, cutoff=0.5)
-        return key, "unknown key, " + (
-            f"did you mean {near[0]}?" if near else f"known are {', '.join(owner.model_fields)}"
-        )
+        return key, f"unknown key, {suggestion(path[-1], owner.model_fields)}"
     takes = accepted(field) if field is not None else "a section"
     if details["type"] == "missing" and len(details["loc"]) == len(path):
         return key, f"missing, accepted: {takes}"

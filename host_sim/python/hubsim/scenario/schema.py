@@ -9,13 +9,13 @@ and controllers alike, ``[events.NAME]`` something that happens (events.py), ``[
 something that must be shown (criteria.py).
 """
 
-import difflib
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import Field, PrivateAttr, ValidationError, model_validator
+from regen_table.suggest import suggestion
 
 from hubsim import files
 from hubsim.errors import HubsimError
@@ -230,9 +230,9 @@ def load(name: str, overrides: Mapping[str, Any]) -> tuple[str, Scenario, Path]:
     """
     path = DIRECTORY / f"{name}.toml" if name in builtin_names() else Path(name)
     if path.suffix != ".toml":
-        raise HubsimError(
-            f"no scenario {name!r}, accepted: {', '.join(builtin_names())} or a .toml file"
-        )
+        known = builtin_names()
+        everything = f"accepted: {', '.join(known)} or a .toml file"
+        raise HubsimError(f"no scenario {name!r}, {suggestion(name, known, everything)}")
     data = _flattened(_read(path))
     for key, value in overrides.items():
         _put(data, key, value)
@@ -295,12 +295,9 @@ def _put(data: dict[str, Any], key: str, value: object) -> None:
     known = data.get(head) or {}
     section = known.get(name) if isinstance(known, dict) else None
     if not isinstance(section, dict) or not inner:
-        near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
-        hint = (
-            f"did you mean {head}.{near[0]}?"
-            if near
-            else f"accepted: {head}.NAME.KEY with NAME one of {', '.join(known) or 'none here'}"
-        )
+        accepted = f"{head}.NAME.KEY with NAME one of {', '.join(known) or 'none here'}"
+        sections = [f"{head}.{section}" for section in known]
+        hint = suggestion(f"{head}.{name}", sections, f"accepted: {accepted}")
         raise HubsimError(f"--set {key}: {hint}")
     if inner.startswith("set."):
         section = section.setdefault("set", {})

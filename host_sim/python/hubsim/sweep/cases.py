@@ -10,7 +10,6 @@ import csv
 import io
 import os
 from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import Field, asdict, fields
 from typing import Any, ClassVar, Protocol, TypeVar
 
@@ -20,6 +19,7 @@ from regen_table import installation
 from hubsim.engine import Rows
 from hubsim.errors import HubsimError
 from hubsim.run.results import as_json
+from hubsim.sweep import processes
 
 
 class DataclassInstance(Protocol):
@@ -59,18 +59,18 @@ def hypercube(
 def measured(
     measure: Callable[[int, Case], Outcome],
     cases: Sequence[Case],
-    processes: int | None = None,
+    workers: int | None = None,
     progress: Callable[[], None] | None = None,
 ) -> list[Outcome]:
     """Measure all cases, in as many processes as there are cores; order and result are the same.
 
     ``measure`` is a function of a module, not of a function: other processes look it up by name.
     """
-    count = processes or os.cpu_count() or 1
+    count = workers or os.cpu_count() or 1
     numbers = range(len(cases))
     if count == 1:
         return list(_counted(map(measure, numbers, cases), progress))
-    with ProcessPoolExecutor(count) as pool:
+    with processes.pool(count) as pool:
         return list(_counted(pool.map(measure, numbers, cases, chunksize=CHUNK), progress))
 
 

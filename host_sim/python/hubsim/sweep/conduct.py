@@ -10,8 +10,9 @@ be able to import hubsim and to find the built engine (HUBFOC_BUILD_DIR).
 
 import math
 import os
+import socket
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from dask import config as dask_config
 from distributed import Client, LocalCluster, as_completed
 
 from hubsim.errors import HubsimError
+from hubsim.sweep import processes as local
 from hubsim.sweep import work
 from hubsim.sweep.plan import Plan
 from hubsim.sweep.store import Store
@@ -28,6 +30,7 @@ from hubsim.sweep.work import Job
 BATCHES_MAX = 1000
 BATCH_RUNS = 4  # about a second: an interruption loses little, distribution costs little
 CONNECT_S = 5
+LOOPBACK = "127.0.0.1"
 
 Progress = Callable[[int, int], None]  # runs done, runs planned
 
@@ -45,16 +48,36 @@ def workers(address: str | None, processes: int | None) -> Iterator[Client]:
         with client:
             yield client
         return
-    # The workers listen to this machine alone; Dask's own page takes any free port, so that a
-    # second sweep gives no warning.
-    with (
-        dask_config.set({"distributed.worker.daemon": True}),
-        LocalCluster(n_workers=processes or os.cpu_count() or 1, threads_per_worker=1,
-            host="127.0.0.1",
-                     dashboard_address="127.0.0.1:0", silence_logs=50) as cluster,
-        Client(cluster) as client,
-    ):  # fmt: skip
-        yield client
+    _check_loopback()
+    with dask_config.set({"distributed.worker.daemon": True}), ExitStack() as stack:
+        # The workers listen to this machine alone; Dask's own page takes any free port, so that a
+        # second sweep gives no warning.
+        with local.interrupts_held():
+            cluster = stack.enter_context(
+                LocalCluster(
+                    n_workers=processes or os.cpu_count() or 1,
+                    threads_per_worker=1,
+                    host=LOOPBACK,
+                    dashboard_address=f"{LOOPBACK}:0",
+                    silence_logs=50,
+                )
+            )
+        yield stack.enter_context(Client(cluster))
+
+
+def _check_loopback() -> None:
+    """Refuse a machine whose processes cannot reach each other, which Dask tries for a minute."""
+    try:
+        with (
+            socket.create_server((LOOPBACK, 0)) as server,
+            socket.create_connection(server.getsockname(), CONNECT_S),
+        ):
+            pass
+    except OSError as error:
+        raise HubsimError(
+            f"workers cannot be reached over {LOOPBACK} here ({error.strerror or error}), accepted:"
+            " --workers 1"
+        ) from error
 
 
 def batches(plan: Plan) -> list[tuple[list[int], list[dict[str, Any]]]]:

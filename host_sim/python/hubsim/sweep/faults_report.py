@@ -9,22 +9,24 @@ import math
 import os
 from collections import Counter
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.figure import Figure
-from regen_table import generate, plotting
+from regen_table import generate
 from rich.progress import Progress
 
 from hubsim import files
 from hubsim.errors import HubsimError
 from hubsim.run.results import as_json
 from hubsim.scenario import faults
-from hubsim.sweep import cases, faults_sweep
+from hubsim.sweep import cases, faults_sweep, processes
 from hubsim.sweep.faults_outcome import Outcome
 from hubsim.sweep.faults_sweep import Case
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 CSV = "faults.csv"
 LIMITS = (
@@ -70,7 +72,7 @@ def sweep(several: Sequence[Case], table: Path | None, workers: int | None, bar:
             _keep(faults_sweep.measure(group, members), known, table)
             bar.advance(task, len(members))
     else:
-        with ProcessPoolExecutor(count) as pool:
+        with processes.pool(count) as pool:
             waiting = [pool.submit(faults_sweep.measure, group, lot) for group, lot in lots]
             for done in as_completed(waiting):
                 found = done.result()
@@ -114,6 +116,8 @@ def conclude(options: argparse.Namespace, bar: Progress) -> tuple[list[str], boo
         files.write_text(options.json, as_json([as_object(outcome) for outcome in found]))
     lines = [*by_fault(found), "", *summary(found)]
     if options.output is not None:
+        from regen_table import plotting  # noqa: PLC0415, with Matplotlib, which no list needs
+
         made = cases.files_of("faults", found, summary(found), None, options.date)
         generate.write_all(made | plotting.rendered({"faults": figure(found)}), options.output)
     return lines, True
@@ -210,11 +214,13 @@ def _sentence(o: Outcome) -> str:
     )
 
 
-def figure(outcomes: Sequence[Outcome]) -> Figure:
+def figure(outcomes: Sequence[Outcome]) -> "Figure":
     """Draw the share of each fault's runs that misses each limit.
 
     A fault and its mirror images share a line.
     """
+    from regen_table import plotting  # noqa: PLC0415, as above
+
     first = {o.fault: faults.table()[o.fault].image_of for o in outcomes}
     names = list(dict.fromkeys(first.values()))
     share = np.zeros((len(names), len(LIMITS)))

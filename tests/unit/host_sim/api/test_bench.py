@@ -106,6 +106,22 @@ def test_plant_and_controller_parameters_can_differ(
     assert np.min(weak) == pytest.approx(-10.0, rel=0.03)
 
 
+@pytest.mark.parametrize("kind", [hubsim.Bench, hubsim.Plant])
+def test_a_drive_and_what_differs_from_it_are_both_given(
+    kind: Callable[..., hubsim.Bench | hubsim.Plant],
+) -> None:
+    """The scenario's key has the name of the first argument."""
+    sections = {"bus": {"capacitance_f": 0.01}}
+    changed = [
+        (kind("lu2013", drive=sections, **STOP), True),
+        (kind(drive="lu2013", **STOP), False),
+    ]
+    for one, differs in changed:
+        with one:
+            engine = one.engine if isinstance(one, hubsim.Bench) else one._engine
+            assert (engine.get("bus.capacitance_f") == 0.01) is differs
+
+
 def test_errors_are_reported_in_one_line(config: hubsim.Configuration, tmp_path: Path) -> None:
     image = tmp_path / "x.bin"
     image.write_bytes(config.image)

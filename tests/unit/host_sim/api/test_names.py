@@ -2,8 +2,10 @@
 """Names that users import from the package, wherever their modules are."""
 
 import importlib
+import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import hubsim
 import pytest
@@ -18,6 +20,22 @@ FLOOR = (
 def test_every_public_name_is_there() -> None:
     assert all(hasattr(hubsim, name) for name in hubsim.__all__)
     assert set(hubsim.__all__) <= set(dir(hubsim))
+
+
+def test_the_can_protocol_needs_the_standard_library_alone(tmp_path: Path) -> None:
+    """A client of the bus is not a simulator: one folder on a bare Python."""
+    shutil.copytree(Path(hubsim.__file__).parent, tmp_path / "hubsim")
+    program = (
+        f"import sys; sys.path.append({str(tmp_path)!r})\n"
+        "from hubsim import can_protocol\n"
+        "print(can_protocol.decode('Demand', can_protocol.encode('Demand', {'enable': 1})[1]))\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-I", "-S", "-c", program],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "'enable': 1.0" in done.stdout
 
 
 @pytest.mark.parametrize("group", MODULES)

@@ -99,7 +99,7 @@ def test_an_invalid_result_is_an_error_that_names_it_and_no_page_is_written(
     if content is not None:
         (folder / name).write_text(content, encoding="utf-8")
     made = call("report", name, "-o", "none.html")
-    assert made.returncode == 1
+    assert made.returncode == 2
     assert message in made.stderr
     assert made.stderr.count("\n") == 1
     assert not (folder / "none.html").exists()
@@ -116,7 +116,7 @@ def test_a_damaged_recording_is_an_error_that_names_the_file(
         recording.write_text(content, encoding="utf-8")
         made = call("report", "bad.json", "-o", "none.html")
         recording.unlink()
-        assert made.returncode == 1
+        assert made.returncode == 2
         assert f"bad{suffix}" in made.stderr
         assert made.stderr.count("\n") == 1
 
@@ -151,7 +151,7 @@ def test_a_damaged_black_box_is_an_error_and_no_page_is_written(
     del lines[20]
     (folder / "damaged.txt").write_text("\n".join(lines), encoding="utf-8")
     made = call("report", result, "--blackbox", "damaged.txt", "-o", "none.html")
-    assert made.returncode == 1
+    assert made.returncode == 2
     assert made.stderr.count("\n") == 1
     assert "damaged.txt: the line before" in made.stderr
     assert not (folder / "none.html").exists()

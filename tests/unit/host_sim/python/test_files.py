@@ -81,7 +81,7 @@ def test_a_full_device_is_an_error_in_one_line_and_stays_a_device(
     link = tmp_path / "out"
     link.symlink_to(device)
     other = () if kind != "json" else ("--csv", tmp_path / "a.csv")
-    assert call(*STOP, f"--{kind}", link, *other) == 1
+    assert call(*STOP, f"--{kind}", link, *other) == 2
     assert (
         capsys.readouterr().err == f"hubsim: {link}: cannot be written: No space left on device\n"
     )
@@ -131,7 +131,7 @@ def test_a_failed_run_leaves_every_output_unchanged(tmp_path: Path) -> None:
     for path in outputs.values():
         path.write_text(OLD, encoding="utf-8")
     named = [part for kind, path in outputs.items() for part in (f"--{kind}", path)]
-    assert call("run", "stop", "--set", "motor.pole_pairs=0", *named) == 1
+    assert call("run", "stop", "--set", "motor.pole_pairs=0", *named) == 2
     assert {path.read_text(encoding="utf-8") for path in outputs.values()} == {OLD}
     assert sorted(tmp_path.iterdir()) == sorted(outputs.values())
 
@@ -140,7 +140,7 @@ def test_one_file_for_two_outputs_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "out"
-    assert call(*STOP, "--csv", path, "--json", path) == 1
+    assert call(*STOP, "--csv", path, "--json", path) == 2
     assert "named for two outputs" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
 
@@ -178,7 +178,7 @@ def test_a_sweep_refuses_an_unsupported_format(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str
 ) -> None:
     path = tmp_path / name
-    assert call("sweep", "stop", "--vary", "demand_nm=60,80", "--output", path) == 1
+    assert call("sweep", "stop", "--vary", "demand_nm=60,80", "--output", path) == 2
     assert capsys.readouterr().err == (
         f"hubsim: {path}: accepted: a name that ends in .parquet or .csv\n"
     )
@@ -216,7 +216,7 @@ def test_binary_input_is_an_error_in_one_line(
     else:
         path.write_bytes(bytes(range(256)) if kind == "binary" else bytes(1000))
     filled = [a.replace("{input}", str(tmp_path / "input")) for a in arguments]
-    assert call(*filled) == 1
+    assert call(*filled) == 2
     error = capsys.readouterr().err
     assert error.startswith("hubsim: ")
     assert error.count("\n") == 1
@@ -250,7 +250,7 @@ def test_a_byte_order_mark_is_ignored(tmp_path: Path) -> None:
         ({"demand": 4}, "demand: unknown key, did you mean demand_nm?"),
         ({"scenario": "stop", "demand": 4}, "demand: unknown key, did you mean demand_nm?"),
         ({"demand_nm": "much"}, "demand_nm: 'much' is not accepted, accepted: a number from 0"),
-        ({"demand_nm": 4.0}, "drive: missing, accepted: a drive's .toml file"),
+        ({"demand_nm": 4.0}, "drive: missing, accepted: a drive's .toml file or name"),
         ({"drive": "/", "demand_nm": 4.0}, "/: is a directory"),
         ({"drive": cli.DEFAULT_CONFIG, "scenario": 5}, "no scenario '5', accepted: "),
     ],

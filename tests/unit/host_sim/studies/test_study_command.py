@@ -85,12 +85,12 @@ def stored_tables(name: str) -> dict[str, str]:
     ("arguments", "status", "answer"),
     [
         (["cost"], 2, "study: no study 'cost', did you mean coast?"),
-        (["coast", "--count", "0"], 1, "study coast: --count 0: accepted: a whole number from 1"),
-        (["dips", "--workers", "0"], 1, "study dips: --workers 0: accepted: a whole number from 1"),
+        (["coast", "--count", "0"], 2, "study coast: --count 0: accepted: a whole number from 1"),
+        (["dips", "--workers", "0"], 2, "study dips: --workers 0: accepted: a whole number from 1"),
         (["dips", "lu2014"], 2, "no 'lu2014', accepted: lu2013, ebike36v"),
         (["coast", "--refresh", "--count", "3"], 2, "are of the whole study: not with count"),
-        (["faults", "hal_a_low"], 1, "no fault 'hal_a_low', did you mean hall_a_low?"),
-        (["dips", "--json", "/nowhere/x.json"], 1, "/nowhere/x.json"),
+        (["faults", "hal_a_low"], 2, "no fault 'hal_a_low', did you mean hall_a_low?"),
+        (["dips", "--json", "/nowhere/x.json"], 2, "/nowhere/x.json"),
     ],
 )
 def test_a_wrong_call_is_answered_in_one_line(
@@ -192,6 +192,6 @@ def test_a_page_without_the_mark_of_a_table_is_refused(
 ) -> None:
     monkeypatch.setattr(common, "folder_of", lambda _name: tmp_path)
     shutil.copy(ROOT / "LICENSE", tmp_path / "README.md")
-    assert SQUARES.main(["--workers", "1", "--refresh"]) == 1
+    assert SQUARES.main(["--workers", "1", "--refresh"]) == 2
     assert "no mark <!-- from squares.csv: all -->" in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["README.md"]

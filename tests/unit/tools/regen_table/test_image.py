@@ -445,7 +445,7 @@ def test_a_refused_configuration_writes_no_file(
         ),
         encoding="utf-8",
     )
-    assert cli.main(["generate", str(broken), "-o", str(tmp_path / "out")]) == 1
+    assert cli.main(["generate", str(broken), "-o", str(tmp_path / "out")]) == 2
     lines = capsys.readouterr().err.splitlines()
     assert lines == [
         f"{broken}: inverter.voltage_full_scale_v: 59 V, accepted: more than 59.59 V, "
@@ -465,7 +465,7 @@ def test_a_report_that_cannot_be_written_leaves_no_configuration_file(
         "--report",
         "/proc/report.json",
     ]
-    assert cli.main(arguments) == 1
+    assert cli.main(arguments) == 2
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 1
     # the file refuses root, the directory any other user

@@ -102,8 +102,12 @@ def test_a_name_without_a_suffix_is_a_shipped_drive(
     monkeypatch.chdir(tmp_path)
     assert installation.drive_file("lu2013") == REPOSITORY / "tools" / "motors" / "lu2013.toml"
     assert schema.load("lu2013").name == "lu2013"
-    with pytest.raises(ConfigurationError, match="no_such_drive: "):
-        schema.load("no_such_drive")
+    assert installation.drive_file("wheel24v").name == "wheel24v.toml"  # in a folder of its own
+    assert installation.drive_file("none.toml") == Path("none.toml")
+    with pytest.raises(ConfigurationError, match=r"no drive 'lu2014', did you mean lu2013\?"):
+        schema.load("lu2014")
+    with pytest.raises(ConfigurationError, match=r"no drive 'xyzzy', accepted: .*lu2013"):
+        schema.load("xyzzy")
 
 
 def test_a_local_file_has_priority_over_a_shipped_drive(

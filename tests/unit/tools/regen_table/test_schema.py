@@ -54,7 +54,7 @@ def test_an_integer_is_accepted_for_a_real_key(change: Change) -> None:
             {"pedals.brake_torque_nm": 30.0, "pedals.free_travel_torque_nm": 30.5},
             "pedals.free_travel_torque_nm: 30.5 N m, accepted: at most brake_torque_nm = 30 N m",
         ),
-        ({"x": 3}, "x: unknown key, known are motor, inverter"),
+        ({"x": 3}, "x: unknown key, accepted: motor, inverter"),
         (
             {"motor.pole_pairs": None},
             "motor.pole_pairs: missing, accepted: a whole number from 1 to 60",

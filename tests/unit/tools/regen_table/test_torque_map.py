@@ -466,7 +466,7 @@ def test_a_too_coarse_grid_is_refused_before_writing(
         ),
     ):
         generate.make_report(schema.load(coarse))
-    assert cli.main(["generate", str(coarse), "-o", str(tmp_path / "out")]) == 1
+    assert cli.main(["generate", str(coarse), "-o", str(tmp_path / "out")]) == 2
     errors = capsys.readouterr().err.splitlines()
     assert len(errors) == 1
     assert errors[0].startswith(

@@ -119,7 +119,7 @@ def test_every_command_has_a_help_text(hubsim: Hubsim, command: tuple[str, ...])
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("run", "stpo"), "hubsim: no scenario 'stpo', accepted: "),
+        (("run", "stpo"), "hubsim: no scenario 'stpo', did you mean stop?"),
         (("run", "none.toml"), "hubsim: none.toml: file not found"),
         (("run", "stop", "--config", "none.toml"), "hubsim: none.toml: file not found"),
         (
@@ -166,7 +166,7 @@ def test_an_error_is_one_line_and_leaves_no_output_file(
     extra = () if arguments[0] == "sim" or "--json" in arguments else ("--json", "out.json")
     output = ("--output", "report") if arguments[0] == "sim" else ()
     done = hubsim(*arguments, *extra, *output)
-    assert done.returncode == 1
+    assert done.returncode == 2
     assert message in done.stderr
     assert done.stderr.count("\n") == 1
     assert done.stdout == ""
@@ -182,6 +182,7 @@ def test_an_error_is_one_line_and_leaves_no_output_file(
         ("run", "stop", "--strategy", "best"),
         ("run", "stop", "--colour"),
         ("run", "stop", "extra"),
+        ("run", "stop", "--config", "lu2014"),
     ],
 )
 def test_a_usage_error_is_one_line_and_has_the_usage_exit_status(
@@ -191,6 +192,33 @@ def test_a_usage_error_is_one_line_and_has_the_usage_exit_status(
     assert done.returncode == 2
     assert done.stderr.startswith("hubsim")
     assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "meant"),
+    [
+        (("runn", "stop"), "no 'runn', did you mean run?"),
+        (("run", "stopp"), "no scenario 'stopp', did you mean stop?"),
+        (("run", "stop", "--jsn", "out.json"), "no '--jsn', did you mean --json?"),
+        (("run", "stop", "--strategy", "series"), "no 'series', did you mean series_optimal?"),
+        (("run", "stop", "--config", "lu2014"), "no drive 'lu2014', did you mean lu2013?"),
+        (("run", "stop", "--set", "cycle=ecee15"), "no cycle 'ecee15', did you mean ece15?"),
+        (("faults", "hal_a_low"), "no fault 'hal_a_low', did you mean hall_a_low?"),
+    ],
+)
+def test_a_misspelt_word_is_answered_with_the_one_that_was_meant(
+    hubsim: Hubsim, arguments: tuple[str, ...], meant: str
+) -> None:
+    done = hubsim(*arguments)
+    assert done.returncode == 2
+    assert meant in done.stderr
+
+
+def test_a_list_of_faults_needs_no_library_for_figures(monkeypatch: pytest.MonkeyPatch) -> None:
+    for module in [name for name in sys.modules if name.startswith(("matplotlib", "hubsim.sweep"))]:
+        monkeypatch.delitem(sys.modules, module)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    assert cli.main(["faults", "--list"]) == 0
 
 
 def test_a_drive_refused_by_the_firmware_is_reported_with_the_field(
@@ -206,7 +234,7 @@ def test_a_drive_refused_by_the_firmware_is_reported_with_the_field(
         "--json",
         "out.json",
     )
-    assert done.returncode == 1
+    assert done.returncode == 2
     assert "inductance" in done.stderr
     assert done.stderr.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
@@ -280,7 +308,7 @@ def test_a_criterion_of_an_unknown_signal_is_refused_with_file_and_key(
     path = tmp_path / "mine.toml"
     path.write_text(CRITERIA.replace("run.distance_m", "run.distanse_m"), encoding="utf-8")
     done = hubsim("run", "mine.toml", "--json", "out.json")
-    assert done.returncode == 1
+    assert done.returncode == 2
     assert (
         done.stderr
         == "hubsim: mine.toml: criteria.short.value: no quantity 'run.distanse_m', did you mean"

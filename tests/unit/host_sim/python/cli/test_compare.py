@@ -139,6 +139,6 @@ def test_a_usage_error_is_one_line(hubsim: Hubsim) -> None:
     assert "none.csv: file not found" in hubsim("compare", "none.csv", "stop").stderr
     refused = hubsim("compare", "stop", "stop", "--relative", "-1")
     assert (refused.returncode, refused.stderr) == (
-        1,
+        2,
         "hubsim: --relative -1.0: accepted: a number from 0\n",
     )

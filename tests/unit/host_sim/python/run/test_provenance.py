@@ -151,7 +151,7 @@ def test_repeated_calls_with_one_date_write_identical_bytes(tmp_path: Path) -> N
 def test_an_invalid_date_is_an_error_in_one_line(
     capsys: pytest.CaptureFixture[str], call: tuple[str, ...]
 ) -> None:
-    assert cli.main([*call, "--date", "yesterday"]) == 1
+    assert cli.main([*call, "--date", "yesterday"]) == 2
     assert "'yesterday', accepted: ISO 8601" in capsys.readouterr().err
 
 

@@ -134,6 +134,6 @@ def test_all_recordings_of_one_call_contain_the_same_signals(
 def test_signals_without_a_recording_are_an_error(hubsim: Hubsim) -> None:
     done = hubsim("run", "stop", "--signals", "vehicle.*")
     assert (done.returncode, done.stderr) == (
-        1,
+        2,
         "hubsim: --signals: accepted: with --csv or --parquet or --mdf or --layout\n",
     )

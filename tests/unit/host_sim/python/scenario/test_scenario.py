@@ -34,7 +34,7 @@ def test_a_scenario_can_be_given_as_a_file(tmp_path: Path) -> None:
     ("overrides", "message"),
     [
         ({"demand_mn": 3}, "--set demand_mn: unknown key, did you mean demand_nm?"),
-        ({"zzz": 3}, "--set zzz: unknown key, known are description, cycle, speed_scale"),
+        ({"zzz": 3}, "--set zzz: unknown key, accepted: description, cycle, speed_scale"),
         (
             {"demand_nm": -1},
             "--set demand_nm: -1 is not accepted, accepted: a number from 0 to 100000",
@@ -85,11 +85,13 @@ def test_an_invalid_file_is_an_error_in_one_line_with_its_name(
     assert "\n" not in str(caught.value)
 
 
-def test_the_error_for_an_unknown_scenario_lists_the_known_ones(tmp_path: Path) -> None:
+def test_the_error_for_an_unknown_scenario_names_the_one_meant_or_lists_all(tmp_path: Path) -> None:
+    with pytest.raises(HubsimError, match=r"no scenario 'stopp', did you mean stop\?"):
+        scenario.load("stopp", {})
     with pytest.raises(
-        HubsimError, match=r"no scenario 'stpo', accepted: .*stop, .*udds.* or a \.toml file"
+        HubsimError, match=r"no scenario 'xyzzy', accepted: .*stop, .*udds.* or a \.toml file"
     ):
-        scenario.load("stpo", {})
+        scenario.load("xyzzy", {})
     with pytest.raises(HubsimError, match="file not found"):
         scenario.load(str(tmp_path / "none.toml"), {})
 

@@ -157,5 +157,5 @@ def test_the_command_writes_table_origin_and_picture(
         assert [row["drive"] for row in csv.DictReader(text)] == ["ebike36v"] * 2
     origin = json.loads((tmp_path / "a" / "stops.json").read_text(encoding="utf-8"))
     assert (origin["provenance"]["scenario"], origin["provenance"]["seed"]) == ("stops", 1)
-    assert cli.main(["stops", "--count", "0", "--output", str(tmp_path)]) == 1
+    assert cli.main(["stops", "--count", "0", "--output", str(tmp_path)]) == 2
     assert "--count 0: accepted: a whole number from 1" in capsys.readouterr().err

@@ -4,8 +4,11 @@
 The table does not depend on how it was computed, and its runs equal those of ``hubsim run``.
 """
 
+import contextlib
 import json
+import os
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -17,6 +20,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 from hubsim.cli import DEFAULT_CONFIG
+from hubsim.errors import HubsimError
 from hubsim.sweep import conduct, plan, store, work
 
 Hubsim = Callable[..., subprocess.CompletedProcess[str]]
@@ -166,6 +170,60 @@ def test_sweep_interrupted_by_control_c_can_be_resumed(tmp_path: Path) -> None:
     assert not (tmp_path / "out.parquet").exists()
 
 
+def children_of(process: int) -> set[str]:
+    """Return the identifiers of the processes that one has started, at any depth."""
+    parents = {}
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):  # which ended meanwhile
+            parents[stat.parent.name] = stat.read_text().rpartition(")")[2].split()[1]
+    found, last = {str(process)}, set[str]()
+    while found != last:
+        last = found
+        found = found | {child for child, parent in parents.items() if parent in found}
+    return found - {str(process)}
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("sweep", "stop", "--vary", "demand_nm=range(2,3,400)", "--output", "out.parquet"),
+        ("stops", "--count", "400", "--output", "stops"),
+        ("faults", "--reduced"),
+    ],
+)
+def test_control_c_while_workers_start_is_one_line(
+    tmp_path: Path, arguments: tuple[str, ...]
+) -> None:
+    """A terminal sends it to the workers too, which are loading Python then."""
+    command = [sys.executable, "-m", "hubsim", *arguments, "--workers", "2"]
+    with subprocess.Popen(
+        command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        start_new_session=True,
+    ) as running:  # fmt: skip
+        deadline = time.monotonic() + 100.0
+        while len(children_of(running.pid)) < 2 and time.monotonic() < deadline:
+            time.sleep(0.01)
+        time.sleep(0.1)
+        os.killpg(running.pid, signal.SIGINT)
+        printed = "".join(running.communicate(timeout=100))
+    assert running.returncode == 130
+    assert printed.splitlines() in (
+        ["hubsim: interrupted"],
+        ["hubsim: interrupted; the same command goes on where it stopped"],
+    )
+
+
+def test_a_machine_whose_processes_cannot_reach_each_other_is_told_what_works(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    def refuse(*_: object) -> None:
+        raise OSError(101, "Network is unreachable")
+
+    monkeypatch.setattr(socket, "create_connection", refuse)
+    with pytest.raises(HubsimError, match=r"Network is unreachable.*accepted: --workers 1"):
+        conduct.conduct(JOB, PLAN, fresh(tmp_path, "a.parquet"))
+
+
 def test_a_failed_run_is_reported_with_its_cause_and_the_others_continue(
     hubsim: Hubsim, tmp_path: Path
 ) -> None:
@@ -203,7 +261,7 @@ def test_partial_results_of_another_sweep_are_refused(tmp_path: Path, hubsim: Hu
         "1",
     )
     refused = hubsim(*arguments)
-    assert refused.returncode == 1
+    assert refused.returncode == 2
     assert (
         "out.parquet.parts: holds parts of another sweep, accepted: the same command, another "
         "--output or --restart" in refused.stderr
@@ -250,7 +308,7 @@ def test_an_error_is_one_line_before_the_first_run(
 ) -> None:
     output = () if "--output" in arguments else ("--output", "out.parquet")
     done = hubsim("sweep", "stop", *QUICK, *arguments, *output)
-    assert done.returncode == 1
+    assert done.returncode == 2
     assert message in done.stderr
     assert done.stderr.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
