@@ -15,7 +15,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
-from hubsim import files
+from hubsim import files, progress
 from hubsim.engine import ROOT
 from hubsim.errors import HubsimError
 from hubsim.run.results import as_json
@@ -24,9 +24,8 @@ from hubsim.sweep.cases import DataclassInstance
 from hubsim.sweep.drives import DRIVES
 from matplotlib.figure import Figure
 from regen_table import generate, installation, plotting
-from regen_table.cli import REFUSED, Parser, interrupted
+from regen_table.cli import REFUSED, Parser, interrupted, output_file
 from regen_table.errors import ConfigurationError
-from rich.console import Console
 from rich.progress import Progress
 
 BEGINS, ENDS = "<!-- from {}.csv: {} -->\n", "<!-- end -->\n"
@@ -161,7 +160,10 @@ def parser_of(name: str, text: str, count: int | None) -> Parser:
         f"default: build/studies/{name}",
     )
     parser.add_argument(
-        "--json", type=Path, metavar="FILE", help="write origin, summary and every run"
+        "--json",
+        type=output_file(".json"),
+        metavar="FILE",
+        help="write origin, summary and every run",
     )
     parser.add_argument(
         "--refresh",
@@ -278,8 +280,7 @@ def _finite(value: Any) -> Any:  # noqa: ANN401, int, float or str
 def reported(name: str, made: Callable[[Progress], tuple[list[str], bool]]) -> int:
     """Do the work, print what it says and return the exit status."""
     try:
-        console = Console(stderr=True)
-        with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+        with progress.shown("") as bar:
             lines, holds = made(bar)
     except (HubsimError, ConfigurationError) as error:
         print(f"study {name}: {error}", file=sys.stderr)

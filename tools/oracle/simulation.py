@@ -120,7 +120,7 @@ def run_scenario(
         changes["brake", "strategy"] = strategy
     oracle().begin()
     vehicle, planned_s = run.prepare(drive_named(drive, changes), chosen, beside, {})
-    happening = run.timeline(chosen)
+    happening = run.timeline(chosen, beside)
     with vehicle:
         vehicle.start()
         vehicle.choose([])

@@ -54,6 +54,20 @@ def drive_file(named: str) -> Path:
         raise argparse.ArgumentTypeError(str(error)) from error
 
 
+def output_file(*suffixes: str) -> Callable[[str], Path]:
+    """Return a parser of a file to write: its name ends in one of these, or in no suffix."""
+
+    def parse(text: str) -> Path:
+        path = Path(text)
+        if path.suffix not in ("", *suffixes):
+            raise argparse.ArgumentTypeError(
+                f"{text!r}, accepted: a name that ends in {' or '.join(suffixes)}"
+            )
+        return path
+
+    return parse
+
+
 def interrupted(program: str, interrupt: KeyboardInterrupt) -> int:
     """Say on stderr that Ctrl-C ended a program, and how to go on; return the exit status."""
     print("; ".join(filter(None, (f"{program}: interrupted", str(interrupt)))), file=sys.stderr)
@@ -202,7 +216,7 @@ def _add_answer(command: argparse.ArgumentParser) -> None:
     command.add_argument("--json", action="store_true", help="an array of objects instead of text")
     command.add_argument(
         "--output",
-        type=Path,
+        type=output_file(".json"),
         metavar="FILE.json",
         help="also write the array into a file, with version, commit, configuration and date",
     )
@@ -244,7 +258,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     command.add_argument(
         "--report",
-        type=Path,
+        type=output_file(".json"),
         metavar="FILE.json",
         help="also write margins, number formats and grid losses as JSON",
     )
@@ -329,7 +343,7 @@ def _parser() -> argparse.ArgumentParser:
         type=Path,
         required=True,
         metavar="FILE.csv",
-        help="columns time_s and speed_km_h",
+        help="a drive cycle with the units in its heading, host_sim/cycles/README.md",
     )
     command.add_argument(
         "--top-speed-kmh",

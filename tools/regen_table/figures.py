@@ -59,7 +59,7 @@ def power_over_current(drive: Drive) -> Figure:
     """
     motor, inverter, top = reference(drive)
     made, (axes,) = plotting.figure(
-        "Fig. 3   Power over braking current at constant speed", width=8.4
+        plotting.title(drive, 3, "Power over braking current at constant speed"), width=8.4
     )
     scale, unit = (1.0, "W") if ideal.salient(drive) else power_unit(drive)
     most = 0.35 * ideal.meeting_rad_s(drive, motor, inverter) if ideal.salient(drive) else 0.1 * top
@@ -149,7 +149,8 @@ def current_over_speed(drive: Drive) -> Figure:
     omega = speed * motor.pole_pairs
     line = ideal.lines(drive, motor, inverter, speed)
     neglecting = -omega * motor.flux_wb / (2.0 * motor.resistance_ohm)
-    made, (axes,) = plotting.figure("Fig. 4   Braking current over speed", height=5.2)
+    title = plotting.title(drive, 4, "Braking current over speed")
+    made, (axes,) = plotting.figure(title, height=5.2)
     axes.plot(rpm(speed), -line.optimal_a, color=BLUE, label="most power returned")
     axes.plot(rpm(speed), -line.zero_a, color=RED, label="boundary to plugging")
     neglected = (
@@ -220,7 +221,7 @@ def regions(drive: Drive) -> Figure:
     capability = np.minimum(optimal, limit)
     x, below = rpm(speed), np.minimum(zero, ceiling)
     made, (axes,) = plotting.figure(
-        "Fig. 5   Best braking torque and the regions of a demand", height=5.2
+        plotting.title(drive, 5, "Best braking torque and the regions of a demand"), height=5.2
     )
     for lower, upper, where, colour, alpha in (
         (0.0 * x, capability, free | limited, GREEN, 0.18),
@@ -278,9 +279,8 @@ def efficiency_map(drive: Drive) -> Figure:
     friction = state.loss_friction_w
     efficiency = -state.dc_power_w / (torque * speed + friction)
     shown = 100.0 * efficiency
-    made, (axes,) = plotting.figure(
-        "Fig. 11   Efficiency of regenerative braking, motor and inverter, per cent"
-    )
+    text = "Efficiency of regenerative braking, motor and inverter, per cent"
+    made, (axes,) = plotting.figure(plotting.title(drive, 11, text))
     axes.grid(visible=False)
     x, y = np.broadcast_arrays(rpm(speed), torque)
     filled = axes.contourf(x, y, shown, levels=np.arange(0.0, 101.0, 5.0), cmap="viridis")
@@ -325,9 +325,9 @@ def torque_ramp(drive: Drive) -> Figure:
     state = ideal.state(drive, motor, inverter, speed, torque)
     resistance = drive.battery.series_resistance_ohm + drive.battery.polarisation_resistance_ohm
     pack = models.battery_steady(_any_voltage(drive), resistance, state.dc_power_w)
+    text = f"Ramp of braking torque at {float(rpm(np.array(speed))):.0f} r/min, limits left out"
     made, (upper, lower) = plotting.figure(
-        f"Fig. 12   Ramp of braking torque at {float(rpm(np.array(speed))):.0f} r/min, limits"
-        " left out",
+        plotting.title(drive, 12, text),
         rows=2,
         height=5.2,
     )
@@ -365,7 +365,7 @@ def boundary_lines(drive: Drive) -> Figure:
     _, inverter, _ = reference(drive)
     speed = shown_speeds(drive)
     made, axes_pair = plotting.figure(
-        "Fig. 13   Lines of most power and of no power", columns=2, width=9.5
+        plotting.title(drive, 13, "Lines of most power and of no power"), columns=2, width=9.5
     )
     temperatures = (drive.motor.reference_temperature_c, 75.0, 120.0)
     for axes, title in zip(

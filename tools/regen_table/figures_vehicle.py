@@ -2,6 +2,7 @@
 """The figures of the paper that need the whole vehicle: 7, 8, 10 and 14."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -38,7 +39,7 @@ def electric_share(drive: Drive) -> Figure:
     demand = np.unique(np.append(np.linspace(0.0, 3.0 * most, 301), most))[:, np.newaxis]
     capability = ideal.production(drive).capability_nm(drive, motor, inverter, speed)
     made, panels = plotting.figure(
-        "Fig. 7   Electric braking torque, N·m", columns=3, width=11.0, height=4.6
+        plotting.title(drive, 7, "Electric braking torque, N·m"), columns=3, width=11.0, height=4.6
     )
     bands = np.linspace(0.0, most, 41)
     drawn, edge, reached = [], 0.999 * most, False
@@ -74,7 +75,7 @@ def pedal(drive: Drive) -> Figure:
     travel = np.linspace(0.0, 1.0, 301)
     demand = travel * full
     made, panels = plotting.figure(
-        "Fig. 8   What the brake pedal means for motor and mechanical brake",
+        plotting.title(drive, 8, "What the brake pedal means for motor and mechanical brake"),
         columns=3,
         width=11.0,
         height=4.2,
@@ -125,7 +126,7 @@ def stored_share(drive: Drive) -> Figure:
         [*np.geomspace(lowest, highest, 60), *(k for k in knees if lowest <= k <= highest)]
     )
     made, (axes,) = plotting.figure(
-        f"Fig. 14   Kinetic energy stored by a stop from {initial:.3g} km/h"
+        plotting.title(drive, 14, f"Kinetic energy stored by a stop from {initial:.3g} km/h")
     )
     for strategy in STRATEGIES:
         stored = [
@@ -164,8 +165,9 @@ def energy_flow(drive: Drive) -> Figure:
     top_kmh = drive.motor.max_speed_rpm * math.pi / 30.0 * drive.vehicle.wheel_radius_m * 3.6
     trace = ideal_cycles.load(ideal_cycles.DIRECTORY / "ece15.csv")
     factor = min(1.0, top_kmh / URBAN_CYCLE_TOP_KMH)
-    trace = ideal_cycles.Cycle(trace.name, trace.time_s, trace.speed_m_s * factor)
-    title = f"Fig. 10   Energy flow over the urban cycle (ECE-15, speeds × {factor:.2f})"
+    trace = replace(trace, speed_m_s=trace.speed_m_s * factor)
+    text = f"Energy flow over the urban cycle (ECE-15, speeds × {factor:.2f})"
+    title = plotting.title(drive, 10, text)
     made, panels = plotting.figure(title, rows=3, width=10.5, height=9.5)
     for axes, strategy in zip(panels, STRATEGIES, strict=True):
         result = ideal_cycles.run(

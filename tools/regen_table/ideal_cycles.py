@@ -4,13 +4,13 @@
 Every instant in steady state, the speed trace followed exactly as far as the limits allow.
 """
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
-from regen_table import braking, inputs, installation, models
+from regen_table import braking, drive_cycles, installation, models
 from regen_table.derived import AIR_DENSITY_KG_M3
 from regen_table.errors import ConfigurationError
 from regen_table.models import Array
@@ -23,11 +23,12 @@ PARTS = 4  # steady states per sample of the trace
 
 @dataclass(frozen=True)
 class Cycle:
-    """A speed trace: ``time_s`` and ``speed_m_s``, shape (samples,)."""
+    """A speed trace: ``time_s``, ``speed_m_s`` and the road's rise over way, shape (samples,)."""
 
     name: str
     time_s: Array
     speed_m_s: Array
+    slope: Array
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,7 @@ class CycleEnergies:
     battery: float
     friction: float
     drag: float
+    climbed: float
 
     @property
     def losses(self) -> dict[str, float]:
@@ -74,30 +76,17 @@ class CycleResult:
 
 
 def load(path: Path, top_speed_kmh: float | None = None) -> Cycle:
-    """Read a trace with the columns ``time_s`` and ``speed_km_h``; # begins a comment line.
+    """Read a cycle (drive_cycles).
 
     ``top_speed_kmh`` scales the speeds so that the fastest one becomes it (None: as they are).
     """
-    what, names = "columns time_s and speed_km_h with a number each", ("time_s", "speed_km_h")
-    columns = inputs.read_table(path, what, lambda found: all(name in found for name in names))
-    try:
-        time, speed = (np.array([float(cell) for cell in columns[name]]) for name in names)
-    except ValueError as error:
-        raise ConfigurationError(f"{path}: accepted: {what} ({error})") from error
-    speed = speed / 3.6
-    if (
-        len(time) < 2
-        or not np.all(np.isfinite(time) & np.isfinite(speed))
-        or np.any(np.diff(time) <= 0.0)
-        or np.any(speed < 0.0)
-        or not np.any(speed > 0.0)
-    ):
-        raise ConfigurationError(
-            f"{path}: accepted: at least two samples, rising time_s, speed_km_h >= 0 and not"
-            " always 0"
-        )
+    found = drive_cycles.read(path)
+    speed = np.array(found.speed_kmh) / 3.6
+    if not np.any(speed > 0.0):
+        raise ConfigurationError(f"{path}: speed always 0, accepted: a cycle that moves")
     factor = 1.0 if top_speed_kmh is None else top_speed_kmh / 3.6 / float(np.max(speed))
-    return Cycle(path.stem, time, speed * factor)
+    slope = np.array(found.slope) if found.slope else np.zeros_like(speed)
+    return Cycle(path.stem, np.array(found.time_s), speed * factor, slope)
 
 
 def shipped(drive: Drive) -> list[Cycle]:
@@ -105,7 +94,7 @@ def shipped(drive: Drive) -> list[Cycle]:
     top = drive.motor.max_speed_rpm * np.pi / 30.0 * drive.vehicle.wheel_radius_m
     found = [load(path) for path in sorted(DIRECTORY.glob("*.csv"))]
     return [
-        Cycle(c.name, c.time_s, c.speed_m_s * min(1.0, top / float(np.max(c.speed_m_s))))
+        replace(c, speed_m_s=c.speed_m_s * min(1.0, top / float(np.max(c.speed_m_s))))
         for c in found
     ]
 
@@ -118,10 +107,11 @@ class Demand:
     speed_rad_s: Array
     torque_nm: Array  # at the wheel, positive drives
     drag_w: Array  # whole vehicle
+    climbing_w: Array  # whole vehicle, negative downhill
 
 
 def demand(drive: Drive, cycle: Cycle) -> Demand:
-    """Compute the demand of a cycle at a driven wheel: mass, rolling resistance and air drag."""
+    """Compute the demand at a driven wheel: mass, grade, rolling resistance and air drag."""
     vehicle = drive.vehicle
     share = np.arange(PARTS + 1) / PARTS
     time = cycle.time_s[:-1, np.newaxis] + np.diff(cycle.time_s)[:, np.newaxis] * share
@@ -129,17 +119,22 @@ def demand(drive: Drive, cycle: Cycle) -> Demand:
     seconds = np.diff(time, axis=1).ravel()
     middle = (0.5 * (speed[:, 1:] + speed[:, :-1])).ravel()
     acceleration = np.diff(speed, axis=1).ravel() / seconds
-    rolling = vehicle.rolling_resistance * vehicle.mass_kg * GRAVITY_M_S2 * (middle > 0.0)
+    slope = cycle.slope[:-1, np.newaxis] + np.diff(cycle.slope)[:, np.newaxis] * share
+    tangent = (0.5 * (slope[:, 1:] + slope[:, :-1])).ravel()
+    weight = vehicle.mass_kg * GRAVITY_M_S2 / np.sqrt(1.0 + tangent**2)  # on the road
+    climbing = weight * tangent * (middle > 0.0)
+    rolling = vehicle.rolling_resistance * weight * (middle > 0.0)
     drag = (
         rolling
         + 0.5 * AIR_DENSITY_KG_M3 * vehicle.drag_coefficient * vehicle.frontal_area_m2 * middle**2
     )
-    force = vehicle.mass_kg * acceleration + drag
+    force = vehicle.mass_kg * acceleration + drag + climbing
     return Demand(
         seconds,
         middle / vehicle.wheel_radius_m,
         force * vehicle.wheel_radius_m / vehicle.driven_wheels,
         drag * middle,
+        climbing * middle,
     )
 
 
@@ -194,6 +189,7 @@ def run(
             battery=total(pack.loss_w),
             friction=total(wheels * friction * speed),
             drag=total(asked.drag_w),
+            climbed=total(asked.climbing_w),
         )
 
     energies = part(np.ones_like(brakes))
@@ -205,6 +201,7 @@ def run(
         - energies.battery_returned
         - sum(energies.losses.values())
         - energies.drag
+        - energies.climbed
         - kinetic
     )
     return CycleResult(

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from regen_table import generate
+from regen_table.schema import Drive
 
 BLUE, ORANGE, GREEN, RED, PURPLE, GREY = (
     "#1f5fa8",
@@ -29,6 +30,7 @@ STRATEGY_NAMES = {
     "parallel_free_travel": "parallel, free travel",
     "series_optimal": "series",
 }
+PAPER = "lu2013"
 _STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 10.0,
@@ -42,6 +44,11 @@ _STYLE: dict[Any, Any] = {
     "svg.hashsalt": "hubfoc",
     "svg.fonttype": "none",
 }
+
+
+def title(drive: Drive, number: int, text: str) -> str:
+    """Return a figure's title: of the paper's drive the paper's number, of another one its name."""
+    return f"Fig. {number}   {text}" if drive.name == PAPER else f"{drive.name}   {text}"
 
 
 def figure(

@@ -77,11 +77,11 @@ version_at_least() {
     [[ "$(printf '%s\n%s\n' "$2" "$1" | sort -V | head -n 1)" == "$2" ]]
 }
 
-# Prints how long the step has run and the last line of its log, once a second on a terminal, rarely
-# in a log file. Ends by itself when tools/dev does, whatever ended it. `read -t` is the pause
-# because, unlike `sleep`, it leaves no child behind that keeps a pipe open.
+# Prints how long the step has run and the last line of its log, once a second on a terminal, after
+# 2, 4, 8 s and so on in a log file. Ends by itself when tools/dev does, whatever ended it. `read
+# -t` is the pause because, unlike `sleep`, it leaves no child behind that keeps a pipe open.
 report_progress() {
-    local label=$1 log=$2 parent=$3 begin=$SECONDS period=20 line
+    local label=$1 log=$2 parent=$3 begin=$SECONDS period=2 line
     [[ -t 2 ]] && period=1
     while read -rt "$period" _ <> <(:) || kill -0 "$parent" 2>/dev/null; do
         line=$(tail -n 1 "$log" 2>/dev/null | tr -d '\000-\037' | cut -c 1-70) || line=
@@ -89,6 +89,7 @@ report_progress() {
             printf '\r\033[K%s: %d s  %s' "$label" "$((SECONDS - begin))" "$line" >&2
         else
             printf '%s: %d s  %s\n' "$label" "$((SECONDS - begin))" "$line" >&2
+            ((period >= 32)) || period=$((2 * period))
         fi
     done
 }

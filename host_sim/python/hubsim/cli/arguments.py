@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from regen_table import installation
-from regen_table.cli import REFUSED, Parser, ShowVersion, drive_file, interrupted
+from regen_table.cli import REFUSED, Parser, ShowVersion, drive_file, interrupted, output_file
 from regen_table.errors import ConfigurationError
 
 from hubsim import moved
@@ -31,6 +31,12 @@ RECORDINGS = {
     "parquet": "write the recorded signals as a Parquet table with units",
     "mdf": "write the recorded signals as an ASAM MDF4 measurement with units",
     "layout": "write a PlotJuggler layout for the recorded signals",
+}
+SUFFIXES = {
+    "csv": (".csv", ".txt"),
+    "parquet": (".parquet",),
+    "mdf": (".mf4", ".mdf"),
+    "layout": (".xml",),
 }
 _SHOWN_REPORT = "hubsim_report" if installation.INSTALLED else "build/report"
 _REPORT = Path(_SHOWN_REPORT) if installation.INSTALLED else installation.ROOT / _SHOWN_REPORT
@@ -158,9 +164,13 @@ def _add_run(commands: Commands) -> None:
         help="what recordings hold, '*' for anything; default: the most important ones",
     )
     for name, text in RECORDINGS.items():
-        command.add_argument(f"--{name}", type=Path, metavar="FILE", help=text)
+        kind = output_file(*SUFFIXES[name])
+        command.add_argument(f"--{name}", type=kind, metavar="FILE", help=text)
     command.add_argument(
-        "--json", type=Path, metavar="FILE", help="write energies, shares and criteria"
+        "--json",
+        type=output_file(".json"),
+        metavar="FILE",
+        help="write energies, shares and criteria",
     )
     command.add_argument(
         "--on",
@@ -298,7 +308,9 @@ def _add_compare(commands: Commands) -> None:
     command.add_argument(
         "--all", action="store_true", help="show also what is within the tolerances"
     )
-    command.add_argument("--json", type=Path, metavar="FILE", help="write the differences")
+    command.add_argument(
+        "--json", type=output_file(".json"), metavar="FILE", help="write the differences"
+    )
     sweeps.add_date(command)
 
 
@@ -344,7 +356,11 @@ def _add_report(commands: Commands) -> None:
         help="what 'hubsim run --json' wrote",
     )
     command.add_argument(
-        "-o", "--output", type=Path, required=True, metavar="FILE", help="the page to write"
+        *("-o", "--output"),
+        type=output_file(".html", ".htm"),
+        required=True,
+        metavar="FILE",
+        help="the page to write",
     )
     command.add_argument(
         "--config",

@@ -17,10 +17,9 @@ from regen_table import __version__, installation
 from regen_table.schema import Drive
 from rich import box
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from hubsim import emulator, engine, files, reasons, run, scenario
+from hubsim import emulator, engine, files, progress, reasons, run, scenario
 from hubsim.cli import arguments, console
 from hubsim.errors import HubsimError
 from hubsim.report import black_box, crash
@@ -49,15 +48,6 @@ def drive_of(
     if strategy is not None:
         settings.drive["brake", "strategy"] = strategy
     return console.warned(config, overrides.load_drive(config, settings, chosen))
-
-
-def progress_bar(unit: str = "s") -> Progress:
-    """Return a progress display on stderr that is silent where stderr is no terminal."""
-    console = Console(stderr=True)
-    return Progress(
-        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn(unit),
-        TimeRemainingColumn(), console=console, transient=True, disable=not console.is_terminal,
-    )  # fmt: skip
 
 
 def warn_of(result: RunResult) -> None:
@@ -90,7 +80,7 @@ def run_scenario(options: argparse.Namespace) -> int:
     if options.signals and not wanted:
         kinds = " or ".join(f"--{kind}" for kind in arguments.RECORDINGS)
         raise HubsimError(f"--signals: accepted: with {kinds}")
-    with progress_bar() as bar:
+    with progress.shown() as bar:
         task = bar.add_task(f"{name}, {drive.brake.strategy}", total=None)
         result = run.simulate(
             name, drive, chosen, beside, patterns if wanted else (), settings.plant,
@@ -138,7 +128,7 @@ def run_strategies(options: argparse.Namespace) -> int:
     drives = [drive_of(options.config, settings, strategy, chosen) for strategy in run.STRATEGIES]
     comparison.check_output(options.output)
     with (
-        progress_bar() as bar,
+        progress.shown() as bar,
         kept.meanwhile(drives, options.scenario, settings.plant, bar) as waiting,
     ):
         results = comparison.simulate_all(
@@ -196,7 +186,7 @@ def sweep_runs(options: argparse.Namespace) -> int:
     )
     if options.restart:
         kept.forget()
-    with progress_bar("runs") as bar:
+    with progress.shown("runs") as bar:
         task = bar.add_task(f"{options.scenario}", total=found.runs)
         try:
             table = conduct.conduct(
@@ -219,7 +209,7 @@ def measure_many(options: argparse.Namespace) -> int:
     # Matplotlib takes longer to load than most commands take.
     report = {"stops": "stored_share"}.get(options.command, options.command)
     module = importlib.import_module(f"hubsim.sweep.{report}_report")
-    with progress_bar(options.command) as bar:
+    with progress.shown(options.command) as bar:
         lines, passed = module.conclude(options, bar)
     print(*lines, sep="\n")
     return 0 if passed else 1
@@ -318,15 +308,14 @@ def _print_differences(first: str, second: str, found: Sequence[Difference]) -> 
     table = Table(
         title=f"A: {first}\nB: {second}", title_justify="left", pad_edge=False, box=box.SIMPLE_HEAD
     )
-    table.add_column("figure, or signal (means)")
+    table.add_column("figure, or signal (means; codes where they first differ)")
     for heading in ("A", "B", "largest difference", "at s", "rms"):
         table.add_column(heading, justify="right")
     table.add_column("")
     for d in found:
         table.add_row(
             d.name,
-            f"{d.first:.6g}",
-            f"{d.second:.6g}",
+            *(v if isinstance(v, str) else f"{v:.6g}" for v in (d.first, d.second)),
             f"{d.largest:.3g}",
             "" if d.at_s is None else f"{d.at_s:g}",
             "" if d.rms is None else f"{d.rms:.3g}",
@@ -438,7 +427,7 @@ def write_report(options: argparse.Namespace) -> int:
             drive_of(known[names[0]], overrides.Overrides(), strategy, standing)
             for strategy in run.STRATEGIES
         ]
-        with progress_bar("stops") as bar:
+        with progress.shown("stops") as bar:
             curves = list(comparison.extras(drives, bar).stops)
     report.write_page(found, options.output, report.Extras(maps, curves, "hubsim report", records))
     print(f"report: {options.output}")

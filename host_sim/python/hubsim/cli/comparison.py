@@ -23,6 +23,7 @@ from hubsim.run.results import (
     realtime_factor,
 )
 from hubsim.scenario import Scenario, cycles
+from hubsim.words import counted
 
 PAGE, SUMMARY = "index.html", "summary.json"
 SIGNALS = ("time_s", *report.SIGNALS, "wheel*.reason")
@@ -118,10 +119,8 @@ def write(
     summary = {"provenance": results[0].origin, "runs": runs, "realtime_factor": factor}
     report.write_report(list(results), directory, beside)
     files.write_text(directory / SUMMARY, as_json(summary))
-    wheels = results[0].wheels
     return [
-        f"{wheels} wheels at {factor:.0f} times real time on one core ({wheels * factor:.0f} for "
-        "one wheel)",
+        f"{counted(results[0].wheels, 'wheel')} at {factor:.0f} times real time on one core",
         f"report: {directory / PAGE}",
         f"summary: {directory / SUMMARY}",
     ]

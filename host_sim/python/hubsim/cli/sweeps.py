@@ -5,7 +5,7 @@ import argparse
 from pathlib import Path
 from typing import TypeAlias
 
-from regen_table.cli import Parser
+from regen_table.cli import Parser, output_file
 
 Commands: TypeAlias = "argparse._SubParsersAction[Parser]"
 
@@ -92,7 +92,10 @@ def _add_faults(commands: Commands) -> None:
         help="for faults.csv, its origin faults.json, faults.svg and faults.png",
     )
     command.add_argument(
-        "--json", type=Path, metavar="FILE", help="write the runs as an array of objects"
+        "--json",
+        type=output_file(".json"),
+        metavar="FILE",
+        help="write the runs as an array of objects",
     )
     add_date(command)
 

@@ -23,6 +23,7 @@ from hubsim.errors import HubsimError
 from hubsim.fmu import KINDS
 from hubsim.run import plant
 from hubsim.scenario import Scenario
+from hubsim.words import counted
 
 REAL, FLAG, CODE = "REAL", "FLAG", "CODE"
 FIXED, TUNABLE, INPUT, OUTPUT = "FIXED", "TUNABLE", "INPUT", "OUTPUT"
@@ -204,10 +205,9 @@ def _vehicle(config: Configuration) -> Description:
     for name, (unit, text) in meanings.items():
         found.append(Variable(name, REAL if unit else CODE, OUTPUT, standard_unit(unit), text))
     text = (
-        f"hubfoc: the simulated vehicle {config.name}, {wheels} wheels with a complete controller "
-        "each, on one battery and one road. "
-        "It boots standing and is brought to its initial speed before time 0. Powers and forces "
-        "are means over the last step."
+        f"hubfoc: the simulated vehicle {config.name}, {counted(wheels, 'wheel')} with a complete "
+        "controller each, on one battery and one road. It boots standing and is brought to its "
+        "initial speed before time 0. Powers and forces are means over the last step."
     )
     period_s = 1.0 / starts["inverter.pwm_frequency_hz"]
     return Description(

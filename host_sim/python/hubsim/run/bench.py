@@ -119,7 +119,7 @@ class Bench:
         self._engine, self.planned_s = simulation.prepare(
             vehicle, chosen, beside, dict(plant or {})
         )
-        self._happening = simulation.timeline(chosen)
+        self._happening = simulation.timeline(chosen, beside)
         if controller is not None:
             other = (
                 controller

@@ -5,7 +5,8 @@ How far figures and signals lie apart, and whether that is within tolerances.
 
 A side is a result that was written (JSON of ``hubsim run``, a recording as CSV or Parquet), or a
 run that is done now (a built-in scenario or a TOML file). Signals are compared on the times of the
-first side within the second side's, along straight lines; figures one by one.
+first side within the second side's, along straight lines; codes (modes, reasons) by their names;
+figures one by one.
 """
 
 import csv
@@ -21,8 +22,10 @@ import numpy as np
 from hubsim import files
 from hubsim.engine import Rows
 from hubsim.errors import HubsimError
+from hubsim.run import recordings
 
 TIME = "time_s"
+DIGITS = 1e-8  # what the digits of a recording leave of equal times
 # How long the computer took is no property of what was computed, and the rounding that a residual
 # is made of none of the vehicle.
 _NOT_COMPARED = ("realtime_factor", "residual_relative", "energy.residual_j", "braking.residual_j")
@@ -43,7 +46,8 @@ class Side:
 class Tolerance:
     """What may lie between two values.
 
-    ``absolute`` in their unit, and ``relative`` to the larger one (a signal: its peak).
+    ``absolute`` in their unit, and ``relative`` to the larger one (a signal: its peak; a code: the
+    share of times).
     """
 
     absolute: float = 0.0
@@ -54,12 +58,14 @@ class Tolerance:
 class Difference:
     """One figure or signal of both sides.
 
-    Of a signal: means of both, the largest distance, its time, and the rms distance.
+    Of a signal: means of both, the largest distance, its time, and the rms distance. Of a code
+    (mode, reason), of which there is no mean: both names where they first differ, that time, and as
+    the distance the share of times at which they differ.
     """
 
     name: str
-    first: float
-    second: float
+    first: float | str
+    second: float | str
     largest: float
     at_s: float | None
     rms: float | None
@@ -162,9 +168,14 @@ def compare(first: Side, second: Side, tolerance: Tolerance) -> list[Difference]
     if not np.any(shared):
         raise HubsimError(f"{first.name} and {second.name}: no time in common")
     for name in common:
-        one = first.signals[name][shared]
-        other = np.interp(time_s[shared], other_s, second.signals[name])
-        found.append(_of_signals(name, time_s[shared], one, other, tolerance))
+        one, other = first.signals[name][shared], second.signals[name]
+        if recordings.is_code(name):
+            after = time_s[shared] * (1.0 + DIGITS) + DIGITS
+            latest = other[np.searchsorted(other_s, after, side="right") - 1]
+            found.append(_of_codes(name, time_s[shared], one, latest, tolerance))
+        else:
+            other = np.interp(time_s[shared], other_s, other)
+            found.append(_of_signals(name, time_s[shared], one, other, tolerance))
     return found
 
 
@@ -179,6 +190,18 @@ def _of_figures(name: str, one: float, other: float, tolerance: Tolerance) -> Di
     apart = abs(one - other)
     within = apart <= tolerance.absolute + tolerance.relative * max(abs(one), abs(other))
     return Difference(name, one, other, apart, None, None, within)
+
+
+def _of_codes(name: str, time_s: Rows, one: Rows, other: Rows, tolerance: Tolerance) -> Difference:
+    apart = np.flatnonzero((one != other) & ~(np.isnan(one) & np.isnan(other)))
+    where = int(apart[0]) if len(apart) else 0
+    first, second = (
+        "nan" if np.isnan(codes[where]) else recordings.code_name(name, codes[where])
+        for codes in (one, other)
+    )
+    share = len(apart) / len(one)
+    at_s = float(time_s[where]) if len(apart) else None
+    return Difference(name, first, second, share, at_s, None, share <= tolerance.relative)
 
 
 def _of_signals(

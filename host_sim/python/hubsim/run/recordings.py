@@ -25,6 +25,11 @@ from hubsim.run import plotjuggler
 from hubsim.run.results import RunResult
 
 TIME = "time_s"
+# Signals that are codes or flags besides those that end in "reason".
+_CODES = (
+    *("at_work", "bridge", "collapsed", "contactor", "direction", "failed", "hydraulic_valid"),
+    *("mode", "stop_lamp", "valve", "waits_for"),
+)
 NO_DATE = datetime(2000, 1, 1, tzinfo=UTC)  # of a result without an origin
 _MADE = (
     "<FHcomment><TX>{about}</TX><tool_id>hubsim</tool_id><tool_vendor>hubfoc</tool_vendor>"
@@ -116,6 +121,19 @@ def write_mdf(result: RunResult, path: Path) -> None:
             lambda temporary: file.save(temporary, overwrite=True, add_history_block=False),
             suffix=".mf4",
         )
+
+
+def is_code(name: str) -> bool:
+    """Return whether a signal is a code or a flag, of which there is no mean."""
+    last = name.rpartition(".")[2]
+    return last.endswith("reason") or last in _CODES
+
+
+def code_name(name: str, code: float) -> str:
+    """Return how a code is called: the reason's identifier, the mode, or else the number."""
+    if name.endswith("reason"):
+        return reasons.identifier(code)
+    return code_texts(name).get(int(code), f"{code:g}")
 
 
 def code_texts(name: str) -> dict[int, str]:

@@ -81,16 +81,22 @@ def followed(scenario: Scenario, beside: Path) -> cycles.Cycle | None:
     )
 
 
-def timeline(scenario: Scenario) -> Timeline:
-    """Return what is changed during a run: the pedals' traces and the events."""
-    pedals = {
+def timeline(scenario: Scenario, beside: Path) -> Timeline:
+    """Return what is changed during a run: the pedals' traces, a cycle's grade and the events."""
+    traces = {
         "driver.brake_demand_nm": scenario.demand_trace_nm,
         "driver.drive_demand_nm": scenario.drive_trace_nm,
         "driver.accelerator": scenario.accelerator_trace,
         "driver.brake_pedal": scenario.brake_pedal_trace,
     }
+    cycle = followed(scenario, beside)
+    if cycle is not None and cycle.slope:
+        own = scenario.slope_percent / PERCENT
+        traces["road.slope"] = tuple(
+            (t, own + s) for t, s in zip(cycle.time_s, cycle.slope, strict=True)
+        )
     return Timeline(
-        scenario.events, {name: points for name, points in pedals.items() if points is not None}
+        scenario.events, {name: points for name, points in traces.items() if points is not None}
     )
 
 
@@ -187,7 +193,7 @@ def simulate(
         wanted = {*evaluated, *matching(known, patterns)}
         names = [name for name in known if name in wanted]
         engine.choose(names)
-        happening = timeline(scenario)
+        happening = timeline(scenario, beside)
         begun = time.thread_time()
         kinetic_j = 0.5 * engine.get("vehicle.mass_kg") * engine.value("vehicle.speed_m_per_s") ** 2
         soc = engine.value("battery.soc")

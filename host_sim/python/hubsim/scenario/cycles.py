@@ -1,34 +1,32 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Drive cycles: speed over time from CSV files with a comment about their source."""
+"""Drive cycles: speed over time, and perhaps grade, from files as they are published."""
 
-import csv
 import itertools
-import math
 from dataclasses import dataclass
 from pathlib import Path
 
+from regen_table import drive_cycles
+from regen_table.errors import ConfigurationError
 from regen_table.suggest import suggestion
 
-from hubsim import files
 from hubsim.engine import ROOT
 from hubsim.errors import HubsimError
 
 DIRECTORY = ROOT / "host_sim" / "cycles"
-HEADER = ["time_s", "speed_km_h"]
 KMH_PER_M_PER_S = 3.6
-MAX_FILE_BYTES = 16 << 20
 
 
 @dataclass(frozen=True)
 class Cycle:
     """Points of a speed trace, straight lines between.
 
-    Times in s rising from 0, speeds in km/h, >= 0.
+    Times in s rising from 0, speeds in km/h, >= 0; slope (rise over way) at these times, or none.
     """
 
     name: str
     time_s: tuple[float, ...]
     speed_kmh: tuple[float, ...]
+    slope: tuple[float, ...] = ()
 
     @property
     def duration_s(self) -> float:
@@ -47,14 +45,19 @@ class Cycle:
 
         One that does not end as it begins gets no steeper than a millisecond.
         """
-        joint = 1e-3 if self.speed_kmh[0] != self.speed_kmh[-1] else 0.0
-        time_s, speed_kmh = list(self.time_s), list(self.speed_kmh)
+        ends_as_it_begins = self.speed_kmh[0] == self.speed_kmh[-1]
+        joint, skip = (0.0, 1) if ends_as_it_begins else (1e-3, 0)
+        time_s = list(self.time_s)
         for _ in range(times - 1):
             offset = time_s[-1] + joint
-            skip = 0 if joint else 1
             time_s += [offset + t for t in self.time_s[skip:]]
-            speed_kmh += list(self.speed_kmh[skip:])
-        return Cycle(self.name, tuple(time_s), tuple(speed_kmh))
+        again = times - 1
+        return Cycle(
+            self.name,
+            tuple(time_s),
+            self.speed_kmh + self.speed_kmh[skip:] * again,
+            self.slope + self.slope[skip:] * again,
+        )
 
 
 def names() -> list[str]:
@@ -74,40 +77,8 @@ def load(name: str, beside: Path | None = None) -> Cycle:
 
 def read(path: Path) -> Cycle:
     """Read a cycle file; an error is one line with file and line number."""
-    time_s: list[float] = []
-    speed_kmh: list[float] = []
-    expect_header = True
-    for number, line in enumerate(files.read_text(path, MAX_FILE_BYTES).splitlines(), start=1):
-        if line.startswith("#") or not line.strip():
-            continue
-        cells = next(csv.reader([line]))
-        if expect_header:
-            if cells != HEADER:
-                raise HubsimError(
-                    f"{path}:{number}: header {line.strip()[:40]!r}, accepted: {','.join(HEADER)}"
-                )
-            expect_header = False
-            continue
-        t, v = _point(path, number, cells)
-        if (time_s and t <= time_s[-1]) or (not time_s and t != 0.0):
-            raise HubsimError(
-                f"{path}:{number}: time_s {t:g}, accepted: 0 in the first line, then rising"
-            )
-        time_s.append(t)
-        speed_kmh.append(v)
-    if len(time_s) < 2:
-        raise HubsimError(f"{path}: {len(time_s)} points, accepted: at least two")
-    return Cycle(path.stem, tuple(time_s), tuple(speed_kmh))
-
-
-def _point(path: Path, number: int, cells: list[str]) -> tuple[float, float]:
     try:
-        t, v = (float(cell) for cell in cells)
-    except ValueError:
-        raise HubsimError(
-            f"{path}:{number}: {','.join(cells)[:40]!r}, accepted: two numbers, time_s and "
-            "speed_km_h"
-        ) from None
-    if not (math.isfinite(t) and 0.0 <= v <= 400.0):
-        raise HubsimError(f"{path}:{number}: speed_km_h {v:g} at {t:g} s, accepted: 0 to 400 km/h")
-    return t, v
+        found = drive_cycles.read(path)
+    except ConfigurationError as error:
+        raise HubsimError(str(error)) from error
+    return Cycle(found.name, found.time_s, found.speed_kmh, found.slope)

@@ -23,6 +23,7 @@ from hubsim.scenario import faults
 from hubsim.scenario.keys import Section, listed, number
 
 STEP_S = 1e-3  # of the slow loop
+TRACE_STEP_S = {"road.slope": 0.05}  # of a trace that changes slowly
 _EARLY_S = 1e-9
 
 Point = tuple[float, float]
@@ -137,13 +138,17 @@ class _Line:
     name: str
     points: list[Point]
     due_s: float
+    step_s: float = STEP_S
 
 
 class Timeline:
     """All changes of one run, in the order of their times."""
 
     def __init__(self, events: Mapping[str, Event], traces: Mapping[str, Sequence[Point]]) -> None:
-        self._lines = [_Line(name, list(points), points[0][0]) for name, points in traces.items()]
+        self._lines = [
+            _Line(name, list(points), points[0][0], TRACE_STEP_S.get(name, STEP_S))
+            for name, points in traces.items()
+        ]
         self._undo: dict[tuple[str, str], float] = {}
         self._returns: list[tuple[float, str, str]] = []
         self._first_s = {name: event.at_s for name, event in events.items()}
@@ -202,7 +207,7 @@ class Timeline:
             return
         (t1, v1) = rest[0]
         vehicle.set(line.name, v0 + (v1 - v0) * max(now_s - t0, 0.0) / (t1 - t0))
-        line.due_s = t1 if v1 == v0 else min(now_s + STEP_S, t1)
+        line.due_s = t1 if v1 == v0 else min(now_s + line.step_s, t1)
 
 
 def rising(points: Iterable[Point], what: str) -> tuple[Point, ...]:

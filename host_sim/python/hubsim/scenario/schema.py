@@ -178,6 +178,28 @@ class Scenario(Section):
         return self.cycle is not None or self.speed_trace_kmh is not None
 
     @property
+    def not_read(self) -> dict[str, str]:
+        """Keys that this scenario's other keys leave without effect, each with the reason."""
+        found: dict[str, str] = {}
+        demands = ("demand_nm", "drive_nm", "demand_trace_nm", "drive_trace_nm")
+        if self.follows:
+            found |= dict.fromkeys(demands, "the driver follows a speed over time")
+        else:
+            keys = ("speed_scale", "repeats", "driver_bandwidth_rad_per_s", "driver_preview_s")
+            found |= dict.fromkeys(keys, "the driver follows no speed over time")
+        if self.uses_pedals:
+            found |= dict.fromkeys(demands, "the demands come from wired pedals")
+        for key, trace in (
+            ("demand_nm", "demand_trace_nm"),
+            ("drive_nm", "drive_trace_nm"),
+            ("accelerator", "accelerator_trace"),
+            ("brake_pedal", "brake_pedal_trace"),
+        ):
+            if getattr(self, trace) is not None:
+                found.setdefault(key, f"{trace} is given")
+        return found
+
+    @property
     def uses_pedals(self) -> bool:
         """Whether the demands come from pedals wired to a controller instead of messages."""
         given = (
@@ -235,7 +257,7 @@ def load(name: str, overrides: Mapping[str, Any]) -> tuple[str, Scenario, Path]:
         raise HubsimError(f"no scenario {name!r}, {suggestion(name, known, everything)}")
     data = _flattened(_read(path))
     for key, value in overrides.items():
-        _put(data, key, value)
+        _put(data, key, _from_here(value) if key == "cycle" else value)
     try:
         found = Scenario.model_validate(data)
     except ValidationError as error:
@@ -252,7 +274,15 @@ def load(name: str, overrides: Mapping[str, Any]) -> tuple[str, Scenario, Path]:
             raise HubsimError(f"--set {guilty}: {rest}{what}") from error
         raise HubsimError(f"{path}: {key}: {what}" if key else f"{path}: {what}") from error
     found._source = str(path)
+    for key in overrides:
+        if why := found.not_read.get(key):
+            raise HubsimError(f"--set {key}: is not read, as {why}")
     return path.stem, found, path.parent
+
+
+def _from_here(cycle: object) -> object:
+    """Return a cycle of the command line, whose file is not beside the scenario's."""
+    return str(Path(cycle).resolve()) if isinstance(cycle, str) and "." in cycle else cycle
 
 
 def _concerns(given: str, key: str) -> bool:

@@ -26,6 +26,7 @@ from hubsim.sweep import work
 from hubsim.sweep.plan import Plan
 from hubsim.sweep.store import Store
 from hubsim.sweep.work import Job
+from hubsim.words import counted
 
 BATCHES_MAX = 1000
 BATCH_RUNS = 4  # about a second: an interruption loses little, distribution costs little
@@ -52,7 +53,7 @@ def workers(address: str | None, processes: int | None) -> Iterator[Client]:
     with dask_config.set({"distributed.worker.daemon": True}), ExitStack() as stack:
         # The workers listen to this machine alone; Dask's own page takes any free port, so that a
         # second sweep gives no warning.
-        with local.interrupts_held():
+        with local.interrupts_blocked():
             cluster = stack.enter_context(
                 LocalCluster(
                     n_workers=processes or os.cpu_count() or 1,
@@ -157,7 +158,7 @@ def is_clean(table: pa.Table) -> bool:
 def summary(table: pa.Table, keys: Sequence[str], output: Path) -> list[str]:
     """Return the message about a finished sweep."""
     errors = table["error"].drop_null() if "error" in table.column_names else pa.array([])
-    lines = [f"{table.num_rows} runs over {', '.join(keys)}: {output}"]
+    lines = [f"{counted(table.num_rows, 'run')} over {', '.join(keys)}: {output}"]
     if "passed" in table.column_names:
         passed = sum(value is True for value in table["passed"].to_pylist())
         lines.append(f"{passed} of {table.num_rows} met every criterion")

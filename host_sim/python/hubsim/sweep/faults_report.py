@@ -24,6 +24,7 @@ from hubsim.scenario import faults
 from hubsim.sweep import cases, faults_sweep, processes
 from hubsim.sweep.faults_outcome import Outcome
 from hubsim.sweep.faults_sweep import Case
+from hubsim.words import counted
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -193,7 +194,7 @@ def summary(outcomes: Sequence[Outcome]) -> list[str]:
     misses = Counter(miss for o in outcomes for miss in o.misses())
     share = 100.0 * named / max(len(harmful), 1)
     lines = [
-        f"{len(outcomes)} runs of {len({o.fault for o in outcomes})} faults: "
+        f"{counted(len(outcomes), 'run')} of {counted(len({o.fault for o in outcomes}), 'fault')}: "
         f"{sum(not o.misses() for o in outcomes)} hold every limit, "
         f"{len(outcomes) - len(harmful)} are harmless; of the others {share:.1f} % have an "
         "expected first reason",

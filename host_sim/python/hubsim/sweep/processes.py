@@ -12,8 +12,8 @@ from multiprocessing import resource_tracker
 
 
 @contextmanager
-def interrupts_held() -> Iterator[None]:
-    """Hold Ctrl-C back until the end; what is started in here never gets it."""
+def interrupts_blocked() -> Iterator[None]:
+    """Block Ctrl-C until the end, where it comes then; what is started in here never gets it."""
     resource_tracker.ensure_running()  # its start would let Ctrl-C through again
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:

@@ -13,7 +13,7 @@ from hubsim import _MODULES as MODULES
 
 FLOOR = (
     *("can_protocol", "configuration", "controller", "emulator", "engine", "errors", "files"),
-    *("reasons", "variables"),
+    *("progress", "reasons", "variables", "words"),
 )
 
 

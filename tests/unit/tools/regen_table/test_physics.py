@@ -344,7 +344,9 @@ def test_a_cycle_has_a_closed_balance_and_more_electric_braking_returns_more(
     paper: schema.Drive,
 ) -> None:
     time = np.array([0.0, 10.0, 20.0, 28.0, 40.0])
-    trace = ideal_cycles.Cycle("trapezium", time, np.array([0.0, 10.0, 10.0, 0.0, 0.0]))
+    trace = ideal_cycles.Cycle(
+        "trapezium", time, np.array([0.0, 10.0, 10.0, 0.0, 0.0]), np.zeros(5)
+    )
     results = {s: ideal_cycles.run(paper, trace, s, 25.0) for s in STRATEGIES}
     for result in results.values():
         assert abs(result.residual_relative) < 1e-9

@@ -214,6 +214,73 @@ def test_a_misspelt_word_is_answered_with_the_one_that_was_meant(
     assert meant in done.stderr
 
 
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (
+            ("ece15", "--set", "demand_nm=5"),
+            "demand_nm: is not read, as the driver follows a",
+        ),
+        (
+            ("udds", "--set", "drive_trace_nm=[[0, 1]]"),
+            "drive_trace_nm: is not read, as the",
+        ),
+        (
+            ("stop", "--set", "speed_scale=0.5"),
+            "speed_scale: is not read, as the driver",
+        ),
+        (("stop", "--set", "repeats=2"), "repeats: is not read, as the driver"),
+        (
+            ("stop", "--set", "demand_nm=5", "--set", "demand_trace_nm=[[0, 1]]"),
+            "demand_nm: is not read, as demand_trace_nm is given",
+        ),
+        (("pedal_series", "--set", "demand_nm=5"), "demand_nm: is not read, as the demands come"),
+    ],
+)
+def test_a_key_that_the_scenario_does_not_read_is_refused(
+    hubsim: Hubsim, arguments: tuple[str, ...], message: str
+) -> None:
+    done = hubsim("run", *arguments)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith(f"hubsim: --set {message}")
+    assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("run", "stop", "--csv", "out.parquet"),
+        ("run", "stop", "--parquet", "out.csv"),
+        ("run", "stop", "--mdf", "out.json"),
+        ("run", "stop", "--json", "out.csv"),
+        ("run", "stop", "--layout", "out.json"),
+        ("compare", "stop", "stop", "--json", "out.txt"),
+        ("faults", "--json", "out.csv"),
+        ("report", "out.json", "-o", "out.pdf"),
+    ],
+)
+def test_a_file_with_the_suffix_of_another_kind_is_refused(
+    hubsim: Hubsim, tmp_path: Path, arguments: tuple[str, ...]
+) -> None:
+    done = hubsim(*arguments)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert f"{arguments[-1]!r}, accepted: a name that ends in ." in done.stderr
+    assert done.stderr.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_cycle_of_the_command_line_is_a_file_of_this_folder(
+    hubsim: Hubsim, tmp_path: Path
+) -> None:
+    (tmp_path / "mine.csv").write_text("time_s,speed_km_h\n0,0\n2,5\n4,0\n", encoding="utf-8")
+    done = hubsim("run", "ece15", "--set", "cycle=mine.csv", "--set", "speed_scale=1",
+                  "--json", "mine.json")  # fmt: skip
+    found = json.loads((tmp_path / "mine.json").read_text(encoding="utf-8"))
+    assert found["duration_s"] == pytest.approx(4.0)
+    assert found["distance_m"] == pytest.approx(4.0 * 2.5 / 3.6, rel=0.1)
+    assert "no such" not in done.stderr
+
+
 def test_a_list_of_faults_needs_no_library_for_figures(monkeypatch: pytest.MonkeyPatch) -> None:
     for module in [name for name in sys.modules if name.startswith(("matplotlib", "hubsim.sweep"))]:
         monkeypatch.delitem(sys.modules, module)

@@ -7,9 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hubsim import run
 from hubsim.errors import HubsimError
-from hubsim.run import difference
+from hubsim.run import difference, recordings
 from hubsim.run.difference import Side, Tolerance
+from hubsim.scenario import Scenario
+from regen_table.schema import Drive
 
 Hubsim = Callable[..., subprocess.CompletedProcess[str]]
 QUICK = ("--set", "initial_speed_kmh=10", "--set", "demand_nm=60")
@@ -60,6 +63,29 @@ def test_a_signal_without_numbers_in_one_recording_differs() -> None:
     )
     assert not difference.compare(holed, whole, Tolerance(absolute=1e9))[0].within
     assert difference.compare(holed, holed, Tolerance())[0].within
+
+
+def test_of_codes_the_names_are_compared_and_no_mean_is_made() -> None:
+    """Half of the times apart; the code of the later side is the one in force, not one between."""
+    name = "wheel0.reason"
+    first = Side("a", {}, {"time_s": TIME, name: np.array([0.0, 0.0, 2.0, 2.0])})
+    second = Side(
+        "b", {}, {"time_s": np.array([0.0, 1.5, 3.0]), name: np.array([0.0, 5.0, 2.0])}
+    )  # at 0, 1, 2, 3 s: 0, 0, 5, 2
+    (found,) = difference.compare(first, second, Tolerance(absolute=9.0, relative=0.2))
+    assert (found.first, found.second) == ("MAX_TORQUE", "CHARGE_CURRENT")
+    assert (found.at_s, found.largest, found.rms, found.within) == (2.0, 0.25, None, False)
+    assert difference.compare(first, second, Tolerance(relative=0.25))[0].within
+    (same,) = difference.compare(first, first, Tolerance())
+    assert (same.within, same.largest, same.at_s) == (True, 0.0, None)
+
+
+def test_every_signal_without_a_unit_is_compared_as_a_code(drive: Drive) -> None:
+    vehicle, _ = run.prepare(drive, Scenario(max_duration_s=1.0), Path(), {})
+    with vehicle:
+        vehicle.start()
+        for name, (unit, _) in vehicle.meanings().items():
+            assert recordings.is_code(name) is (unit == ""), name
 
 
 def test_recordings_of_one_run_agree_in_every_format(hubsim: Hubsim) -> None:

