@@ -143,6 +143,7 @@ static inline double cog(const pmsm_t *machine, pmsm_state_t *state, const pmsm_
 
 static inline double turn(const pmsm_t *machine, pmsm_state_t *state, const pmsm_step_t *step)
 {
+    state->rests = false;
     turn_rotor(state, step);
     straighten(state);
     return cog(machine, state, step);
@@ -226,9 +227,22 @@ static plant_dq_t blocking_voltage(const pmsm_t *machine, const equations_t *eq,
     return out;
 }
 
+static inline bool stands_still(const pmsm_t *machine, const pmsm_state_t *state,
+                                const pmsm_step_t *step)
+{
+    return step->omega_rad_s == 0.0 && state->i_t.d == 0.0 && state->i_t.q == 0.0 &&
+           machine->cogging.amplitude_nm <= 0.0;
+}
+
 pmsm_flow_t pmsm_step_rectified(const pmsm_t *machine, pmsm_state_t *state, double ceiling_v,
                                 const pmsm_step_t *step)
 {
+    const bool still = stands_still(machine, state, step);
+    if (still && state->rests) {
+        const pmsm_flow_t none = {.charge_as = {0.0, 0.0}};
+        return none;
+    }
+    state->rests = still;
     const equations_t eq = equations_at(machine, step);
     const double h = step->duration_s;
     const double magnetic_before_j = pmsm_magnetic_energy_j(machine, state);

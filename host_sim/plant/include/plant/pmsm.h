@@ -97,6 +97,7 @@ typedef struct {
     double theta_turn;   /* electrical, 0 <= theta < 1 */
     plant_phasor_t axis; /* exp(j theta) */
     double shaft_turn;   /* mechanical, 0 <= angle < 1; kept up where there is cogging */
+    bool rests;          /* the last step was on diodes and found neither motion nor current */
 } pmsm_state_t;
 
 /* Something that takes a voltage of each phase against its current: all of it from zone_a on,
@@ -148,7 +149,8 @@ pmsm_flow_t pmsm_step(const pmsm_t *machine, pmsm_state_t *state, plant_ab_t u,
  * Fed by diodes: the source voltage opposes the current, up to the magnitude `ceiling_v` (peak
  * phase); while that suffices, the terminal current is zero. First-order implicit, unconditionally
  * stable; energy the scheme would lose is credited to the source, where the diodes would have
- * carried it.
+ * carried it. While neither rotor nor current moves, the second step and all after it cost a few
+ * comparisons.
  */
 pmsm_flow_t pmsm_step_rectified(const pmsm_t *machine, pmsm_state_t *state, double ceiling_v,
                                 const pmsm_step_t *step);

@@ -184,3 +184,57 @@ void test_a_current_that_can_be_measured_is_left_alone(void)
     pmsm_rest(&state);
     TEST_ASSERT_EQUAL_DOUBLE(1e-29, state.i_t.d);
 }
+
+static void check_nothing_flows(const pmsm_flow_t *flow)
+{
+    const pmsm_flow_t none = {.charge_as = {0.0, 0.0}};
+    TEST_ASSERT_EQUAL_DOUBLE(none.charge_as.alpha, flow->charge_as.alpha);
+    TEST_ASSERT_EQUAL_DOUBLE(none.charge_as.beta, flow->charge_as.beta);
+    TEST_ASSERT_EQUAL_DOUBLE(none.source_j, flow->source_j);
+    TEST_ASSERT_EQUAL_DOUBLE(none.copper_j + none.series_j, flow->copper_j + flow->series_j);
+    TEST_ASSERT_EQUAL_DOUBLE(none.iron_j, flow->iron_j);
+    TEST_ASSERT_EQUAL_DOUBLE(none.torque_nms, flow->torque_nms);
+}
+
+void test_a_motor_at_rest_stays_as_it_is_and_starts_like_one_that_never_rested(void)
+{
+    const pmsm_params_t params = salient_machine();
+    const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
+    const pmsm_step_t still = step_at(0.0);
+    const pmsm_step_t driven = step_at(2000.0);
+    pmsm_state_t rested = pmsm_at_rest(0.3);
+    for (int k = 0; k < 5; k++) {
+        const pmsm_flow_t flow = pmsm_step_rectified(&machine, &rested, CEILING_V, &still);
+        check_nothing_flows(&flow);
+    }
+    pmsm_state_t fresh = pmsm_at_rest(0.3);
+    for (int k = 0; k < 5; k++) {
+        const pmsm_flow_t a = pmsm_step_rectified(&machine, &rested, CEILING_V, &driven);
+        const pmsm_flow_t b = pmsm_step_rectified(&machine, &fresh, CEILING_V, &driven);
+        TEST_ASSERT_EQUAL_DOUBLE(b.source_j, a.source_j);
+        TEST_ASSERT_EQUAL_DOUBLE(b.torque_nms, a.torque_nms);
+    }
+    TEST_ASSERT_TRUE(fresh.i_t.q < -1.0);
+    TEST_ASSERT_EQUAL_DOUBLE(fresh.i_t.d, rested.i_t.d);
+    TEST_ASSERT_EQUAL_DOUBLE(fresh.i_t.q, rested.i_t.q);
+    TEST_ASSERT_EQUAL_DOUBLE(fresh.axis.cos, rested.axis.cos);
+}
+
+void test_current_that_a_switching_bridge_leaves_ends_the_rest(void)
+{
+    const pmsm_params_t params = salient_machine();
+    const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
+    const pmsm_step_t still = step_at(0.0);
+    const plant_ab_t u = {.alpha = 1.0, .beta = 0.5};
+    pmsm_state_t state = pmsm_at_rest(0.3);
+    for (int k = 0; k < 2; k++) {
+        (void)pmsm_step_rectified(&machine, &state, CEILING_V, &still);
+    }
+    (void)pmsm_step(&machine, &state, u, &still);
+    const double before_j = pmsm_magnetic_energy_j(&machine, &state);
+    TEST_ASSERT_TRUE(before_j > 1e-6);
+    const pmsm_flow_t flow = pmsm_step_rectified(&machine, &state, CEILING_V, &still);
+    const double gain_j = pmsm_magnetic_energy_j(&machine, &state) - before_j;
+    TEST_ASSERT_TRUE(gain_j < -0.5 * before_j);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.0, residual_j(&params, &flow, 0.0, gain_j));
+}
