@@ -11,6 +11,7 @@ import zlib
 from typing import Any
 
 from regen_table import (
+    STRATEGIES,
     __version__,
     current_audit,
     derived,
@@ -26,7 +27,6 @@ from regen_table.schema import Drive
 
 Values = dict[str, dict[str, int | list[int]]]
 SWITCH_TEMPERATURE_OFF_CC = 30000
-STRATEGIES = {"parallel_ratio": 0, "parallel_free_travel": 1, "series_optimal": 2}
 _WHEELS = ("front_left", "front_right", "rear_left", "rear_right")
 RPM_TO_MRAD_S = 1000.0 * 3.141592653589793 / 30.0
 # Sections of the drive whose keys are passed on to fields of the same name (passed_on()).
@@ -278,7 +278,7 @@ def _brake(drive: Drive) -> dict[str, Any]:
     if band is None:
         band = 0.05 * drive.motor.max_torque_nm
     return {
-        "strategy": STRATEGIES[brake.strategy],
+        "strategy": STRATEGIES.index(brake.strategy),
         "hydraulic_tolerance_mNm": max(1, nearest(derived.hydraulic_tolerance_nm(drive) * 1e3)),
         "bridging_time_ms": nearest(derived.bridging_time_s(drive) * 1e3),
         "blend_out_start_mrad_s": nearest(control.handover_start_rpm * RPM_TO_MRAD_S),

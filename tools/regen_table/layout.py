@@ -7,7 +7,8 @@ That header alone defines them. It is run through the C preprocessor of whatever
 compiler is at hand (``$CC``, cc, gcc, clang or arm-none-eabi-gcc), and cffi computes the layout
 from the result, so a field added there appears here without a change. An installed distribution has
 the expanded text instead of the header (host_sim/python/bake.py) and needs no compiler; where that
-is written there is no cffi, so that it is imported only where a layout is computed.
+is written there is no cffi, so that it is imported only where a layout is computed. What was
+computed from a header is kept (stored.py).
 """
 
 import os
@@ -21,7 +22,8 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from regen_table import installation
+from regen_table import declarations, installation, stored
+from regen_table.declarations import DeclarationError
 from regen_table.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -78,19 +80,27 @@ def load(header: Path = HEADER) -> Layout:
             "configuration images are little endian, as the microcontroller is; so must this"
             " machine be"
         )
-    return parse(expanded(header), header)
+    content = (header_text(header).encode(),)
+    text = stored.by_content("header", content, lambda: expanded(header).encode())
+    return parse(text.decode(), header)
+
+
+def header_text(header: Path = HEADER) -> str:
+    """Return everything that a layout depends on."""
+    if installation.INSTALLED and header == HEADER:
+        return EXPANDED.read_text(encoding="utf-8")
+    return _whole(header)
 
 
 def parse(text: str, header: Path = HEADER) -> Layout:
     """Compute the layout from the expanded header; ``header`` names it in messages."""
-    import cffi  # noqa: PLC0415, see above
-
-    declarations, _, lists = text.partition(LISTS_BEGIN)
-    ffi = cffi.FFI()
+    declared, _, lists = text.partition(LISTS_BEGIN)
     try:
-        ffi.cdef(re.sub(r"_Static_assert\s*\(.*?\)\s*;", "", declarations, flags=re.DOTALL))
+        ffi = declarations.known(
+            re.sub(r"_Static_assert\s*\(.*?\)\s*;", "", declared, flags=re.DOTALL)
+        )
         sections = _sections(ffi, lists)
-    except (cffi.CDefError, cffi.FFIError, KeyError) as error:
+    except (DeclarationError, KeyError) as error:
         raise ConfigurationError(
             f"{header}: not understood: {' '.join(str(error).split())}"
         ) from error
@@ -176,9 +186,9 @@ def _whole(header: Path) -> str:
 
 def expanded(header: Path = HEADER) -> str:
     """Return the declarations, then what stands in the field lists and constants."""
+    text = header_text(header)
     if installation.INSTALLED and header == HEADER:
-        return EXPANDED.read_text(encoding="utf-8")
-    text = _whole(header)
+        return text
     lists = re.findall(
         r"^#define\s+(CONFIG_\w+_(?:FIELDS|ARRAY))\((\w)\)", text, flags=re.MULTILINE
     )

@@ -2,7 +2,7 @@
 """What a controller is configured with and a plant is made of.
 
 A drive's TOML file, or the image a controller is flashed with. Images are computed once for a
-drive with any braking strategy.
+drive with any braking strategy, and kept on disk (regen_table/stored.py).
 """
 
 import threading
@@ -10,10 +10,12 @@ import tomllib
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
-from regen_table import image, installation, layout, schema
+import numpy as np
+from regen_table import STRATEGIES, installation, layout, schema, stored
 from regen_table.errors import ConfigurationError
 from regen_table.schema import Drive
 
@@ -113,9 +115,25 @@ def image_of(drive: Drive) -> bytes:
         if key not in _known:
             if len(_known) >= _KEPT:
                 _known.pop(next(iter(_known)))
-            _known[key] = image.build(drive)
+            content = (*_program(), key.encode())
+            _known[key] = stored.by_content("image", content, partial(_computed, drive))
         found = _known[key]
-    return changed_image(found, {("brake", "strategy"): image.STRATEGIES[strategy]})
+    return changed_image(found, {("brake", "strategy"): STRATEGIES.index(strategy)})
+
+
+def _computed(drive: Drive) -> bytes:
+    from regen_table import image  # noqa: PLC0415, with all that it needs as slow as one image
+
+    return image.build(drive)
+
+
+@cache
+def _program() -> tuple[bytes, ...]:
+    """Return what an image depends on besides its drive: header, programs, cycles."""
+    programs = Path(schema.__file__).parent.glob("*.py")
+    cycles = (installation.ROOT / "host_sim" / "cycles").glob("*.csv")
+    read = (path.read_bytes() for path in sorted([*programs, *cycles]))
+    return (np.__version__.encode(), layout.header_text().encode(), *read)
 
 
 def changed_image(raw: bytes, values: Mapping[tuple[str, str], int | list[int]]) -> bytes:

@@ -13,14 +13,16 @@ import re
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
-import cffi
 import numpy as np
 import numpy.typing as npt
-from regen_table import installation
+from regen_table import declarations, installation
 
 from hubsim.errors import HubsimError
+
+if TYPE_CHECKING:
+    import cffi
 
 # The repository, or the copies of its files that an installed distribution carries.
 ROOT = installation.ROOT
@@ -56,11 +58,10 @@ def library_path() -> Path:
 
 
 @cache
-def library() -> tuple[cffi.FFI, Any]:
+def library() -> tuple["cffi.FFI", Any]:
     """Declare and open the library, once in a process."""
-    ffi = cffi.FFI()
-    for header in HEADERS:
-        ffi.cdef(re.sub(r"^\s*#.*$", "", header.read_text(encoding="utf-8"), flags=re.MULTILINE))
+    text = "\n".join(header.read_text(encoding="utf-8") for header in HEADERS)
+    ffi = declarations.known(re.sub(r"^\s*#.*$", "", text, flags=re.MULTILINE))
     path = library_path()
     try:
         return ffi, ffi.dlopen(str(path))

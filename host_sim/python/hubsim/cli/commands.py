@@ -22,8 +22,7 @@ from rich.table import Table
 from hubsim import emulator, engine, files, progress, reasons, run, scenario
 from hubsim.cli import arguments, console
 from hubsim.errors import HubsimError
-from hubsim.report import black_box, crash
-from hubsim.run import difference, evaluation, plotjuggler, recordings, stops
+from hubsim.run import difference, evaluation, recordings, stops
 from hubsim.run.difference import Difference, Side, Tolerance
 from hubsim.run.results import RunResult, as_json, json_object, load_result
 from hubsim.scenario import Scenario, cycles, events, expression, overrides
@@ -339,6 +338,8 @@ def list_names(options: argparse.Namespace) -> int:
             print(name)
         return 0
     if options.layout:
+        from hubsim.run import plotjuggler  # noqa: PLC0415, only here
+
         print(plotjuggler.layout(signal_names()), end="")
         return 0
     if options.criteria:
@@ -402,7 +403,8 @@ def signal_names() -> list[str]:
 def write_report(options: argparse.Namespace) -> int:
     """Do ``hubsim report``: one page from results of runs."""
     from hubsim import report  # noqa: PLC0415, few commands need them
-    from hubsim.cli import comparison  # noqa: PLC0415, few commands need them
+    from hubsim.cli import comparison  # noqa: PLC0415
+    from hubsim.report import black_box  # noqa: PLC0415
 
     files.check_writable(options.output)
     found = [_with_origin(load_result(path), options.date) for path in options.results]
@@ -434,6 +436,12 @@ def write_report(options: argparse.Namespace) -> int:
     return 0
 
 
+def show_record(options: argparse.Namespace) -> int:
+    """Do ``hubsim blackbox`` and ``hubsim crash``: a controller's own records."""
+    record = {"blackbox": "black_box"}.get(options.command, options.command)
+    return int(importlib.import_module(f"hubsim.report.{record}").command(options))
+
+
 def _with_origin(result: RunResult, date: str | None) -> RunResult:
     """Return a result with an origin: its own, or that of this call where its file holds none."""
     if result.origin:
@@ -449,5 +457,6 @@ COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     **dict.fromkeys(("stops", "faults"), measure_many),
     "compare": compare_runs,
     "report": write_report,
-    **{"list": list_names, "blackbox": black_box.command, "crash": crash.command},
+    "list": list_names,
+    **dict.fromkeys(("blackbox", "crash"), show_record),
 }

@@ -12,16 +12,16 @@ import json
 import os
 from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
+from functools import partial
+from html import escape
 from pathlib import Path
 from typing import Any, TextIO
-from xml.sax.saxutils import escape
 
 import numpy as np
 from regen_table import __version__
 
 from hubsim import engine, files, reasons
 from hubsim.errors import HubsimError
-from hubsim.run import plotjuggler
 from hubsim.run.results import RunResult
 
 TIME = "time_s"
@@ -30,6 +30,7 @@ _CODES = (
     *("at_work", "bridge", "collapsed", "contactor", "direction", "failed", "hydraulic_valid"),
     *("mode", "stop_lamp", "valve", "waits_for"),
 )
+_text = partial(escape, quote=False)
 NO_DATE = datetime(2000, 1, 1, tzinfo=UTC)  # of a result without an origin
 _MADE = (
     "<FHcomment><TX>{about}</TX><tool_id>hubsim</tool_id><tool_vendor>hubfoc</tool_vendor>"
@@ -114,7 +115,7 @@ def write_mdf(result: RunResult, path: Path) -> None:
         file.append(signals, comment=about, common_timebase=True)
         made = FileHistory()  # the library's own entry has the clock's time
         made.time_stamp = begun
-        made.comment = _MADE.format(about=escape(about))
+        made.comment = _MADE.format(about=_text(about))
         file.file_history.append(made)
         files.write_by_name(
             path,
@@ -168,12 +169,12 @@ def _header(about: str, result: RunResult) -> str:
     """Return the header's comment: what the run was, and its origin as common properties."""
     known = {"strategy": result.strategy} | result.origin
     entries = "".join(
-        f'<e name="{escape(str(key))}">{escape(str(value))}</e>'
+        f'<e name="{_text(str(key))}">{_text(str(value))}</e>'
         for key, value in known.items()
         if value is not None
     )
     return (
-        f"<HDcomment><TX>{escape(about)}</TX>"
+        f"<HDcomment><TX>{_text(about)}</TX>"
         f"<common_properties>{entries}</common_properties></HDcomment>"
     )
 
@@ -183,6 +184,8 @@ def write_layout(result: RunResult, path: Path, csv: Path | None = None) -> None
 
     It loads the CSV recording if there is one.
     """
+    from hubsim.run import plotjuggler  # noqa: PLC0415, only here
+
     recording = None if csv is None else os.path.relpath(csv.resolve(), path.resolve().parent)
     files.write_text(path, plotjuggler.layout(result.names, recording))
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from regen_table import image, installation
+from regen_table import installation
 from regen_table.errors import ConfigurationError
 from regen_table.schema import Drive
 
@@ -25,7 +25,6 @@ from hubsim.run.results import Fault, RunResult
 from hubsim.scenario import Scenario, cycles
 from hubsim.scenario.events import Timeline
 
-STRATEGIES = tuple(image.STRATEGIES)
 CHUNK_S = 1.0
 ROTOR_SPREAD_TURN = 0.23  # no two wheels start at the same electrical angle
 PERCENT = 100.0
