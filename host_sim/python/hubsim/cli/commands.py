@@ -99,8 +99,8 @@ def run_scenario(options: argparse.Namespace) -> int:
             f"hubsim: warning: {name}: still moving after {result.duration_s:g} s (max_duration_s)",
             file=sys.stderr,
         )
-    recorded = result.only(run.matching(result.names, patterns)) if wanted else result
-    recordings.write_all(recorded, wanted)
+    if wanted:
+        recordings.write_all(result, wanted, run.matching(result.names, patterns))
     if options.json:
         files.write_text(options.json, as_json(json_object(result)))
     console.print_table([result])

@@ -174,7 +174,10 @@ def compare(first: Side, second: Side, tolerance: Tolerance) -> list[Difference]
             latest = other[np.searchsorted(other_s, after, side="right") - 1]
             found.append(_of_codes(name, time_s[shared], one, latest, tolerance))
         else:
+            types = {one.dtype.type, other.dtype.type}
             other = np.interp(time_s[shared], other_s, other)
+            if np.float32 in types:  # as a recording has it
+                one, other = one.astype(np.float32), other.astype(np.float32)
             found.append(_of_signals(name, time_s[shared], one, other, tolerance))
     return found
 

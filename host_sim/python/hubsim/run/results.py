@@ -3,8 +3,8 @@
 
 import csv
 import json
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -94,10 +94,12 @@ class RunResult:
         """Return one recorded signal, shape (times,)."""
         return np.ascontiguousarray(self.rows[:, self.names.index(name)])
 
-    def only(self, names: Sequence[str]) -> "RunResult":
-        """Return the run as if only these of its signals had been recorded."""
+    def blocks(self, names: Sequence[str], block_bytes: int) -> Iterator[Rows]:
+        """Give the rows of these signals, shape (times, names), in parts of about so many bytes."""
         columns = [self.names.index(name) for name in names]
-        return replace(self, names=list(names), rows=np.ascontiguousarray(self.rows[:, columns]))
+        step = max(block_bytes // (np.float64().nbytes * max(len(columns), 1)), 1)
+        for k in range(0, max(len(self.rows), 1), step):
+            yield self.rows[k : k + step][:, columns]
 
     @property
     def time_s(self) -> Rows:

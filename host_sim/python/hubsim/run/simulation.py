@@ -22,6 +22,7 @@ from hubsim.engine import parameters as engine_parameters
 from hubsim.errors import HubsimError
 from hubsim.run import evaluation, plant
 from hubsim.run.results import Fault, RunResult
+from hubsim.run.spool import Spool
 from hubsim.scenario import Scenario, cycles
 from hubsim.scenario.events import Timeline
 
@@ -196,20 +197,19 @@ def simulate(
         begun = time.thread_time()
         kinetic_j = 0.5 * engine.get("vehicle.mass_kg") * engine.value("vehicle.speed_m_per_s") ** 2
         soc = engine.value("battery.soc")
-        parts = []
+        recorded = Spool(len(names))
         now_s = shown_s = 0.0
         while not engine.ended and now_s < planned_s - 1e-6:
             happening.apply(engine, now_s)
-            parts.append(
-                engine.run(min(shown_s + CHUNK_S, planned_s, happening.next_s(now_s)) - now_s)
-            )
+            until_s = min(shown_s + CHUNK_S, planned_s, happening.next_s(now_s))
+            recorded.add(engine.run(until_s - now_s))
             now_s = engine.value("time_s")
             if now_s >= shown_s + CHUNK_S - 1e-6:
                 shown_s = now_s
                 if progress is not None:
                     progress(now_s, planned_s)
         wheels = int(engine.get("vehicle.driven_wheels"))
-        rows = np.concatenate(parts) if parts else np.empty((0, len(names)))
+        rows = recorded.rows()
         return RunResult(
             cycle=name,
             strategy=drive.brake.strategy,
@@ -260,4 +260,5 @@ def _faults(engine: Engine, wheels: int) -> list[Fault]:
 def _reason_texts(engine: Engine, names: Sequence[str], rows: Rows) -> dict[str, str]:
     """Return the words for all reason codes among the recorded signals."""
     columns = [k for k, name in enumerate(names) if name.endswith("reason")]
-    return {str(int(code)): engine.reason_text(code) for code in np.unique(rows[:, columns])}
+    codes = {int(code) for k in columns for code in np.unique(rows[:, k])}
+    return {str(code): engine.reason_text(code) for code in sorted(codes)}

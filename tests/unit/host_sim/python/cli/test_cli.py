@@ -486,7 +486,7 @@ def test_help_of_the_units_imports_no_slow_library() -> None:
 
 def test_names_in_the_help_equal_those_of_the_modules() -> None:
     assert cli.STRATEGIES == run.STRATEGIES
-    assert set(cli.RECORDINGS) == set(recordings.WRITERS)
+    assert set(cli.RECORDINGS) == {*recordings.WRITERS, "layout"}
 
 
 def test_a_bus_capacitor_too_small_is_one_line_of_warning(hubsim: Hubsim) -> None:
