@@ -23,6 +23,7 @@
 
 /* X(identifier, deferrable: transferred to the hydraulic brake as fast as its torque rises) */
 #define TORQUE_LINES(X)                                                                            \
+    X(ENABLE, false)                                                                               \
     X(MAX_TORQUE, false)                                                                           \
     X(MAX_POWER, false)                                                                            \
     X(PHASE_CURRENT, false)                                                                        \
@@ -34,7 +35,6 @@
     X(WINDING, true)                                                                               \
     X(SWITCH, true)                                                                                \
     X(ROTOR, false)                                                                                \
-    X(ENABLE, false)                                                                               \
     X(CURRENT_GAIN, true)                                                                          \
     X(LOSS_OPTIMUM, true)                                                                          \
     X(ELECTRIC_RATED, true)                                                                        \

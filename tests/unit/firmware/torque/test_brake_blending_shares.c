@@ -147,9 +147,9 @@ void test_the_bound_rises_by_what_a_measured_brake_may_miss(void)
     TEST_ASSERT_EQUAL_INT32(44000, raised_mNm());
     in.speed_mrad_s = -FAST_mrad_s;
     TEST_ASSERT_EQUAL_INT32(44000, raised_mNm());
-    limits.braking[TORQUE_LINE_ENABLE - 1] = limit_init(30000, REASON_ROTOR_UNCERTAIN);
+    limits.braking[TORQUE_LINE_ROTOR] = limit_init(30000, REASON_ROTOR_UNCERTAIN);
     TEST_ASSERT_EQUAL_INT32(30000, raised_mNm());
-    limits.braking[TORQUE_LINE_ENABLE - 1] = limit_init(INT32_MAX, REASON_NONE);
+    limits.braking[TORQUE_LINE_ROTOR] = limit_init(INT32_MAX, REASON_NONE);
     capability.regenerating = limit_init(31000, REASON_MAX_TORQUE);
     TEST_ASSERT_EQUAL_INT32(31000, raised_mNm());
     capability.regenerating = limit_init(50000, REASON_MAX_TORQUE);
