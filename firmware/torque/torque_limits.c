@@ -12,6 +12,8 @@ void torque_limits_init(torque_limits_state_t *state, torque_limits_t *table)
 {
     const torque_limits_state_t fresh = {.charge = {.allowed_q24 = SCALED_ONE},
                                          .discharge = {.allowed_q24 = SCALED_ONE},
+                                         .charge_rise = slow_rise_init(),
+                                         .discharge_rise = slow_rise_init(),
                                          .abs_hold_steps = 0};
     *state = fresh;
     torque_limits_clear(table);
@@ -174,8 +176,17 @@ static int32_t pack_rise_mV(const config_battery_t *battery, int32_t current_mA)
     return scaled_multiply(q_saturate64(product), BINARY_TO_DECIMAL_q24);
 }
 
+/* This motor's share of what the management allows. One that comes and goes comes back slowly,
+ * unless there is no other brake to have the rest. */
+static int32_t by_management_mA(slow_rise_t *rise, const config_t *config, int32_t pack_mA,
+                                int32_t most_mA)
+{
+    const int32_t share_mA = q_min(q_max(pack_mA, 0) / config->battery.driven_wheels, most_mA);
+    return config->driver.no_other_brake != 0 ? share_mA : slow_rise_step(rise, share_mA, most_mA);
+}
+
 static battery_limit_t battery_limit(foldback_state_t *state, const config_battery_t *battery,
-                                     int32_t most_mA, int32_t pack_mA, int32_t pack_peak_mA,
+                                     int32_t most_mA, int32_t by_bms_mA, int32_t pack_peak_mA,
                                      int32_t width_mV, int32_t inside_mV, int32_t flowing_mA,
                                      const reason_t reasons[2])
 {
@@ -187,7 +198,6 @@ static battery_limit_t battery_limit(foldback_state_t *state, const config_batte
         .rise_mV = q_min(pack_rise_mV(battery, most_mA), 4 * span_mV),
     };
     const int32_t by_voltage_mA = foldback_step(state, &foldback, inside_mV, flowing_mA);
-    const int32_t by_bms_mA = q_min(q_max(pack_mA, 0) / battery->driven_wheels, most_mA);
     const int32_t by_peak_mA =
         q_clamp(pack_peak_mA / battery->driven_wheels, by_bms_mA, q_max(most_mA, by_bms_mA));
     const battery_limit_t out = {
@@ -414,14 +424,19 @@ void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
     const int32_t bus_mV =
         in->battery_voltage_mV > 0 ? q_min(sensor_mV, in->battery_voltage_mV) : sensor_mV;
     const int32_t drawn_mA = q_max(in->bus_current_mA, -INT32_MAX);
+    const int32_t discharge_mA =
+        by_management_mA(&state->discharge_rise, config, now->battery->discharge_current_mA,
+                         battery->max_discharge_current_mA);
     const battery_limit_t discharge =
-        battery_limit(&state->discharge, battery, battery->max_discharge_current_mA,
-                      now->battery->discharge_current_mA, 0,
-                      battery->discharge_foldback_voltage_mV - battery->min_voltage_mV,
+        battery_limit(&state->discharge, battery, battery->max_discharge_current_mA, discharge_mA,
+                      0, battery->discharge_foldback_voltage_mV - battery->min_voltage_mV,
                       bus_mV - battery->min_voltage_mV, drawn_mA, DISCHARGE);
+    const int32_t charge_mA =
+        by_management_mA(&state->charge_rise, config, now->battery->charge_current_mA,
+                         battery->max_charge_current_mA);
     const battery_limit_t charge =
-        battery_limit(&state->charge, battery, battery->max_charge_current_mA,
-                      now->battery->charge_current_mA, now->battery->charge_peak_current_mA,
+        battery_limit(&state->charge, battery, battery->max_charge_current_mA, charge_mA,
+                      now->battery->charge_peak_current_mA,
                       battery->max_voltage_mV - battery->foldback_voltage_mV,
                       battery->max_voltage_mV - highest_mV, -drawn_mA, CHARGE);
 

@@ -45,6 +45,13 @@
 
 #define anti_lock_holds(s) (is_within((s)->abs_share_percent, 0, 100) && (s)->abs_hold_steps >= 0)
 
+/* A limit that rises slowly. */
+#define slow_rise_holds(s)                                                                         \
+    ((s)->value >= 0 && is_within((s)->time_log2, SLOW_RISE_FIRST_LOG2, SLOW_RISE_LAST_LOG2))
+
+#define battery_rises_hold(s)                                                                      \
+    (slow_rise_holds(&(s)->charge_rise) && slow_rise_holds(&(s)->discharge_rise))
+
 #define table_holds(t)                                                                             \
     (is_within((t)->current_missing_q15, 0, 16384) &&                                              \
      is_within((t)->winding_hotter_cC, 0, 69400) &&                                                \
@@ -81,6 +88,7 @@
      is_within((s)->demand.received_brake_torque_mNm, 0, 100000000) && (s)->demand.lost_ms >= 0 && \
      anti_lock_holds(&(s)->limits) && is_within((s)->limits.charge.allowed_q24, 0, SCALED_ONE) &&  \
      is_within((s)->limits.discharge.allowed_q24, 0, SCALED_ONE) && table_holds(&(s)->table) &&    \
+     battery_rises_hold(&(s)->limits) &&                                                           \
      road_holds(&(s)->road) && is_within((s)->hold.torque_mNm, 0, (c)->driver.hold_torque_mNm) &&  \
      is_within((s)->hold.release_ms, 0, (c)->driver.hold_release_ms) &&                            \
      (s)->hold.begun_mrad_s >= 0 && (s)->lamp.speed_lp_q8_mrad_s >= 0 &&                           \

@@ -283,6 +283,7 @@ POST(torque_limits_init, every(i, TORQUE_LINE_COUNT, table->driving[i].torque_mN
      FEASIBLE_UNBOUNDED && table->braking[i].torque_mNm == FEASIBLE_UNBOUNDED))
 POST(torque_limits_init, state->charge.allowed_q24 == SCALED_ONE && state->discharge.allowed_q24 ==
      SCALED_ONE)
+POST(torque_limits_init, battery_rises_hold(state))
 POST(torque_limits_init, state->abs_hold_steps == 0 && state->abs_share_percent == 0 &&
      table->drawn_b == 0)
 
@@ -292,7 +293,7 @@ PRE(torque_limits_step, is_within(set->model->config->battery.foldback_voltage_m
      set->model->config->battery.min_voltage_mV, set->model->config->battery.max_voltage_mV) &&
      is_within(set->model->config->battery.discharge_foldback_voltage_mV,
      set->model->config->battery.min_voltage_mV, set->model->config->battery.max_voltage_mV))
-PRE(torque_limits_step, anti_lock_holds(state))
+PRE(torque_limits_step, anti_lock_holds(state) && battery_rises_hold(state))
 PRE(torque_limits_step, is_within(state->charge.allowed_q24, 0, SCALED_ONE) &&
      is_within(state->discharge.allowed_q24, 0, SCALED_ONE))
 PRE(torque_limits_step, motor_constants_hold(set->model->constants) &&
@@ -303,7 +304,7 @@ PRE(torque_limits_step, now->winding_lasting_mA >= 0 && now->switch_lasting_mA >
 PRE(torque_limits_step, table_holds(table) && is_within(in->current_missing_q15, 0, 16384))
 POST(torque_limits_step, is_within(state->charge.allowed_q24, 0, SCALED_ONE) &&
      is_within(state->discharge.allowed_q24, 0, SCALED_ONE))
-POST(torque_limits_step, anti_lock_holds(state))
+POST(torque_limits_step, anti_lock_holds(state) && battery_rises_hold(state))
 POST(torque_limits_step, table_holds(table))
 POST(torque_limits_step, table->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm ==
      set->model->config->motor.max_torque_mNm && table->braking[TORQUE_LINE_MAX_TORQUE].torque_mNm
@@ -423,6 +424,10 @@ PRE(torque_limits_anti_lock, anti_lock_holds(state))
 POST(torque_limits_anti_lock, anti_lock_holds(state))
 POST(torque_limits_anti_lock, state->charge.allowed_q24 == old(state->charge.allowed_q24) &&
      state->discharge.allowed_q24 == old(state->discharge.allowed_q24))
+POST(torque_limits_anti_lock, state->charge_rise.value == old(state->charge_rise.value) &&
+     state->charge_rise.time_log2 == old(state->charge_rise.time_log2) &&
+     state->discharge_rise.value == old(state->discharge_rise.value) &&
+     state->discharge_rise.time_log2 == old(state->discharge_rise.time_log2))
 POST(torque_limits_anti_lock, result.torque_mNm >= 0 && result.reason == REASON_ABS)
 POST(torque_limits_anti_lock, !wheel->abs_active || result.torque_mNm <= q_max(brake_torque_mNm, 0))
 POST(torque_limits_anti_lock, wheel->abs_active || state->abs_hold_steps > 0 || result.torque_mNm ==

@@ -15,6 +15,7 @@
 
 #include "config/config.h"
 #include "core/measured.h"
+#include "core/slow_rise.h"
 #include "core/torque_enable.h"
 #include "motor/feasible_torque.h"
 #include "motor/loss_braking.h"
@@ -57,6 +58,7 @@ typedef struct {
 
 typedef struct {
     foldback_state_t charge, discharge;
+    slow_rise_t charge_rise, discharge_rise; /* of the management's limits for this motor, mA */
     int32_t abs_hold_steps; /* remaining slow steps with the bound of the intervention */
     int32_t abs_share_percent;
 } torque_limits_state_t;

@@ -25,11 +25,14 @@ static int32_t phase_mV;
 static torque_limits_state_t state;
 static torque_limits_t table;
 
-/* One step of the table; the fold-back's state is left as it was. */
+/* One step of the table; the fold-back's state is left as it was, and the battery management's
+ * limits have not fallen before. */
 static inline bounds_t bounds_of(const motor_model_t *model)
 {
     config.brake.loss_braking = 0; /* test_loss_braking.c */
     torque_limits_state_t copy = state;
+    copy.charge_rise = slow_rise_init();
+    copy.discharge_rise = slow_rise_init();
     const feasible_set_t set = feasible_set_at(model, phase_mV);
     torque_limits_case_step(&copy, &set, &conditions, &table);
     const bounds_t out = {

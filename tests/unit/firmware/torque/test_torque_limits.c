@@ -148,6 +148,69 @@ void test_with_hall_sensors_the_charge_limit_is_reduced_by_the_power_of_the_angl
     TEST_ASSERT_TRUE(with_angle.torque_mNm > with_hall.torque_mNm + 500);
 }
 
+/* ---- a limit of the battery management that comes and goes ---- */
+
+typedef struct {
+    limit_t driving, braking;
+} sides_t;
+
+/* The tightest bounds after some milliseconds with these currents of the pack, mA. */
+static sides_t sides_after(int milliseconds, int32_t charge_mA, int32_t discharge_mA)
+{
+    config.brake.loss_braking = 0;
+    conditions.bms_charge_current_mA = charge_mA;
+    conditions.bms_discharge_current_mA = discharge_mA;
+    const motor_model_t model = model_at(&config, mrad_s_of_rpm(300.0), winding_temperature_cC);
+    const feasible_set_t set = feasible_set_at(&model, phase_mV);
+    for (int n = 0; n < milliseconds; n++) {
+        torque_limits_case_step(&state, &set, &conditions, &table);
+    }
+    const sides_t out = {
+        .driving = torque_limits_tightest(table.driving, 0, TORQUE_LINE_COUNT),
+        .braking = torque_limits_tightest(table.braking, 0, TORQUE_LINE_LOSS_OPTIMUM),
+    };
+    return out;
+}
+
+/* Of 8 A, which come back in 2^11 ms, 2 A are there after 512 ms: 106 W at 53 V. */
+void test_a_limit_that_was_zero_comes_back_slowly_for_braking_and_driving(void)
+{
+    config.battery.max_charge_current_mA = 8000;
+    config.battery.max_discharge_current_mA = 8000;
+    (void)sides_after(1, 40000, 40000);
+    sides_t out = sides_after(1, 0, 0);
+    assert_limit(1778, REASON_CHARGE_CURRENT, out.braking);
+    assert_limit(0, REASON_DISCHARGE_CURRENT, out.driving);
+    out = sides_after(512, 40000, 40000);
+    const int32_t charged_mNm = (int32_t)lround(torque_at_power_mNm(300.0, -106.0));
+    const int32_t drawn_mNm = (int32_t)lround(torque_at_power_mNm(300.0, 106.0));
+    TEST_ASSERT_INT32_WITHIN(charged_mNm / 20, charged_mNm, out.braking.torque_mNm);
+    TEST_ASSERT_INT32_WITHIN(drawn_mNm / 20, drawn_mNm, out.driving.torque_mNm);
+    out = sides_after(2100, 40000, 40000);
+    assert_limit((int32_t)lround(torque_at_power_mNm(300.0, -424.0)), REASON_CHARGE_CURRENT,
+                 out.braking);
+}
+
+void test_a_limit_comes_back_at_once_where_there_is_no_other_brake(void)
+{
+    config.driver.no_other_brake = 1;
+    config.battery.max_charge_current_mA = 8000;
+    (void)sides_after(1, 0, 40000);
+    assert_limit((int32_t)lround(torque_at_power_mNm(300.0, -424.0)), REASON_CHARGE_CURRENT,
+                 sides_after(1, 40000, 40000).braking);
+}
+
+/* Of a short-time limit, which is hard, nothing is held back. */
+void test_the_peak_of_the_charge_current_comes_back_at_once(void)
+{
+    config.battery.max_charge_current_mA = 8000;
+    (void)sides_after(1, 0, 40000);
+    conditions.bms_charge_peak_mA = 40000;
+    (void)sides_after(1, 0, 40000);
+    const int32_t whole_mNm = (int32_t)lround(torque_at_power_mNm(300.0, -424.0));
+    TEST_ASSERT_INT32_WITHIN(10, whole_mNm, table.braking[TORQUE_LINE_RETURNED_PEAK].torque_mNm);
+}
+
 void test_zero_charge_current_leaves_only_the_iron_drag(void)
 {
     /* At 300 r/min and zero terminal current iron loss brakes with 1.778 Nm. It heats the motor and
