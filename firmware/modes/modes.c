@@ -20,6 +20,8 @@ void modes_init(modes_state_t *state)
     state->reset_before = false;
     state->fault_persists = false;
     state->offsets_stored = false;
+    state->braking = slow_rise_init();
+    state->taken_by = REASON_NONE;
     state->inverted = inverted_copy(state);
 }
 
@@ -241,6 +243,19 @@ static torque_enable_t torque_enable_of(const modes_state_t *state, const config
     return out;
 }
 
+/* Braking torque that a finding has taken away comes back slowly: the other brake, which has it
+ * then, follows a finding that comes and goes with its delay. */
+static torque_enable_t returning(modes_state_t *state, torque_enable_t enable, bool taken)
+{
+    state->taken_by = taken ? enable.reason : state->taken_by;
+    const int32_t share_q15 = slow_rise_step(&state->braking, taken ? 0 : Q15_ONE, Q15_ONE);
+    if (share_q15 < enable.brake_q15) {
+        enable.brake_q15 = (int16_t)share_q15;
+        enable.reason = enable.reason == REASON_NONE ? state->taken_by : enable.reason;
+    }
+    return enable;
+}
+
 /* What torque waits for that a finding takes away; NONE: none does. */
 static waits_for_t off_waits_for(const warning_t *warning)
 {
@@ -361,12 +376,15 @@ modes_output_t modes_step(modes_state_t *state, const config_t *config, const me
     state->inverted = inverted_copy(state);
 
     const bool ready = angle_ready(config, now, watch);
+    const torque_enable_t enable =
+        torque_enable_of(state, &config->modes, request.enable, ready, &warning);
+    const bool alone = config->driver.no_other_brake != 0;
     const modes_output_t out = {
         .mode = state->mode,
         .fault = state->fault,
         .warning = state->warning != REASON_NONE ? state->warning : warning.reason,
         .present_warning = warning.reason,
-        .torque_enable = torque_enable_of(state, &config->modes, request.enable, ready, &warning),
+        .torque_enable = alone ? enable : returning(state, enable, warning.off),
         .waits_for = waits_for(state, watch, &request, ready, off_waits_for(&warning),
                                last->engaged == DRIVE_DIRECTION_NEUTRAL),
         .calibrate_offsets =

@@ -239,7 +239,7 @@ enum { MOST_ROW_POINTS = 65 };
         const findings_t findings_copy = (s)->findings;                                            \
         torque_state_holds(&torque_copy, c) && monitor_state_holds(&monitor_copy, c) &&            \
             measure_holds(&measure_copy, c) && findings_hold(&findings_copy) &&                    \
-            (unsigned)(s)->modes.mode <= MODE_FAULT &&                                             \
+            (unsigned)(s)->modes.mode <= MODE_FAULT && slow_rise_holds(&(s)->modes.braking) &&     \
             ((s)->modes.mode != MODE_FAULT || (s)->modes.fault != REASON_NONE) &&                  \
             is_within((s)->last.torque_command_mNm, -400000000, 400000000) &&                      \
             (s)->last.hydraulic_added_mNm >= 0 && vector_holds((s)->last.reference_pu) &&          \

@@ -9,14 +9,15 @@
 /* modes/modes.h */
 POST(modes_init, state->mode == MODE_BOOT && state->fault == REASON_NONE && state->warning ==
      REASON_NONE)
+POST(modes_init, slow_rise_holds(&state->braking))
 POST(modes_init, !state->offsets_stored && !state->fault_persists && state->acknowledge_steps == 0)
 
-PRE(modes_step, (unsigned)state->mode <= MODE_FAULT)
+PRE(modes_step, (unsigned)state->mode <= MODE_FAULT && slow_rise_holds(&state->braking))
 PRE(modes_step, state->mode != MODE_FAULT || state->fault != REASON_NONE)
 PRE(modes_step, findings_hold(findings))
 PRE(modes_step, config->modes.limp_drive_share_q15 >= 0 && config->modes.limp_drive_share_q15 <=
      Q15_ONE)
-POST(modes_step, (unsigned)state->mode <= MODE_FAULT)
+POST(modes_step, (unsigned)state->mode <= MODE_FAULT && slow_rise_holds(&state->braking))
 POST(modes_step, state->mode != MODE_FAULT || state->fault != REASON_NONE)
 POST(modes_step, findings_hold(findings))
 POST(modes_step, ((findings->present[0] ^ old(findings->present[0])) & ~ROWS_OF_MODES) == 0U)

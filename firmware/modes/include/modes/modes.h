@@ -30,6 +30,7 @@
 #include "core/operating_mode.h"
 #include "core/reason.h"
 #include "core/slow_messages.h"
+#include "core/slow_rise.h"
 #include "core/torque_enable.h"
 #include "core/waits_for.h"
 
@@ -51,7 +52,9 @@ typedef struct {
     uint16_t acknowledge_steps; /* left of a pending acknowledgement */
     bool fault_persists;        /* the last acknowledgement found the fault still there */
     bool reset_before;
-    uint32_t inverted; /* of mode and fault: a bit that flips between two steps is a fault */
+    slow_rise_t braking; /* share of braking torque, Q15, that a finding has taken away */
+    reason_t taken_by;   /* the reason of that finding */
+    uint32_t inverted;   /* of mode and fault: a bit that flips between two steps is a fault */
 } modes_state_t;
 
 typedef struct {

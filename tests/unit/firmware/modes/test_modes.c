@@ -287,6 +287,67 @@ void test_without_a_battery_no_torque_is_enabled_and_the_mode_returns_by_itself(
     TEST_ASSERT_TRUE(torque_enable_any(step().torque_enable));
 }
 
+static void lose_the_battery(int milliseconds)
+{
+    in.warning = FINDING_BATTERY_LEFT;
+    (void)run(milliseconds);
+    in.warning = FINDING_COUNT;
+}
+
+/* Milliseconds from the end of the finding until the whole braking torque is enabled again;
+ * meanwhile the driving torque is whole, and the reason is that of the finding. */
+static int braking_returns_ms(void)
+{
+    torque_enable_t out = step().torque_enable;
+    while (out.drive_q15 == 0) {
+        out = step().torque_enable;
+    }
+    int milliseconds = 1;
+    int32_t before_q15 = 0;
+    for (; out.brake_q15 < Q15_ONE; out = step().torque_enable) {
+        TEST_ASSERT_EQUAL_INT16(Q15_ONE, out.drive_q15);
+        TEST_ASSERT_EQUAL_INT(REASON_BATTERY_DISCONNECTED, out.reason);
+        TEST_ASSERT_TRUE(out.brake_q15 > before_q15);
+        before_q15 = out.brake_q15;
+        milliseconds++;
+    }
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, step().torque_enable.reason);
+    return milliseconds;
+}
+
+/* In 2^11 ms, and the next time twice as slowly. */
+void test_braking_torque_that_a_finding_took_away_comes_back_slowly(void)
+{
+    start_in(MODE_RUN);
+    in.enable = true;
+    lose_the_battery(10);
+    TEST_ASSERT_EQUAL_INT(2048, braking_returns_ms());
+    lose_the_battery(1);
+    TEST_ASSERT_EQUAL_INT(4096, braking_returns_ms());
+}
+
+void test_braking_torque_comes_back_at_once_where_there_is_no_other_brake(void)
+{
+    start_in(MODE_RUN);
+    in.enable = true;
+    config.driver.no_other_brake = 1;
+    lose_the_battery(10);
+    TEST_ASSERT_EQUAL_INT(1, braking_returns_ms());
+}
+
+void test_the_end_of_a_fault_leaves_the_whole_braking_torque(void)
+{
+    start_in(MODE_FAULT);
+    in.fault = REASON_NONE;
+    in.enable = false;
+    in.fault_reset = true;
+    (void)run(2000);
+    in.enable = true;
+    const modes_output_t out = run(2);
+    assert_mode(MODE_RUN, out);
+    TEST_ASSERT_EQUAL_INT16(Q15_ONE, out.torque_enable.brake_q15);
+}
+
 /* The first millisecond, in which the monitor has no name for it yet. */
 void test_lost_battery_without_a_name_is_shown_as_torque_enable(void)
 {

@@ -73,8 +73,8 @@ static inline void set_warning(void)
     }
     if (in.warning != FINDING_COUNT) {
         findings_set(&findings, in.warning, true);
+        warning_before = in.warning;
     }
-    warning_before = in.warning;
 }
 
 static inline slow_input_t demanded(void)
