@@ -102,13 +102,15 @@ static void watch_bus_sensor(monitor_state_t *state, const config_t *config, con
 /* A bus beyond a trip, or one that no battery holds, puts the bridge into its safe state at once,
  * here or by the fast trip. A contactor that opens does that, and the battery's message explains it
  * later. True where none has and the bus is not back either. */
-static bool bus_unexplained(monitor_state_t *state, const config_t *config, const measured_t *now)
+static bool bus_unexplained(monitor_state_t *state, const config_t *config, const measured_t *now,
+                            bool off)
 {
     const config_battery_t *battery = &config->battery;
     const config_monitor_t *monitor = &config->monitor;
     const bool high = now->bus_voltage_mV > battery->overvoltage_trip_mV || fast_trip_of_bus(now);
     const bool overcurrent = now->trip == REASON_OVERCURRENT;
-    const bool low = (measured_switching(now) || overcurrent) && !measured_battery_open(now) &&
+    const bool low = (measured_switching(now) || overcurrent || (off && state->bus_was_low)) &&
+                     !measured_battery_open(now) &&
                      now->bus_voltage_mV < battery->undervoltage_trip_mV;
     const bool back =
         now->bus_voltage_mV < (battery->max_voltage_mV + battery->overvoltage_trip_mV) / 2 &&
@@ -221,7 +223,10 @@ static void check_voltages(monitor_state_t *state, const measured_t *now, findin
 static void check_bus(monitor_state_t *state, const config_t *config, const measured_t *now,
                       findings_t *findings)
 {
-    const bool unexplained = bus_unexplained(state, config, now);
+    /* What has ended the torque is not over while the bus is low again. */
+    const bool off = findings_qualified(findings, FINDING_BUS_JUMPED) ||
+                     findings_qualified(findings, FINDING_BATTERY_LEFT);
+    const bool unexplained = bus_unexplained(state, config, now, off);
     const bool open = measured_battery_open(now);
     const bool lost = state->open_steps > 0 || state->return_steps > 0;
     const bool known = open || !state->bus_was_low ||

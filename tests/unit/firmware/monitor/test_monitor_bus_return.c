@@ -44,6 +44,21 @@ void test_a_bus_at_its_lower_trip_is_neither_low_nor_away(void)
     TEST_ASSERT_FALSE(step().battery_lost);
 }
 
+/* A reading that is low again while the bridge is still off: nothing is back. */
+void test_what_took_the_torque_away_is_not_over_while_the_bus_is_low_again(void)
+{
+    static const int32_t LOW_mV[] = {0, UNDER_mV - 1};
+    for (int k = 0; k < 2; k++) {
+        setUp();
+        (void)empty_the_bus(LOW_mV[k]);
+        TEST_ASSERT_FALSE(bus_is(BACK_mV, MONITOR_BUS_RETURN_STEPS).battery_lost);
+        (void)empty_the_bus(LOW_mV[k]);
+        TEST_ASSERT_TRUE(bus_is(BACK_mV, MONITOR_BUS_RETURN_STEPS).battery_lost);
+        TEST_ASSERT_TRUE(bus_is(LOW_mV[k], 1).battery_lost);
+        TEST_ASSERT_TRUE(bus_is(BACK_mV, MONITOR_BUS_RETURN_STEPS).battery_lost);
+    }
+}
+
 /* ---- over-current of a bus that was low ---- */
 
 static reason_t fault_with_trip(reason_t trip)
