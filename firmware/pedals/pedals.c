@@ -50,11 +50,13 @@ static travel_t read_pedal(const config_pedals_t *pedals, const pedals_input_t *
     return out;
 }
 
-/* Debounce: a fault from fault_time on, until as many plausible milliseconds have passed. */
-static bool qualify(int32_t *fault_ms, bool before, bool plausible, int32_t fault_time_ms)
+/* Debounce: a fault from fault_time on, until as many plausible milliseconds have passed. On the
+ * way to it a plausible one takes half a millisecond back: a loose contact is a fault, too. */
+static bool qualify(int32_t *fault_halves, bool before, bool plausible, int32_t fault_time_ms)
 {
-    *fault_ms = q_clamp(*fault_ms + (plausible ? -1 : 1), 0, fault_time_ms);
-    return before ? *fault_ms > 0 : *fault_ms == fault_time_ms;
+    const int32_t change = !plausible ? 2 : before ? -2 : -1;
+    *fault_halves = q_clamp(*fault_halves + change, 0, 2 * fault_time_ms);
+    return before ? *fault_halves > 0 : *fault_halves == 2 * fault_time_ms;
 }
 
 /* Positive: driving torque of the smaller travel; negative: lift-off braking of the larger. */
@@ -114,7 +116,7 @@ static wheel_demand_t switches(pedals_state_t *state, const config_t *config,
 static void apply_accelerator(pedals_state_t *state, const config_pedals_t *pedals,
                               const travel_t *travel, pedals_output_t *out)
 {
-    state->accelerator_fault = qualify(&state->accelerator_fault_ms, state->accelerator_fault,
+    state->accelerator_fault = qualify(&state->accelerator_fault_halves, state->accelerator_fault,
                                        travel->plausible, pedals->fault_time_ms);
     const bool usable = travel->valid == pedals->accelerator_channels && !state->accelerator_fault;
     const bool overridden =
@@ -142,8 +144,8 @@ pedals_output_t pedals_step(pedals_state_t *state, const config_t *config, const
     out.age_ms = state->was_received ? in->received_age_ms : 0;
     if (pedals->brake_channels > 0) {
         const travel_t travel = read_pedal(pedals, in, BRAKE, pedals->brake_channels, sampled);
-        state->brake_fault = qualify(&state->brake_fault_ms, state->brake_fault, travel.plausible,
-                                     pedals->fault_time_ms);
+        state->brake_fault = qualify(&state->brake_fault_halves, state->brake_fault,
+                                     travel.plausible, pedals->fault_time_ms);
         out.demand.brake_torque_mNm =
             pedals_brake_torque_mNm(pedals, brake_travel_q15(state, &travel));
         out.age_ms = state->no_brake_ms >= pedals->fault_time_ms ? UINT32_MAX : 0;

@@ -8,8 +8,9 @@
 
 /* pedals/pedals.h */
 POST(pedals_init, state->must_release && state->no_brake_ms == INT32_MAX && !state->was_received)
-POST(pedals_init, !state->accelerator_fault && !state->brake_fault && state->accelerator_fault_ms ==
-     0 && state->brake_fault_ms == 0 && state->brake_travel_q15 == 0)
+POST(pedals_init, !state->accelerator_fault && !state->brake_fault &&
+     state->accelerator_fault_halves == 0 && state->brake_fault_halves == 0 &&
+     state->brake_travel_q15 == 0)
 
 PRE(pedals_step, every(i, CONFIG_PEDAL_CHANNELS, is_within(config->pedals.released_q15[i], 0, 32768)
      && is_within(config->pedals.pressed_q15[i], 0, 32768) && config->pedals.pressed_q15[i] !=
@@ -17,12 +18,12 @@ PRE(pedals_step, every(i, CONFIG_PEDAL_CHANNELS, is_within(config->pedals.releas
 PRE(pedals_step, every(i, CONFIG_PEDAL_CHANNELS, config->pedals.lowest_q15[i] >= 0 &&
      config->pedals.highest_q15[i] <= 32768))
 PRE(pedals_step, config->pedals.free_travel_torque_mNm <= config->pedals.brake_torque_mNm)
-PRE(pedals_step, is_within(state->accelerator_fault_ms, 0, config->pedals.fault_time_ms) &&
-     is_within(state->brake_fault_ms, 0, config->pedals.fault_time_ms) && state->no_brake_ms >= 0 &&
-     is_within(state->brake_travel_q15, 0, 32768))
-POST(pedals_step, is_within(state->accelerator_fault_ms, 0, config->pedals.fault_time_ms) &&
-     is_within(state->brake_fault_ms, 0, config->pedals.fault_time_ms) && state->no_brake_ms >= 0 &&
-     is_within(state->brake_travel_q15, 0, 32768))
+PRE(pedals_step, is_within(state->accelerator_fault_halves, 0, 2 * config->pedals.fault_time_ms) &&
+     is_within(state->brake_fault_halves, 0, 2 * config->pedals.fault_time_ms) &&
+     state->no_brake_ms >= 0 && is_within(state->brake_travel_q15, 0, 32768))
+POST(pedals_step, is_within(state->accelerator_fault_halves, 0, 2 * config->pedals.fault_time_ms) &&
+     is_within(state->brake_fault_halves, 0, 2 * config->pedals.fault_time_ms) &&
+     state->no_brake_ms >= 0 && is_within(state->brake_travel_q15, 0, 32768))
 POST(pedals_step, config->pedals.brake_channels == 0 || is_within(result.demand.brake_torque_mNm, 0,
      config->pedals.brake_torque_mNm))
 POST(pedals_step, config->pedals.accelerator_channels == 0 || q_abs(result.demand.drive_torque_mNm)

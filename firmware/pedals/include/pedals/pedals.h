@@ -35,8 +35,8 @@ typedef struct {
 } pedals_input_t;
 
 typedef struct {
-    int32_t accelerator_fault_ms; /* implausible milliseconds less plausible ones */
-    int32_t brake_fault_ms;
+    int32_t accelerator_fault_halves; /* implausible half milliseconds less plausible ones */
+    int32_t brake_fault_halves;
     int32_t no_brake_ms;      /* without a valid channel, saturating */
     int32_t brake_travel_q15; /* the last valid one */
     bool accelerator_fault;

@@ -213,6 +213,43 @@ void test_a_disturbance_shorter_than_the_fault_time_leaves_no_fault(void)
     TEST_ASSERT_EQUAL_INT32(torque_mNm, run(1).demand.drive_torque_mNm);
 }
 
+/* Half of the time open, at 10 to 500 Hz: named within a second, and as long as it lasts. A tenth
+ * of the time, in pieces shorter than the fault time, is not. */
+void test_a_loose_contact_is_a_fault_at_any_rate(void)
+{
+    static const int HALF_PERIODS_ms[] = {1, 5, 20, 50};
+    for (int channel = 0; channel <= 2; channel += 2) {
+        for (int k = 0; k < 4; k++) {
+            setUp();
+            pressed(0.0, 0.0);
+            const reason_t expected =
+                channel == 0 ? REASON_ACCELERATOR_SENSOR : REASON_BRAKE_PEDAL_SENSOR;
+            for (int ms = 0; ms < 3000; ms++) {
+                press(0.3, channel == 2 ? 0.3 : 0.0);
+                if (ms / HALF_PERIODS_ms[k] % 2 == 0) {
+                    in.ratio_q15[channel] = 0;
+                }
+                const reason_t reason = run(1).demand.reason;
+                if (ms >= 1000) {
+                    TEST_ASSERT_EQUAL_INT(expected, reason);
+                }
+            }
+        }
+    }
+}
+
+void test_what_is_open_for_a_tenth_of_the_time_is_no_fault(void)
+{
+    pressed(0.0, 0.0);
+    for (int ms = 0; ms < 3000; ms++) {
+        press(0.3, 0.0);
+        if (ms % 20 < 2) {
+            in.ratio_q15[0] = 0;
+        }
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1).demand.reason);
+    }
+}
+
 /* 9 % and 11 % of the travel apart: behind the dead band 9.5 % and 11.6 %. */
 void test_channels_that_differ_too_much_drive_with_the_smaller_travel_then_not_at_all(void)
 {
