@@ -18,6 +18,7 @@ void modes_init(modes_state_t *state)
     state->steps = 0;
     state->acknowledge_steps = 0;
     state->reset_before = false;
+    state->released = false;
     state->fault_persists = false;
     state->offsets_stored = false;
     state->braking = slow_rise_init();
@@ -163,6 +164,12 @@ static void run(modes_state_t *state, const request_t *request, bool rolling, bo
     }
 }
 
+/* The accelerator that was held while switched on, at standstill or rolling, has been released. */
+static void await_release(modes_state_t *state, const request_t *request)
+{
+    state->released = request->enable && (state->released || (!request->lost && !request->drives));
+}
+
 static void advance(modes_state_t *state, const config_t *config, const measured_t *now,
                     const monitored_t *watch, const slow_input_t *in, const request_t *request,
                     bool acknowledged, bool limited)
@@ -182,7 +189,7 @@ static void advance(modes_state_t *state, const config_t *config, const measured
         calibrate(state, &config->modes, watch, now->report->offsets_done);
         break;
     case MODE_READY:
-        if (request->enable && !request->lost && !request->drives &&
+        if (state->released && !request->lost && !request->drives &&
             angle_ready(config, now, watch)) {
             enter(state, MODE_RUN);
         }
@@ -202,7 +209,7 @@ static void advance(modes_state_t *state, const config_t *config, const measured
 }
 
 static torque_enable_t torque_enable_of(const modes_state_t *state, const config_modes_t *config,
-                                        bool enable, bool ready, const warning_t *warning)
+                                        bool ready, const warning_t *warning)
 {
     torque_enable_t out = {.drive_q15 = 0, .brake_q15 = 0, .reason = REASON_TORQUE_ENABLE};
     switch (state->mode) {
@@ -210,13 +217,13 @@ static torque_enable_t torque_enable_of(const modes_state_t *state, const config
         out.drive_q15 = Q15_ONE;
         out.brake_q15 = Q15_ONE;
         out.reason = REASON_NONE;
-        if (!enable) { /* switched off while rolling: braking only */
+        if (!state->released) { /* switched off while rolling: braking only */
             out.drive_q15 = 0;
             out.reason = REASON_TORQUE_ENABLE;
         }
         break;
     case MODE_LIMP:
-        out.drive_q15 = (int16_t)(enable ? config->limp_drive_share_q15 : 0);
+        out.drive_q15 = (int16_t)(state->released ? config->limp_drive_share_q15 : 0);
         out.brake_q15 = Q15_ONE;
         out.reason = warning->limiting_reason;
         break;
@@ -264,13 +271,16 @@ static waits_for_t off_waits_for(const warning_t *warning)
     return !warning->off ? WAITS_FOR_NONE : hot ? WAITS_FOR_COOLING : WAITS_FOR_BATTERY;
 }
 
-/* What keeps READY from RUN, and then what keeps RUN from driving. */
-static waits_for_t of_the_driver(const request_t *request)
+/* What keeps READY from RUN, or RUN from driving. */
+static waits_for_t of_the_driver(const request_t *request, bool pedal)
 {
     if (!request->enable) {
         return WAITS_FOR_ENABLE;
     }
-    return request->lost ? WAITS_FOR_DEMAND_LINK : WAITS_FOR_NONE;
+    if (request->lost) {
+        return WAITS_FOR_DEMAND_LINK;
+    }
+    return pedal ? WAITS_FOR_PEDAL_RELEASE : WAITS_FOR_NONE;
 }
 
 static waits_for_t waits_for(const modes_state_t *state, const monitored_t *watch,
@@ -285,14 +295,11 @@ static waits_for_t waits_for(const modes_state_t *state, const monitored_t *watc
     case MODE_OFFSET_CAL:
         return watch->emf_conducts ? WAITS_FOR_LOWER_SPEED : WAITS_FOR_OFFSETS;
     case MODE_READY:
-        out = of_the_driver(request);
-        if (out == WAITS_FOR_NONE && request->drives) {
-            out = WAITS_FOR_PEDAL_RELEASE;
-        }
+        out = of_the_driver(request, request->drives);
         return out == WAITS_FOR_NONE && !ready ? WAITS_FOR_ROTOR_ANGLE : out;
     case MODE_RUN:
     case MODE_LIMP:
-        out = off != WAITS_FOR_NONE ? off : of_the_driver(request);
+        out = off != WAITS_FOR_NONE ? off : of_the_driver(request, !state->released);
         return out == WAITS_FOR_NONE && neutral ? WAITS_FOR_DIRECTION : out;
     case MODE_FAULT:
         if (fault_clearing(state->fault) == FAULT_CLEARING_RESTART) {
@@ -352,6 +359,7 @@ modes_output_t modes_step(modes_state_t *state, const config_t *config, const me
         enter(state, MODE_FAULT);
     }
     const request_t request = request_of(config, in, watch->at_rest);
+    await_release(state, &request);
     const bool acknowledged = acknowledgement_pending(state, in->demand.fault_reset, request.quiet);
     const bool measured = now->report->offsets_done && watch->offsets_plausible;
     state->steps = (uint16_t)q_min(state->steps + 1, UINT16_MAX);
@@ -376,8 +384,7 @@ modes_output_t modes_step(modes_state_t *state, const config_t *config, const me
     state->inverted = inverted_copy(state);
 
     const bool ready = angle_ready(config, now, watch);
-    const torque_enable_t enable =
-        torque_enable_of(state, &config->modes, request.enable, ready, &warning);
+    const torque_enable_t enable = torque_enable_of(state, &config->modes, ready, &warning);
     const bool alone = config->driver.no_other_brake != 0;
     const modes_output_t out = {
         .mode = state->mode,

@@ -91,11 +91,11 @@ class DevCommandTest(DevFixture):
             (motors.parent / f"{name}.toml").touch()
         (self.base / "here.toml").touch()
         self.before = self.contents()
-        for command in (["table"], ["fmu", "--config"], ["firmware", "--config"],
-                        ["flash", "--config"], ["bench", "--config"]):  # fmt: skip
-            self.assert_refused(self.run_dev(*command, "min"), "'min', did you mean mine?")
-            self.assert_refused(self.run_dev(*command, "none.toml"), "none.toml: no such file")
-            self.assert_refused(self.run_dev(*command, str(self.base)), "is a directory")
+        for words in (["table"], ["fmu", "--config"], ["firmware", "--config"],
+                      ["flash", "--config"], ["bench", "--config"]):  # fmt: skip
+            self.assert_refused(self.run_dev(*words, "min"), "'min', did you mean mine?")
+            self.assert_refused(self.run_dev(*words, "none.toml"), "none.toml: no such file")
+            self.assert_refused(self.run_dev(*words, str(self.base)), "is a directory")
         # The firmware is built with a table, and the command that makes it is named.
         for drive in ("mine", "other", "here.toml"):
             for command in ("firmware", "flash", "bench"):

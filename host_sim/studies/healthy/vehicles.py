@@ -14,11 +14,10 @@ from functools import lru_cache
 import numpy as np
 from hubsim.run import plant
 from hubsim.run.plant import STANDARD_GRAVITY_M_PER_S2
-from hubsim.run.simulation import STRATEGIES
 from hubsim.scenario import overrides
 from hubsim.sweep import faults_sweep
 from hubsim.sweep.drives import DRIVES
-from regen_table import models
+from regen_table import STRATEGIES, models
 from regen_table.schema import Drive
 
 SENSORS = ("hall", "angle", "encoder")

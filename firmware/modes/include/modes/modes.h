@@ -52,6 +52,7 @@ typedef struct {
     uint16_t acknowledge_steps; /* left of a pending acknowledgement */
     bool fault_persists;        /* the last acknowledgement found the fault still there */
     bool reset_before;
+    bool released;       /* the drive pedal, since it was switched on */
     slow_rise_t braking; /* share of braking torque, Q15, that a finding has taken away */
     reason_t taken_by;   /* the reason of that finding */
     uint32_t inverted;   /* of mode and fault: a bit that flips between two steps is a fault */

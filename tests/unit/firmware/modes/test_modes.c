@@ -136,6 +136,37 @@ void test_disable_while_rolling_sets_the_drive_enable_to_zero_and_keeps_the_brak
     }
 }
 
+void test_accelerator_held_while_switched_on_rolling_drives_once_it_was_released(void)
+{
+    const operating_mode_t running[] = {MODE_RUN, MODE_LIMP};
+    for (int k = 0; k < 2; k++) {
+        start_in(running[k]);
+        in.bound_mrad_s = ROLLING_mrad_s;
+        in.drive_demanded = true;
+        const int16_t share_q15 = run(10).torque_enable.drive_q15;
+        TEST_ASSERT_GREATER_THAN_INT16(0, share_q15);
+        in.enable = false;
+        TEST_ASSERT_EQUAL_INT16(0, step().torque_enable.drive_q15);
+        in.enable = true;
+        const modes_output_t held = run(10000);
+        TEST_ASSERT_EQUAL_INT16(0, held.torque_enable.drive_q15);
+        TEST_ASSERT_EQUAL_INT16(Q15_ONE, held.torque_enable.brake_q15);
+        TEST_ASSERT_NOT_EQUAL_INT(REASON_NONE, held.torque_enable.reason);
+        TEST_ASSERT_EQUAL_INT(WAITS_FOR_PEDAL_RELEASE, held.waits_for);
+        in.drive_demanded = false;
+        in.demand_lost = true; /* a released pedal of an old demand is none */
+        run(10);
+        in.demand_lost = false;
+        in.drive_demanded = true;
+        TEST_ASSERT_EQUAL_INT16(0, step().torque_enable.drive_q15);
+        in.drive_demanded = false;
+        step();
+        in.drive_demanded = true;
+        TEST_ASSERT_EQUAL_INT16(share_q15, step().torque_enable.drive_q15);
+        TEST_ASSERT_EQUAL_INT(WAITS_FOR_NONE, step().waits_for);
+    }
+}
+
 void test_a_warning_leads_to_limp_and_its_end_back_to_run(void)
 {
     start_in(MODE_RUN);

@@ -12,7 +12,7 @@ COUNT, SEED = 20, 5  # the whole study, with --full, has more
 
 
 def test_stops_are_smooth_and_stand_on_slopes() -> None:
-    found = cases.measured(blend_out.measure, blend_out.draw(DRIVES, COUNT, SEED), processes=1)
+    found = cases.measured(blend_out.measure, blend_out.draw(DRIVES, COUNT, SEED), workers=1)
     # The hardest: all the brakes are asked for, up a slope that helps.
     found += [blend_out.measure(COUNT, Case(name, 3.0, 10.0)) for name in DRIVES]
     assert [o for o in found if not o.within] == []

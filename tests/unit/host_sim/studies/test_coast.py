@@ -27,7 +27,7 @@ SMALL_F = 0.15e-3
 
 
 def test_a_vehicle_without_a_demand_has_no_more_torque_than_it_must() -> None:
-    found = cases.measured(coast.measure, coast.draw(drives.DRIVES, COUNT, SEED), processes=1)
+    found = cases.measured(coast.measure, coast.draw(drives.DRIVES, COUNT, SEED), workers=1)
     assert [outcome for outcome in found if not outcome.within] == []
     assert any(outcome.warning == "OVERSPEED" for outcome in found)
 

@@ -22,7 +22,7 @@ def test_every_kind_of_event_is_as_it_should_be() -> None:
     kinds = {(case.kind, case.drive) for case in drawn}
     assert kinds == {(kind, drive) for kind in edge_runs.KINDS for drive in DRIVES}
     assert {case.sensor for case in drawn} == set(edge_runs.SENSORS)
-    found = cases.measured(edges.measure, drawn, processes=1)
+    found = cases.measured(edges.measure, drawn, workers=1)
     assert [edges.described(o) for o in found if not o.within] == []
 
 

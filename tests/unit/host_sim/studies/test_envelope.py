@@ -36,7 +36,7 @@ def test_no_edge_of_the_envelope_makes_a_fault_or_a_torque_that_is_not_commanded
     assert {(case.drive, case.start) for case in drawn} == {
         (drive, start) for drive in DRIVES for start in runs.STARTS
     }
-    found = cases.measured(runs.measure, drawn, processes=1)
+    found = cases.measured(runs.measure, drawn, workers=1)
     assert misses(found) == []
     made = [o for o in found if abs(o.torque_nm) > 0.0]
     assert len(made) >= COUNT // 2
@@ -54,7 +54,7 @@ def test_a_controller_that_boots_beyond_the_emf_limit_stays_within_the_phase_cur
 
 
 def test_a_run_reads_back_as_it_was_written() -> None:
-    found = cases.measured(runs.measure, runs.draw(DRIVES, 1, SEED), processes=1)
+    found = cases.measured(runs.measure, runs.draw(DRIVES, 1, SEED), workers=1)
     read = cases.read_csv(runs.Outcome, cases.as_csv(found))
     assert read[0].drive == found[0].drive
     assert cases.as_csv(read) == cases.as_csv(found)

@@ -10,7 +10,7 @@ MOST_ABOVE = TOLERANCE  # the ideal, slow stops included
 
 def test_a_stop_stores_what_the_limits_allow() -> None:
     drawn = stored_share.draw(drives.DRIVES, COUNT, SEED)
-    measured = cases.measured(stored_share.measure, drawn, processes=1)
+    measured = cases.measured(stored_share.measure, drawn, workers=1)
     found = [outcome for outcome in measured if outcome.comparable]
     assert len(found) >= COUNT - 2
     assert {outcome.drive for outcome in found} == set(drives.DRIVES)
