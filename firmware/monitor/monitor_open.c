@@ -52,9 +52,9 @@ static evidence_t evidence(int32_t current_pu, int32_t wanted_pu, int32_t others
 static bool stays_zero(monitor_open_state_t *state, int x, int32_t current_pu, int32_t wanted_pu,
                        int32_t others_pu, int32_t step_turn)
 {
-    if (others_pu <= MONITOR_OPEN_OTHERS_PU) {
+    if (others_pu <= MONITOR_OPEN_LEAST_PU) {
         if (q_abs(current_pu) >
-            MONITOR_OPEN_OTHERS_PU / 2) { /* it carries some between samples that count */
+            MONITOR_OPEN_LEAST_PU / 2) { /* it carries some between samples that count */
             state->zeros[x] = 0;
         }
         return false;

@@ -30,7 +30,9 @@ enum {
     MONITOR_OPEN_JUMP_TURN = 3641,     /* 20 degrees: change of the step, as at a hall edge */
     MONITOR_OPEN_JUMP_STEPS = 2,       /* ms, until the current loop has followed that */
     MONITOR_OPEN_OTHERS_PU = 800,      /* least current of the other two, Q15: 2.4 % of the range */
-    MONITOR_OPEN_LEAST_PU = 1280       /* least reference of a phase that is judged, Q15 */
+    /* Least reference of a phase that is judged, and least current beside which one at zero counts,
+     * Q15: 6 % of the range, beside which noise and misplaced hall edges keep no phase at zero. */
+    MONITOR_OPEN_LEAST_PU = 2048
 };
 
 typedef struct {

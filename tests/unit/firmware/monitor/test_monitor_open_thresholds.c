@@ -64,7 +64,7 @@ static const struct {
     {{20000, 644, 4096}, {20000, 645, 4096}},     /* a sixth of 3548 + 322, which is 645 */
     {{20000, 2578, 16384}, {20000, 2579, 16384}}, /* of 14189 + 1289: 2579 and 4 of 6 parts */
     {{2560, 10, 918}, {2560, 10, 917}},           /* others 801 and 800 */
-    {{1280, 100, 16384}, {1279, 100, 16384}},     /* a reference that is judged */
+    {{2048, 100, 16384}, {2047, 100, 16384}},     /* a reference that is judged */
 };
 
 void test_thresholds_of_a_missing_current_are_exact(void)
@@ -174,10 +174,11 @@ static void stand(int32_t x, int32_t q)
     (void)step(sampled_pu, reference_pu, 0);
 }
 
-/* Beside at least 801, which is 0.866 q + 5, and below an eighth: 0.866 * 4096 + 236 is 3784. */
+/* Beside at least 2049, which is 0.866 q + 5, and below an eighth: 0.866 * 4096 + 236 is 3784. */
 void test_a_phase_is_at_zero_below_an_eighth_of_the_others_current(void)
 {
-    static const int32_t CASES[][3] = {{10, 917, 0}, {10, 918, 1}, {472, 4096, 1}, {473, 4096, 0}};
+    static const int32_t CASES[][3] = {
+        {10, 2359, 0}, {10, 2360, 1}, {472, 4096, 1}, {473, 4096, 0}};
     for (int k = 0; k < 4; k++) {
         setUp();
         stand(CASES[k][0], CASES[k][1]);
@@ -188,11 +189,11 @@ void test_a_phase_is_at_zero_below_an_eighth_of_the_others_current(void)
 /* Beside currents below that: half of them. */
 void test_the_current_of_a_phase_between_two_samples_at_zero_is_exact(void)
 {
-    for (int32_t x = 400; x <= 401; x++) {
+    for (int32_t x = 1024; x <= 1025; x++) {
         setUp();
         stand(0, 8192);
         stand(x, 100);
-        TEST_ASSERT_EQUAL_UINT8(x == 400 ? 1 : 0, state.zeros[0]);
+        TEST_ASSERT_EQUAL_UINT8(x == 1024 ? 1 : 0, state.zeros[0]);
     }
 }
 
