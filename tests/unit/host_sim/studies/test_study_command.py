@@ -25,7 +25,7 @@ REDUCED = {
     "dips": (["lu2013"], "lu2013      contactor opens         30.0 N m: dip  9"),
     "edges": (["--count", "12"], "boot: 1 of 1 runs within"),
     "envelope": (["--count", "4"], "lu2013: 1 of 1 runs with a good sensor"),
-    "faults": (["bus_sensor_dead", "--reduced"], "of 1 faults:"),
+    "faults": (["bus_sensor_dead", "--reduced"], "of 1 fault:"),
     "healthy": (["--rides", "8:12"], "lu2013: 1 of 1 rides without"),
     "stored_share": (["--count", "4"], "lu2013: 1 of 1 within the tolerance"),
     "total_torque": (["ebike36v", "--only-stops", "--count", "4"], "ebike36v: worst rms"),
