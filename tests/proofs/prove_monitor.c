@@ -4,14 +4,14 @@
 #include "monitor/monitor_fast.h"
 #include "vectors.h"
 
-/* After trip_periods of over-current there is a trip, and after dead_periods without a current that
- * vanished. */
+/* After trip_periods of over-current there is a trip, and after MONITOR_DEAD_SMALL_TIMES
+ * dead_periods without a current that vanished. */
 static bool invariant(const monitor_fast_state_t *state)
 {
     const int32_t periods = state->current_periods;
-    const bool counts =
-        (periods >= -state->dead_periods && periods <= state->trip_periods) || periods == INT16_MIN;
-    const bool complete = periods == -state->dead_periods || periods == state->trip_periods;
+    const int32_t gone = -MONITOR_DEAD_SMALL_TIMES * state->dead_periods;
+    const bool counts = (periods >= gone && periods <= state->trip_periods) || periods == INT16_MIN;
+    const bool complete = periods == gone || periods == state->trip_periods;
     return counts && (state->trip != REASON_NONE || !complete) && state->periods_left >= 0 &&
            state->periods_left <= state->stale_limit_periods;
 }

@@ -101,11 +101,11 @@ POST(monitor_emf_step, state->missing_q20 == 0 || state->missing_q20 == old(stat
 
 /* monitor/monitor_fast.h */
 PRE(monitor_fast_current, fast_times_hold(state))
-PRE(monitor_fast_current, state->current_periods > -state->dead_periods || state->current_periods ==
-     INT16_MIN)
+PRE(monitor_fast_current, state->current_periods > -MONITOR_DEAD_SMALL_TIMES * state->dead_periods
+     || state->current_periods == INT16_MIN)
 PRE(monitor_fast_current, state->current_periods < state->trip_periods)
 POST(monitor_fast_current, state->current_periods <= state->trip_periods && (state->current_periods
-     >= -state->dead_periods || state->current_periods == INT16_MIN))
+     >= -MONITOR_DEAD_SMALL_TIMES * state->dead_periods || state->current_periods == INT16_MIN))
 POST(monitor_fast_current, square < in->least_square || result == REASON_NONE || result ==
      REASON_OVERCURRENT)
 POST(monitor_fast_current, square >= in->least_square || square <= MONITOR_DEAD_SQUARE || result ==
@@ -114,8 +114,8 @@ POST(monitor_fast_current, (result == REASON_OVERCURRENT) == (state->current_per
      state->trip_periods))
 
 PRE(monitor_fast_look, fast_times_hold(state))
-PRE(monitor_fast_look, state->current_periods > -state->dead_periods || state->current_periods ==
-     INT16_MIN)
+PRE(monitor_fast_look, state->current_periods > -MONITOR_DEAD_SMALL_TIMES * state->dead_periods ||
+     state->current_periods == INT16_MIN)
 PRE(monitor_fast_look, state->current_periods < state->trip_periods)
 PRE(monitor_fast_look, in->least_square <= state->overcurrent_square)
 PRE(monitor_fast_look, q_abs(in->i_pu.v.x) <= Q15_ONE && q_abs(in->i_pu.v.y) <= Q15_ONE)
@@ -124,22 +124,24 @@ PRE(monitor_fast_look, state->last_v_dc_pu >= 0 && state->last_v_dc_pu <= 65536)
 PRE(monitor_fast_look, periods_left_hold(state))
 POST(monitor_fast_look, !in->power_stage_fault || result == REASON_HARDWARE_BREAK)
 POST(monitor_fast_look, in->v_dc_pu <= state->overvoltage_pu || result != REASON_NONE)
-POST(monitor_fast_look, state->current_periods >= -state->dead_periods || state->current_periods ==
-     INT16_MIN)
+POST(monitor_fast_look, state->current_periods >= -MONITOR_DEAD_SMALL_TIMES * state->dead_periods ||
+     state->current_periods == INT16_MIN)
 POST(monitor_fast_look, state->current_periods <= state->trip_periods)
 POST(monitor_fast_look, result != REASON_NONE || state->current_periods < state->trip_periods)
-POST(monitor_fast_look, result != REASON_NONE || state->current_periods != -state->dead_periods)
+POST(monitor_fast_look, result != REASON_NONE || state->current_periods >
+     -MONITOR_DEAD_SMALL_TIMES * state->dead_periods || state->current_periods == INT16_MIN)
 POST(monitor_fast_look, periods_left_hold(state))
 
 PRE(monitor_fast_trip, reason != REASON_NONE)
 POST(monitor_fast_trip, state->trip == reason && state->inverted_trip == ~(uint32_t)reason)
 
 PRE(monitor_fast_step, fast_times_hold(state))
-PRE(monitor_fast_step, state->current_periods >= -state->dead_periods || state->current_periods ==
-     INT16_MIN)
+PRE(monitor_fast_step, state->current_periods >= -MONITOR_DEAD_SMALL_TIMES * state->dead_periods ||
+     state->current_periods == INT16_MIN)
 PRE(monitor_fast_step, in->least_square <= state->overcurrent_square)
 PRE(monitor_fast_step, state->trip != REASON_NONE || state->current_periods < state->trip_periods)
-PRE(monitor_fast_step, state->trip != REASON_NONE || state->current_periods != -state->dead_periods)
+PRE(monitor_fast_step, state->trip != REASON_NONE || state->current_periods >
+     -MONITOR_DEAD_SMALL_TIMES * state->dead_periods || state->current_periods == INT16_MIN)
 PRE(monitor_fast_step, q_abs(in->i_pu.v.x) <= Q15_ONE && q_abs(in->i_pu.v.y) <= Q15_ONE)
 PRE(monitor_fast_step, in->v_dc_pu >= 0 && in->v_dc_pu <= 65536)
 PRE(monitor_fast_step, state->last_v_dc_pu >= 0 && state->last_v_dc_pu <= 65536)

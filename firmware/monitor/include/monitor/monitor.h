@@ -52,6 +52,9 @@ enum {
     MONITOR_SHORT_WAIT_STEPS = 150,
     /* Square of the current that a dead sensor may show, Q30: six codes of a 12-bit converter. */
     MONITOR_DEAD_SQUARE = 96 * 96,
+    /* A smaller current has to be gone for so many qualify times: 64 codes, Q30 of its square. */
+    MONITOR_DEAD_SMALL_SQUARE = 1024 * 1024,
+    MONITOR_DEAD_SMALL_TIMES = 4,
     /* More than a bus rises in one period, Q15 of the voltage base: 5/64, of a capacitor that is
      * charged from half of the range to all of it in six periods; less of a larger one that the
      * configuration gives (monitor_fast_init()), at least 1/64. */

@@ -21,7 +21,12 @@ static inline reason_t monitor_fast_current(monitor_fast_state_t *state,
     /* INT16_MIN: gone by degrees, which a broken sensor does not do. */
     const bool gradual = square > MONITOR_DEAD_SQUARE || state->current_periods == INT16_MIN;
     state->current_periods = gradual ? INT16_MIN : q_min(state->current_periods, 0) - 1;
-    return state->current_periods == -state->dead_periods ? REASON_CURRENT_SENSOR : REASON_NONE;
+    const int32_t times =
+        in->least_square < MONITOR_DEAD_SMALL_SQUARE ? MONITOR_DEAD_SMALL_TIMES : 1;
+    return state->current_periods <= -state->dead_periods * times &&
+                   state->current_periods != INT16_MIN
+               ? REASON_CURRENT_SENSOR
+               : REASON_NONE;
 }
 
 /* Reason of the first trip condition that is true in this period, or REASON_NONE. Only while no

@@ -127,6 +127,34 @@ void test_current_that_vanishes_from_one_sample_to_the_next_trips_in_the_second_
     TEST_ASSERT_EQUAL_INT(REASON_CURRENT_SENSOR, step());
 }
 
+/* Of a reference of 12 % of the range, 63 codes of which are the quarter, noise and the edges of
+ * misplaced halls bring the current near zero for a moment; four times as long is a sensor. */
+void test_a_small_current_has_to_be_gone_for_four_times_as_long(void)
+{
+    in.least_square = 1023U * 1023U;
+    set_current(0, 1100);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(100));
+    set_current(60, -70);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(7));
+    set_current(0, 1100);
+    step();
+    set_current(60, -70);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(7));
+    TEST_ASSERT_EQUAL_INT(REASON_CURRENT_SENSOR, step());
+}
+
+/* The reference grows while the current is gone. */
+void test_a_current_gone_for_long_enough_trips_when_its_reference_becomes_large(void)
+{
+    in.least_square = 1023U * 1023U;
+    set_current(0, 1100);
+    step();
+    set_current(0, 0);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(5));
+    in.least_square = 1024U * 1024U;
+    TEST_ASSERT_EQUAL_INT(REASON_CURRENT_SENSOR, step());
+}
+
 void test_current_that_comes_back_in_time_does_not_trip(void)
 {
     expect_current();
