@@ -51,12 +51,15 @@ current_setpoint_t current_setpoint_step(const feasible_set_t *set, int32_t torq
     const bool inside = (int64_t)q_mA * q_mA <= left_squared;
     const int32_t left_mA = inside ? q_abs(q_mA) : scaled_root(left_squared);
     const bool limited = q_abs(q_mA) > left_mA + most_mA / 256;
+    if (limited) {
+        const motor_current_t made = {.d_mA = d_mA, .q_mA = q_limit(q_mA, left_mA)};
+        at = motor_model_point(model, made);
+    }
     const current_setpoint_t out = {
         .i_d_mA = q_limit(d_mA - trim_mA, most_mA),
         .i_q_mA = q_limit(q_mA, left_mA),
         .limited = limited,
-        .feasible = q_abs(q_mA) <= left_mA + most_mA / 16 &&
-                    ((has_voltage && d_mA == wanted_mA) || feasible_holds(set, at)),
+        .feasible = (has_voltage && d_mA == wanted_mA && !limited) || feasible_holds(set, at),
         .forced_mNm = forced ? q_abs(motor_model_torque_mNm(model, at)) : 0,
     };
     return out;
