@@ -124,7 +124,7 @@ def tables(outcomes: Sequence[Outcome]) -> dict[str, str]:
     """Return the tables of the page: drives with their sensors, and reasons."""
     rows = []
     for name in DRIVES:
-        for sensor in vehicles.SENSORS:
+        for sensor in vehicles.SENSORS[name]:
             here = [o for o in outcomes if (o.drive, o.sensor) == (name, sensor)]
             rows.append(
                 (

@@ -20,7 +20,12 @@ from hubsim.sweep.drives import DRIVES
 from regen_table import STRATEGIES, models
 from regen_table.schema import Drive
 
-SENSORS = ("hall", "angle", "encoder")
+SENSORS: Mapping[str, tuple[str, ...]] = {
+    "lu2013": ("hall", "angle", "encoder"),
+    "ebike36v": ("hall", "angle", "encoder"),
+    "scooter48v": ("hall", "angle", "encoder"),
+    "ipm400v": ("angle", "encoder"),  # 11 000 r/min and salient: no motor like it has halls alone
+}
 PREPARED, STANDING, ROLLING = "prepared", "standing", "rolling"
 """How a ride begins: controllers that run already, that boot at rest, or on turning wheels."""
 HOLD, DRIVE, COAST, BRAKE, REVERSE = "hold", "drive", "coast", "brake", "reverse"
@@ -28,8 +33,9 @@ HOLD, DRIVE, COAST, BRAKE, REVERSE = "hold", "drive", "coast", "brake", "reverse
 # Parts beside their values in the drive's file: least and largest factor.
 FACTORS: Mapping[str, tuple[float, float]] = {
     "motor.phase_resistance_ohm": (0.92, 1.08),
-    "motor.d_inductance_h": (0.85, 1.15),
-    "motor.q_inductance_h": (0.85, 1.15),
+    # With the saturation below within a quarter, which is the error that the checks state.
+    "motor.d_inductance_h": (0.9, 1.1),
+    "motor.q_inductance_h": (0.9, 1.1),
     "motor.flux_linkage_wb": (0.96, 1.04),  # remanence, air gap
     "motor.iron_loss_resistance_ohm": (0.7, 1.3),
     "motor.iron_loss_resistance_slope_ohm_s": (0.7, 1.3),
@@ -67,7 +73,7 @@ CELLS_REST = (
 STEEPEST = 0.12
 PULL_SHARE = 0.4  # of the rated torque, that a slope takes at most
 HARDEST_M_PER_S2 = 8.0  # dry road
-RIDE_S = 90.0
+RIDE_S = 45.0
 CRAWL_M_PER_S = 2.0
 
 
@@ -170,7 +176,7 @@ def draw(seed: int, number: int) -> Ride:
     """Return one ride."""
     lot = Lot(seed, number)
     name = DRIVES[number % len(DRIVES)]
-    sensor = SENSORS[number // len(DRIVES) % len(SENSORS)]
+    sensor = SENSORS[name][number // len(DRIVES) % len(SENSORS[name])]
     strategy = STRATEGIES[lot.whole(len(STRATEGIES))]
     hold = lot.chance(0.25)
     drive = drive_of(name, sensor, strategy, hold)
@@ -228,8 +234,7 @@ def _parts(lot: Lot, drive: Drive) -> dict[str, float]:
     found["motor.flux_temperature_coefficient_per_k"] = coefficient + lot.within(-2e-4, 2e-4)
     found["motor.friction_torque_nm"] += lot.within(0.0, 0.01) * motor.rated_torque_nm
     if lot.chance(0.4):
-        found["motor.q_saturation_current_a"] = lot.within(3.0, 8.0) * motor.max_phase_current_a
-        found["motor.d_saturation_current_a"] = lot.within(3.0, 8.0) * motor.max_phase_current_a
+        found["motor.q_saturation_current_a"] = lot.within(6.0, 12.0) * motor.max_phase_current_a
     if lot.chance(0.4):
         found["motor.cogging_torque_nm"] = lot.within(0.0, 0.02) * motor.max_torque_nm
         found["motor.cogging_per_turn"] = 6.0 * motor.pole_pairs
@@ -265,9 +270,9 @@ def _battery(lot: Lot, drive: Drive, ambient_c: float) -> dict[str, float]:
         "bms.voltage_silent": float(lot.chance(0.2)),
         "bms.current_silent": float(lot.chance(0.2)),
         "bms.current_filter_s": lot.within(0.0, 2.0),
-        "bms.current_error": lot.within(0.8, 1.25) - 1.0,
-        "bms.current_offset_a": lot.within(-0.02, 0.02) * each * pack.max_discharge_current_a,
-        "bms.current_noise_a": lot.within(0.0, 0.01) * each * pack.max_discharge_current_a,
+        "bms.current_error": lot.within(-0.05, 0.05),
+        "bms.current_offset_a": lot.within(-0.005, 0.005) * each * pack.max_discharge_current_a,
+        "bms.current_noise_a": lot.within(0.0, 0.005) * each * pack.max_discharge_current_a,
     }
 
 
