@@ -145,13 +145,11 @@ def lowest_open_circuit_v(drive: Drive) -> float:
     return voltage if isinstance(voltage, float | int) else voltage[0][1]
 
 
-def initial_open_circuit_v(drive: Drive) -> float | None:
-    """Open-circuit voltage in V where work begins, clamped; None where initial_soc is absent."""
+def initial_open_circuit_v(drive: Drive) -> float:
+    """Open-circuit voltage in V where work begins, clamped."""
     voltage, wanted_soc = drive.battery.open_circuit_voltage_v, drive.battery.initial_soc
     if isinstance(voltage, float | int):
         return voltage
-    if wanted_soc is None:
-        return None
     for (soc, volts), (next_soc, next_volts) in itertools.pairwise(voltage):
         if soc <= wanted_soc <= next_soc:
             return volts + (next_volts - volts) * (wanted_soc - soc) / (next_soc - soc)

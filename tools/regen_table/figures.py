@@ -324,7 +324,7 @@ def torque_ramp(drive: Drive) -> Figure:
     torque = 1.15 * zero * time / time[-1]
     state = ideal.state(drive, motor, inverter, speed, torque)
     resistance = drive.battery.series_resistance_ohm + drive.battery.polarisation_resistance_ohm
-    pack = models.battery_steady(_any_voltage(drive), resistance, state.dc_power_w)
+    pack = models.battery_steady(models.open_circuit_voltage_v(drive), resistance, state.dc_power_w)
     text = f"Ramp of braking torque at {float(rpm(np.array(speed))):.0f} r/min, limits left out"
     made, (upper, lower) = plotting.figure(
         plotting.title(drive, 12, text),
@@ -351,13 +351,6 @@ def torque_ramp(drive: Drive) -> Figure:
     lower.set_title("below zero, current flows into the battery", fontsize=9)
     lower.legend(loc="upper center", fontsize=9)
     return made
-
-
-def _any_voltage(drive: Drive) -> float:
-    """Open-circuit voltage in V, at half charge where it depends on an unknown charge."""
-    return models.open_circuit_voltage_v(
-        drive, drive.battery.initial_soc if drive.battery.initial_soc is not None else 0.5
-    )
 
 
 def boundary_lines(drive: Drive) -> Figure:

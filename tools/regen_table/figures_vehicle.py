@@ -26,10 +26,6 @@ def _reference(drive: Drive) -> tuple[models.Machine, models.Bridge, float]:
     )
 
 
-def _soc(drive: Drive) -> float:
-    return drive.battery.initial_soc if drive.battery.initial_soc is not None else 0.5
-
-
 def electric_share(drive: Drive) -> Figure:
     """Fig. 7: electric braking torque of the three strategies over speed and demand."""
     motor, inverter, top = _reference(drive)
@@ -137,7 +133,7 @@ def stored_share(drive: Drive) -> Figure:
                 float(demand),
                 initial,
                 drive.motor.reference_temperature_c,
-                _soc(drive),
+                drive.battery.initial_soc,
             ).stored_share_of_kinetic
             for demand in demands
         ]
@@ -175,7 +171,7 @@ def energy_flow(drive: Drive) -> Figure:
             trace,
             strategy,
             drive.motor.reference_temperature_c,
-            _soc(drive),
+            drive.battery.initial_soc,
             ideal.production(drive),
         )
         axes.set_title(

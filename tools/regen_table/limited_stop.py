@@ -374,7 +374,6 @@ def _carry(
     """
     pack = drive.battery
     charge = pack.initial_soc if soc is None else soc
-    charge = 1.0 if charge is None else charge
     share = seconds / max(pack.polarisation_resistance_ohm * pack.polarisation_capacitance_f, 1e-12)
     decays, means = np.exp(-share), -np.expm1(-share) / share
     branch_v = chemical = heat = 0.0

@@ -16,7 +16,6 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from regen_table.errors import ConfigurationError
 from regen_table.schema import Drive
 
 Array: TypeAlias = npt.NDArray[np.float64]
@@ -257,14 +256,9 @@ def battery_steady(
 
 
 def open_circuit_voltage_v(drive: Drive, soc: float | None = None) -> float:
-    """Return u_oc in V; ``soc`` (0 to 1) is needed only where the voltage depends on it."""
+    """Return u_oc in V at a state of charge (0 to 1); None: where work begins."""
     curve = drive.battery.open_circuit_voltage_v
     if isinstance(curve, float | int):
         return float(curve)
     soc = drive.battery.initial_soc if soc is None else soc
-    if soc is None:
-        raise ConfigurationError(
-            "battery.initial_soc: missing, needed where open_circuit_voltage_v depends on the state"
-            " of charge"
-        )
     return float(np.interp(soc, [point[0] for point in curve], [point[1] for point in curve]))

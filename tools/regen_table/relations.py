@@ -50,13 +50,16 @@ def warnings(drive: Drive) -> list[str]:
     if battery.max_charge_current_a == 0.0:
         found.append("battery.max_charge_current_a: 0 A leaves no regeneration at all")
     rest, foldback = derived.initial_open_circuit_v(drive), derived.foldback_voltage_v(drive)
-    if rest is not None and rest >= foldback:
-        key = "open_circuit_voltage_v" if battery.initial_soc is None else "initial_soc"
+    if rest >= foldback:
+        constant = isinstance(battery.open_circuit_voltage_v, float | int)
+        key = "open_circuit_voltage_v" if constant else "initial_soc"
         found.append(
             f"battery.{key}: the pack rests at {rest:.4g} V when work begins, inside the fold-back"
             f" of the charge current, {foldback:.4g} V to max_voltage_v = {battery.max_voltage_v:g}"
             " V: next to no regeneration until it is discharged"
         )
+    if absent := absent_soc(drive):
+        found.append(absent)
     if drive.inverter.device_voltage_v is None:
         found.append(
             "inverter.device_voltage_v: absent, taken as the over-voltage trip, "
@@ -85,6 +88,16 @@ def warnings(drive: Drive) -> list[str]:
                 " one ends the torque"
             )
     return found
+
+
+def absent_soc(drive: Drive) -> str | None:
+    """Return the warning of a drive whose file says no state of charge; None where it does."""
+    if "initial_soc" in drive.battery.model_fields_set:
+        return None
+    return (
+        f"battery.initial_soc: absent, work begins at {drive.battery.initial_soc:g}; the state of"
+        " charge decides what the pack takes"
+    )
 
 
 def _temperature_sensors(drive: Drive) -> Iterator[str]:
@@ -202,7 +215,7 @@ def _battery(drive: Drive) -> Iterator[str]:
             f" {lowest:g} V to max_voltage_v = {highest:g} V"
         )
     rest = derived.initial_open_circuit_v(drive)
-    if rest is not None and not lowest <= rest <= highest:
+    if not lowest <= rest <= highest:
         yield (
             f"battery.initial_soc: {battery.initial_soc:g}, where the pack rests at {rest:.4g} V,"
             f" accepted: a charge that rests from min_voltage_v = {lowest:g} V to max_voltage_v ="
@@ -495,9 +508,5 @@ def _regeneration(drive: Drive) -> Iterator[str]:
 _CHECKS: tuple[Callable[[Drive], Iterator[str]], ...] = (
     _inductances, _iron, _torques, _currents, _battery, _foldback, _derating, _stop_lamp, _hold,
     _pedals, _trips, _devices, _torque_growth, _grid, _temperatures, _temperature_sensors,
-    _handover, _hall, _hall_hand_over, _encoder, _emf, _regeneration,
-
-
-    _pedals, _trips, _devices, _torque_growth, _grid, _temperatures, _handover, _hall,
-    _hall_hand_over, _encoder, _emf, _regeneration, _identifiers,
+    _handover, _hall, _hall_hand_over, _encoder, _emf, _regeneration, _identifiers,
 )  # fmt: skip

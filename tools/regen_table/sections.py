@@ -192,8 +192,8 @@ class Battery(Section):
     polarisation_capacitance_f: Annotated[float, number(1e-3, 1e7, "F", "C_t")]
     capacity_ah: Annotated[float, number(0.01, 1e5, "A h", "")]
     initial_soc: Annotated[
-        float | None, number(0.0, 1.0, "1", "state of charge where work begins")
-    ] = None
+        float, number(0.0, 1.0, "1", "state of charge where work begins; absent: 0.7")
+    ] = 0.7
     max_charge_current_a: Annotated[
         float, number(0.0, 2e4, "A", "0: no regeneration into the battery")
     ]

@@ -56,7 +56,7 @@ class Client:
         self.least_torque_nm = 0.0
         self.modes: list[str] = []
 
-    def _send(self, name: str, **values: float) -> None:
+    def _send(self, name: str, **values: float | str) -> None:
         message = self.dbc.get_message_by_name(name)
         zero: dict[str, Any] = {signal.name: 0 for signal in message.signals}
         data = message.encode(zero | values)
@@ -94,7 +94,7 @@ class Client:
         braking = self.speed_rad_s() > 1.0 or self.least_torque_nm < -1.0
         if self._is_due("Demand", now_ms):
             self._send(
-                "Demand", enable=1, direction=1, brake_torque_nm=BRAKE_NM if braking else 0.0
+                "Demand", enable=1, direction="FORWARD", brake_torque_nm=BRAKE_NM if braking else 0.0
             )
         if self._is_due("BatteryLimits", now_ms):
             self._send(

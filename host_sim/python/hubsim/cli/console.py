@@ -7,7 +7,7 @@ from functools import cache
 from pathlib import Path
 from typing import cast
 
-from regen_table import bus_capacitor
+from regen_table import bus_capacitor, relations
 from regen_table.schema import Drive
 from rich import box
 from rich.console import Console, JustifyMethod
@@ -46,9 +46,11 @@ ENERGIES = (
 
 
 def warned(config: Path, drive: Drive) -> Drive:
-    """Return a drive; warn on stderr, once, of a bus capacitor too small for its devices."""
-    found = bus_capacitor.warning(drive)
-    if found is not None:
+    """Return a drive; warn on stderr, once, of what decides a run and was not given.
+
+    Also of a bus capacitor too small for its devices.
+    """
+    for found in filter(None, (relations.absent_soc(drive), bus_capacitor.warning(drive))):
         _warn_once(f"hubsim: warning: {config}: {found}")
     return drive
 

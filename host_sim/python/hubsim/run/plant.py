@@ -8,7 +8,6 @@ from regen_table.schema import Drive
 
 STANDARD_AIR_KG_PER_M3 = 1.204  # dry, 20 degC, 1013 hPa
 STANDARD_GRAVITY_M_PER_S2 = 9.80665
-FULL_SOC = 1.0
 SWITCH_REFERENCE_C = 25.0
 # The pack's current sensor: gain error, noise as a share of the largest current, time constant.
 BATTERY_CURRENT_ERROR = 0.02
@@ -121,7 +120,7 @@ def parameters(drive: Drive) -> dict[str, float]:
         "battery.polarisation_resistance_ohm": battery.polarisation_resistance_ohm,
         "battery.polarisation_capacitance_f": battery.polarisation_capacitance_f,
         "battery.capacity_ah": battery.capacity_ah,
-        "battery.initial_soc": FULL_SOC if battery.initial_soc is None else battery.initial_soc,
+        "battery.initial_soc": battery.initial_soc,
         "battery.max_charge_current_a": battery.max_charge_current_a,
         "battery.max_discharge_current_a": battery.max_discharge_current_a,
         "vehicle.mass_kg": vehicle.mass_kg,

@@ -104,7 +104,7 @@ def changed(drive: Drive, changes: Mapping[tuple[str, str], Any], source: str) -
     """
     if not changes:
         return drive
-    data = drive.model_dump(exclude_none=True)
+    data = drive.model_dump(exclude_none=True, exclude_unset=True)
     for (section, name), value in changes.items():
         data.setdefault(section, {})[name] = value
     return schema.parse(data, name=drive.name, source=source)

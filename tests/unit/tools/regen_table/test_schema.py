@@ -395,7 +395,6 @@ def test_a_rest_voltage_inside_the_fold_back_gives_a_warning_with_both_voltages(
             {
                 "motor.max_speed_rpm": 600.0,
                 "battery.max_voltage_v": 54.0,
-                "battery.initial_soc": None,
             }
         )
     )
@@ -406,7 +405,8 @@ def test_a_rest_voltage_inside_the_fold_back_gives_a_warning_with_both_voltages(
         "battery.open_circuit_voltage_v": [[0.0, 48.0], [1.0, 58.0]],
     }
     assert relations.warnings(change(curve | {"battery.initial_soc": 0.9})) == []
-    assert relations.warnings(change(curve | {"battery.initial_soc": None})) == []
+    (absent,) = relations.warnings(change(curve | {"battery.initial_soc": None}))
+    assert absent.startswith("battery.initial_soc: absent, work begins at 0.7")
     (full,) = relations.warnings(change(curve | {"battery.initial_soc": 0.95}))
     assert full.startswith("battery.initial_soc: the pack rests at 57.5 V")
     assert "57.23 V to max_voltage_v = 58.4 V" in full

@@ -3,6 +3,7 @@
 
 import csv
 import json
+import re
 import shlex
 import subprocess
 import sys
@@ -279,6 +280,24 @@ def test_a_cycle_of_the_command_line_is_a_file_of_this_folder(
     assert found["duration_s"] == pytest.approx(4.0)
     assert found["distance_m"] == pytest.approx(4.0 * 2.5 / 3.6, rel=0.1)
     assert "no such" not in done.stderr
+
+
+def test_a_drive_without_a_state_of_charge_starts_as_its_ideal_does_and_says_where(
+    hubsim: Hubsim, tmp_path: Path
+) -> None:
+    """A pack that starts full takes next to nothing, beside an ideal that took 76 %."""
+    text = DEFAULT_CONFIG.read_text(encoding="utf-8")
+    (tmp_path / "mine.toml").write_text(
+        re.sub(r"(?m)^initial_soc = .*\n", "", text), encoding="utf-8"
+    )
+    stop = ("run", "stop", "--config", "mine.toml", "--set", "drag=false", "--set", "noise=false")
+    done = hubsim(*stop, "--json", "stop.json")
+    assert done.returncode == 0, done.stderr
+    assert "battery.initial_soc: absent, work begins at 0.7" in done.stderr
+    found = json.loads((tmp_path / "stop.json").read_text(encoding="utf-8"))
+    assert found["soc_initial"] == pytest.approx(0.7)
+    stored = found["energy_j"]["battery_returned"] / found["kinetic_energy_j"]
+    assert stored == pytest.approx(found["ideal_stop"]["stored_share_of_kinetic"], abs=0.02)
 
 
 def test_a_list_of_faults_needs_no_library_for_figures(monkeypatch: pytest.MonkeyPatch) -> None:
