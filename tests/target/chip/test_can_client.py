@@ -93,9 +93,8 @@ class Client:
         """Send what is due: brake as soon as the wheel turns."""
         braking = self.speed_rad_s() > 1.0 or self.least_torque_nm < -1.0
         if self._is_due("Demand", now_ms):
-            self._send(
-                "Demand", enable=1, direction="FORWARD", brake_torque_nm=BRAKE_NM if braking else 0.0
-            )
+            brake_nm = BRAKE_NM if braking else 0.0
+            self._send("Demand", enable=1, direction="FORWARD", brake_torque_nm=brake_nm)
         if self._is_due("BatteryLimits", now_ms):
             self._send(
                 "BatteryLimits",

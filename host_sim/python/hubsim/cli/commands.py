@@ -22,7 +22,7 @@ from rich.table import Table
 from hubsim import emulator, engine, files, progress, reasons, run, scenario
 from hubsim.cli import arguments, console
 from hubsim.errors import HubsimError
-from hubsim.run import difference, evaluation, recordings, stops
+from hubsim.run import course, difference, evaluation, recordings, stops
 from hubsim.run.difference import Difference, Side, Tolerance
 from hubsim.run.results import RunResult, as_json, json_object, load_result
 from hubsim.scenario import Scenario, cycles, events, expression, overrides
@@ -82,7 +82,8 @@ def run_scenario(options: argparse.Namespace) -> int:
     with progress.shown() as bar:
         task = bar.add_task(f"{name}, {drive.brake.strategy}", total=None)
         result = run.simulate(
-            name, drive, chosen, beside, patterns if wanted else (), settings.plant,
+            name, drive, chosen, beside, (*(patterns if wanted else ()), *course.SIGNALS),
+            settings.plant,
             lambda now, planned: bar.update(task, completed=int(now), total=int(planned)),
             date=options.date, processor=emulator.command() if options.on else None,
         )  # fmt: skip
@@ -91,6 +92,7 @@ def run_scenario(options: argparse.Namespace) -> int:
         result,
         criteria=[outcome.as_object() for outcome in evaluated],
         ideal=stops.ideal_of(drive, chosen),
+        observed=course.observed(result, chosen),
         origin=result.origin | ({"processor": options.on} if options.on else {}),
     )
     warn_of(result)
@@ -104,6 +106,7 @@ def run_scenario(options: argparse.Namespace) -> int:
     if options.json:
         files.write_text(options.json, as_json(json_object(result)))
     console.print_table([result])
+    print(*course.lines(result.observed), sep="\n")
     failed = [outcome.name for outcome in evaluated if not outcome.passed]
     if evaluated:
         console.print_criteria(name, evaluated)
@@ -138,6 +141,8 @@ def run_strategies(options: argparse.Namespace) -> int:
     for result in results:
         warn_of(result)
     console.print_table(results)
+    for result in results:
+        print(*(f"{result.strategy}: {line}" for line in course.lines(result.observed)), sep="\n")
     if shares:
         print(kept.line(shares))
     for line in comparison.write(results, options.output, shown):

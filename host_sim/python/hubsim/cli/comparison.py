@@ -14,7 +14,7 @@ from rich.progress import Progress, TaskID
 
 from hubsim import files, report, run
 from hubsim.errors import HubsimError
-from hubsim.run import evaluation, stops
+from hubsim.run import course, evaluation, stops
 from hubsim.run.results import (
     SIGNAL_POINTS_MAX,
     RunResult,
@@ -26,7 +26,7 @@ from hubsim.scenario import Scenario, cycles
 from hubsim.words import counted
 
 PAGE, SUMMARY = "index.html", "summary.json"
-SIGNALS = ("time_s", *report.SIGNALS, "wheel*.reason")
+SIGNALS = (*report.SIGNALS, *course.SIGNALS)
 
 
 def check_output(directory: Path) -> None:
@@ -75,7 +75,11 @@ def simulate_all(
 
         result = run.simulate(name, drive, shown, beside, SIGNALS, plant, progress, date=date)
         evaluated = evaluation.evaluate(scenario, drive, result)
-        return replace(result, criteria=[outcome.as_object() for outcome in evaluated])
+        return replace(
+            result,
+            criteria=[outcome.as_object() for outcome in evaluated],
+            observed=course.observed(result, scenario),
+        )
 
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
         waiting = [

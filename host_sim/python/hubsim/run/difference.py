@@ -29,7 +29,7 @@ DIGITS = 1e-8  # what the digits of a recording leave of equal times
 # How long the computer took is no property of what was computed, and the rounding that a residual
 # is made of none of the vehicle.
 _NOT_COMPARED = ("realtime_factor", "residual_relative", "energy.residual_j", "braking.residual_j")
-_NOT_A_FIGURE = ("provenance",)
+_NOT_A_FIGURE = ("provenance", "observed")
 
 
 @dataclass(frozen=True)

@@ -63,6 +63,9 @@ class RunResult:
         of the run holds.
     criteria : list
         Result of each criterion of the scenario, as JSON holds it; empty without criteria.
+    observed : dict
+        Limits, modes and findings of the controllers, and physics left out (course.observed), as
+        JSON holds it.
     ideal : dict
         The ideal stop of the same demand, speed and temperature (``regen_table stop``), as JSON
         holds it; empty where the run is no stop at constant demand.
@@ -88,6 +91,7 @@ class RunResult:
     meanings: dict[str, tuple[str, str]] = field(default_factory=dict)
     origin: dict[str, Any] = field(default_factory=dict)
     criteria: list[dict[str, Any]] = field(default_factory=list)
+    observed: dict[str, Any] = field(default_factory=dict)
     ideal: dict[str, Any] = field(default_factory=dict)
 
     def signal(self, name: str) -> Rows:
@@ -235,6 +239,8 @@ def json_object(result: RunResult) -> dict[str, Any]:
     out |= criteria_object(result)
     if result.ideal:
         out["ideal_stop"] = result.ideal
+    if result.observed:
+        out["observed"] = result.observed
     return out | {
         "config": result.vehicle,
         "duration_s": result.duration_s,

@@ -256,6 +256,8 @@ def load(name: str, overrides: Mapping[str, Any]) -> tuple[str, Scenario, Path]:
         everything = f"accepted: {', '.join(known)} or a .toml file"
         raise HubsimError(f"no scenario {name!r}, {suggestion(name, known, everything)}")
     data = _flattened(_read(path))
+    if name not in builtin_names() and isinstance(data.setdefault("plant", {}), dict):
+        data["plant"].setdefault("thermal.active", 1.0)  # as the controllers' own model heats
     for key, value in overrides.items():
         _put(data, key, _from_here(value) if key == "cycle" else value)
     try:

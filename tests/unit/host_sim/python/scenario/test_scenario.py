@@ -127,7 +127,7 @@ def loaded(
 
 def test_sections_of_a_file_are_read_by_name(tmp_path: Path) -> None:
     found = loaded(tmp_path, WHOLE)
-    assert found.plant == {"battery.initial_soc": 0.5}
+    assert found.plant == {"battery.initial_soc": 0.5, "thermal.active": 1.0}
     assert found.drive_changes == {("brake", "strategy"): "parallel_ratio"}
     assert found.events["hill"].values == {"road.slope": 0.05}
     assert found.events["lost"].values == {"driver.abs_active": 1.0}
