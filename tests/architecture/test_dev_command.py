@@ -442,6 +442,43 @@ class DevCommandTest(DevFixture):
             config = "wheel24v" if port == "stm32g431" else "lu2013"
             self.assertIn(f"-DHUBFOC_CONFIG={config} ", configured[-1])
 
+    def test_the_configuration_of_another_board_is_refused_before_anything_is_built(self) -> None:
+        """Within 5 % of the full scales that the board's own header gives, as the board itself."""
+        compiler = shutil.which("arm-none-eabi-gcc")
+        if compiler is None:
+            self.skipTest("needs the cross compiler")
+        path, environment = self.pretend_everything_is_installed()
+        (self.bin / "arm-none-eabi-gcc").unlink()
+        (self.bin / "arm-none-eabi-gcc").symlink_to(compiler)
+        (self.home / "hal").symlink_to(ROOT / "hal")
+        generated = self.home / "firmware/config/generated"
+        generated.mkdir(parents=True)
+        (self.home / "build/stm32f405").mkdir(parents=True)
+        for suffix in ("bin", "hex"):
+            (self.home / f"build/stm32f405/hubfoc_stm32f405.{suffix}").touch()
+        for current_ma, voltage_mv, wrong in (
+            (165_000, 61_800, ""),
+            (173_200, 58_800, ""),  # 4.97 and 4.85 % beside
+            (173_300, 61_800, "current_full_scale_mA is 173300, that of vesc6_mk3 is 165000"),
+            (165_000, 58_700, "voltage_full_scale_mV is 58700, that of vesc6_mk3 is 61800"),
+            (280_000, 500_000, "current_full_scale_mA is 280000"),
+        ):
+            (generated / "mine.c").write_text(
+                f"  .current_full_scale_mA = {current_ma},\n"
+                f"  .voltage_full_scale_mV = {voltage_mv},\n",
+                encoding="utf-8",
+            )
+            for command in (["firmware"], ["flash", "--dry-run"]):
+                (self.base / "calls").write_text("", encoding="utf-8")
+                result = self.run_dev(
+                    *command, "--config", "mine", path=path, environment=environment
+                )
+                self.assertEqual(result.returncode, USAGE if wrong else 0, result.stderr)
+                self.assertIn(wrong, result.stderr)
+                self.assertEqual([] if wrong else ["--build"], [
+                    call.split()[0] for call in self.calls("cmake") if "--build" in call
+                ])  # fmt: skip
+
     def test_table_writes_the_requested_files_and_plots_to_the_given_directory(self) -> None:
         path, environment = self.pretend_everything_is_installed()
         (self.base / "mine.toml").touch()

@@ -159,6 +159,28 @@ default_config() {
     if [[ $1 == stm32g431 ]]; then echo wheel24v; else echo "$DEFAULT_CONFIG"; fi
 }
 
+# board_scale PORT BOARD NAME: a full scale of a board, as its header computes it.
+board_scale() {
+    arm-none-eabi-gcc -x c -S -o - -I "$ROOT/hal/$1" -I "$ROOT/hal/stm32" -I "$ROOT/hal/include" \
+        "-DHUBFOC_BOARD_HEADER=\"boards/$2.h\"" - <<<"#include \"board.h\"
+const int full_scale = BOARD_$3;" | sed -n 's/^[[:space:]]*\.word[[:space:]]*//p'
+}
+
+# check_scales COMMAND PORT BOARD CONFIG: refuses the configuration of another board, which the
+# board would refuse as well (boot.c), within the same 5 %.
+check_scales() {
+    local field macro own of_board table=$ROOT/firmware/config/generated/$4.c
+    for field in current_full_scale_mA voltage_full_scale_mV; do
+        macro=${field%_*}
+        of_board=$(board_scale "$2" "$3" "${macro^^}_${field##*_}")
+        own=$(sed -n "s/^ *\.$field *= \([0-9]*\),.*/\1/p" "$table")
+        : "${own:=0}" "${of_board:=0}"
+        ((20 * (own - of_board) <= of_board && 20 * (of_board - own) <= of_board)) ||
+            usage_fail "$1: $4 is for another board: its $field is $own, that of $3 is $of_board," \
+                "accepted: within 5 %"
+    done
+}
+
 # port_of_board BOARD: nothing if there is no such board.
 port_of_board() {
     local port
