@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The README's table of instructions against a report."""
 
-from benchmark import readme
+import re
+
+from benchmark import measure, readme
+from benchmark.build import ROOT
 
 TEXT = """Text | stays | as it is.
 
@@ -43,3 +46,36 @@ def test_the_readme_contains_the_rows_of_the_benchmark() -> None:
         ("controller_fast_step_angle", "cortex-m4"),
         ("pwm_interrupt", "stm32f405"),
     }
+
+
+def test_the_figures_of_the_readme_are_within_the_enforced_ones() -> None:
+    """A figure beyond its budget is one of a firmware that was."""
+    shown = {
+        (match[1], match[2]): [int(figure) for figure in match.groups()[2:]]
+        for match in readme._ROW.finditer(readme.README.read_text(encoding="utf-8"))
+    }
+    enforced = [*measure.BUDGETS, measure.INTERRUPT_BUDGET]
+    assert {(budget.function, budget.core) for budget in enforced} == set(shown)
+    for budget in enforced:
+        _, median, p99, most = shown[budget.function, budget.core]
+        assert median <= budget.median_at_most, budget
+        assert p99 <= (budget.p99_at_most or p99), budget
+        assert most <= (budget.max_at_most or most), budget
+
+
+def test_the_module_s_own_readme_has_the_medians_of_that_table() -> None:
+    """What stands there as about is within 3 %."""
+    text = " ".join((ROOT / "firmware/foc/README.md").read_text(encoding="utf-8").split())
+    stated = re.search(
+        r"current loop takes about (\d+) instructions on a Cortex-M4, the whole PWM interrupt about"
+        r" (\d+)",
+        text,
+    )
+    assert stated is not None
+    table = readme.README.read_text(encoding="utf-8")
+    medians = {(m[1], m[2]): int(m[4]) for m in readme._ROW.finditer(table)}
+    for figure, row in zip(
+        stated.groups(), [("foc_current_step", "cortex-m4"), ("pwm_interrupt", "stm32f405")],
+        strict=True,
+    ):  # fmt: skip
+        assert abs(int(figure) / medians[row] - 1.0) < 0.03, row
