@@ -5,8 +5,12 @@ From a recording of a wheel that was spun by hand.
 
 The bridge is off, so that what is seen between the motor's wires is its back-EMF, which gives
 the angle of the rotor: no motion is commanded and no torque made. Two differential channels on the
-wires, three logic channels on the halls (or one on the index), some turns of the wheel, in either
-direction.
+wires, three channels on the halls (or one on the index), some turns of the wheel in one direction
+and some in the other: a hall sensor switches late in both, so that the middle between them is its
+edge. In one direction alone half of that hysteresis counts as the edge's place, which is said.
+
+Offsets of the voltage channels are estimated from the recording and taken off; a logic channel
+switches where it crosses the middle between its own levels.
 
     e_a = -w psi sin(theta),  e_b and e_c lag by a third and two thirds of a turn
     alpha = (2 v_ab + v_bc) / 3,  beta = v_bc / sqrt(3)
@@ -40,15 +44,31 @@ SLOWEST_SHARE = 0.2  # of the largest EMF: below it the angle of the EMF is nois
 LEAST_EDGES = 3
 LEAST_ROWS = 10
 WIDEST_SPREAD_DEG = 6.0
+WIDEST_HYSTERESIS_DEG = 30.0
+OFFSET_PASSES = 4  # the angle, which weights the samples, is off by the offset itself
+FORWARD, BACKWARD = 1, -1
 
 
 @dataclass(frozen=True)
 class Place:
-    """A mean electrical angle in degrees, from how many edges, and the farthest one's distance."""
+    """An electrical angle in degrees.
+
+    Attributes
+    ----------
+    angle_deg : float
+        The middle between the means of both directions, or the mean of the only one.
+    edges : int
+        How many there were.
+    spread_deg : float
+        Distance of the farthest one from the mean of its direction.
+    hysteresis_deg : float or None
+        From the mean of one direction to that of the other; None: turned in one only.
+    """
 
     angle_deg: float
     edges: int
     spread_deg: float
+    hysteresis_deg: float | None
 
 
 @dataclass(frozen=True)
@@ -57,6 +77,12 @@ class Calibration:
 
     hall_edges: tuple[Place, ...]
     index: Place | None
+
+    @property
+    def both_directions(self) -> bool:
+        """Whether every place was seen in both directions."""
+        places = (*self.hall_edges, *filter(None, [self.index]))
+        return all(place.hysteresis_deg is not None for place in places)
 
 
 def load(path: Path) -> dict[str, Array]:
@@ -93,57 +119,110 @@ def rotor_angle_turn(v_ab_v: Array, v_bc_v: Array) -> Array:
     Parameters
     ----------
     v_ab_v, v_bc_v : (samples,) arrays
-        Wire a against b and b against c, V.
+        Wire a against b and b against c, V; a constant offset of each is taken off.
     """
     alpha, beta = (2.0 * v_ab_v + v_bc_v) / 3.0, v_bc_v / math.sqrt(3.0)
-    strength = np.hypot(alpha, beta)
+    for _ in range(OFFSET_PASSES):
+        weight = _weight(np.unwrap(np.arctan2(-alpha, beta)), _strong(np.hypot(alpha, beta)))
+        alpha, beta = (part - np.average(part, weights=weight) for part in (alpha, beta))
     angle = np.unwrap(np.arctan2(-alpha, beta)) / (2.0 * math.pi)
     # The direction, from the angle's rise over some samples either side; the phase of the EMF turns
     # with the rotor.
     half_window = max(1, min(len(angle) // 100, 50))
     rise = np.convolve(np.gradient(angle), np.ones(2 * half_window + 1), mode="same")
     angle = np.where(rise >= 0.0, angle, angle + 0.5)
-    return np.where(strength >= SLOWEST_SHARE * float(np.max(strength, initial=0.0)), angle, np.nan)
+    return np.where(_strong(np.hypot(alpha, beta)), angle, np.nan)
 
 
-def _place(angles_turn: Sequence[float], what: str) -> Place:
-    if len(angles_turn) < LEAST_EDGES:
+def _strong(strength: Array) -> npt.NDArray[np.bool_]:
+    return strength >= SLOWEST_SHARE * float(np.max(strength, initial=0.0))
+
+
+def _weight(phase: Array, strong: npt.NDArray[np.bool_]) -> Array:
+    """Return the weights with which the mean of an EMF is its channel's offset.
+
+    Steps of phase under a Hann window over each stretch of enough EMF: a sine of many turns whose
+    amplitude changes slowly has no mean under it.
+    """
+    step = np.abs(np.gradient(phase))
+    weight = np.zeros_like(phase)
+    ends = np.flatnonzero(np.diff(np.concatenate([[False], strong, [False]]).astype(np.int64)))
+    for first, last in ends.reshape(-1, 2):
+        progress = np.cumsum(step[first:last])
+        window = np.sin(np.pi * progress / max(float(progress[-1]), 1e-12)) ** 2
+        weight[first:last] = step[first:last] * window
+    return weight if np.any(weight > 0.0) else np.ones_like(phase)
+
+
+def _mean_turn(turn: Array) -> float:
+    return float(np.angle(np.mean(np.exp(2j * np.pi * turn)))) / (2.0 * math.pi)
+
+
+def _beside_deg(turn: Array, mean: float) -> Array:
+    return ((turn - mean + 0.5) % 1.0 - 0.5) * 360.0
+
+
+def _place(found: Sequence[tuple[float, int]], what: str) -> Place:
+    """Return where something is that was seen at some angles (turns), each with its direction."""
+    if len(found) < LEAST_EDGES:
         raise ConfigurationError(
-            f"{what}: {len(angles_turn)} times in the recording, accepted: at least {LEAST_EDGES}"
+            f"{what}: {len(found)} times in the recording, accepted: at least {LEAST_EDGES}"
         )
-    turn = np.array(angles_turn)
-    mean = float(np.angle(np.mean(np.exp(2j * np.pi * turn)))) / (2.0 * math.pi)
-    beside = float(np.max(np.abs((turn - mean + 0.5) % 1.0 - 0.5))) * 360.0
-    if beside > WIDEST_SPREAD_DEG:
+    ways = [
+        np.array([angle for angle, direction in found if direction == way])
+        for way in (FORWARD, BACKWARD)
+    ]
+    ways = [turn for turn in ways if len(turn)]
+    means = [_mean_turn(turn) for turn in ways]
+    spread = max(
+        float(np.max(np.abs(_beside_deg(turn, mean))))
+        for turn, mean in zip(ways, means, strict=True)
+    )
+    apart = float(_beside_deg(np.array(means[-1]), means[0]))
+    if spread > WIDEST_SPREAD_DEG or abs(apart) > WIDEST_HYSTERESIS_DEG:
         raise ConfigurationError(
-            f"{what}: up to {beside:.1f} deg beside its mean, accepted: {WIDEST_SPREAD_DEG:g} deg; "
-            "are wires a, b, c and the sensors in the order of the inverter's?"
+            f"{what}: up to {max(spread, abs(apart) / 2.0):.1f} deg beside its mean, accepted:"
+            f" {WIDEST_SPREAD_DEG:g} deg; are wires a, b, c and the sensors in the order of the"
+            " inverter's?"
         )
-    return Place(mean % 1.0 * 360.0, len(angles_turn), beside)
+    middle = (means[0] * 360.0 + apart / 2.0) % 360.0
+    return Place(middle, len(found), spread, abs(apart) if len(ways) == 2 else None)
 
 
-def _between(angle_turn: Array, before: int) -> float:
-    return 0.5 * float(angle_turn[before] + angle_turn[before + 1])
+def _edges(signal: Array) -> tuple[npt.NDArray[np.bool_], Array]:
+    """Return a logic channel's levels, and how far into each step of samples it crosses its middle.
+
+    A share of the step from a sample to the next, of meaning where the level changes.
+    """
+    middle = 0.5 * (float(np.min(signal)) + float(np.max(signal)))
+    step = np.diff(signal)
+    share = (middle - signal[:-1]) / np.where(step == 0.0, 1.0, step)
+    return signal > middle, np.clip(share, 0.0, 1.0)
 
 
-def hall_edges(angle_turn: Array, state: npt.NDArray[np.int64]) -> tuple[Place, ...]:
+def _at(angle_turn: Array, before: int, share: float) -> float:
+    return float(angle_turn[before] + share * (angle_turn[before + 1] - angle_turn[before]))
+
+
+def hall_edges(angle_turn: Array, sensors: Sequence[Array]) -> tuple[Place, ...]:
     """Return the angles at which sectors 0 to 5 begin when turning forward."""
-    found: list[list[float]] = [[] for _ in STATES]
+    levels, shares = zip(*(_edges(sensor) for sensor in sensors), strict=True)
+    state = sum(level.astype(np.int64) << k for k, level in enumerate(levels))
+    found: list[list[tuple[float, int]]] = [[] for _ in STATES]
     for k in np.flatnonzero(np.diff(state)).tolist():
         here, there = int(state[k]), int(state[k + 1])
-        if here not in STATES or there not in STATES:
+        known = here in STATES and there in STATES
+        way = (STATES.index(there) - STATES.index(here)) % 6 if known else 0
+        if way not in {1, 5}:
             raise ConfigurationError(
                 f"halls: state {here} to {there} at row {k + 2}, accepted: one sensor changing at a"
                 " time"
             )
-        left, entered = STATES.index(here), STATES.index(there)
-        if (entered - left) % 6 not in {1, 5}:
-            raise ConfigurationError(
-                f"halls: state {here} to {there} at row {k + 2}, accepted: one sensor changing at a"
-                " time"
-            )
-        if math.isfinite(_between(angle_turn, k)):
-            found[entered if (entered - left) % 6 == 1 else left].append(_between(angle_turn, k))
+        changed = (here ^ there).bit_length() - 1
+        angle = _at(angle_turn, k, float(shares[changed][k]))
+        if math.isfinite(angle):
+            edge = STATES.index(there if way == 1 else here)
+            found[edge].append((angle, FORWARD if way == 1 else BACKWARD))
     places = tuple(_place(angles, f"hall edge {k}") for k, angles in enumerate(found))
     widths = [
         (b.angle_deg - a.angle_deg) % 360.0
@@ -157,20 +236,36 @@ def hall_edges(angle_turn: Array, state: npt.NDArray[np.int64]) -> tuple[Place, 
     return places
 
 
+def index_place(angle_turn: Array, signal: Array) -> Place:
+    """Return where an encoder's index begins when turning forward; backward it ends there."""
+    level, share = _edges(signal)
+    change = np.diff(level.astype(np.int64))
+    found = []
+    for k in np.flatnonzero(change).tolist():
+        angle, rise = _at(angle_turn, k, float(share[k])), angle_turn[k + 1] - angle_turn[k]
+        way = FORWARD if rise > 0.0 else BACKWARD
+        if math.isfinite(angle) and change[k] == way:
+            found.append((angle, way))
+    return _place(found, "index")
+
+
 def calibrate(table: dict[str, Array]) -> Calibration:
     """Evaluate a recording."""
     angle = rotor_angle_turn(table[VOLTAGES[0]], table[VOLTAGES[1]])
-    edges: tuple[Place, ...] = ()
-    if all(name in table for name in HALLS):
-        a, b, c = (table[name] > 0.5 for name in HALLS)
-        edges = hall_edges(angle, (a * 1 + b * 2 + c * 4).astype(np.int64))
-    index = None
-    if INDEX in table:
-        rising = np.flatnonzero(np.diff((table[INDEX] > 0.5).astype(np.int64)) > 0).tolist()
-        index = _place(
-            [_between(angle, k) for k in rising if math.isfinite(_between(angle, k))], "index"
-        )
-    return Calibration(edges, index)
+    fitted = all(name in table for name in HALLS)
+    return Calibration(
+        hall_edges(angle, [table[name] for name in HALLS]) if fitted else (),
+        index_place(angle, table[INDEX]) if INDEX in table else None,
+    )
+
+
+def _uncertainty(places: Sequence[Place]) -> str:
+    """Return what is known of the accuracy of some places."""
+    spread = max(place.spread_deg for place in places)
+    known = [place.hysteresis_deg for place in places if place.hysteresis_deg is not None]
+    if len(known) < len(places):
+        return f"within {spread:.1f} deg and half the hysteresis, as turned in one direction only"
+    return f"within {spread:.1f} deg, hysteresis {max(known):.1f} deg"
 
 
 def as_toml(found: Calibration) -> str:
@@ -178,16 +273,16 @@ def as_toml(found: Calibration) -> str:
     lines = ["[rotor]"]
     if found.hall_edges:
         edges = ", ".join(f"{place.angle_deg:.1f}" for place in found.hall_edges)
-        worst = max(place.spread_deg for place in found.hall_edges)
         count = min(place.edges for place in found.hall_edges)
         lines += [
             'sensor = "hall"',
-            f"hall_edges_deg = [{edges}]  # at least {count} each, within {worst:.1f} deg",
+            f"hall_edges_deg = [{edges}]"
+            f"  # at least {count} each, {_uncertainty(found.hall_edges)}",
         ]
     if found.index is not None:
         lines += ['sensor = "encoder"'] if not found.hall_edges else []
         lines.append(
-            f"encoder_index_deg = {found.index.angle_deg:.1f}  # {found.index.edges} pulses, within"
-            f" {found.index.spread_deg:.1f} deg"
+            f"encoder_index_deg = {found.index.angle_deg:.1f}  # {found.index.edges} pulses,"
+            f" {_uncertainty([found.index])}"
         )
     return "\n".join(lines)

@@ -367,8 +367,8 @@ def _parser() -> argparse.ArgumentParser:
         description="Hall edges and encoder index from a recording.",
     )
     columns = (
-        "v_ab_v, v_bc_v, hall_a, hall_b, hall_c and/or index, of a wheel spun by hand with the"
-        " bridge off"
+        "v_ab_v, v_bc_v, hall_a, hall_b, hall_c and/or index, of a wheel spun by hand, both ways,"
+        " with the bridge off"
     )
     command.add_argument("recording", type=Path, metavar="FILE.csv", help=columns)
     command.set_defaults(command="calibrate")

@@ -33,6 +33,12 @@ def run_calibrate(options: argparse.Namespace) -> int:
     """Print the [rotor] section that belongs to a recording."""
     with _about(options.recording):
         found = calibrate.calibrate(calibrate.load(options.recording))
+    if not found.both_directions:
+        print(
+            f"{options.recording}: warning: turned in one direction only, so half the sensors'"
+            " hysteresis, some degrees of hall sensors, is in the angles; record both directions",
+            file=sys.stderr,
+        )
     print(calibrate.as_toml(found))
     return 0
 

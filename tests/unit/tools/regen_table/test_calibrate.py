@@ -17,13 +17,17 @@ INDEX_DEG = 201.0
 SAMPLE_S = 1e-4
 
 
-def spun(speed_turn_per_s: Array) -> dict[str, Array]:
-    """Return the channels of a wheel for electrical speeds in turns per second, one per sample."""
+def spun(speed_turn_per_s: Array, hysteresis_deg: float = 0.0) -> dict[str, Array]:
+    """Return the channels of a wheel for electrical speeds in turns per second, one per sample.
+
+    Its sensors switch half the hysteresis late, whichever way it turns.
+    """
     turns = 0.13 + np.cumsum(speed_turn_per_s) * SAMPLE_S
     theta, emf = 2.0 * math.pi * turns, 0.02 * 2.0 * math.pi * speed_turn_per_s
     a, b, c = (-emf * np.sin(theta - k * 2.0 * math.pi / 3.0) for k in range(3))
     noise = np.random.default_rng(3).normal(0.0, 0.01, (2, len(turns)))
-    sector = np.searchsorted(EDGES_DEG, turns % 1.0 * 360.0, side="right") - 1
+    late_turn = 0.5 * hysteresis_deg / 360.0 * np.sign(speed_turn_per_s)
+    sector = np.searchsorted(EDGES_DEG, (turns - late_turn) % 1.0 * 360.0, side="right") - 1
     state = np.array(calibrate.STATES)[sector]
     shaft = (turns - INDEX_DEG / 360.0) / POLE_PAIRS
     return {
@@ -39,6 +43,22 @@ def spun(speed_turn_per_s: Array) -> dict[str, Array]:
 def slowing_down(seconds: float = 2.0) -> Array:
     falling: Array = 40.0 * np.exp(-np.arange(round(seconds / SAMPLE_S)) * SAMPLE_S / 1.5)
     return falling
+
+
+def both_ways() -> Array:
+    """From 40 turns a second forward to 40 backward and forward again."""
+    speed: Array = 40.0 * np.cos(np.arange(40_000) * SAMPLE_S * 2.0)
+    return speed
+
+
+def recording(folder: Path, table: dict[str, Array]) -> Path:
+    path = folder / "spun.csv"
+    rows = [
+        ",".join(table),
+        *(",".join(f"{value:.4f}" for value in row) for row in zip(*table.values(), strict=True)),
+    ]
+    path.write_text("\n".join(rows), encoding="utf-8")
+    return path
 
 
 def beside_deg(one: float, other: float) -> float:
@@ -65,11 +85,55 @@ def test_the_index_angle_is_found() -> None:
 
 
 def test_reversal_of_the_direction_does_not_change_the_calibration() -> None:
-    speed = 40.0 * np.cos(np.arange(40_000) * SAMPLE_S * 2.0)
-    table = spun(speed)
-    del table["index"]  # in reverse its other edge comes first
-    for place, truth in zip(calibrate.calibrate(table).hall_edges, EDGES_DEG, strict=True):
+    found = calibrate.calibrate(spun(both_ways()))
+    for place, truth in zip(found.hall_edges, EDGES_DEG, strict=True):
         assert beside_deg(place.angle_deg, truth) < 0.5
+    assert found.index is not None
+    assert beside_deg(found.index.angle_deg, INDEX_DEG) < 0.5
+    assert found.both_directions
+
+
+@pytest.mark.parametrize("hysteresis_deg", [2.0, 8.0, 20.0])
+def test_hysteresis_is_not_counted_as_an_offset(
+    hysteresis_deg: float, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The edges of both directions lie half the hysteresis either side of the sensor's place."""
+    found = calibrate.calibrate(spun(both_ways(), hysteresis_deg))
+    for place, truth in zip(found.hall_edges, EDGES_DEG, strict=True):
+        assert beside_deg(place.angle_deg, truth) < 0.5
+        assert place.hysteresis_deg == pytest.approx(hysteresis_deg, abs=0.6)
+        assert place.spread_deg < 2.0  # a sample at 40 turns a second is 1.4 deg
+    one_way = calibrate.calibrate(spun(slowing_down(), hysteresis_deg))
+    assert not one_way.both_directions
+    for place, truth in zip(one_way.hall_edges, EDGES_DEG, strict=True):
+        assert beside_deg(place.angle_deg, truth) == pytest.approx(hysteresis_deg / 2.0, abs=0.5)
+    assert "and half the hysteresis, as turned in one direction only" in calibrate.as_toml(one_way)
+    path = recording(tmp_path, spun(slowing_down(), hysteresis_deg))
+    assert cli.main(["calibrate", str(path)]) == 0
+    assert "warning: turned in one direction only" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("speed", ["one way", "both ways"])
+def test_offsets_of_an_oscilloscope_s_channels_do_not_count(speed: str) -> None:
+    """A tenth of the largest voltage, where a tenth unnoticed is 5.8 deg."""
+    table = spun(slowing_down() if speed == "one way" else both_ways())
+    peak_v = float(np.max(np.abs(table["v_ab_v"])))
+    table["v_ab_v"] += 0.1 * peak_v
+    table["v_bc_v"] -= 0.06 * peak_v
+    for place, truth in zip(calibrate.calibrate(table).hall_edges, EDGES_DEG, strict=True):
+        assert beside_deg(place.angle_deg, truth) < 0.7
+        assert place.spread_deg < 2.5
+
+
+def test_logic_channels_switch_at_the_middle_of_their_own_levels() -> None:
+    """Sensors of 5 V on an offset, through a filter that makes their edges three samples long."""
+    table = spun(both_ways(), 4.0)
+    rise = np.ones(4) / 4.0
+    for name in calibrate.HALLS:
+        padded = np.concatenate([[table[name][0]] * 2, table[name], [table[name][-1]]])
+        table[name] = 5.0 * np.convolve(padded, rise, mode="valid") + 0.7
+    for place, truth in zip(calibrate.calibrate(table).hall_edges, EDGES_DEG, strict=True):
+        assert beside_deg(place.angle_deg, truth) < 0.8
 
 
 def test_swapped_lines_are_refused() -> None:
@@ -87,13 +151,7 @@ def test_a_short_recording_is_refused() -> None:
 def test_the_command_prints_lines_for_the_drive_file(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    table = spun(slowing_down())
-    path = tmp_path / "spun.csv"
-    rows = [
-        ",".join(table),
-        *(",".join(f"{value:.4f}" for value in row) for row in zip(*table.values(), strict=True)),
-    ]
-    path.write_text("\n".join(rows), encoding="utf-8")
+    path = recording(tmp_path, spun(both_ways()))
     assert cli.main(["calibrate", str(path)]) == 0
     out = capsys.readouterr().out
     assert out.startswith("[rotor]\n")
