@@ -105,7 +105,7 @@ def sizes(console: Console, report: dict[str, Any]) -> None:
     """Print the firmware's size and the simulation's speed."""
     memory.show(console, report)
     if report["simulation"]:
-        console.print(
-            f"Simulation: {report['simulation']['realtime_factor_four_wheels']} times real time,"
-            " four wheels on one core"
+        four, one = (
+            report["simulation"][f"realtime_factor_{name}"] for name in ("four_wheels", "one_wheel")
         )
+        console.print(f"Simulation on one core: four wheels {four}, one {one} times real time")

@@ -49,11 +49,13 @@ def test_page_and_summary_are_written_and_the_summary_has_the_documented_keys(
     results = comparison.simulate_all(
         name, drives(drive), loaded, beside, {}, Progress(disable=True)
     )
-    comparison.write(results, output)
+    lines = comparison.write(results, output)
     assert sorted(path.name for path in output.iterdir()) == ["index.html", "summary.json"]
     summary = json.loads((output / "summary.json").read_text(encoding="utf-8"))
     assert set(summary) == {"provenance", "runs", "realtime_factor"}
     assert summary["realtime_factor"] > 0.0
+    factor = f"{summary['realtime_factor']:.0f}"
+    assert lines[0] == f"4 wheels at {factor} times real time on one core"
     assert [r["strategy"] for r in summary["runs"]] == [
         "parallel_ratio",
         "parallel_free_travel",
