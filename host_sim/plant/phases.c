@@ -14,6 +14,8 @@ static const double OPEN_SHARE = 1.3;
 static const double SHORT_SHARE = 0.007;
 /* Less has died out. */
 static const double QUIET_A = 1e-5;
+/* Largest turn at once: twice what plant_small_phasor() takes. */
+static const double COAST_RAD = 0.5;
 
 phases_t phases_at(const pmsm_t *machine, double omega_rad_s)
 {
@@ -294,7 +296,8 @@ bool phases_coast(const phases_t *phases, phases_state_t *state, double most_v, 
     const plant_ab_t flux = from_phases(state->flux_wb);
     const double square = flux.alpha * flux.alpha + flux.beta * flux.beta;
     const plant_ab_t i = wire_current(phases, flux, state->axis);
-    if (fabs(i.alpha) + fabs(i.beta) > QUIET_A || 3.0 * w * w * square >= most_v * most_v) {
+    if (fabs(i.alpha) + fabs(i.beta) > QUIET_A || 3.0 * w * w * square >= most_v * most_v ||
+        fabs(w) * h > COAST_RAD) {
         return false;
     }
     const plant_phasor_t half_turn = plant_small_phasor(0.5 * w * h);

@@ -362,8 +362,10 @@ switching_flow_t switching_off(const switching_t *bridge, const pmsm_t *machine,
 {
     period_t p = begin(bridge, machine, rotor, bus_voltage_v, step, DEAD);
     p.watch = watch;
-    for (int k = 0; k < PIECES_OFF; k++) {
-        pass(&p, duration_of(watch, step) / PIECES_OFF);
+    const double duration_s = duration_of(watch, step);
+    const int pieces = coast(&p, duration_s) ? 0 : PIECES_OFF;
+    for (int k = 0; k < pieces; k++) {
+        pass(&p, duration_s / PIECES_OFF);
     }
     return end(&p, rotor, step);
 }

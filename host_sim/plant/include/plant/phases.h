@@ -75,10 +75,10 @@ void phases_advance(const phases_t *phases, phases_state_t *state, const phases_
                     double h, phases_flow_t *flow);
 
 /*
- * The same with all legs open, at once for any h <= 0.5 rad / omega, where nothing but the angle
- * changes: what flows in the windings has died out but for the iron's share, and the line EMF
- * sqrt(3) omega |lambda| is below most_v, V, so no diode begins to conduct. Flux turns with the
- * rotor, and the torque is the iron's drag. False: it is not so, and nothing has changed.
+ * The same with all legs open, at once, where nothing but the angle changes: what flows in the
+ * windings has died out but for the iron's share, the line EMF sqrt(3) omega |lambda| is below
+ * most_v, V, so no diode begins to conduct, and the rotor turns by at most half a radian. The flux
+ * turns with it, and the torque is the iron's drag. False: it is not so, and nothing has changed.
  */
 bool phases_coast(const phases_t *phases, phases_state_t *state, double most_v, double h,
                   phases_flow_t *flow);

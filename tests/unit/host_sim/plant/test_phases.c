@@ -203,6 +203,7 @@ void test_windings_do_not_coast_while_current_flows_or_the_emf_may_open_a_diode(
     const phases_state_t before = state;
     TEST_ASSERT_FALSE(phases_coast(&phases, &state, 0.999 * line_v, STEP_S, &flow));
     TEST_ASSERT_EQUAL_MEMORY(&before, &state, sizeof(state));
+    TEST_ASSERT_FALSE(phases_coast(&phases, &state, 1.001 * line_v, 0.51 / 400.0, &flow));
     TEST_ASSERT_TRUE(phases_coast(&phases, &state, 1.001 * line_v, STEP_S, &flow));
     rotor.i_t.q = 1e-3;
     state = phases_from(&phases, &rotor);
