@@ -28,10 +28,9 @@ variables_are() {
 readonly TOOLS="$ROOT/.dev/tools"
 
 list_tools() {
-    local name path
-    for name in cmake ninja gcc g++ clang ruby cbmc arm-none-eabi-gcc qemu-system-arm clang-tidy; do
-        path=$(command -v "$name") && readlink -f "$path"
-    done
+    local path
+    type -P cmake ninja gcc g++ clang ruby cbmc arm-none-eabi-gcc qemu-system-arm clang-tidy |
+        xargs -r readlink -f || true
     for path in "$CMOCK_PREFIX"/usr/share/cmock/lib/cmock.rb /usr/share/cmock/lib/cmock.rb \
         "$CBMC_PREFIX"/cbmc \
         /usr/include/eigen3 /usr/local/include/eigen3 \

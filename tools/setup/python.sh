@@ -84,12 +84,16 @@ direct_requirements() {
 
 # ensure_venv SET...
 ensure_venv() {
-    venv_belongs_here && write_pth
-    venv_is_ready "$@" && return
+    if venv_is_ready "$@"; then
+        write_pth
+        return
+    fi
     local python
     # An environment of this directory that lacks some packages is completed; any other is made
     # anew.
-    if ! venv_belongs_here; then
+    if venv_belongs_here; then
+        write_pth
+    else
         python=$(find_python) ||
             fail "no Python 3.11 or newer that can make an environment (venv, ensurepip) was found"
         run_logged "Making the Python environment .dev/venv ($("$python" -V))" venv make_venv \
