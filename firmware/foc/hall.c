@@ -424,3 +424,43 @@ void hall_process_event(hall_t *hall, const config_t *config, uint8_t sensors,
     hall->steady_sensors =
         hall->valid && sector == hall->sector ? sensors : (uint8_t)HALL_NO_READING;
 }
+
+/* ---- Disturbed lines ---- */
+
+/* A reading that lasted one period: now the sensors report the sector before it, or a neighbour of
+ * that, into which the rotor has gone meanwhile. */
+static bool was_disturbance(const hall_t *hall, const hall_t *before, uint8_t sector)
+{
+    return sector != hall->sector && sector != HALL_NO_SECTOR &&
+           (sector == before->sector || sector_step(before->sector, sector) != 0);
+}
+
+/* The rotor has gone on in the period of the disturbance. */
+static void take_back(hall_t *hall, const hall_t *before)
+{
+    *hall = *before;
+    hall->periods_since_edge = q_min(hall->periods_since_edge + 1, UINT16_MAX);
+    hall->theta_q32 += (uint32_t)hall->speed_q32;
+    clamp_to_sector(hall);
+}
+
+bool hall_process_reading(hall_t *hall, hall_t *before, const config_t *config, uint8_t sensors,
+                          hall_observed_t observed)
+{
+    const uint8_t sector = SECTOR_OF_SENSORS[sensors & 7U];
+    if (before->valid && hall->periods_since_edge == 0 && was_disturbance(hall, before, sector)) {
+        take_back(hall, before);
+    }
+    const bool edge = hall->valid && sector != HALL_NO_SECTOR && sector != hall->sector;
+    if (edge) {
+        *before = *hall;
+    } else {
+        before->valid = false;
+    }
+    hall_process_event(hall, config, sensors, observed);
+    const bool confirmed = !edge || (hall->valid && hall->direction == before->direction);
+    if (!confirmed) {
+        hall->steady_sensors = HALL_NO_READING;
+    }
+    return confirmed;
+}

@@ -9,11 +9,12 @@
  * counts as at standstill and the angle is the middle of the sector (within 30 degrees for evenly
  * spaced sensors: torque at least 87 % of the nominal).
  *
- * A reversal within an eighth of the last sector's time is a bounce and changes nothing. Four
- * readings are impossible for healthy sensors (DERIVATIONS.md, Hall sensors): a skipped sector, a
- * lasting invalid state, a reversal or a stop faster than a rotor can. Each counts in faults and
- * starts the hall fault ride-through: valid is false and the angle continues by dead reckoning with
- * the plausible edges, so that the torque can be ramped down. It ends after six plausible edges in
+ * An edge that is gone in the next period was a disturbance of a line and is taken back. A reversal
+ * within an eighth of the last sector's time is a bounce and changes nothing. Four readings are
+ * impossible for healthy sensors (DERIVATIONS.md, Hall sensors): a skipped sector, a lasting
+ * invalid state, a reversal or a stop faster than a rotor can. Each counts in faults and starts the
+ * hall fault ride-through: valid is false and the angle continues by dead reckoning with the
+ * plausible edges, so that the torque can be ramped down. It ends after six plausible edges in
  * sequence, or at standstill with a possible state.
  */
 #ifndef FOC_HALL_H
@@ -59,6 +60,13 @@ typedef struct {
 /* A period with an event: an edge, an impossible state, an overdue edge, the end of a sector. */
 void hall_process_event(hall_t *hall, const config_t *config, uint8_t sensors,
                         hall_observed_t observed);
+
+/* The same, of a reading that may be a disturbance of a line: an edge that is gone in the next
+ * period was none, and all that it made is taken back. before: the state before this edge; not
+ * valid without one, and at first. False: the edge contradicts the movement so far, a reversal or a
+ * fault, and the next period has to confirm it; until then the rotor goes on as `before` has it. */
+bool hall_process_reading(hall_t *hall, hall_t *before, const config_t *config, uint8_t sensors,
+                          hall_observed_t observed);
 
 /* One period without an event: the rotor moves inside its sector, as in nearly every period. False
  * if there is an event; then nothing has changed. sensors: bit 0 A, bit 1 B, bit 2 C. */

@@ -9,6 +9,7 @@ void rotor_init(rotor_state_t *state, const config_t *config)
     absolute_angle_init(&state->absolute);
     state->sensor = config->rotor.sensor;
     hall_init(&state->hall, config);
+    hall_init(&state->before_edge, config);
     encoder_init(&state->encoder, config);
 }
 

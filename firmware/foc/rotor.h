@@ -45,7 +45,11 @@ static inline void rotor_step(rotor_state_t *state, const config_t *config, cons
             .theta_turn = emf_observer_rotor_turn(observer, tuning),
             .known = emf_observer_acquired(observer),
         };
-        hall_process_event(hall, config, in->hall_state, observed);
+        hall_t *before = &state->before_edge;
+        if (!hall_process_reading(hall, before, config, in->hall_state, observed)) {
+            out->theta_turn = (uint16_t)((before->theta_q32 + (uint32_t)before->speed_q32) >> 16);
+            return;
+        }
         out->speed_q32 = hall->speed_q32;
         out->faults = hall->faults;
         out->valid = hall->valid;

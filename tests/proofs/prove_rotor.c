@@ -86,12 +86,12 @@ static hall_t any_hall(const config_t *config)
 }
 
 /* As rotor_step() makes it: any reading, with or without an observed angle. */
-static void any_period(hall_t *hall, const config_t *config)
+static void any_period(hall_t *hall, hall_t *before, const config_t *config)
 {
     const uint8_t sensors = nondet_uint8();
     const hall_observed_t observed = {.theta_turn = nondet_uint16(), .known = nondet_bool()};
     if (!hall_extrapolate(hall, sensors)) {
-        hall_process_event(hall, config, sensors, observed);
+        hall_process_reading(hall, before, config, sensors, observed);
     }
 }
 
@@ -101,7 +101,9 @@ void prove_hall_begin(void)
     any_rotor_configuration(&config);
     hall_t hall;
     hall_init(&hall, &config);
-    any_period(&hall, &config);
+    hall_t before = hall;
+    any_period(&hall, &before, &config);
+    PROVE(!before.valid);
     PROVE(!hall.started || hall_invariant(&hall, &config));
     PROVE(!hall.valid || hall.started);
     PROOF_END();
@@ -112,8 +114,10 @@ void prove_hall_step(void)
     config_t config;
     any_rotor_configuration(&config);
     hall_t hall = any_hall(&config);
-    any_period(&hall, &config);
+    hall_t before = any_hall(&config);
+    any_period(&hall, &before, &config);
     PROVE(hall_invariant(&hall, &config));
+    PROVE(!before.valid || hall_invariant(&before, &config));
     PROOF_END();
 }
 

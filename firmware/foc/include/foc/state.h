@@ -112,6 +112,7 @@ typedef struct {
 /* rotor.h */
 typedef struct {
     hall_t hall;
+    hall_t before_edge; /* hall, before the edge of the last period; not valid: there was none */
     encoder_t encoder;
     absolute_angle_t absolute;
     int32_t sensor; /* config.rotor.sensor */
