@@ -28,6 +28,7 @@ typedef uint64_t chip_ticks_t;
 enum {
     CHIP_ANALOG_CHANNELS = 16,
     CHIP_FRAMES = 64,
+    CHIP_MAILBOXES = 3,
     CHIP_TEXT_BYTES = 65536,
     CHIP_VIOLATIONS = 16,
     CHIP_VIOLATION_BYTES = 120
@@ -47,7 +48,18 @@ typedef struct {
     uint16_t identifier; /* 11 bits */
     uint8_t length;
     uint8_t data[8];
+    chip_ticks_t ended; /* from the chip: when it had been on the bus */
 } chip_frame_t;
+
+/* Another node on the bus: a frame of eight bytes in each period. Its newest one replaces one that
+ * has not left. */
+typedef struct {
+    uint16_t identifier;
+    chip_ticks_t period;
+    chip_ticks_t next;  /* when its next frame wants to begin */
+    unsigned sent;      /* frames so far */
+    chip_ticks_t delay; /* the longest from then to its end */
+} chip_node_t;
 
 /* What is connected to the pins. Analogue inputs by the channel that the converters share. */
 typedef struct {
@@ -76,6 +88,7 @@ typedef struct {
     bool converter_stuck;   /* injected conversions never end */
     bool timer_stuck;       /* TIM1 has no clock */
     bool can_silent;        /* the bus is held dominant: nothing is received or sent */
+    bool can_mute;          /* the wire from the controller to the bus is cut: it only receives */
     bool gate_driver_fault; /* the driver's supply is low: it pulls its fault line, all gates low */
     bool driver_silent;     /* its SDO is stuck high */
     bool driver_mode_low;   /* DRV8302: M_OC is at ground, so it limits instead of latching */
@@ -151,9 +164,13 @@ bool chip_outputs_on(const chip_t *chip);
 bool chip_low_side_conducts(chip_t *chip, unsigned leg, bool into_motor, int64_t before_ticks);
 chip_ticks_t chip_now(const chip_t *chip);
 
-/* CAN: a frame for the chip, at the end of the bus's queue; a frame from it, oldest first. */
+/* CAN: a frame for the chip, at the end of the vehicle's queue; a frame from it, oldest first. */
 void chip_send(chip_t *chip, const chip_frame_t *frame);
 bool chip_receive(chip_t *chip, chip_frame_t *frame);
+/* Other nodes from now on; the array stays the caller's and changes with what they send. */
+void chip_traffic(chip_t *chip, chip_node_t *nodes, unsigned count);
+/* How long a frame is on the bus, with the three bits between two frames. */
+chip_ticks_t chip_can_frame_ticks(unsigned bytes);
 
 /* Disturbances, from the next instruction on: r0 to r12 hold this value; the next instruction is
  * fetched from this address. */

@@ -46,17 +46,27 @@ typedef struct {
     chip_ticks_t regulated[2], calibrated[2], ready[2]; /* STM32G431 */
 } chip_converters_t;
 
+/* Who is sending on the CAN bus. */
+typedef enum { CHIP_IDLE, CHIP_ITSELF, CHIP_VEHICLE, CHIP_OTHER } chip_sender_t;
+
 typedef struct {
-    chip_ticks_t bus_free; /* when the next frame can be on the bus */
+    chip_ticks_t bus_free; /* when the next frame can begin */
+    chip_sender_t sender;
+    unsigned which; /* CHIP_ITSELF: mailbox; CHIP_OTHER: node */
+    chip_frame_t on_bus;
+    chip_ticks_t ends; /* of the frame on the bus */
     chip_frame_t to_chip[CHIP_FRAMES];
+    chip_ticks_t to_chip_since[CHIP_FRAMES];
     unsigned first, count; /* of to_chip */
+    chip_node_t *other;
+    unsigned others;
+    chip_ticks_t others_next; /* when the first of them wants to begin */
     chip_frame_t fifo[3];
     unsigned fifo_count;
     unsigned fifo_get, put; /* STM32G431: elements of the message memory */
     bool fifo_lost;
-    unsigned order[3], order_count; /* mailboxes in the order of their requests */
-    chip_ticks_t sent;              /* the end of the frame on the bus */
-    bool is_sending;
+    unsigned order[CHIP_MAILBOXES], order_count; /* mailboxes in the order of their requests */
+    chip_ticks_t requested[CHIP_MAILBOXES];
     chip_frame_t from_chip[CHIP_FRAMES];
     unsigned out_first, out_count;
     chip_ticks_t joined; /* eleven recessive bits after leaving initialisation */
@@ -303,14 +313,16 @@ void chip_flash_settle(chip_t *chip);
 bool chip_watchdog_write(chip_t *chip, uint32_t address, uint32_t value);
 void chip_watchdog_events(chip_t *chip);
 
-/* can_bus.c: the bus beyond the controller, 500 kbit/s. */
+/* can_bus.c: the bus of 500 kbit/s, its nodes and their arbitration. */
 #define CHIP_CAN_BIT_TICKS (2U * (uint32_t)CHIP_TICKS_PER_US)
-chip_ticks_t chip_can_frame_ticks(const chip_frame_t *frame);
-/* When the oldest frame for the chip has been on the bus; CHIP_NEVER: there is none. */
-chip_ticks_t chip_can_arrival(const chip_t *chip);
-/* Takes it from the bus. */
-chip_frame_t chip_can_arrived(chip_t *chip);
-void chip_can_sent(chip_t *chip, const chip_frame_t *frame);
+/* The next beginning or end of a frame; begins one that is due. */
+chip_ticks_t chip_can_next(chip_t *chip);
+void chip_can_events(chip_t *chip);
+/* Whether this mailbox is on the bus now. */
+bool chip_can_sends(const chip_t *chip, unsigned mailbox);
+/* Notes a request of this mailbox, or its end. */
+void chip_can_request(chip_t *chip, unsigned mailbox);
+void chip_can_forget(chip_t *chip, unsigned mailbox);
 
 /* driver.c: the gate driver. */
 void chip_driver_reset(chip_t *chip);
@@ -356,12 +368,16 @@ void chip_adc_inject(chip_t *chip);
 chip_ticks_t chip_adc_next(chip_t *chip);
 void chip_adc_events(chip_t *chip);
 
-/* can.c */
+/* can.c: the controller, as the bus sees it. */
 void chip_can_reset(chip_t *chip);
 bool chip_can_write(chip_t *chip, uint32_t address, uint32_t value);
 uint32_t chip_can_read(chip_t *chip, uint32_t address);
-chip_ticks_t chip_can_next(chip_t *chip);
-void chip_can_events(chip_t *chip);
+/* The mailbox that takes part in the next arbitration; CHIP_MAILBOXES: none. */
+unsigned chip_can_offered(chip_t *chip);
+chip_frame_t chip_can_mailbox(const chip_t *chip, unsigned mailbox);
+/* Its frame has been acknowledged. */
+void chip_can_sent(chip_t *chip, unsigned mailbox);
+void chip_can_received(chip_t *chip, const chip_frame_t *frame);
 
 /* serial.c */
 void chip_serial_reset(chip_t *chip);

@@ -1,22 +1,33 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* bxCAN on a bus of 500 kbit/s (RM0090 section 32): three mailboxes, a FIFO of three frames, filter
- * banks in 16-bit list mode. */
+/* bxCAN on a bus of 500 kbit/s (RM0090 section 32): three mailboxes that leave by their identifiers
+ * or in the order of their requests, aborts, a FIFO of three frames, filter banks in 16-bit list
+ * mode. */
 #include <string.h>
 
 #include "parts.h"
 
-enum { JOIN_BITS = 11, MAILBOXES = 3, FIFO_FRAMES = 3, BANKS = 28 };
+enum { JOIN_BITS = 11, FIFO_FRAMES = 3, BANKS = 28 };
 static const uint32_t FULL_TSR = CHIP_CAN1_TSR_TME0 | CHIP_CAN1_TSR_TME1 | CHIP_CAN1_TSR_TME2;
-static const uint32_t EMPTY[MAILBOXES] = {CHIP_CAN1_TSR_TME0, CHIP_CAN1_TSR_TME1,
-                                          CHIP_CAN1_TSR_TME2};
-static const uint32_t MAILBOX[MAILBOXES] = {CHIP_CAN1_TI0R, CHIP_CAN1_TI1R, CHIP_CAN1_TI2R};
+static const uint32_t EMPTY[CHIP_MAILBOXES] = {CHIP_CAN1_TSR_TME0, CHIP_CAN1_TSR_TME1,
+                                               CHIP_CAN1_TSR_TME2};
+static const uint32_t OUTCOME[CHIP_MAILBOXES] = {
+    CHIP_CAN1_TSR_RQCP0 | CHIP_CAN1_TSR_TXOK0 | CHIP_CAN1_TSR_ALST0 | CHIP_CAN1_TSR_TERR0,
+    CHIP_CAN1_TSR_RQCP1 | CHIP_CAN1_TSR_TXOK1 | CHIP_CAN1_TSR_ALST1 | CHIP_CAN1_TSR_TERR1,
+    CHIP_CAN1_TSR_RQCP2 | CHIP_CAN1_TSR_TXOK2 | CHIP_CAN1_TSR_ALST2 | CHIP_CAN1_TSR_TERR2};
+static const uint32_t DONE[CHIP_MAILBOXES] = {CHIP_CAN1_TSR_RQCP0, CHIP_CAN1_TSR_RQCP1,
+                                              CHIP_CAN1_TSR_RQCP2};
+static const uint32_t SENT[CHIP_MAILBOXES] = {CHIP_CAN1_TSR_TXOK0, CHIP_CAN1_TSR_TXOK1,
+                                              CHIP_CAN1_TSR_TXOK2};
+static const uint32_t ABORT[CHIP_MAILBOXES] = {CHIP_CAN1_TSR_ABRQ0, CHIP_CAN1_TSR_ABRQ1,
+                                               CHIP_CAN1_TSR_ABRQ2};
+static const uint32_t MAILBOX[CHIP_MAILBOXES] = {CHIP_CAN1_TI0R, CHIP_CAN1_TI1R, CHIP_CAN1_TI2R};
 
 void chip_can_reset(chip_t *chip)
 {
     chip_can_t *can = &chip->can;
     can->fifo_count = 0;
     can->order_count = 0;
-    can->is_sending = false;
+    can->sender = can->sender == CHIP_ITSELF ? CHIP_IDLE : can->sender;
     can->joined = CHIP_NEVER;
     *chip_at(chip, CHIP_CAN1_TSR) = FULL_TSR;
 }
@@ -63,10 +74,10 @@ static bool is_accepted(chip_t *chip, uint16_t identifier)
     return false;
 }
 
-static void deliver(chip_t *chip, const chip_frame_t *frame)
+void chip_can_received(chip_t *chip, const chip_frame_t *frame)
 {
     chip_can_t *can = &chip->can;
-    if (!is_accepted(chip, frame->identifier)) {
+    if (!is_on_bus(chip) || !is_accepted(chip, frame->identifier)) {
         return;
     }
     if (can->fifo_count == FIFO_FRAMES) {
@@ -137,14 +148,34 @@ static void write_master_control(chip_t *chip, uint32_t value)
 
 static void request(chip_t *chip, unsigned mailbox)
 {
-    chip_can_t *can = &chip->can;
     if ((chip_get(chip, CHIP_CAN1_TSR) & EMPTY[mailbox]) == 0) {
         chip_note(chip, "CAN: mailbox %u written while it is full", mailbox);
         return;
     }
-    *chip_at(chip, CHIP_CAN1_TSR) &= ~EMPTY[mailbox];
-    can->order[can->order_count] = mailbox;
-    can->order_count++;
+    *chip_at(chip, CHIP_CAN1_TSR) &= ~(EMPTY[mailbox] | OUTCOME[mailbox]);
+    chip_can_request(chip, mailbox);
+}
+
+/* A mailbox is empty again; 32.9.2, TSR. */
+static void finish(chip_t *chip, unsigned mailbox, bool sent)
+{
+    chip_can_forget(chip, mailbox);
+    *chip_at(chip, CHIP_CAN1_TSR) |= EMPTY[mailbox] | DONE[mailbox] | (sent ? SENT[mailbox] : 0);
+}
+
+/* RQCP is cleared by writing 1, and the outcome with it. An abort takes a pending mailbox at once;
+ * one on the bus comes to its end (32.7.1). */
+static void write_transmit_status(chip_t *chip, uint32_t value)
+{
+    for (unsigned mailbox = 0; mailbox < CHIP_MAILBOXES; mailbox++) {
+        if ((value & DONE[mailbox]) != 0) {
+            *chip_at(chip, CHIP_CAN1_TSR) &= ~OUTCOME[mailbox];
+        }
+        const bool pending = (chip_get(chip, CHIP_CAN1_TSR) & EMPTY[mailbox]) == 0;
+        if ((value & ABORT[mailbox]) != 0 && pending && !chip_can_sends(chip, mailbox)) {
+            finish(chip, mailbox, false);
+        }
+    }
 }
 
 bool chip_can_write(chip_t *chip, uint32_t address, uint32_t value)
@@ -161,6 +192,9 @@ bool chip_can_write(chip_t *chip, uint32_t address, uint32_t value)
             return true;
         }
         return false;
+    case CHIP_CAN1_TSR:
+        write_transmit_status(chip, value);
+        return true;
     case CHIP_CAN1_RF0R:
         *chip_at(chip, address) &= ~(value & CHIP_CAN1_RF0R_FOVR0);
         if ((value & CHIP_CAN1_RF0R_RFOM0) != 0 && can->fifo_count > 0) {
@@ -187,7 +221,7 @@ bool chip_can_write(chip_t *chip, uint32_t address, uint32_t value)
     }
 }
 
-static chip_frame_t frame_in(const chip_t *chip, unsigned mailbox)
+chip_frame_t chip_can_mailbox(const chip_t *chip, unsigned mailbox)
 {
     const uint32_t at = MAILBOX[mailbox];
     chip_frame_t frame = {.identifier = (uint16_t)(chip_get(chip, at) >> 21),
@@ -197,54 +231,28 @@ static chip_frame_t frame_in(const chip_t *chip, unsigned mailbox)
     return frame;
 }
 
-static void begin_sending(chip_t *chip)
+/* 32.7.1: in the order of the requests with TXFP, else the lowest identifier, of equal ones the
+ * lowest mailbox. */
+unsigned chip_can_offered(chip_t *chip)
 {
-    chip_can_t *can = &chip->can;
-    if (can->is_sending || can->order_count == 0 || !is_on_bus(chip)) {
-        return;
+    const chip_can_t *can = &chip->can;
+    if (can->order_count == 0 || chip->fault.can_silent) {
+        return CHIP_MAILBOXES;
     }
-    const chip_frame_t frame = frame_in(chip, can->order[0]);
-    const chip_ticks_t begin = chip->now > can->bus_free ? chip->now : can->bus_free;
-    can->is_sending = true;
-    can->sent = begin + chip_can_frame_ticks(&frame);
-    can->bus_free = can->sent;
-}
-
-static void end_sending(chip_t *chip)
-{
-    chip_can_t *can = &chip->can;
-    const unsigned mailbox = can->order[0];
-    const chip_frame_t frame = frame_in(chip, mailbox);
-    can->is_sending = false;
-    can->order_count--;
-    memmove(&can->order[0], &can->order[1], can->order_count * sizeof can->order[0]);
-    *chip_at(chip, CHIP_CAN1_TSR) |= EMPTY[mailbox];
-    chip_can_sent(chip, &frame);
-}
-
-chip_ticks_t chip_can_next(chip_t *chip)
-{
-    begin_sending(chip);
-    const chip_ticks_t arrives = chip_can_arrival(chip);
-    const chip_ticks_t sent = chip->can.is_sending ? chip->can.sent : CHIP_NEVER;
-    const chip_ticks_t joined =
-        chip->can.order_count > 0 && !chip->can.is_sending && chip->can.joined > chip->now
-            ? chip->can.joined
-            : CHIP_NEVER;
-    const chip_ticks_t first = arrives < sent ? arrives : sent;
-    return first < joined ? first : joined;
-}
-
-void chip_can_events(chip_t *chip)
-{
-    chip_can_t *can = &chip->can;
-    if (can->is_sending && chip->now >= can->sent) {
-        end_sending(chip);
-    }
-    while (can->count > 0 && !can->is_sending && chip->now >= chip_can_arrival(chip)) {
-        const chip_frame_t frame = chip_can_arrived(chip);
-        if (is_on_bus(chip)) {
-            deliver(chip, &frame);
+    unsigned first = can->order[0];
+    for (unsigned i = 1;
+         (chip_get(chip, CHIP_CAN1_MCR) & CHIP_CAN1_MCR_TXFP) == 0 && i < can->order_count; i++) {
+        const unsigned mailbox = can->order[i];
+        const uint16_t least = chip_can_mailbox(chip, first).identifier;
+        const uint16_t identifier = chip_can_mailbox(chip, mailbox).identifier;
+        if (identifier < least || (identifier == least && mailbox < first)) {
+            first = mailbox;
         }
     }
+    return first;
+}
+
+void chip_can_sent(chip_t *chip, unsigned mailbox)
+{
+    finish(chip, mailbox, true);
 }

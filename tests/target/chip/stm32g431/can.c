@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* FDCAN 1 with classic frames on a bus of 500 kbit/s (RM0440 section 46): message memory, filters
- * of standard identifiers, reception FIFO 0, transmission FIFO of three. */
+ * of standard identifiers, reception FIFO 0, three transmit elements as FIFO or as queue,
+ * cancellation. */
 #include <string.h>
 
 #include "parts.h"
@@ -20,7 +21,8 @@ enum {
     ACTIVITY_SYNCHRONISING = 0,
     ACTIVITY_IDLE = 1,
     IDENTIFIER_SHIFT = 18,
-    LENGTH_SHIFT = 16
+    LENGTH_SHIFT = 16,
+    QUEUE_MODE = 1 << 24 /* TXBC.TFQM (46.4.25); the description has the place of another chip */
 };
 
 static uint32_t ram_address(uint32_t offset)
@@ -36,7 +38,7 @@ void chip_can_reset(chip_t *chip)
     can->fifo_lost = false;
     can->order_count = 0;
     can->put = 0;
-    can->is_sending = false;
+    can->sender = can->sender == CHIP_ITSELF ? CHIP_IDLE : can->sender;
     can->joined = CHIP_NEVER;
     for (uint32_t at = CHIP_FDCAN1_RAM_000; at <= CHIP_FDCAN1_RAM_211; at += 4U) {
         *chip_at(chip, at) = chip_random(chip); /* not initialised by a reset */
@@ -94,10 +96,10 @@ static bool is_accepted(chip_t *chip, uint32_t identifier)
     return false;
 }
 
-static void deliver(chip_t *chip, const chip_frame_t *frame)
+void chip_can_received(chip_t *chip, const chip_frame_t *frame)
 {
     chip_can_t *can = &chip->can;
-    if (!is_accepted(chip, frame->identifier)) {
+    if (!is_on_bus(chip) || !is_accepted(chip, frame->identifier)) {
         return;
     }
     if (can->fifo_count == ELEMENTS) {
@@ -115,6 +117,22 @@ static void deliver(chip_t *chip, const chip_frame_t *frame)
     can->fifo_count++;
 }
 
+static bool is_queue(const chip_t *chip)
+{
+    return (chip_get(chip, CHIP_FDCAN1_TXBC) & QUEUE_MODE) != 0;
+}
+
+/* 46.3.5: in turn in the FIFO; the lowest free element of the queue. */
+static uint32_t put_index(const chip_t *chip)
+{
+    const uint32_t pending = chip_get(chip, CHIP_FDCAN1_TXBRP);
+    uint32_t index = is_queue(chip) ? 0 : chip->can.put;
+    while (is_queue(chip) && index < ELEMENTS - 1 && (pending >> index & 1U) != 0) {
+        index++;
+    }
+    return index;
+}
+
 uint32_t chip_can_read(chip_t *chip, uint32_t address)
 {
     const chip_can_t *can = &chip->can;
@@ -129,7 +147,7 @@ uint32_t chip_can_read(chip_t *chip, uint32_t address)
                (can->fifo_count == ELEMENTS ? CHIP_FDCAN1_RXF0S_F0F : 0) |
                (can->fifo_lost ? CHIP_FDCAN1_RXF0S_RF0L : 0);
     case CHIP_FDCAN1_TXFQS:
-        return (ELEMENTS - can->order_count) | can->put << 16 |
+        return (is_queue(chip) ? 0 : ELEMENTS - can->order_count) | put_index(chip) << 16 |
                (can->order_count == ELEMENTS ? CHIP_FDCAN1_TXFQS_TFQF : 0);
     default:
         return value;
@@ -157,17 +175,40 @@ static void write_control(chip_t *chip, uint32_t value)
     *chip_at(chip, CHIP_FDCAN1_CCCR) = after;
 }
 
-/* One frame a write, at the put index (46.3.5, FIFO mode). */
+/* One frame a write, at the put index (46.3.5). */
 static void request(chip_t *chip, uint32_t value)
 {
     chip_can_t *can = &chip->can;
-    if (value != 1U << can->put || can->order_count == ELEMENTS) {
-        chip_note(chip, "CAN: a request for element %X, the put index is %u", value, can->put);
+    const uint32_t index = put_index(chip);
+    if (value != 1U << index || can->order_count == ELEMENTS) {
+        chip_note(chip, "CAN: a request for element %X, the put index is %u", value, index);
         return;
     }
-    can->order[can->order_count] = can->put;
-    can->order_count++;
+    *chip_at(chip, CHIP_FDCAN1_TXBRP) |= value;
+    *chip_at(chip, CHIP_FDCAN1_TXBTO) &= ~value;
+    *chip_at(chip, CHIP_FDCAN1_TXBCF) &= ~value;
+    chip_can_request(chip, index);
     can->put = (can->put + 1U) % ELEMENTS;
+}
+
+static void finish(chip_t *chip, unsigned element, uint32_t outcome)
+{
+    const uint32_t bit = 1U << element;
+    chip_can_forget(chip, element);
+    *chip_at(chip, CHIP_FDCAN1_TXBRP) &= ~bit;
+    *chip_at(chip, CHIP_FDCAN1_TXBCR) &= ~bit;
+    *chip_at(chip, outcome) |= bit;
+}
+
+/* 46.3.5: a pending element is cancelled at once, one on the bus comes to its end. */
+static void cancel(chip_t *chip, uint32_t value)
+{
+    for (unsigned element = 0; element < ELEMENTS; element++) {
+        const bool pending = (chip_get(chip, CHIP_FDCAN1_TXBRP) >> element & 1U) != 0;
+        if ((value >> element & 1U) != 0 && pending && !chip_can_sends(chip, element)) {
+            finish(chip, element, CHIP_FDCAN1_TXBCF);
+        }
+    }
 }
 
 bool chip_can_write(chip_t *chip, uint32_t address, uint32_t value)
@@ -197,12 +238,15 @@ bool chip_can_write(chip_t *chip, uint32_t address, uint32_t value)
     case CHIP_FDCAN1_TXBAR:
         request(chip, value);
         return true;
+    case CHIP_FDCAN1_TXBCR:
+        cancel(chip, value);
+        return true;
     default:
         return false;
     }
 }
 
-static chip_frame_t frame_in(const chip_t *chip, unsigned element)
+chip_frame_t chip_can_mailbox(const chip_t *chip, unsigned element)
 {
     const uint32_t at = ram_address(TRANSMIT + element * ELEMENT_BYTES);
     chip_frame_t frame = {.identifier = (uint16_t)(chip_get(chip, at) >> IDENTIFIER_SHIFT & 0x7FFU),
@@ -212,56 +256,29 @@ static chip_frame_t frame_in(const chip_t *chip, unsigned element)
     return frame;
 }
 
-static void begin_sending(chip_t *chip)
+/* 46.3.5: in the order of the requests; of the queue the lowest identifier. */
+unsigned chip_can_offered(chip_t *chip)
 {
-    chip_can_t *can = &chip->can;
-    if (can->is_sending || can->order_count == 0 || !is_on_bus(chip)) {
-        return;
+    const chip_can_t *can = &chip->can;
+    const bool silent = chip->fault.can_silent || !chip_drives_low(chip, 'C', 11);
+    if (can->order_count == 0 || silent) {
+        return CHIP_MAILBOXES;
     }
-    const chip_frame_t frame = frame_in(chip, can->order[0]);
-    const chip_ticks_t begin = chip->now > can->bus_free ? chip->now : can->bus_free;
-    can->is_sending = true;
-    can->sent = begin + chip_can_frame_ticks(&frame);
-    can->bus_free = can->sent;
+    unsigned first = can->order[0];
+    for (unsigned i = 1; is_queue(chip) && i < can->order_count; i++) {
+        if (chip_can_mailbox(chip, can->order[i]).identifier <
+            chip_can_mailbox(chip, first).identifier) {
+            first = can->order[i];
+        }
+    }
+    return first;
 }
 
-static void end_sending(chip_t *chip)
+void chip_can_sent(chip_t *chip, unsigned element)
 {
-    chip_can_t *can = &chip->can;
-    const chip_frame_t frame = frame_in(chip, can->order[0]);
-    const uint32_t first = chip_get(chip, ram_address(TRANSMIT + can->order[0] * ELEMENT_BYTES));
+    const uint32_t first = chip_get(chip, ram_address(TRANSMIT + element * ELEMENT_BYTES));
     if ((first & ~(0x7FFU << IDENTIFIER_SHIFT)) != 0) {
         chip_note(chip, "CAN: an extended or a remote frame");
     }
-    can->is_sending = false;
-    can->order_count--;
-    memmove(&can->order[0], &can->order[1], can->order_count * sizeof can->order[0]);
-    chip_can_sent(chip, &frame);
-}
-
-chip_ticks_t chip_can_next(chip_t *chip)
-{
-    begin_sending(chip);
-    const chip_can_t *can = &chip->can;
-    const chip_ticks_t arrives = chip_can_arrival(chip);
-    const chip_ticks_t sent = can->is_sending ? can->sent : CHIP_NEVER;
-    const chip_ticks_t joined = can->order_count > 0 && !can->is_sending && can->joined > chip->now
-                                    ? can->joined
-                                    : CHIP_NEVER;
-    const chip_ticks_t first = arrives < sent ? arrives : sent;
-    return first < joined ? first : joined;
-}
-
-void chip_can_events(chip_t *chip)
-{
-    chip_can_t *can = &chip->can;
-    if (can->is_sending && chip->now >= can->sent) {
-        end_sending(chip);
-    }
-    while (can->count > 0 && !can->is_sending && chip->now >= chip_can_arrival(chip)) {
-        const chip_frame_t frame = chip_can_arrived(chip);
-        if (is_on_bus(chip)) {
-            deliver(chip, &frame);
-        }
-    }
+    finish(chip, element, CHIP_FDCAN1_TXBTO);
 }
