@@ -72,7 +72,9 @@ bridge_mode_t bridge_choice_step(bridge_choice_state_t *state, const config_t *c
     const safe_state_t *safe = &watch->safe;
     const bool switching = measured_switching(now);
     const bool enabled = torque_enable_any(*enable);
-    const bool wanted = demanded || torque->command_mNm != 0;
+    const bool drags = torque_command_is_against(torque->command_mNm, now->speed_mrad_s) &&
+                       q_abs(torque->command_mNm) <= torque->coasting_mNm;
+    const bool wanted = demanded || (torque->command_mNm != 0 && !drags);
     const bool idle = coasts(state, config, safe, torque->phase_voltage_mV,
                              now->report->bridge == BRIDGE_OFF, wanted);
     const bool lost =

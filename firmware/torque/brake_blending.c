@@ -34,6 +34,17 @@ static int32_t braking_part(int32_t torque_mNm, int32_t speed_mrad_s)
     return q_max(speed_mrad_s >= 0 ? -torque_mNm : torque_mNm, 0);
 }
 
+/* Zero current keeps every deferrable line, and with series_optimal the motor, which would drive
+ * against its own drag else, does not fall below that but in the blend-out. */
+static int32_t not_below_coasting_mNm(const config_t *config, const torque_limits_t *limits,
+                                      int32_t bound_mNm, int32_t coasting_mNm)
+{
+    const bool series = config->brake.strategy == CONFIG_STRATEGY_SERIES_OPTIMAL;
+    const int32_t least_mNm =
+        q_min(coasting_mNm, limits->braking[TORQUE_LINE_BLEND_OUT].torque_mNm);
+    return series ? q_max(bound_mNm, least_mNm) : bound_mNm;
+}
+
 /* What a value is expected to be some milliseconds later; unchanged while it rises. A low-pass of a
  * ramp lags it by the slope times the time constant. */
 static int32_t expected(filter_t *low_pass, int32_t value, int32_t ahead_ms)
@@ -237,12 +248,15 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
     const config_brake_t *brake = &config->brake;
     const int32_t speed_mrad_s = now->speed_mrad_s;
     const int32_t brake_torque_mNm = q_max(demand->brake_torque_mNm, 0);
-    const torque_limits_classes_t bounds = torque_limits_classes(limits->braking);
+    torque_limits_classes_t bounds = torque_limits_classes(limits->braking);
     const int32_t share_mNm = limits->braking[TORQUE_LINE_ELECTRIC_SHARE].torque_mNm;
+    limit_t available = torque_limits_at_most(
+        limits->braking, q_min(q_min(bounds.hard_mNm, bounds.deferrable_mNm), share_mNm));
+    bounds.deferrable_mNm =
+        not_below_coasting_mNm(config, limits, bounds.deferrable_mNm, motor->coasting_mNm);
     /* Tightest of the lines that do not depend on the demand. */
     const int32_t independent_mNm = q_min(bounds.hard_mNm, bounds.deferrable_mNm);
-    const limit_t available =
-        torque_limits_at_most(limits->braking, q_min(independent_mNm, share_mNm));
+    available.torque_mNm = q_min(independent_mNm, share_mNm);
     const int32_t predicted_mNm = expected_limit_mNm(state, config, independent_mNm, speed_mrad_s);
     /* The anti-lock system's bound steps, so its slope says nothing; nor does a slipping wheel's.
      */
@@ -289,6 +303,7 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
         .made_mNm = made.torque_mNm,
         .uncovered_mNm = q_max(left_mNm, 0),
         .rise_mNm = rise_mNm,
+        .hard_mNm = bounds.hard_mNm,
         .available = available,
         .reason = electric.reason,
         .hydraulic_reason = beyond ? REASON_HYDRAULIC_LIMIT : REASON_NONE,

@@ -60,6 +60,55 @@ static bool road_is_seen(const torque_limits_t *table, const measured_t *now,
            table->braking[TORQUE_LINE_ABS].torque_mNm == FEASIBLE_UNBOUNDED;
 }
 
+/* What the wheel brakes with at zero current, iron loss and bearings, where a bridge without a
+ * demand opens. Elsewhere PWM holds it at zero torque. */
+static int32_t coasting_mNm(const motor_model_t *model, const monitored_t *watch,
+                            int32_t phase_voltage_mV)
+{
+    static const motor_current_t ZERO = {.d_mA = 0, .q_mA = 0};
+    const safe_state_t *safe = &watch->safe;
+    const bool opens = model->config->modes.coast_delay_ms > 0 && safe->bridge == BRIDGE_OFF &&
+                       safe->torque_mNm == 0 && safe->emf_mV < phase_voltage_mV;
+    return opens ? q_abs(motor_model_torque_mNm(model, motor_model_point(model, ZERO))) : 0;
+}
+
+/* What the motor adds to its part of a small demand: with D demanded and the coasting torque C both
+ * brakes make max(D, C + D/2). Zero current keeps every deferrable line; what is more than that
+ * stays within all of them. */
+static int32_t beside_coasting_mNm(const demand_t *demand, const brake_blending_out_t *split,
+                                   int32_t electric_mNm, int32_t coasting_mNm)
+{
+    const int32_t demanded_mNm =
+        q_saturate64((int64_t)demand->brake_torque_mNm + demand->lift_off_mNm);
+    const int32_t added_mNm = q_max(coasting_mNm - demanded_mNm / 2, 0);
+    const int32_t most_mNm =
+        q_min(q_max(coasting_mNm, split->available.torque_mNm), split->hard_mNm);
+    const bool lifts_off = demand->lift_off_mNm > 0;
+    const int32_t wanted_mNm = q_max(electric_mNm + added_mNm, lifts_off ? coasting_mNm : 0);
+    return q_max(q_min(wanted_mNm, most_mNm) - electric_mNm, 0);
+}
+
+/* Of both brakes; after braking, of what coasting does until the bridge opens. */
+static motor_braking_t motor_braking(const torque_state_t *state, const demand_t *demand,
+                                     const brake_blending_out_t *split, const lift_off_t *lift_off,
+                                     int32_t coasting_mNm, bool bridge_open)
+{
+    const int32_t electric_mNm = split->electric_mNm + lift_off->motor_mNm;
+    const bool braked = state->command.braked && demand->drive_torque_mNm == 0 &&
+                        state->demand.lost_ms == 0 && !bridge_open;
+    const bool brakes = demand->brake_torque_mNm > 0 || demand->lift_off_mNm > 0 || braked;
+    const bool coasts = brakes && demand->hydraulic_valid;
+    const int32_t added_mNm =
+        coasts ? beside_coasting_mNm(demand, split, electric_mNm, coasting_mNm) : 0;
+    const motor_braking_t out = {
+        .electric_mNm = electric_mNm + added_mNm,
+        .uncovered_mNm =
+            q_saturate64((int64_t)split->uncovered_mNm + lift_off->motor_mNm + added_mNm),
+        .rise_mNm = split->rise_mNm,
+    };
+    return out;
+}
+
 /* That PWM has, or would have if it took over from diodes that charge the battery. */
 static int32_t phase_voltage_mV(const config_t *config, const measured_t *now,
                                 const monitored_t *watch, const torque_enable_t *enable)
@@ -111,7 +160,7 @@ static void step_limits(torque_state_t *state, const feasible_set_t *set, const 
 
 /* What is lost of the flux is missing in the torque; the hydraulic brake makes up for it. */
 static motor_now_t motor_now(const config_t *config, const measured_t *now,
-                             const monitored_t *watch, int32_t modelled_mNm)
+                             const monitored_t *watch, int32_t modelled_mNm, int32_t coasting_mNm)
 {
     const int32_t lost_q15 = watch->flux_missing_q15;
     const int32_t lost_mNm =
@@ -120,6 +169,7 @@ static motor_now_t motor_now(const config_t *config, const measured_t *now,
     const motor_now_t out = {
         .achieved_mNm = modelled_mNm - lost_mNm,
         .short_mNm = shorted ? watch->safe.torque_mNm : 0,
+        .coasting_mNm = coasting_mNm,
         .growth_mNm = torque_command_growth_mNm(config, now->report->voltage_use_q15),
         .missing_q15 = missing_q15(config, watch),
         /* Without any angle there is no torque that could ramp out. */
@@ -150,8 +200,9 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
     const feasible_set_t set = feasible_set_at(&model, voltage_mV);
     const motor_current_t mean = {.d_mA = now->i_d_mA, .q_mA = now->i_q_mA};
     const motor_point_t flowing = motor_model_point(&model, mean);
+    const int32_t coasts_mNm = coasting_mNm(&model, watch, voltage_mV);
     const motor_now_t motor =
-        motor_now(config, now, watch, motor_model_torque_mNm(&model, flowing));
+        motor_now(config, now, watch, motor_model_torque_mNm(&model, flowing), coasts_mNm);
     const demand_t demand =
         seen_demand(demand_step(&state->demand, config, in, now->speed_mrad_s, watch->standstill),
                     motor.missing_q15);
@@ -159,12 +210,9 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
     const brake_blending_out_t split = blend(state, config, now, last, in, enable, &demand, &motor);
     const reason_t found = brake_blending_report(&state->blending, findings);
     const lift_off_t lift_off =
-        lift_off_split(&state->table, demand.lift_off_mNm, split.electric_mNm);
-    const motor_braking_t braking = {
-        .electric_mNm = split.electric_mNm + lift_off.motor_mNm,
-        .uncovered_mNm = q_saturate64((int64_t)split.uncovered_mNm + lift_off.motor_mNm),
-        .rise_mNm = split.rise_mNm,
-    };
+        lift_off_split(&state->table, demand.lift_off_mNm, split.electric_mNm, coasts_mNm);
+    const motor_braking_t braking =
+        motor_braking(state, &demand, &split, &lift_off, coasts_mNm, motor.bridge_open);
     const torque_command_out_t limited =
         torque_command_step(&state->command, config, &state->table, now, last->torque_command_mNm,
                             enable, &demand, &braking, motor.bridge_open);
@@ -191,6 +239,7 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
     const torque_output_t out = {
         .current = current,
         .command_mNm = limited.command_mNm,
+        .coasting_mNm = coasts_mNm,
         .estimate_mNm = motor.achieved_mNm,
         .hydraulic_mNm = hydraulic_mNm,
         .hydraulic_added_mNm = q_max(q_max(hydraulic_mNm, own_path_mNm) - split.hydraulic_mNm, 0),

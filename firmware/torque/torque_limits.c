@@ -28,6 +28,7 @@ void torque_limits_clear(torque_limits_t *table)
     table->least_switch_mNm = 0;
     table->winding_hotter_cC = 0;
     table->current_missing_q15 = 0;
+    table->optimum_mNm = FEASIBLE_UNBOUNDED;
     for (torque_line_t line = 0; line < TORQUE_LINE_COUNT; line++) {
         table->driving[line] = limit_init(FEASIBLE_UNBOUNDED, REASON_NONE);
         table->braking[line] = table->driving[line];
@@ -352,8 +353,8 @@ void torque_limits_plain(torque_limits_t *table, const motor_model_t *model,
     const int32_t optimum_mNm =
         loss_maps_torque_mNm(config, model->speed_mrad_s, model->winding_temperature_cC) +
         scaled_shift(model->friction_b, -model->constants->torque_shift);
-    torque_limits_strategy(table->braking, config, model->speed_mrad_s,
-                           seen_mNm(optimum_mNm, table->current_missing_q15),
+    table->optimum_mNm = seen_mNm(optimum_mNm, table->current_missing_q15);
+    torque_limits_strategy(table->braking, config, model->speed_mrad_s, table->optimum_mNm,
                            q_max(brake_torque_mNm, 0));
     table->losses = loss_braking_at(model, table->losses.returned, q_min(winding_q15, switch_q15));
 }

@@ -68,6 +68,7 @@ typedef struct {
     int32_t achieved_mNm; /* estimated from measured currents, signed */
     int32_t short_mNm;    /* braking torque of an active short circuit by its model, magnitude; 0:
                              the bridge is not shorted */
+    int32_t coasting_mNm; /* braking torque at zero current, where coasting is one; magnitude */
     int32_t growth_mNm;   /* permitted change of the command's magnitude; negative: it must fall */
     int32_t missing_q15;  /* share of its current that it does not see, 0 .. 16 384: the hydraulic
                              brake takes that much of its part */
@@ -78,6 +79,7 @@ typedef struct {
     int32_t electric_mNm;  /* torque demanded of the motor, magnitude >= 0, before the torque rate
                               limit; above `available` only while a limit is bridged */
     int32_t hydraulic_mNm; /* magnitude >= 0 */
+    int32_t hard_mNm;      /* the tightest hard line */
     limit_t available;     /* largest electric torque under this strategy, and its reason */
     reason_t reason;       /* of an electric torque below the demand; else REASON_NONE */
     reason_t hydraulic_reason; /* REASON_HYDRAULIC_LIMIT if both brakes cannot meet the demand */

@@ -3,8 +3,9 @@
  * lift_off.h: lift-off braking, by the motor beside what the brake pedal has of it. 1 kHz.
  *
  * All limits of the motor hold but those of the braking strategy: the driver may brake beyond the
- * loss optimum with the accelerator. What the low-speed blend-out takes away is handed to the
- * hydraulic brake, so that the vehicle comes to rest and stays there, and what CURRENT_GAIN does.
+ * loss optimum with the accelerator, up to the torque from which on the battery would pay for it.
+ * What that and the low-speed blend-out take away is handed to the hydraulic brake, so that the
+ * vehicle comes to rest and stays there, and what CURRENT_GAIN does.
  */
 #ifndef TORQUE_LIFT_OFF_H
 #define TORQUE_LIFT_OFF_H
@@ -20,7 +21,9 @@ typedef struct {
 } lift_off_t;
 
 /* demand_mNm: lift-off braking; electric_mNm: what brake blending demands of the motor; both
- * magnitudes >= 0. The motor's part is what these limits leave beside electric_mNm. */
-lift_off_t lift_off_split(const torque_limits_t *limits, int32_t demand_mNm, int32_t electric_mNm);
+ * magnitudes >= 0. coasting_mNm: what the wheel brakes with at zero current, >= 0. The motor's part
+ * is what these limits leave beside electric_mNm. */
+lift_off_t lift_off_split(const torque_limits_t *limits, int32_t demand_mNm, int32_t electric_mNm,
+                          int32_t coasting_mNm);
 
 #endif

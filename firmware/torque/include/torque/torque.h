@@ -32,6 +32,8 @@
 typedef struct {
     current_setpoint_t current;
     int32_t command_mNm;         /* signed */
+    int32_t coasting_mNm;        /* braking torque at zero current, magnitude; 0 where a bridge
+                                    without a demand does not open */
     int32_t estimate_mNm;        /* signed, from measured currents, at the shaft */
     int32_t hydraulic_mNm;       /* magnitude >= 0 */
     int32_t hydraulic_added_mNm; /* of it, beyond what brake blending commands */

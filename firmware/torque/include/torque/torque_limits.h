@@ -74,6 +74,7 @@ typedef struct {
                                                     braking, while only an estimate is hot */
     int32_t winding_hotter_cC;                   /* measured_t */
     int32_t current_missing_q15;                 /* torque_limits_input_t */
+    int32_t optimum_mNm;                         /* braking torque that returns the most energy */
 } torque_limits_t;
 
 /* No bounds, whole battery currents. */

@@ -22,6 +22,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "coasting.h"
 #include "random_values.h"
 #include "slow_step_rig.h"
 #include "torque/demand.h"
@@ -307,12 +308,21 @@ static void check_driving(bool lost)
     }
 }
 
+/* What a braking demand adds to. */
+static int32_t coasting_mNm(void)
+{
+    return coasting_most_mNm(&rig.config, rig.out.speed_mrad_s, rig.in.temperature.winding_cC);
+}
+
 static void check_lost(void)
 {
     const int32_t rate_mNm = demand_rate_mNm_per_step(&rig.config);
     const int32_t command_mNm = q_abs(rig.out.motor_torque_command_mNm);
     const int32_t falling_mNm = q_max(q_abs(reference.before_mNm) - rate_mNm, 0);
-    check(command_mNm <= q_max(falling_mNm, reference.kept_mNm), "a lost demand grows");
+    const int32_t kept_mNm = reference.kept_mNm;
+    const int32_t most_mNm =
+        kept_mNm > 0 ? q_max(kept_mNm, coasting_mNm() + kept_mNm / 2) : kept_mNm;
+    check(command_mNm <= q_max(falling_mNm, most_mNm), "a lost demand grows");
     if (reference.kept_mNm > 0) {
         counts.lost++;
     }
@@ -325,8 +335,14 @@ static void check_sign(bool lost)
     const int32_t wanted_mNm = brakes ? -sign_of_speed() * reference.kept_mNm
                                       : q_clamp(demand->drive_torque_mNm, -100000000, 100000000) *
                                             (rig.out.direction == DRIVE_DIRECTION_NEUTRAL ? 0 : 1);
-    const int32_t low = q_min(q_min(reference.before_mNm, 0), wanted_mNm);
-    const int32_t high = q_max(q_max(reference.before_mNm, 0), wanted_mNm);
+    /* Beside coasting, which goes on after braking. */
+    const bool braked =
+        reference.before_mNm != 0 && (reference.before_mNm > 0) == (sign_of_speed() < 0);
+    const int32_t more_mNm =
+        brakes || braked ? q_max(coasting_mNm() - q_abs(wanted_mNm) / 2, 0) : 0;
+    const int32_t beside_mNm = wanted_mNm - sign_of_speed() * more_mNm;
+    const int32_t low = q_min(q_min(reference.before_mNm, 0), q_min(wanted_mNm, beside_mNm));
+    const int32_t high = q_max(q_max(reference.before_mNm, 0), q_max(wanted_mNm, beside_mNm));
     check(rig.out.motor_torque_command_mNm >= low && rig.out.motor_torque_command_mNm <= high,
           "the command leaves what is demanded");
 }

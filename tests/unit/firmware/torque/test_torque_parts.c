@@ -279,17 +279,17 @@ void test_lift_off_braking_stays_with_the_motor_while_the_hydraulic_brake_arrive
 
 /* ---- the reason shown ---- */
 
-void test_one_millinewton_metre_of_braking_shows_its_reason(void)
+void test_one_millinewton_metre_beyond_coasting_shows_its_reason(void)
 {
     in.speed_mrad_s = CREEP_mrad_s;
-    in.brake_torque_mNm = 1;
+    in.brake_torque_mNm = step().coasting_mNm + 1;
     TEST_ASSERT_EQUAL_INT(REASON_LOSS_OPTIMUM, step().reason); /* none, so slowly */
     in.brake_torque_mNm = 0;
     TEST_ASSERT_EQUAL_INT(REASON_NONE, step().reason);
 }
 
 /* The hydraulic brake's torque falls after the motor's: that is no limit of the motor any more. */
-void test_released_pedals_show_no_reason_once_the_motor_is_without_torque(void)
+void test_released_pedals_show_no_reason_once_the_motor_coasts(void)
 {
     in.brake_torque_mNm = 60000;
     run(1000);
@@ -297,7 +297,7 @@ void test_released_pedals_show_no_reason_once_the_motor_is_without_torque(void)
     int shown = 0;
     for (int n = 0; n < 500; n++) {
         const torque_output_t out = step();
-        if (out.command_mNm == 0 && state.blending.covered_mNm > 0) {
+        if (-out.command_mNm == out.coasting_mNm && state.blending.covered_mNm > 0) {
             shown++;
             TEST_ASSERT_EQUAL_INT(REASON_NONE, out.reason);
         }
