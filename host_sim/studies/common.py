@@ -40,7 +40,7 @@ def no_options(_parser: Parser) -> None:
     """Add no option."""
 
 
-def nothing_more(_outcomes: Sequence[DataclassInstance]) -> Mapping[str, Any]:
+def no_further_keys(_outcomes: Sequence[DataclassInstance]) -> Mapping[str, Any]:
     """Return nothing."""
     return {}
 
@@ -88,7 +88,7 @@ class Study(Generic[Case, Outcome]):
     holds: Callable[[Sequence[Outcome]], bool]
     count: int | None = None
     options: Callable[[Parser], None] = no_options
-    more: Callable[[Sequence[Outcome]], Mapping[str, Any]] = nothing_more
+    more: Callable[[Sequence[Outcome]], Mapping[str, Any]] = no_further_keys
 
     @property
     def folder(self) -> Path:

@@ -148,11 +148,11 @@ void test_accelerator_held_while_switched_on_rolling_drives_once_it_was_released
         in.enable = false;
         TEST_ASSERT_EQUAL_INT16(0, step().torque_enable.drive_q15);
         in.enable = true;
-        const modes_output_t held = run(10000);
-        TEST_ASSERT_EQUAL_INT16(0, held.torque_enable.drive_q15);
-        TEST_ASSERT_EQUAL_INT16(Q15_ONE, held.torque_enable.brake_q15);
-        TEST_ASSERT_NOT_EQUAL_INT(REASON_NONE, held.torque_enable.reason);
-        TEST_ASSERT_EQUAL_INT(WAITS_FOR_PEDAL_RELEASE, held.waits_for);
+        const modes_output_t pressed = run(10000);
+        TEST_ASSERT_EQUAL_INT16(0, pressed.torque_enable.drive_q15);
+        TEST_ASSERT_EQUAL_INT16(Q15_ONE, pressed.torque_enable.brake_q15);
+        TEST_ASSERT_NOT_EQUAL_INT(REASON_NONE, pressed.torque_enable.reason);
+        TEST_ASSERT_EQUAL_INT(WAITS_FOR_PEDAL_RELEASE, pressed.waits_for);
         in.drive_demanded = false;
         in.demand_lost = true; /* a released pedal of an old demand is none */
         run(10);

@@ -11,22 +11,9 @@ from regen_table import schema
 from regen_table.schema import Drive
 
 DRIVES = ("lu2013", "ebike36v", "scooter48v", "ipm400v")
-SPEED_SHARES = (
-    0.02,
-    0.1,
-    0.3,
-    0.7,
-)  # of the highest speed; an open bridge coasts at all of them
-DEMAND_SHARES = (
-    0.0005,
-    0.002,
-    0.005,
-    0.01,
-    0.02,
-    0.04,
-    0.07,
-    0.2,
-)  # of the rated torque
+# Of the highest speed; an open bridge coasts at all of them.
+SPEED_SHARES = (0.02, 0.1, 0.3, 0.7)
+DEMAND_SHARES = (0.0005, 0.002, 0.005, 0.01, 0.02, 0.04, 0.07, 0.2)  # of the rated torque
 TOLERANCE = 1e-3  # of the rated torque, and of the largest power
 SETTLED_S = 0.6
 SIGNALS = (
@@ -43,7 +30,9 @@ def read(name: str) -> Drive:
     return schema.load(path_of(name))
 
 
-def settled(name: str, speed_share: float, **pedals: float) -> tuple[float, float]:
+def settled(
+    name: str, speed_share: float, demand_nm: float = 0.0, drive_nm: float = 0.0
+) -> tuple[float, float]:
     """Return braking torque of motor, bearings and hydraulic brake, and power out of the bus.
 
     Of one wheel at constant speed: the vehicle weighs as much as a bench permits.
@@ -52,47 +41,40 @@ def settled(name: str, speed_share: float, **pedals: float) -> tuple[float, floa
     motor = drive.motor
     radius_m = drive.vehicle.wheel_radius_m
     top_kmh = 3.6 * motor.max_speed_rpm * np.pi / 30.0 * radius_m
-    keys = {
-        "initial_speed_kmh": speed_share * top_kmh, "drag": False, "noise": False,
-        "record_interval_s": 0.001, **pedals,
-    }  # fmt: skip
     with hubsim.Bench(
         hubsim.load_configuration(path_of(name)),
         record=SIGNALS,
         plant={"vehicle.mass_kg": 1e6},
-        **keys,
+        initial_speed_kmh=speed_share * top_kmh,
+        drag=False,
+        noise=False,
+        record_interval_s=0.001,
+        demand_nm=demand_nm,
+        drive_nm=drive_nm,
     ) as bench:
         rows = bench.run(SETTLED_S + 0.2)
     late = rows["time_s"] > SETTLED_S
     bearings_nm = (
-        motor.friction_torque_nm
-        + motor.viscous_friction_nm_s * rows["wheel0.speed_rad_per_s"]
+        motor.friction_torque_nm + motor.viscous_friction_nm_s * rows["wheel0.speed_rad_per_s"]
     )
-    braking_nm = (
-        bearings_nm
-        - rows["wheel0.motor_torque_nm"]
-        + rows["wheel0.hydraulic_torque_nm"]
-    )
+    braking_nm = bearings_nm - rows["wheel0.motor_torque_nm"] + rows["wheel0.hydraulic_torque_nm"]
     return float(np.mean(braking_nm[late])), float(np.mean(rows["wheel0.dc_w"][late]))
 
 
 @pytest.mark.parametrize("pedal", ["brake", "accelerator"])
 @pytest.mark.parametrize("name", DRIVES)
-def test_a_light_brake_adds_to_coasting_and_draws_no_power(
-    name: str, pedal: str
-) -> None:
+def test_a_light_brake_adds_to_coasting_and_draws_no_power(name: str, pedal: str) -> None:
     drive = read(name)
     rated_nm, most_w = drive.motor.rated_torque_nm, drive.motor.max_power_w
     for speed in SPEED_SHARES:
         before_nm, _ = settled(name, speed)
         for share in DEMAND_SHARES:
             demand_nm = share * rated_nm
-            pedals = (
-                {"demand_nm": demand_nm}
+            braking_nm, drawn_w = (
+                settled(name, speed, demand_nm=demand_nm)
                 if pedal == "brake"
-                else {"drive_nm": -demand_nm}
+                else settled(name, speed, drive_nm=-demand_nm)
             )
-            braking_nm, drawn_w = settled(name, speed, **pedals)
             where = f"{speed} of the highest speed, {demand_nm} N m"
             assert braking_nm > before_nm - TOLERANCE * rated_nm, where
             assert braking_nm > demand_nm - TOLERANCE * rated_nm, where
