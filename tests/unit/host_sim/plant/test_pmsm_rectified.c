@@ -185,7 +185,7 @@ void test_a_current_that_can_be_measured_is_left_alone(void)
     TEST_ASSERT_EQUAL_DOUBLE(1e-29, state.i_t.d);
 }
 
-static void check_nothing_flows(const pmsm_flow_t *flow)
+static void check_no_flow(const pmsm_flow_t *flow)
 {
     const pmsm_flow_t none = {.charge_as = {0.0, 0.0}};
     TEST_ASSERT_EQUAL_DOUBLE(none.charge_as.alpha, flow->charge_as.alpha);
@@ -205,7 +205,7 @@ void test_a_motor_at_rest_stays_as_it_is_and_starts_like_one_that_never_rested(v
     pmsm_state_t rested = pmsm_at_rest(0.3);
     for (int k = 0; k < 5; k++) {
         const pmsm_flow_t flow = pmsm_step_rectified(&machine, &rested, CEILING_V, &still);
-        check_nothing_flows(&flow);
+        check_no_flow(&flow);
     }
     pmsm_state_t fresh = pmsm_at_rest(0.3);
     for (int k = 0; k < 5; k++) {
