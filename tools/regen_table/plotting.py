@@ -86,6 +86,16 @@ def vector(made: Figure) -> bytes:
     return out.getvalue()
 
 
+class Picture:
+    """A figure as the last value of a notebook's cell, which would show a bare one as its name."""
+
+    def __init__(self, made: Figure) -> None:
+        self._made = made
+
+    def _repr_svg_(self) -> str:
+        return vector(self._made).decode()
+
+
 def rendered(figures: dict[str, Figure]) -> dict[str, bytes]:
     """Return every figure as SVG and PNG, by the files' names."""
     files: dict[str, bytes] = {}

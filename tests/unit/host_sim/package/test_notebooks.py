@@ -2,12 +2,14 @@
 """The shipped notebooks: every cell runs with the installed wheel, outside the repository.
 
 Cells are plain Python, so a kernel is not needed: they are executed one after the other in one
-name space, as a kernel does.
+name space, and the value of a cell's last expression is shown, as a kernel does: as the picture
+that it makes of itself, or else as text.
 """
 
 import json
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import nbformat
 import pytest
@@ -18,14 +20,21 @@ pytest_plugins = ("wheel_fixtures",)
 NOTEBOOKS = sorted((PROJECT / "notebooks").glob("*.ipynb"))
 
 RUN = """
-import json, sys
+import ast, json, sys
 import matplotlib
 matplotlib.use("Agg")
 notebook = json.load(open(sys.argv[1], encoding="utf-8"))
 cells = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
-names = {}
+names, pictures, texts = {}, [], []
 for number, cell in enumerate(cells):
-    exec(compile("".join(cell["source"]), f"code cell {number}", "exec"), names)
+    tree, place = ast.parse("".join(cell["source"])), f"code cell {number}"
+    last = tree.body.pop() if isinstance(tree.body[-1], ast.Expr) else None
+    exec(compile(tree, place, "exec"), names)
+    shown = eval(compile(ast.Expression(last.value), place, "eval"), names) if last else None
+    if hasattr(shown, "_repr_svg_"):
+        pictures.append(shown._repr_svg_())
+    elif shown is not None:
+        texts.append(repr(shown))
 assert names["hubsim"].__file__.startswith(sys.prefix), names["hubsim"].__file__
 Figure = matplotlib.figure.Figure
 figures = {name: value for name, value in names.items() if isinstance(value, Figure)}
@@ -33,6 +42,7 @@ curves = names["simulated"]
 for name, figure in figures.items():
     figure.savefig(f"{name}.png")
 print("RESULTS " + json.dumps({
+    "pictures": pictures, "texts": texts,
     "figures": {
         name: sum(len(axes.get_lines()) for axes in figure.axes) for name, figure in figures.items()
     },
@@ -70,6 +80,21 @@ def test_the_papers_three_figures_are_drawn(results: dict[str, Any], installed: 
     assert all(lines >= 3 for lines in results["figures"].values())
     for name in results["figures"]:
         assert (installed.place / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_reader_sees_pictures_and_no_name_of_an_object(results: dict[str, Any]) -> None:
+    assert results["texts"] == []
+    titles = ("regions of a demand", "no power", "stop from 40 km/h")
+    assert len(results["pictures"]) == len(titles)
+    for picture, title in zip(results["pictures"], titles, strict=True):
+        svg = ElementTree.fromstring(picture)
+        assert svg.tag == "{http://www.w3.org/2000/svg}svg"
+        assert title in "".join(svg.itertext())
+        curves = [
+            path for path in svg.iter("{http://www.w3.org/2000/svg}path")
+            if path.get("d", "").count("L") > 10
+        ]  # fmt: skip
+        assert len(curves) >= 3, title
 
 
 def test_the_optimum_equals_the_papers_equation(results: dict[str, Any]) -> None:
