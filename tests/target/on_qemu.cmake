@@ -161,6 +161,9 @@ foreach(path IN LISTS scenarios)
     "test_scenarios.py::test_the_emulated_run_is_the_hosts[${scenario}]")
 endforeach()
 
+# The README's recipe for a debugger on the emulator.
+pil_test(. debug_recipe 120 python test_debug_recipe.py)
+
 # Every way to compile and to execute the steps: whole scenarios and the sequences in all of them, a
 # minute or more a cell; in every run the sequences in the one that no build has. Both compile into
 # build/matrix.
