@@ -15,6 +15,7 @@
 #include "app/recorder.h"
 #include "app/report_timer.h"
 #include "app/supervisor.h"
+#include "config/demand_age.h"
 #include "controller/controller.h"
 #include "hal/analog.h"
 #include "hal/can.h"
@@ -268,12 +269,16 @@ void app_millisecond_isr(void)
     fast_report_t *from_fast = &app.fast_report[double_buffer_low(&app.from_fast)];
     controller_fast_report_complete(from_fast);
     fast_setpoint_t *to_fast = &app.fast_setpoint[double_buffer_low(&app.to_fast)];
-    fill_slow_input(&app.slow_input, &app.commands[double_buffer_high(&app.to_slow)]);
+    const node_command_t *command = &app.commands[double_buffer_high(&app.to_slow)];
+    fill_slow_input(&app.slow_input, command);
 
     snapshot_t *snapshot = &app.snapshot[double_buffer_high(&app.from_slow)];
     if (pedals_wired(config)) {
         pedal_link_step(&app.pedals, config, &app.slow_input);
         snapshot->pedals = app.pedals.out;
+    }
+    if (demand_needs_transmission(config)) {
+        node_hand_over(command, time_ms(), &app.slow_input);
     }
     snapshot->output =
         controller_slow_step(&app.controller.slow, config, from_fast, &app.slow_input, to_fast);

@@ -40,9 +40,29 @@ bool can_link_init(can_link_t *link, const config_t *config, uint32_t now_ms)
     return can_init(accepted, MESSAGES_RECEIVED);
 }
 
+/* What became of the frames that the CAN controller has; true if the command has changed. */
+static bool follow_sent(can_link_t *link, uint32_t now_ms)
+{
+    bool changed = false;
+    for (uint32_t i = 0; i < MESSAGES_SENT; i++) {
+        uint16_t identifier;
+        if (!node_pending(&link->node, i, &identifier)) {
+            continue;
+        }
+        const can_progress_t progress = can_progress(identifier);
+        if (progress == CAN_SENT) {
+            changed = node_left(&link->node, i, now_ms) || changed;
+        } else if (progress == CAN_ABORTED) {
+            node_aborted(&link->node, i, now_ms);
+        }
+    }
+    return changed;
+}
+
 bool can_link_receive(can_link_t *link, uint32_t now_ms)
 {
     bool changed = node_tick(&link->node, now_ms);
+    changed = follow_sent(link, now_ms) || changed;
     can_frame_t received;
     for (int i = 0; i < FRAMES_PER_PASS && can_receive(&received); i++) {
         messages_frame_t frame = {.identifier = received.identifier, .length = received.length};
@@ -68,7 +88,7 @@ void can_link_transmit(can_link_t *link, uint32_t now_ms, const slow_output_t *o
 {
     messages_frame_t frame;
     while (node_next(&link->node, now_ms, output, temperature, &frame) && transmit(&frame)) {
-        node_sent(&link->node, now_ms);
+        node_taken(&link->node, now_ms);
     }
 }
 
@@ -77,14 +97,15 @@ void can_link_transmit_state(can_link_t *link, uint32_t now_ms, const slow_outpu
 {
     messages_frame_t frame;
     if (node_next_state(&link->node, now_ms, output, temperature, &frame) && transmit(&frame)) {
-        node_sent(&link->node, now_ms);
+        node_taken(&link->node, now_ms);
     }
 }
 
 void can_link_transmit_boot(can_link_t *link, uint32_t now_ms, waits_for_t waits_for)
 {
     messages_frame_t frame;
+    (void)follow_sent(link, now_ms);
     while (node_next_boot(&link->node, now_ms, waits_for, &frame) && transmit(&frame)) {
-        node_sent(&link->node, now_ms);
+        node_taken(&link->node, now_ms);
     }
 }

@@ -45,6 +45,7 @@ void pedal_sender_init(pedal_sender_t *sender, uint32_t now_ms)
     for (int wheel = 0; wheel < CONFIG_WHEELS; wheel++) {
         sender->sent_ms[wheel] = now_ms;
         sender->counter[wheel] = 0;
+        sender->pending[wheel] = false;
     }
 }
 
@@ -61,18 +62,31 @@ static bool transmit(const config_t *config, const pedals_output_t *pedals, int3
     return can_transmit(&sent);
 }
 
+/* A counter advances with a frame that has left. */
+static void follow_sent(pedal_sender_t *sender, const config_t *config, int32_t wheel)
+{
+    const messages_address_t address = can_link_address(config, wheel);
+    const can_progress_t progress =
+        sender->pending[wheel] ? can_progress(messages_identifier(MESSAGES_DEMAND, address))
+                               : CAN_PENDING;
+    if (progress != CAN_PENDING) {
+        sender->pending[wheel] = false;
+        sender->counter[wheel] =
+            (uint8_t)(sender->counter[wheel] + (progress == CAN_SENT ? 1U : 0U));
+    }
+}
+
 void pedal_sender_transmit(pedal_sender_t *sender, const config_t *config,
                            const pedals_output_t *pedals, uint32_t now_ms)
 {
-    if (demand_is_lost(config, pedals->age_ms)) {
-        return;
-    }
+    const bool lost = demand_is_lost(config, pedals->age_ms);
     for (int32_t wheel = 0; wheel < CONFIG_WHEELS; wheel++) {
+        follow_sent(sender, config, wheel);
         const bool listens = ((uint32_t)config->pedals.other_wheels >> wheel & 1U) != 0 &&
                              wheel != config->vehicle.wheel_position;
         const bool due = now_ms - sender->sent_ms[wheel] >= messages_cycle_ms(MESSAGES_DEMAND);
-        if (listens && due && transmit(config, pedals, wheel, sender->counter[wheel])) {
-            sender->counter[wheel]++;
+        if (!lost && listens && due && transmit(config, pedals, wheel, sender->counter[wheel])) {
+            sender->pending[wheel] = true;
             sender->sent_ms[wheel] = now_ms;
         }
     }

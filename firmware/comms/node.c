@@ -35,6 +35,9 @@ void node_init(node_t *node, messages_address_t address, const node_limits_t *li
     node->limits = *limits;
     node->command.bms = limits->pack;
     node->offered = MESSAGES_KINDS;
+    node->command.brake_received = true;
+    node->command.brake_received_ms = now_ms;
+    node->left_in_order = E2E_QUALIFYING_FRAMES;
     init_receiver(&node->demand, MESSAGES_DEMAND);
     node->demand.step_max = (uint32_t)q_clamp(limits->demand_lost_frames, 0, LOST_MAX) + 1U;
     init_receiver(&node->battery, MESSAGES_BATTERY_LIMITS);
@@ -58,9 +61,19 @@ static bool expire_battery_limits(node_t *node)
     return true;
 }
 
+/* The brake system's receiver of WheelBrake, as e2e_timed_out(). */
+static void expire_transmission(node_t *node, uint32_t now_ms)
+{
+    if (now_ms - node->command.brake_received_ms >= NODE_UNSENT_ms) {
+        node->command.brake_received = false;
+        node->left_in_order = 0;
+    }
+}
+
 bool node_tick(node_t *node, uint32_t now_ms)
 {
     bool changed = false;
+    expire_transmission(node, now_ms); /* also known by its time */
     (void)e2e_timed_out(&node->demand, now_ms); /* the torque follows from the demand's age */
     if (node->command.demand_known &&
         now_ms - node->command.demand_time_ms >= NODE_DEMAND_EXPIRY_ms) {
@@ -270,19 +283,66 @@ bool node_next_boot(node_t *node, uint32_t now_ms, waits_for_t waits_for, messag
                    &output, &unknown, frame);
 }
 
-void node_sent(node_t *node, uint32_t now_ms)
+void node_taken(node_t *node, uint32_t now_ms)
 {
     if (node->offered == MESSAGES_KINDS) {
         return;
     }
     const uint32_t i = (uint32_t)node->offered - MESSAGES_RECEIVED;
     const uint32_t cycle_ms = messages_cycle_ms(node->offered);
-    node->counter[i]++;
+    node->pending[i] = true;
     node->due_ms[i] += cycle_ms;
     if (is_due(node->due_ms[i], now_ms)) {
         node->due_ms[i] = now_ms + cycle_ms; /* a whole cycle late: no hurry to catch up */
     }
     node->offered = MESSAGES_KINDS;
+}
+
+bool node_pending(const node_t *node, uint32_t place, uint16_t *identifier)
+{
+    *identifier = messages_identifier(sent_kind(place), node->address);
+    return node->pending[place];
+}
+
+/* As e2e_receive() of the brake system: the third in order is the first to be used. */
+static void note_brake_sent(node_t *node, uint32_t now_ms)
+{
+    expire_transmission(node, now_ms);
+    node->left_in_order = (uint8_t)q_min(node->left_in_order + 1, (int32_t)E2E_QUALIFYING_FRAMES);
+    node->command.brake_received = node->left_in_order == E2E_QUALIFYING_FRAMES;
+    if (node->command.brake_received || node->left_in_order == 1U) {
+        node->command.brake_received_ms = now_ms;
+    }
+}
+
+bool node_left(node_t *node, uint32_t place, uint32_t now_ms)
+{
+    node->pending[place] = false;
+    node->counter[place]++;
+    if (sent_kind(place) != MESSAGES_WHEEL_BRAKE) {
+        return false;
+    }
+    note_brake_sent(node, now_ms);
+    return true;
+}
+
+void node_aborted(node_t *node, uint32_t place, uint32_t now_ms)
+{
+    node->pending[place] = false;
+    node->due_ms[place] = now_ms;
+}
+
+bool node_is_unsent(const node_command_t *command, uint32_t now_ms)
+{
+    return !command->brake_received || now_ms - command->brake_received_ms >= NODE_UNSENT_ms;
+}
+
+void node_hand_over(const node_command_t *command, uint32_t now_ms, slow_input_t *in)
+{
+    if (command->demand_known && node_is_unsent(command, now_ms)) {
+        in->demand.reason = REASON_TRANSMIT_TIMEOUT;
+        in->demand_age_ms = UINT32_MAX;
+    }
 }
 
 uint32_t node_demand_age_ms(const node_command_t *command, uint32_t now_ms)

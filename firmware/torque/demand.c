@@ -51,7 +51,11 @@ static demand_t lost_demand(demand_state_t *state, const config_t *config,
                             const wheel_demand_t *wheel, bool standstill)
 {
     const config_driver_t *driver = &config->driver;
+    const bool unsent = wheel->reason == REASON_TRANSMIT_TIMEOUT;
     state->lost_ms = q_saturate64((int64_t)state->lost_ms + 1);
+    if (unsent) { /* the brake system does not wait either */
+        state->lost_ms = q_max(state->lost_ms, driver->lost_hold_ms + 1);
+    }
     const bool until_standstill = driver->no_other_brake != 0 && !standstill;
     const bool kept = state->lost_ms <= driver->lost_hold_ms || until_standstill;
     /* The brake system's own path has a dead time as well. */
@@ -64,7 +68,7 @@ static demand_t lost_demand(demand_state_t *state, const config_t *config,
         .lift_off_mNm = wheel->abs_active ? 0 : state->lift_off_mNm,
         .brake_torque_mNm = state->brake_torque_mNm,
         .engaged = state->engaged,
-        .reason = REASON_DEMAND_TIMEOUT,
+        .reason = unsent ? REASON_TRANSMIT_TIMEOUT : REASON_DEMAND_TIMEOUT,
         .drive_withdrawn = true,
         .hydraulic_valid = kept,
         .handed_over = handed_over,

@@ -15,8 +15,17 @@ typedef struct {
     uint32_t first, count;
 } queue_t;
 
+/* A frame of the controller's: until the vehicle takes it, and until the controller has asked. */
+typedef struct {
+    can_frame_t frame;
+    bool pending, sent;
+    uint32_t number; /* in the order of the calls */
+} place_t;
+
 static struct {
-    queue_t to_controller, from_controller;
+    queue_t to_controller;
+    place_t place[HOST_CAN_FRAMES];
+    uint32_t transmitted;
     uint16_t accepted[ACCEPTED_MAX];
     uint32_t accepted_count;
     char output[HOST_SERIAL_BYTES];
@@ -62,9 +71,43 @@ void host_can_send(const can_frame_t *frame)
     }
 }
 
+static place_t *place_of(uint16_t identifier)
+{
+    place_t *found = NULL;
+    for (uint32_t i = 0; i < HOST_CAN_FRAMES; i++) {
+        place_t *place = &lines.place[i];
+        if ((place->pending || place->sent) && place->frame.identifier == identifier) {
+            found = place;
+        }
+    }
+    return found;
+}
+
+static place_t *free_place(void)
+{
+    uint32_t i = 0;
+    while (i < HOST_CAN_FRAMES && (lines.place[i].pending || lines.place[i].sent)) {
+        i++;
+    }
+    return i < HOST_CAN_FRAMES ? &lines.place[i] : NULL;
+}
+
 bool host_can_receive(can_frame_t *frame)
 {
-    return pop(&lines.from_controller, frame);
+    place_t *oldest = NULL;
+    for (uint32_t i = 0; i < HOST_CAN_FRAMES; i++) {
+        place_t *place = &lines.place[i];
+        if (place->pending && (oldest == NULL || place->number < oldest->number)) {
+            oldest = place;
+        }
+    }
+    if (oldest == NULL) {
+        return false;
+    }
+    *frame = oldest->frame;
+    oldest->pending = false;
+    oldest->sent = true;
+    return true;
 }
 
 bool can_init(const uint16_t *accepted_identifiers, uint32_t count)
@@ -84,7 +127,30 @@ bool can_receive(can_frame_t *frame)
 
 bool can_transmit(const can_frame_t *frame)
 {
-    return push(&lines.from_controller, frame);
+    place_t *place = place_of(frame->identifier);
+    if (place == NULL) {
+        place = free_place();
+    }
+    if (place == NULL || place->sent) {
+        return false;
+    }
+    place->frame = *frame;
+    place->number = place->pending ? place->number : lines.transmitted++;
+    place->pending = true;
+    return true;
+}
+
+can_progress_t can_progress(uint16_t identifier)
+{
+    place_t *place = place_of(identifier);
+    if (place == NULL) {
+        return CAN_ABORTED;
+    }
+    if (place->pending) {
+        return CAN_PENDING;
+    }
+    place->sent = false;
+    return CAN_SENT;
 }
 
 bool can_bus_off(void)

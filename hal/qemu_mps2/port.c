@@ -205,6 +205,12 @@ bool can_transmit(const can_frame_t *frame)
     return false;
 }
 
+can_progress_t can_progress(uint16_t identifier)
+{
+    (void)identifier;
+    return CAN_ABORTED;
+}
+
 bool can_bus_off(void)
 {
     return false;

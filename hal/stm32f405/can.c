@@ -6,6 +6,7 @@
 #include "hal/can.h"
 
 #include "board.h"
+#include "can_places.h"
 #include "clock.h"
 #include "registers/can.h"
 #include "registers/rcc.h"
@@ -20,6 +21,7 @@ enum {
     LOOKS = 20000, /* 0.6 .. 2.4 ms: entering and leaving initialisation takes a frame and eleven
                       bits, 0.3 ms */
     START_MOST_ms = 3,
+    ABORT_LOOKS = 20, /* a pending mailbox is empty in a few cycles, one on the bus later */
     IDENTIFIERS_PER_BANK = 4,
     BANKS_USED = 4,
     IDENTIFIERS_MAX = 14
@@ -35,6 +37,7 @@ _Static_assert(LOOKS *WAIT_POLL_CYCLES_MOST <= CLOCK_CORE_Hz / 1000 * START_MOST
                "no restart because of the bus");
 
 static bool configured; /* filters and bit timing are in place */
+static can_places_t places;
 
 /* The controller joins by itself when it has seen the bus free for eleven bits, however late that
  * is (32.4.2). */
@@ -85,8 +88,10 @@ bool can_init(const uint16_t *accepted_identifiers, uint32_t count)
     if (!wait_for(&CAN1->MSR, CAN_MSR_INAK | CAN_MSR_SLAK, CAN_MSR_INAK, LOOKS)) {
         return false;
     }
-    /* Back on the bus by itself after bus-off; frames leave in the order of the calls. */
-    CAN1->MCR = CAN_MCR_INRQ | CAN_MCR_ABOM | CAN_MCR_TXFP;
+    /* Back on the bus by itself after bus-off; without TXFP frames leave by their identifiers. */
+    CAN1->MCR = CAN_MCR_INRQ | CAN_MCR_ABOM;
+    const can_places_t empty = {.taken = {false}};
+    places = empty;
     CAN1->BTR = ((uint32_t)(PRESCALER - 1) << CAN_BTR_BRP_Pos) |
                 ((uint32_t)(QUANTA_BEFORE_SAMPLE - 1) << CAN_BTR_TS1_Pos) |
                 ((uint32_t)(QUANTA_AFTER_SAMPLE - 1)
@@ -123,24 +128,55 @@ bool can_receive(can_frame_t *frame)
     return true;
 }
 
+/* The flags of mailbox i (32.9.2). */
+static bool is_empty(uint32_t i)
+{
+    return (CAN1->TSR & CAN_TSR_TME0 << i) != 0;
+}
+
+static bool has_left(uint32_t i)
+{
+    return (CAN1->TSR & CAN_TSR_TXOK0 << 8U * i) != 0;
+}
+
+/* True if the frame in this mailbox is aborted. One that has left, or is leaving, is not. */
+static bool is_given_up(uint32_t i)
+{
+    if (is_empty(i)) {
+        return false;
+    }
+    CAN1->TSR = CAN_TSR_ABRQ0 << 8U * i;
+    const uint32_t empty = CAN_TSR_TME0 << i;
+    return wait_for(&CAN1->TSR, empty, empty, ABORT_LOOKS) && !has_left(i);
+}
+
 bool can_transmit(const can_frame_t *frame)
 {
-    static const uint32_t EMPTY[3] = {CAN_TSR_TME0, CAN_TSR_TME1, CAN_TSR_TME2};
-    const uint32_t status = CAN1->TSR;
-    const bool on_bus = is_on_bus();
-    for (uint32_t i = 0; on_bus && i < 3U; i++) {
-        if ((status & EMPTY[i]) == 0) {
-            continue;
-        }
-        const uint8_t *d = frame->data;
-        can_transmit_mailbox_t *const mailbox = &CAN1->transmit[i];
-        mailbox->TDTR = frame->length;
-        mailbox->TDLR = d[0] | (uint32_t)d[1] << 8 | (uint32_t)d[2] << 16 | (uint32_t)d[3] << 24;
-        mailbox->TDHR = d[4] | (uint32_t)d[5] << 8 | (uint32_t)d[6] << 16 | (uint32_t)d[7] << 24;
-        mailbox->TIR = (uint32_t)frame->identifier << CAN_TIR_STID_Pos | CAN_TIR_TXRQ;
-        return true;
+    const uint32_t i = can_places_for(&places, frame->identifier);
+    if (!is_on_bus() || i == CAN_PLACES || (places.taken[i] && !is_given_up(i))) {
+        return false;
     }
-    return false;
+    const uint8_t *d = frame->data;
+    can_transmit_mailbox_t *const mailbox = &CAN1->transmit[i];
+    mailbox->TDTR = frame->length;
+    mailbox->TDLR = d[0] | (uint32_t)d[1] << 8 | (uint32_t)d[2] << 16 | (uint32_t)d[3] << 24;
+    mailbox->TDHR = d[4] | (uint32_t)d[5] << 8 | (uint32_t)d[6] << 16 | (uint32_t)d[7] << 24;
+    mailbox->TIR = (uint32_t)frame->identifier << CAN_TIR_STID_Pos | CAN_TIR_TXRQ;
+    can_places_take(&places, i, frame->identifier);
+    return true;
+}
+
+can_progress_t can_progress(uint16_t identifier)
+{
+    const uint32_t i = can_places_of(&places, identifier);
+    if (i == CAN_PLACES) {
+        return CAN_ABORTED;
+    }
+    if (!is_empty(i)) {
+        return CAN_PENDING;
+    }
+    places.taken[i] = false;
+    return has_left(i) ? CAN_SENT : CAN_ABORTED;
 }
 
 bool can_bus_off(void)

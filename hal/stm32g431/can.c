@@ -6,6 +6,7 @@
 #include "hal/can.h"
 
 #include "board.h"
+#include "can_places.h"
 #include "registers/can.h"
 #include "registers/rcc.h"
 #include "wait.h"
@@ -16,7 +17,8 @@ enum {
     QUANTA_AFTER_SAMPLE = 2,
     QUANTA = 1 + QUANTA_BEFORE_SAMPLE + QUANTA_AFTER_SAMPLE,
     PRESCALER = BOARD_CRYSTAL_Hz / QUANTA / BIT_RATE,
-    LOOKS = 20000, /* 1 ms: eleven bits are 22 us */
+    LOOKS = 20000,    /* 1 ms: eleven bits are 22 us */
+    ABORT_LOOKS = 20, /* a pending element is free in a few cycles, one on the bus later */
     IDENTIFIERS_MAX = 14,
     FILTER_TWO_IDENTIFIERS = 1, /* SFT (46.3.7) */
     FILTER_INTO_FIFO_0 = 1,     /* SFEC */
@@ -28,6 +30,7 @@ _Static_assert(PRESCALER *QUANTA *BIT_RATE == BOARD_CRYSTAL_Hz, "the bit rate mu
 #define ELEMENT_REMOTE_OR_EXTENDED (3U << 29)
 
 static bool configured; /* filters and bit timing are in place */
+static can_places_t places;
 
 /* Off after too many errors the controller goes back into initialisation; left again, it waits for
  * the bus to be free for 129 times eleven bits (46.3.4). */
@@ -75,7 +78,9 @@ bool can_init(const uint16_t *accepted_identifiers, uint32_t count)
                    (uint32_t)(QUANTA_BEFORE_SAMPLE - 1) << FDCAN1_NBTP_NTSEG1_Pos |
                    (uint32_t)(QUANTA_AFTER_SAMPLE - 1) << FDCAN1_NBTP_NTSEG2_Pos |
                    (uint32_t)(QUANTA_AFTER_SAMPLE - 1) << FDCAN1_NBTP_NSJW_Pos;
-    FDCAN1->TXBC = 0; /* three transmit elements, sent in the order of the calls */
+    FDCAN1->TXBC = FDCAN1_TXBC_TFQM; /* three transmit elements, sent by their identifiers */
+    const can_places_t empty = {.taken = {false}};
+    places = empty;
     accept_only(accepted_identifiers, count);
     FDCAN1->CCCR &= ~(uint32_t)FDCAN1_CCCR_INIT; /* clears CCE as well */
     configured = true;
@@ -105,21 +110,54 @@ bool can_receive(can_frame_t *frame)
     return true;
 }
 
-bool can_transmit(const can_frame_t *frame)
+/* True if the frame in this element is cancelled. One that has left, or is leaving, is not. */
+static bool is_given_up(uint32_t i)
 {
-    if (!is_on_bus() || (FDCAN1->TXFQS & FDCAN1_TXFQS_TFQF) != 0) {
+    const uint32_t bit = 1U << i;
+    if ((FDCAN1->TXBRP & bit) == 0) {
         return false;
     }
-    const uint32_t index = (FDCAN1->TXFQS & FDCAN1_TXFQS_TFQPI) >> FDCAN1_TXFQS_TFQPI_Pos;
-    fdcan_element_t *const element = &FDCAN1_MEMORY->transmit[index];
+    FDCAN1->TXBCR = bit;
+    return wait_for(&FDCAN1->TXBRP, bit, 0, ABORT_LOOKS) && (FDCAN1->TXBTO & bit) == 0;
+}
+
+/* The queue takes a frame at its put index only, the lowest free element (46.3.5). */
+static bool is_next(uint32_t i)
+{
+    const uint32_t status = FDCAN1->TXFQS;
+    return (status & FDCAN1_TXFQS_TFQF) == 0 &&
+           (status & FDCAN1_TXFQS_TFQPI) >> FDCAN1_TXFQS_TFQPI_Pos == i;
+}
+
+bool can_transmit(const can_frame_t *frame)
+{
+    const uint32_t i = can_places_for(&places, frame->identifier);
+    if (!is_on_bus() || i == CAN_PLACES || (places.taken[i] && !is_given_up(i)) || !is_next(i)) {
+        return false;
+    }
+    fdcan_element_t *const element = &FDCAN1_MEMORY->transmit[i];
     element->identifier = (uint32_t)frame->identifier << IDENTIFIER_Pos;
     element->length = (uint32_t)frame->length << LENGTH_Pos;
-    for (uint32_t i = 0; i < 2U; i++) {
-        const uint8_t *d = &frame->data[4U * i];
-        element->data[i] = d[0] | (uint32_t)d[1] << 8 | (uint32_t)d[2] << 16 | (uint32_t)d[3] << 24;
+    for (uint32_t k = 0; k < 2U; k++) {
+        const uint8_t *d = &frame->data[4U * k];
+        element->data[k] = d[0] | (uint32_t)d[1] << 8 | (uint32_t)d[2] << 16 | (uint32_t)d[3] << 24;
     }
-    FDCAN1->TXBAR = 1U << index;
+    FDCAN1->TXBAR = 1U << i;
+    can_places_take(&places, i, frame->identifier);
     return true;
+}
+
+can_progress_t can_progress(uint16_t identifier)
+{
+    const uint32_t i = can_places_of(&places, identifier);
+    if (i == CAN_PLACES) {
+        return CAN_ABORTED;
+    }
+    if ((FDCAN1->TXBRP >> i & 1U) != 0) {
+        return CAN_PENDING;
+    }
+    places.taken[i] = false;
+    return (FDCAN1->TXBTO >> i & 1U) != 0 ? CAN_SENT : CAN_ABORTED;
 }
 
 bool can_bus_off(void)

@@ -57,7 +57,7 @@ static fast_output_t period(void *context, const fast_input_t *in)
 static void receive_messages(board_t *board)
 {
     can_frame_t received;
-    while (host_can_receive(&received)) {
+    while (!board->unsent && host_can_receive(&received)) {
         messages_frame_t frame = {.identifier = received.identifier, .length = received.length};
         memcpy(frame.data, received.data, sizeof frame.data);
         vehicle_can_receive(&board->vehicle, &frame);
@@ -88,6 +88,7 @@ static slow_output_t millisecond(void *context, const slow_input_t *in)
     board->vehicle.now_ms++;
     app_background();
     receive_messages(board);
+    vehicle_can_expire(&board->vehicle);
     return board->vehicle.received;
 }
 

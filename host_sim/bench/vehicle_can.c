@@ -56,3 +56,12 @@ void vehicle_can_receive(vehicle_can_t *can, const messages_frame_t *frame)
         can->received = message;
     }
 }
+
+void vehicle_can_expire(vehicle_can_t *can)
+{
+    (void)e2e_timed_out(&can->state_link, can->now_ms);
+    if (e2e_timed_out(&can->brake_link, can->now_ms)) {
+        can->received.hydraulic_valid = false;
+        can->received.electric_brake_available_mNm = 0;
+    }
+}

@@ -17,6 +17,12 @@ set(chip_faults "${PROJECT_SOURCE_DIR}/build/host/tests/target/chip/chip_faults"
 add_test(NAME chip_answers_faults COMMAND "${chip_faults}" "$<TARGET_FILE:hubfoc_stm32f405>")
 set_tests_properties(chip_answers_faults PROPERTIES LABELS target TIMEOUT 300)
 
+# Other nodes on the bus (chip/load.c).
+add_test(NAME chip_sends_in_time_on_a_busy_bus
+  COMMAND "${PROJECT_SOURCE_DIR}/build/host/tests/target/chip/chip_load"
+    "$<TARGET_FILE:hubfoc_stm32f405>")
+set_tests_properties(chip_sends_in_time_on_a_busy_bus PROPERTIES LABELS target TIMEOUT 600)
+
 chip_test(chip_gate_driver_protects driver "$<TARGET_FILE:hubfoc_stm32f405>")
 
 # What the memory protection unit lets through (chip/protect.c).

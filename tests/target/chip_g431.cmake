@@ -20,6 +20,7 @@ function(chip_g431_tests elf)
   chip_g431_test(chip_g431_counts_its_starts chip_starts_g431 "${elf}" "target;full")
   chip_g431_test(chip_g431_shows_a_crash_after_its_restart chip_crash_g431 "${elf}" "target;full")
   chip_g431_test(chip_g431_answers_faults chip_faults_g431 "${elf}" "target;full")
+  chip_g431_test(chip_g431_sends_in_time_on_a_busy_bus chip_load_g431 "${elf}" target)
   chip_g431_test(chip_g431_keeps_a_configuration_when_the_supply_fails chip_cuts_g431 "${elf}"
     "target;full" 64 4)
   chip_g431_test(chip_g431_keeps_a_configuration_in_1000_failures_of_the_supply chip_cuts_g431

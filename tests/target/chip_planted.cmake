@@ -13,6 +13,8 @@ function(planted name file old new finds)
   set(source "")
   if(file STREQUAL "serial_line.h")
     set(source hal/stm32/serial.c)
+  elseif(file STREQUAL "can_places.h")
+    set(source hal/stm32f405/can.c)
   endif()
   planted_image(${name} stm32f405 ${folder} ${file} "${old}" "${new}" ${source})
   set(program chip_test stop)
@@ -20,6 +22,8 @@ function(planted name file old new finds)
     set(program chip_test driver)
   elseif(name MATCHES "crystal")
     set(program chip_faults)
+  elseif(name MATCHES "frames")
+    set(program chip_load)
   endif()
   set(labels target ${ARGN})
   chip_finds(chip_finds_${name} "$<TARGET_FILE:planted_${name}>" "${finds}" "${labels}" ${program})
@@ -71,6 +75,10 @@ planted(a_crystal_that_is_not_watched clock.c "RCC->CR |=
             RCC_CR_CSSON;" ""
   "the torque goes in time and stays away" full)
 planted(a_wrong_can_filter can.c "<< 5; /*" "<< 4; /*" "comes to RUN")
+planted(frames_in_the_order_of_their_requests can.c "CAN_MCR_ABOM;" "CAN_MCR_ABOM | (1U << 2);"
+  "WheelBrake comes in time" full)
+planted(frames_that_give_no_place can_places.h "least ? i : highest" "least ? highest : highest"
+  "WheelBrake comes in time" full)
 planted(a_watchdog_not_fed watchdog.c "void watchdog_feed(void)
 {
     IWDG->KR = IWDG_KR_KEY_RELOAD;" "void watchdog_feed(void)

@@ -78,6 +78,7 @@ typedef struct {
 #define FDCAN1_RXF0S_F0FL (0x7FU << 0)
 #define FDCAN1_RXF0S_F0GI_Pos 8
 #define FDCAN1_RXF0S_F0GI (0x3FU << 8)
+#define FDCAN1_TXBC_TFQM (1U << 24) /* 46.4.25 */
 #define FDCAN1_TXFQS_TFQPI_Pos 16
 #define FDCAN1_TXFQS_TFQPI (0x3U << 16)
 #define FDCAN1_TXFQS_TFQF (1U << 21)

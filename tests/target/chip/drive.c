@@ -129,6 +129,7 @@ static slow_output_t millisecond(void *context, const slow_input_t *in)
             drive->seen(&sent);
         }
     }
+    vehicle_can_expire(&drive->vehicle);
     return drive->vehicle.received;
 }
 

@@ -62,6 +62,22 @@ static void can_bus(chip_faults_t *fault)
     fault->can_silent = true;
 }
 
+static void can_wire(chip_faults_t *fault)
+{
+    fault->can_mute = true;
+}
+
+/* Another node sends without a pause: its frames are more urgent than all of the wheel's, less than
+ * Demand. */
+static void babbling_node(chip_faults_t *fault)
+{
+    (void)fault;
+    static chip_node_t node = {.identifier = 0x150};
+    node.period = chip_can_frame_ticks(8);
+    node.next = chip_now(rig.chip);
+    chip_traffic(rig.chip, &node, 1);
+}
+
 static void supply(chip_faults_t *fault)
 {
     fault->supply_low = true;
@@ -69,9 +85,11 @@ static void supply(chip_faults_t *fault)
 
 /*
  * within_s: the converters' stop is seen after 3 ms without a fast step (app.c), and the
- * supervisor no longer feeds the watchdog; a demand that is lost is kept for timeout and hold,
- * 50 + 300 ms, then leaves with the brake's lag, three of which are 0.3 s; the supply detector has
- * the highest priority and ends in the watchdog's reset, as does a crystal that stops.
+ * supervisor no longer feeds the watchdog; where the wheel's messages do not leave, the brake
+ * system takes its own path after 50 ms, and the motor leaves after that path's dead time of at
+ * most 50 ms with its lag, three to four of which are 0.3 s, whether a demand still comes or not;
+ * the supply detector has the highest priority and ends in the watchdog's reset, as does a crystal
+ * that stops.
  *
  * After the watchdog's reset, 50 ms later at most, the fault is still there. Without a crystal the
  * program's sum takes 0.5 s.
@@ -85,7 +103,10 @@ static const fault_case_t FAULTS[] = {
      "self-test failed: the PWM timer does not update at the top of its count"},
     {"converters stop", BRAKING, converter, 0.005, 0.15, true, REASON_PROGRAM_FLOW,
      "started by watchdog"},
-    {"CAN bus held dominant", BRAKING, can_bus, 1.0, 1.2, false, REASON_NONE, NULL},
+    {"CAN bus held dominant", BRAKING, can_bus, 0.4, 0.6, false, REASON_NONE, NULL},
+    {"wire from controller to CAN cut", BRAKING, can_wire, 0.4, 0.6, false, REASON_NONE, NULL},
+    {"a node babbles before all of the wheel's messages", BRAKING, babbling_node, 0.4, 0.6, false,
+     REASON_NONE, NULL},
     {"supply falls", BRAKING, supply, 0.001, 0.2, true, REASON_HARDWARE_BREAK,
      "started by watchdog"},
     {"crystal stops", BRAKING, crystal, 0.001, 0.9, true, REASON_NONE,

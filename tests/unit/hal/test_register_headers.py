@@ -121,9 +121,13 @@ CHIPS = (
         least=(18, 220, 130),
     ),
 )
-# Errors of a description, with what shows them: bit 0 there, but the register's value after reset
-# is 0x100 (RM0440 section 6.4.22, and the crate's own text).
-WRONG_THERE = {("stm32g431", "PWR_CR5_R1MODE"): 1 << 8}
+# Errors of a description, with what shows them. R1MODE: bit 0 there, but the register's value after
+# reset is 0x100 (RM0440 section 6.4.22, and the crate's own text). TFQM: bit 30 there, as in the
+# FDCAN of the STM32H7, whose TXBC also has the sizes that this one lacks (RM0440 section 46.4.25).
+WRONG_THERE = {
+    ("stm32g431", "PWR_CR5_R1MODE"): 1 << 8,
+    ("stm32g431", "FDCAN1_TXBC_TFQM"): 1 << 24,
+}
 
 # Members that are structures of registers, with the SVD's name of every register in them.
 NESTED = {

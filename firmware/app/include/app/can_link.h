@@ -26,7 +26,8 @@ node_limits_t can_link_limits(const config_t *config);
  * bus yet; frames are exchanged as soon as it is. */
 bool can_link_init(can_link_t *link, const config_t *config, uint32_t now_ms);
 
-/* Processes received frames, at most eight a call; true if link->node.command has changed. */
+/* Processes received frames, at most eight a call, and what became of those sent; true if
+ * link->node.command has changed. */
 bool can_link_receive(can_link_t *link, uint32_t now_ms);
 
 /* Sends the frames that are due, as many as the CAN controller takes. */

@@ -24,6 +24,7 @@ typedef struct {
 typedef struct {
     uint32_t sent_ms[CONFIG_WHEELS];
     uint8_t counter[CONFIG_WHEELS];
+    bool pending[CONFIG_WHEELS]; /* the CAN controller has the frame */
 } pedal_sender_t;
 
 void pedal_link_init(pedal_link_t *link);

@@ -16,9 +16,12 @@
  * the torque not valid. The pack's current is given only until the next frame is half a cycle late.
  *
  * Transmission: each message in its cycle (hubfoc.dbc), in the order of priority, one at a time,
- * with the newest values. A frame that the CAN controller does not take stays due; there is no
- * queue. A counter advances only with a frame that was sent, so a gap in it means a frame lost on
- * the bus.
+ * with the newest values. A frame that the CAN controller does not take stays due, one that has not
+ * left after a cycle is due again and replaces itself; there is no queue. A counter advances only
+ * with a frame that has left, so a gap in it means a frame lost on the bus.
+ *
+ * While WheelBrake does not leave, the brake system has to assume that the motor does not brake:
+ * node_is_unsent() follows its receiver, timeout and qualification included.
  */
 #ifndef COMMS_NODE_H
 #define COMMS_NODE_H
@@ -37,7 +40,8 @@ enum {
     NODE_PACK_CURRENT_AGE_ms = 150,
     /* Longer than any timeout of the controller, shorter than the clock's wrap. */
     NODE_DEMAND_EXPIRY_ms = 10000,
-    NODE_REFUSAL_SHOWN_ms = 1000 /* demand.reason after a refused demand */
+    NODE_REFUSAL_SHOWN_ms = 1000, /* demand.reason after a refused demand */
+    NODE_UNSENT_ms = 50           /* without a WheelBrake that leaves: NODE_TIMEOUT_CYCLES of it */
 };
 
 /* What a node is configured with. Magnitudes. */
@@ -59,6 +63,8 @@ typedef struct {
     uint32_t hydraulic_time_ms;     /* when it arrived */
     uint32_t demand_time_ms;        /* when the demand arrived */
     bool demand_known;              /* received less than NODE_DEMAND_EXPIRY_ms ago */
+    bool brake_received;            /* the brake system's receiver of WheelBrake is qualified */
+    uint32_t brake_received_ms;     /* by the latest that left, or the first one after a gap */
 } node_command_t;
 
 typedef struct {
@@ -75,7 +81,9 @@ typedef struct {
     uint32_t foreign;       /* received frames with other identifiers */
     uint32_t due_ms[MESSAGES_SENT];
     uint8_t counter[MESSAGES_SENT];
-    messages_kind_t offered; /* by the last node_next() */
+    bool pending[MESSAGES_SENT]; /* the CAN controller has it */
+    uint8_t left_in_order;       /* of WheelBrake since a gap, up to E2E_QUALIFYING_FRAMES */
+    messages_kind_t offered;     /* by the last node_next() */
 } node_t;
 
 void node_init(node_t *node, messages_address_t address, const node_limits_t *limits,
@@ -91,7 +99,7 @@ bool node_tick(node_t *node, uint32_t now_ms);
 /* Background context, once for each received frame. True if the command has changed. */
 bool node_receive(node_t *node, const messages_frame_t *frame, uint32_t now_ms);
 
-/* The most urgent frame that is due; false if there is none. The same one again until node_sent().
+/* The most urgent frame that is due; false if there is none. The same one again until node_taken().
  */
 bool node_next(node_t *node, uint32_t now_ms, const slow_output_t *output,
                const wheel_temperatures_t *temperature, messages_frame_t *frame);
@@ -105,7 +113,23 @@ bool node_next_state(node_t *node, uint32_t now_ms, const slow_output_t *output,
 bool node_next_boot(node_t *node, uint32_t now_ms, waits_for_t waits_for, messages_frame_t *frame);
 
 /* The CAN controller has taken the frame of the last node_next(). */
-void node_sent(node_t *node, uint32_t now_ms);
+void node_taken(node_t *node, uint32_t now_ms);
+
+/* Message `place` of those sent, 0 .. MESSAGES_SENT - 1: true, with its identifier, if the CAN
+ * controller has it. */
+bool node_pending(const node_t *node, uint32_t place, uint16_t *identifier);
+
+/* What became of that one: it has left, or was given up and is due again. True if the command has
+ * changed. */
+bool node_left(node_t *node, uint32_t place, uint32_t now_ms);
+void node_aborted(node_t *node, uint32_t place, uint32_t now_ms);
+
+/* True while WheelBrake has not left for NODE_UNSENT_ms, or its receiver is not qualified again. */
+bool node_is_unsent(const node_command_t *command, uint32_t now_ms);
+
+/* While node_is_unsent() the demand in `in` is lost, by the reason TRANSMIT_TIMEOUT. Without any
+ * demand nothing changes: a controller alone on its bus gets no acknowledge. */
+void node_hand_over(const node_command_t *command, uint32_t now_ms, slow_input_t *in);
 
 /* The measured hydraulic torque with its age; not valid if there is none. */
 hydraulic_feedback_t node_hydraulic(const node_command_t *command, uint32_t now_ms);

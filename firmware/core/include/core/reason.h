@@ -98,7 +98,9 @@
     X(103, PHASE_OPEN, "phase wire or switch open: no current where one is wanted",                \
       ACKNOWLEDGED, SERVICE)                                                                       \
     X(104, CURRENT_GAIN, "gain of all current sensors wrong, by the battery's charge",             \
-      HEALS, SERVICE)
+      HEALS, SERVICE)                                                                              \
+    X(105, TRANSMIT_TIMEOUT, "own messages do not leave: the brake system brakes by its own path", \
+      SHOWN, NO_MOTOR)
 /* clang-format on */
 
 #define REASON_LIMIT_ENUM(number, identifier, text) REASON_##identifier = (number),

@@ -70,7 +70,8 @@ void host_pwm_period(void);
 void host_millisecond(void);
 
 /* The vehicle's side of CAN. A frame whose identifier is not accepted, or for which the queue is
- * full, is lost. */
+ * full, is lost. The controller's frames are acknowledged by receiving them, in the order in which
+ * it sent them; without a call none leaves. */
 void host_can_send(const can_frame_t *frame);
 bool host_can_receive(can_frame_t *frame);
 

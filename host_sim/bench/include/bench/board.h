@@ -24,6 +24,7 @@ typedef struct {
     host_sample_t sample; /* what the sensors see at this top */
     fast_output_t active; /* what the bridge does from this top on */
     vehicle_can_t vehicle;
+    bool unsent; /* the wheel's frames are not acknowledged: none leaves */
 } board_t;
 
 /* Boots the application with this configuration and a motor at rest. */

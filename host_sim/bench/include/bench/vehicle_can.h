@@ -19,7 +19,9 @@ enum { VEHICLE_CAN_QUEUED_MAX = 4 };
 
 typedef struct {
     messages_address_t address;
-    slow_output_t received; /* last output received from the wheel; at first mode BOOT */
+    /* Last output received from the wheel, at first mode BOOT; without WheelBrake for five cycles
+     * hydraulic_valid is false. */
+    slow_output_t received;
     e2e_receiver_t state_link, brake_link;
     uint32_t now_ms; /* counted by the caller */
     uint8_t demand_counter, battery_counter, peak_counter, hydraulic_counter;
@@ -34,5 +36,8 @@ void vehicle_can_send(vehicle_can_t *can, const slow_input_t *in);
 
 /* A frame that was on the bus; what does not come from the wheel, or damaged, changes nothing. */
 void vehicle_can_receive(vehicle_can_t *can, const messages_frame_t *frame);
+
+/* Once a millisecond: what has not come for five cycles is void. */
+void vehicle_can_expire(vehicle_can_t *can);
 
 #endif

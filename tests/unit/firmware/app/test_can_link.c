@@ -14,6 +14,7 @@ static can_frame_t waiting[16]; /* what the bus has for us */
 static int waiting_count, delivered;
 static can_frame_t sent[64];
 static int sent_count, free_mailboxes;
+static can_progress_t progress_now;
 static bool starts;
 
 static bool init(const uint16_t *identifiers, uint32_t count, int calls)
@@ -47,6 +48,13 @@ static bool transmit(const can_frame_t *frame, int calls)
     return true;
 }
 
+static can_progress_t progress(uint16_t identifier, int calls)
+{
+    (void)identifier;
+    (void)calls;
+    return progress_now;
+}
+
 static const config_t *configured(messages_wheel_t wheel)
 {
     static config_t config;
@@ -72,6 +80,8 @@ void setUp(void)
     can_init_StubWithCallback(init);
     can_receive_StubWithCallback(receive);
     can_transmit_StubWithCallback(transmit);
+    can_progress_StubWithCallback(progress);
+    progress_now = CAN_SENT;
     TEST_ASSERT_TRUE(can_link_init(&can_link, configured(MESSAGES_REAR_LEFT), 0));
 }
 
@@ -140,7 +150,9 @@ void test_every_message_is_sent_in_its_cycle_with_free_mailboxes(void)
     for (uint32_t ms = 1; ms <= 1000; ms++) {
         sent_count = 0;
         free_mailboxes = 64;
+        (void)can_link_receive(&can_link, ms);
         can_link_transmit(&can_link, ms, &output, &TEMPERATURE);
+        (void)can_link_receive(&can_link, ms);
         can_link_transmit(&can_link, ms, &output, &TEMPERATURE);
         for (int i = 0; i < sent_count; i++) {
             TEST_ASSERT_EQUAL_UINT8(8, sent[i].length);
@@ -175,6 +187,32 @@ void test_messages_without_a_free_mailbox_are_sent_in_the_next_call(void)
     TEST_ASSERT_EQUAL_HEX16(0x3AE, sent[3].identifier);
     TEST_ASSERT_EQUAL_HEX16(0x3B2, sent[4].identifier);
     TEST_ASSERT_EQUAL_HEX16(0x3B6, sent[5].identifier);
+}
+
+/* WheelState's counter, bits 0 to 3 of byte 1, goes on with a frame that has left. */
+void test_a_frame_that_was_given_up_is_sent_again_at_once(void)
+{
+    const slow_output_t output = {.mode = MODE_READY};
+    free_mailboxes = 1;
+    can_link_transmit(&can_link, 10, &output, &TEMPERATURE);
+    progress_now = CAN_PENDING;
+    (void)can_link_receive(&can_link, 11);
+    free_mailboxes = 1;
+    can_link_transmit(&can_link, 11, &output, &TEMPERATURE);
+    TEST_ASSERT_EQUAL_HEX16(0x3A6, sent[1].identifier); /* WheelState is pending */
+    progress_now = CAN_ABORTED;
+    (void)can_link_receive(&can_link, 12);
+    free_mailboxes = 1;
+    can_link_transmit(&can_link, 12, &output, &TEMPERATURE);
+    TEST_ASSERT_EQUAL_HEX16(0x3A2, sent[2].identifier);
+    TEST_ASSERT_EQUAL_HEX8(0, sent[2].data[1] & 0xF);
+    progress_now = CAN_SENT;
+    TEST_ASSERT_FALSE(can_link_receive(&can_link, 13)); /* WheelBrake was aborted, too */
+    free_mailboxes = 2;
+    can_link_transmit(&can_link, 22, &output, &TEMPERATURE);
+    TEST_ASSERT_EQUAL_HEX16(0x3A2, sent[3].identifier);
+    TEST_ASSERT_EQUAL_HEX8(1, sent[3].data[1] & 0xF);
+    TEST_ASSERT_TRUE(can_link_receive(&can_link, 23)); /* now it has left */
 }
 
 /* The transceiver may be supplied later than the controller. Until then the port accepts no frame.

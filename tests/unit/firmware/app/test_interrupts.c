@@ -75,6 +75,7 @@ void setUp(void)
     can_init_IgnoreAndReturn(true);
     can_receive_StubWithCallback(receive);
     can_transmit_StubWithCallback(transmit);
+    can_progress_IgnoreAndReturn(CAN_SENT);
     can_bus_off_IgnoreAndReturn(false);
 }
 

@@ -212,9 +212,9 @@ void test_messages_are_sent_in_their_cycle_and_in_order_of_urgency(void)
     messages_frame_t frame;
     TEST_ASSERT_FALSE(next_frame(9, &output, &frame));
     TEST_ASSERT_TRUE(next_is(MESSAGES_WHEEL_STATE, 0, 10, &output));
-    node_sent(&node, 10);
+    offered_leaves(10);
     TEST_ASSERT_TRUE(next_is(MESSAGES_WHEEL_BRAKE, 0, 10, &output));
-    node_sent(&node, 10);
+    offered_leaves(10);
     TEST_ASSERT_FALSE(next_frame(19, &output, &frame));
     TEST_ASSERT_TRUE(next_is(MESSAGES_WHEEL_STATE, 1, 20, &output));
 }
@@ -239,7 +239,7 @@ void test_missed_cycles_are_not_sent_later(void)
     messages_frame_t frame;
     int sent = 0;
     while (next_frame(1000, &output, &frame)) {
-        node_sent(&node, 1000);
+        offered_leaves(1000);
         sent++;
         TEST_ASSERT_TRUE(sent <= MESSAGES_SENT);
     }
@@ -257,7 +257,7 @@ void test_irregular_calls_do_not_lengthen_the_cycle(void)
         messages_frame_t frame;
         while (next_frame(ms, &output, &frame)) {
             states += node.offered == MESSAGES_WHEEL_STATE ? 1 : 0;
-            node_sent(&node, ms);
+            offered_leaves(ms);
         }
     }
     TEST_ASSERT_EQUAL_INT(300, states);
@@ -273,30 +273,125 @@ void test_cycle_continues_over_a_wrap_of_the_clock(void)
         messages_frame_t frame;
         while (next_frame(start_ms + k, &output, &frame)) {
             states += node.offered == MESSAGES_WHEEL_STATE ? 1 : 0;
-            node_sent(&node, start_ms + k);
+            offered_leaves(start_ms + k);
         }
     }
     TEST_ASSERT_EQUAL_INT(100, states);
 }
 
-static void assert_sent_has_no_effect(void)
+static void assert_taken_has_no_effect(void)
 {
     const node_t before = node;
-    node_sent(&node, 10);
+    node_taken(&node, 10);
     TEST_ASSERT_EQUAL_MEMORY(&before, &node, sizeof before);
 }
 
-void test_only_an_offered_frame_can_be_marked_as_sent_and_only_once(void)
+void test_only_an_offered_frame_can_be_marked_as_taken_and_only_once(void)
 {
     const slow_output_t output = {.mode = MODE_READY};
     messages_frame_t frame;
-    assert_sent_has_no_effect();
+    assert_taken_has_no_effect();
     TEST_ASSERT_TRUE(next_frame(10, &output, &frame));
-    node_sent(&node, 10);
-    assert_sent_has_no_effect();
+    offered_leaves(10);
+    assert_taken_has_no_effect();
     TEST_ASSERT_TRUE(next_frame(10, &output, &frame));
     TEST_ASSERT_FALSE(next_frame(9, &output, &frame)); /* offered, and then no longer due */
-    assert_sent_has_no_effect();
+    assert_taken_has_no_effect();
+}
+
+enum { STATE, BRAKE }; /* places of WheelState and WheelBrake among the messages sent */
+
+/* A frame that the controller has is not offered before its next cycle, then with the counter of
+ * the one that it replaces; the counter goes on when it has left. */
+void test_a_pending_frame_is_due_again_after_a_cycle_with_the_same_counter(void)
+{
+    const slow_output_t output = {.mode = MODE_READY};
+    uint16_t identifier;
+    TEST_ASSERT_FALSE(node_pending(&node, STATE, &identifier));
+    TEST_ASSERT_TRUE(next_is(MESSAGES_WHEEL_STATE, 0, 10, &output));
+    node_taken(&node, 10);
+    TEST_ASSERT_TRUE(node_pending(&node, STATE, &identifier));
+    TEST_ASSERT_EQUAL_HEX16(0x183, identifier);
+    TEST_ASSERT_TRUE(next_is(MESSAGES_WHEEL_BRAKE, 0, 19, &output));
+    TEST_ASSERT_TRUE(next_is(MESSAGES_WHEEL_STATE, 0, 20, &output));
+    node_taken(&node, 20);
+    TEST_ASSERT_FALSE(node_left(&node, STATE, 24));
+    TEST_ASSERT_FALSE(node_pending(&node, STATE, &identifier));
+    TEST_ASSERT_TRUE(next_is(MESSAGES_WHEEL_STATE, 1, 30, &output));
+}
+
+void test_an_aborted_frame_is_due_at_once_with_the_same_counter(void)
+{
+    const slow_output_t output = {.mode = MODE_READY};
+    uint16_t identifier;
+    TEST_ASSERT_TRUE(next_is(MESSAGES_WHEEL_STATE, 0, 10, &output));
+    node_taken(&node, 10);
+    node_aborted(&node, STATE, 13);
+    TEST_ASSERT_FALSE(node_pending(&node, STATE, &identifier));
+    TEST_ASSERT_TRUE(next_is(MESSAGES_WHEEL_STATE, 0, 13, &output));
+}
+
+/* ---- WheelBrake that does not leave ---- */
+
+static void brake_leaves(uint32_t now_ms)
+{
+    (void)node_tick(&node, now_ms);
+    TEST_ASSERT_TRUE(node_left(&node, BRAKE, now_ms));
+}
+
+/* Against the receiver of e2e.h, which is the brake system's: frames leave after gaps of 1 to
+ * 70 ms. */
+void test_what_does_not_leave_is_known_as_the_brake_system_knows_it(void)
+{
+    e2e_receiver_t receiver;
+    e2e_receiver_init(&receiver, E2E_PROFILE_5, NODE_TIMEOUT_CYCLES * 10);
+    uint32_t now_ms = 0;
+    uint8_t counter = 0;
+    int unsent = 0;
+    for (uint32_t k = 0; k < 4000; k++) {
+        /* From the third frame on, which is the first that the receiver uses. */
+        const uint32_t gap_ms = k < 3 ? 10 : 1 + k * 2654435761U / 65536U % (k % 40 < 20 ? 25 : 70);
+        for (uint32_t ms = 0; ms < gap_ms; ms++, now_ms++) {
+            (void)node_tick(&node, now_ms);
+            (void)e2e_timed_out(&receiver, now_ms);
+            if (k >= 3) {
+                TEST_ASSERT_EQUAL(receiver.link != E2E_VALID,
+                                  node_is_unsent(&node.command, now_ms));
+                unsent += node_is_unsent(&node.command, now_ms) ? 1 : 0;
+            }
+        }
+        uint8_t data[E2E_FRAME_BYTES] = {0};
+        e2e_protect(E2E_PROFILE_5, data, 0x187, counter++);
+        (void)e2e_receive(&receiver, data, 0x187, true, now_ms);
+        brake_leaves(now_ms);
+    }
+    TEST_ASSERT_TRUE(unsent > 1000);
+}
+
+static slow_input_t handed_over(uint32_t now_ms)
+{
+    slow_input_t in = {.demand = node.command.demand, .demand_age_ms = 3};
+    node_hand_over(&node.command, now_ms, &in);
+    return in;
+}
+
+/* 50 ms: the five cycles after which the brake system takes its own path. Without a demand the
+ * controller may be alone on its bus. */
+void test_a_demand_is_lost_by_its_name_50_ms_after_the_last_wheel_brake_has_left(void)
+{
+    TEST_ASSERT_EQUAL_UINT32(3, handed_over(1000).demand_age_ms);
+    node_up();
+    qualify_demand();
+    brake_leaves(20);
+    TEST_ASSERT_EQUAL_UINT32(3, handed_over(69).demand_age_ms);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, handed_over(69).demand.reason);
+    TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, handed_over(70).demand_age_ms);
+    TEST_ASSERT_EQUAL_INT(REASON_TRANSMIT_TIMEOUT, handed_over(70).demand.reason);
+    brake_leaves(72);
+    brake_leaves(82);
+    TEST_ASSERT_EQUAL_INT(REASON_TRANSMIT_TIMEOUT, handed_over(91).demand.reason);
+    brake_leaves(92);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, handed_over(92).demand.reason);
 }
 
 /* WheelHealth: demand_link bits 12 and 13, battery_link 14 and 15, errors in byte 6, the warning in
@@ -311,7 +406,7 @@ void test_wheel_health_reports_the_warning_and_the_receivers_states(void)
     const slow_output_t output = {.mode = MODE_LIMP, .warning_reason = REASON_ROTOR_UNCERTAIN};
     messages_frame_t frame;
     while (next_frame(100, &output, &frame) && node.offered != MESSAGES_WHEEL_HEALTH) {
-        node_sent(&node, 100);
+        offered_leaves(100);
     }
     TEST_ASSERT_EQUAL_INT(MESSAGES_WHEEL_HEALTH, node.offered);
     TEST_ASSERT_EQUAL_HEX8(E2E_VALID << 4 | E2E_QUALIFYING << 6, frame.data[1]);
@@ -337,7 +432,7 @@ void test_a_wheel_without_control_sends_its_mode_and_what_it_waits_for_and_nothi
                                         (frame.data[4] >> 6 | frame.data[5] << 2) & 0xFF);
                 available++;
             }
-            node_sent(&node, now_ms);
+            offered_leaves(now_ms);
         }
     }
     TEST_ASSERT_EQUAL_INT(100, states);
@@ -360,10 +455,10 @@ static uint8_t echoed_counter(uint32_t now_ms)
     const slow_output_t output = {.mode = MODE_READY};
     messages_frame_t frame = {.length = 0};
     while (next_frame(now_ms, &output, &frame) && node.offered != MESSAGES_WHEEL_BRAKE) {
-        node_sent(&node, now_ms);
+        offered_leaves(now_ms);
     }
     TEST_ASSERT_EQUAL_HEX16(0x187, frame.identifier);
-    node_sent(&node, now_ms);
+    offered_leaves(now_ms);
     return frame.data[7];
 }
 

@@ -226,6 +226,25 @@ void test_braking_demand_stays_for_the_dead_time_of_the_path_that_replaces_it(vo
     TEST_ASSERT_EQUAL_INT32(20000 - RATE, silent(1).brake_torque_mNm);
 }
 
+/* The brake system has taken its own path by then, also where the demand was lost before. */
+void test_a_braking_demand_is_not_kept_when_own_frames_do_not_leave(void)
+{
+    config.brake.hydraulic_rate_mNm_s = 1000 * RATE;
+    config.brake.hydraulic_dead_time_ms = 40;
+    for (int lost_before = 0; lost_before <= 100; lost_before += 100) {
+        fresh(0, 20000);
+        silent(lost_before);
+        in.demand.reason = REASON_TRANSMIT_TIMEOUT;
+        demand_t out = silent(40);
+        TEST_ASSERT_EQUAL_INT(REASON_TRANSMIT_TIMEOUT, out.reason);
+        TEST_ASSERT_FALSE(out.hydraulic_valid);
+        TEST_ASSERT_EQUAL_INT32(20000, out.brake_torque_mNm);
+        TEST_ASSERT_EQUAL_INT32(20000 - RATE, silent(1).brake_torque_mNm);
+        in.demand.reason = REASON_NONE; /* frames leave again, no demand comes */
+        TEST_ASSERT_FALSE(silent(1).hydraulic_valid);
+    }
+}
+
 /* A first-order lag of 50 ms leaves exp(-t/50 ms) of the demand to the motor; a recurrence of 1 ms
  * differs by half a step, 1 %. The torque rate, here 200 ms for all of it, does not delay it. */
 void test_lost_braking_demand_falls_as_the_path_that_replaces_it_arrives(void)

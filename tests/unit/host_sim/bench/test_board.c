@@ -240,6 +240,54 @@ void test_a_stop_with_the_application_equals_that_of_the_bench_except_for_the_ca
                               through.chemical_j);
 }
 
+enum { CUT_ms = 1000 };
+
+/* Motor and hydraulic brake together, in each millisecond: the motor falls with the lag with which
+ * the own path of the brake system comes. A tenth of the demand for what plant and firmware round
+ * and time differently. */
+static void assert_both_brakes_make_the_demand(const board_t *board, double demand_nm)
+{
+    for (int ms = 0; ms < CUT_ms; ms++) {
+        const double before_nms = bench.wheel[0].totals.torque_impulse_nms;
+        fixture_run(&bench, 0.001);
+        const double motor_nm = (before_nms - bench.wheel[0].totals.torque_impulse_nms) / 0.001;
+        TEST_ASSERT_DOUBLE_WITHIN(0.1 * demand_nm, demand_nm,
+                                  motor_nm + bench.wheel[0].brake.torque_nm);
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(0.02 * demand_nm, demand_nm, bench.wheel[0].brake.torque_nm);
+    TEST_ASSERT_FALSE(board->vehicle.received.hydraulic_valid);
+}
+
+/* The demand still comes, the wheel's frames do not leave: the brake system takes its own path
+ * after 50 ms, so the motor has to go. With a demand that ends as well it is the same, as the clock
+ * of the frames is the earlier one. When they leave again the wheel brakes again. */
+void test_a_wheel_whose_frames_do_not_leave_hands_its_brake_over(void)
+{
+    const config_t config =
+        fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_ANGLE);
+    for (int both_ways = 0; both_ways <= 1; both_ways++) {
+        static board_t board;
+        board_start(&board, &config);
+        const wheel_coupling_t coupling = board_coupling(&board);
+        const bench_params_t params = moving_vehicle(12.0);
+        TEST_ASSERT_EQUAL_INT(BENCH_READY, start(&params, &config, &coupling));
+        bench.params.driver.own_brake_path = 1.0;
+        bench.params.driver.brake_demand_nm = 20.0;
+        fixture_run(&bench, 0.3);
+        TEST_ASSERT_TRUE_MESSAGE(bench.wheel[0].brake.torque_nm < 2.0, "the motor brakes alone");
+        board.unsent = true;
+        bench.params.driver.silent = both_ways;
+        bench_refresh(&bench);
+        assert_both_brakes_make_the_demand(&board, 20.0);
+        board.unsent = false;
+        bench.params.driver.silent = 0.0;
+        bench_refresh(&bench);
+        fixture_run(&bench, 0.5);
+        TEST_ASSERT_TRUE(board.vehicle.received.hydraulic_valid);
+        TEST_ASSERT_TRUE_MESSAGE(bench.wheel[0].brake.torque_nm < 2.0, "the motor brakes again");
+    }
+}
+
 void test_vehicle_stays_at_standstill_with_a_refused_configuration(void)
 {
     const config_t good =
