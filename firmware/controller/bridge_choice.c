@@ -2,6 +2,7 @@
 #include "controller/bridge_choice.h"
 
 #include "core/q15.h"
+#include "monitor/safe_state.h"
 
 enum { MOST_CURRENT_mA = 10000000 };
 
@@ -64,6 +65,26 @@ static bool torque_lost(bridge_choice_state_t *state, bool worse)
     return state->return_steps > 0;
 }
 
+/* Where no other brake is commanded and no demand arrives any more, a short circuit takes over as
+ * soon as it brakes with what is kept, where the motor is permitted less than both. It stays as
+ * long as it brakes with more than that: its torque needs neither the rotor's angle nor the sign of
+ * its speed, of which the blend-out makes none. */
+static bool short_circuit_holds(const config_t *config, const measured_t *now,
+                                const monitored_t *watch, const torque_output_t *torque)
+{
+    const int32_t kept_mNm = torque->kept_mNm;
+    const int32_t controlled_mNm = torque->available.torque_mNm;
+    if (config->brake.max_hydraulic_torque_mNm > 0 || kept_mNm == 0) {
+        return false;
+    }
+    const int32_t speed_mrad_s = now->angle_valid ? q_abs(now->speed_mrad_s) : watch->bound_mrad_s;
+    const steady_state_t shorted = safe_state_short(config, now, speed_mrad_s);
+    const bool enough = shorted.torque_mNm >= q_min(kept_mNm, controlled_mNm);
+    const bool begins = shorted.torque_mNm <= kept_mNm && controlled_mNm < kept_mNm;
+    return enough && (begins || bridge_is_short(now->report->bridge)) &&
+           shorted.current_mA <= config->motor.max_phase_current_mA;
+}
+
 bridge_mode_t bridge_choice_step(bridge_choice_state_t *state, const config_t *config,
                                  const measured_t *now, const monitored_t *watch,
                                  const torque_output_t *torque, const torque_enable_t *enable,
@@ -83,6 +104,9 @@ bridge_mode_t bridge_choice_step(bridge_choice_state_t *state, const config_t *c
                  enabled && (lost || torque->current.forced_mNm > 0));
     if (!enabled) {
         return safe->bridge;
+    }
+    if (short_circuit_holds(config, now, watch, torque)) {
+        return BRIDGE_SHORT;
     }
     const bool rests = idle && now->angle_by == ANGLE_BY_OBSERVER && !switching;
     if (!now->angle_valid && !rests) {

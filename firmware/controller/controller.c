@@ -87,7 +87,7 @@ static void write_setpoint(const controller_slow_t *slow, const config_t *config
     setpoint->observer.used = now->angle_by == ANGLE_BY_OBSERVER;
     setpoint->calibrate_offsets = mode->calibrate_offsets;
     setpoint->torque_enabled = bridge == BRIDGE_PWM;
-    setpoint->safe_bridge = watch->safe.bridge;
+    setpoint->safe_bridge = bridge == BRIDGE_PWM ? watch->safe.bridge : bridge;
     setpoint->clear_trip = mode->clear_trip || watch->release_trip;
     setpoint->release_break = watch->release_break;
 }

@@ -10,7 +10,8 @@
 
 enum {
     LAST_CODE = 4095, /* of 4096 */
-    MOST_mA = 10000000
+    MOST_mA = 10000000,
+    SLOW_RHO = 10 /* from here on torque and current go with the speed */
 };
 
 /* One speed and temperature: EMF, and the ratios that the equations are written in, made by the
@@ -21,6 +22,7 @@ typedef struct {
     int32_t infinite_mA; /* psi / L_d: the short circuit's current at high speed */
     int32_t stall_mNm;   /* 3/2 p psi^2 / L_d: twice the largest torque of the short circuit */
     int32_t rho_q24;     /* R / (w L_d), at most 64 */
+    int32_t slow_q24;    /* its inverse where it is above SLOW_RHO, else 0 */
     int32_t sigma_q24;   /* L_q / L_d */
 } machine_t;
 
@@ -57,6 +59,7 @@ static void make_ratios(machine_t *m, const config_t *config, const measured_t *
     const int64_t flux_uA_Wb = divide_by_million((int64_t)motor->flux_linkage_nWb * m->infinite_mA);
     m->stall_mNm = q_saturate64(divide_by_thousand(flux_uA_Wb * 3 / 2 * motor->pole_pairs));
     m->rho_q24 = scaled_ratio(r_uOhm, q_max(x_uOhm, 1));
+    m->slow_q24 = m->rho_q24 > SLOW_RHO * SCALED_ONE ? scaled_ratio(x_uOhm, q_max(r_uOhm, 1)) : 0;
     m->sigma_q24 = motor->q_inductance_nH == motor->d_inductance_nH
                        ? SCALED_ONE
                        : scaled_ratio(motor->q_inductance_nH, motor->d_inductance_nH);
@@ -85,6 +88,15 @@ static steady_state_t shorted_at(machine_t *m, const config_t *config, const mea
                                  int32_t bound_mrad_s)
 {
     make_ratios(m, config, now, bound_mrad_s);
+    if (m->rho_q24 > SLOW_RHO * SCALED_ONE) {
+        const steady_state_t slow = {
+            .torque_mNm = share_of(m->stall_mNm, m->slow_q24),
+            .current_mA = share_of(m->infinite_mA, m->slow_q24),
+            .charging_mA = 0,
+            .bus_mV = now->bus_voltage_mV,
+        };
+        return slow;
+    }
     const int64_t rho2 = square_q24(m->rho_q24);
     const int64_t sigma2 = square_q24(m->sigma_q24);
     const int32_t y_q24 =

@@ -48,7 +48,7 @@ static void fall(demand_state_t *state, const config_t *config)
 }
 
 static demand_t lost_demand(demand_state_t *state, const config_t *config,
-                            const wheel_demand_t *wheel, bool standstill)
+                            const wheel_demand_t *wheel)
 {
     const config_driver_t *driver = &config->driver;
     const bool unsent = wheel->reason == REASON_TRANSMIT_TIMEOUT;
@@ -56,8 +56,7 @@ static demand_t lost_demand(demand_state_t *state, const config_t *config,
     if (unsent) { /* the brake system does not wait either */
         state->lost_ms = q_max(state->lost_ms, driver->lost_hold_ms + 1);
     }
-    const bool until_standstill = driver->no_other_brake != 0 && !standstill;
-    const bool kept = state->lost_ms <= driver->lost_hold_ms || until_standstill;
+    const bool kept = state->lost_ms <= driver->lost_hold_ms || driver->no_other_brake != 0;
     /* The brake system's own path has a dead time as well. */
     const int32_t dead_time_ms = config->brake.hydraulic_dead_time_ms;
     const bool handed_over = !kept && state->lost_ms > driver->lost_hold_ms + dead_time_ms;
@@ -110,9 +109,9 @@ static demand_t valid_demand(demand_state_t *state, const config_t *config,
 }
 
 demand_t demand_step(demand_state_t *state, const config_t *config, const slow_input_t *in,
-                     int32_t speed_mrad_s, bool standstill)
+                     int32_t speed_mrad_s)
 {
     return demand_is_lost(config, in->demand_age_ms)
-               ? lost_demand(state, config, &in->demand, standstill)
+               ? lost_demand(state, config, &in->demand)
                : valid_demand(state, config, &in->demand, speed_mrad_s);
 }

@@ -89,13 +89,14 @@ static int32_t beside_coasting_mNm(const demand_t *demand, const brake_blending_
 }
 
 /* Of both brakes; after braking, of what coasting does until the bridge opens. */
-static motor_braking_t motor_braking(const torque_state_t *state, const demand_t *demand,
+static motor_braking_t motor_braking(const torque_state_t *state, const measured_t *now,
+                                     const last_t *last, const demand_t *demand,
                                      const brake_blending_out_t *split, const lift_off_t *lift_off,
                                      int32_t coasting_mNm, bool bridge_open)
 {
     const int32_t electric_mNm = split->electric_mNm + lift_off->motor_mNm;
-    const bool braked = state->command.braked && demand->drive_torque_mNm == 0 &&
-                        state->demand.lost_ms == 0 && !bridge_open;
+    const bool braked = torque_command_is_against(last->torque_command_mNm, now->speed_mrad_s) &&
+                        demand->drive_torque_mNm == 0 && state->demand.lost_ms == 0 && !bridge_open;
     const bool brakes = demand->brake_torque_mNm > 0 || demand->lift_off_mNm > 0 || braked;
     const bool coasts = brakes && demand->hydraulic_valid;
     const int32_t added_mNm =
@@ -107,6 +108,13 @@ static motor_braking_t motor_braking(const torque_state_t *state, const demand_t
         .rise_mNm = split->rise_mNm,
     };
     return out;
+}
+
+/* What a vehicle without another brake keeps of a lost demand. */
+static int32_t kept_mNm(const torque_state_t *state, const config_t *config, const demand_t *demand)
+{
+    const bool kept = config->driver.no_other_brake != 0 && state->demand.lost_ms > 0;
+    return kept ? q_saturate64((int64_t)demand->brake_torque_mNm + demand->lift_off_mNm) : 0;
 }
 
 /* That PWM has, or would have if it took over from diodes that charge the battery. */
@@ -204,15 +212,14 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
     const motor_now_t motor =
         motor_now(config, now, watch, motor_model_torque_mNm(&model, flowing), coasts_mNm);
     const demand_t demand =
-        seen_demand(demand_step(&state->demand, config, in, now->speed_mrad_s, watch->standstill),
-                    motor.missing_q15);
+        seen_demand(demand_step(&state->demand, config, in, now->speed_mrad_s), motor.missing_q15);
     step_limits(state, &set, now, enable, &demand, flowing, motor.missing_q15, findings);
     const brake_blending_out_t split = blend(state, config, now, last, in, enable, &demand, &motor);
     const reason_t found = brake_blending_report(&state->blending, findings);
     const lift_off_t lift_off =
         lift_off_split(&state->table, demand.lift_off_mNm, split.electric_mNm, coasts_mNm);
     const motor_braking_t braking =
-        motor_braking(state, &demand, &split, &lift_off, coasts_mNm, motor.bridge_open);
+        motor_braking(state, now, last, &demand, &split, &lift_off, coasts_mNm, motor.bridge_open);
     const torque_command_out_t limited =
         torque_command_step(&state->command, config, &state->table, now, last->torque_command_mNm,
                             enable, &demand, &braking, motor.bridge_open);
@@ -244,6 +251,7 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
         .hydraulic_mNm = hydraulic_mNm,
         .hydraulic_added_mNm = q_max(q_max(hydraulic_mNm, own_path_mNm) - split.hydraulic_mNm, 0),
         .phase_voltage_mV = voltage_mV,
+        .kept_mNm = kept_mNm(state, config, &demand),
         .hydraulic_reason = holds                  ? REASON_HILL_HOLD
                             : found != REASON_NONE ? found
                                                    : split.hydraulic_reason,

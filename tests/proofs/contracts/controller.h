@@ -37,7 +37,8 @@ POST(bridge_choice_init, state->idle_steps == 0 && state->infeasible_steps == 0 
 
 PRE(bridge_choice_step, findings_hold(findings))
 POST(bridge_choice_step, findings_hold(findings))
-POST(bridge_choice_step, result == BRIDGE_PWM || result == watch->safe.bridge)
+POST(bridge_choice_step, result == BRIDGE_PWM || result == watch->safe.bridge || (result ==
+     BRIDGE_SHORT && torque->kept_mNm > 0))
 POST(bridge_choice_step, torque_enable_any(*enable) || result == watch->safe.bridge)
 
 /* controller/controller.h */

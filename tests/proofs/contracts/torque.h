@@ -80,7 +80,7 @@ POST(demand_step, result.drive_torque_mNm == 0 || result.engaged == (result.driv
 POST(demand_step, result.drive_torque_mNm >= 0 ? result.drive_torque_mNm <=
      q_max(in->demand.drive_torque_mNm, 0) : result.drive_torque_mNm >= in->demand.drive_torque_mNm)
 POST(demand_step, result.hydraulic_valid || (demand_is_lost(config, in->demand_age_ms) &&
-     (standstill || config->driver.no_other_brake == 0)))
+     config->driver.no_other_brake == 0))
 POST(demand_step, !in->demand.abs_active || result.lift_off_mNm == 0)
 POST(demand_step, result.brake_torque_mNm == state->brake_torque_mNm)
 POST(demand_step, in->demand.brake_torque_mNm <= 0 || (result.drive_withdrawn &&

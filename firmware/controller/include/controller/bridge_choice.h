@@ -5,7 +5,8 @@
  *
  * PWM while currents within the limits can make the commanded torque; the safe state where they
  * cannot. Without a command for modes.coast_delay, the open bridge as long as PWM could hold the
- * EMF without a demagnetising current, so that closing it needs none either. README and
+ * EMF without a demagnetising current, so that closing it needs none either. A short circuit near
+ * standstill, where a lost demand is kept and no other brake is commanded. README and
  * DERIVATIONS.md, Letting go.
  */
 #ifndef CONTROLLER_BRIDGE_CHOICE_H
@@ -37,9 +38,9 @@ typedef struct {
 
 void bridge_choice_init(bridge_choice_state_t *state);
 
-/* torque: of this step. demanded: driving or braking torque is demanded. Returns BRIDGE_PWM or the
- * monitor's safe state, the latter whenever no torque is enabled. Sets the finding FORCED_TORQUE,
- * which acts in the next step. */
+/* torque: of this step. demanded: driving or braking torque is demanded. Returns BRIDGE_PWM, the
+ * monitor's safe state, always that one while no torque is enabled, or that short circuit. Sets the
+ * finding FORCED_TORQUE, which acts in the next step. */
 bridge_mode_t bridge_choice_step(bridge_choice_state_t *state, const config_t *config,
                                  const measured_t *now, const monitored_t *watch,
                                  const torque_output_t *torque, const torque_enable_t *enable,

@@ -5,9 +5,9 @@
  * A demand older than brake.demand_timeout is lost. Its driving torque is zero at once. Its braking
  * torque is kept for driver.lost_hold_ms, then the hydraulic command is no longer valid: the brake
  * system takes its own path, and after the hydraulic dead time the braking torque falls to zero
- * with the lag with which that path arrives. With driver.no_other_brake it is kept until standstill
- * instead. One that is lost by the reason TRANSMIT_TIMEOUT is not kept: the brake system, to which no
- * message of this wheel comes, takes its own path already.
+ * with the lag with which that path arrives. With driver.no_other_brake it is kept as long as no
+ * demand arrives, also at standstill. One that is lost by the reason TRANSMIT_TIMEOUT is not kept:
+ * the brake system, to which no message of this wheel comes, takes its own path already.
  *
  * Braking has priority over driving. Driving torque acts only in the engaged direction; a driving
  * demand against it is lift-off braking, a magnitude. README, Demand; DERIVATIONS.md, Lost demand.
@@ -48,10 +48,10 @@ typedef struct {
 void demand_init(demand_state_t *state);
 
 /* 1 kHz. in: demand and its age; torques beyond +-100 kN m are clamped. speed_mrad_s: mechanical,
- * signed. standstill: by the monitor's speed upper bound. A lost demand never drives, and its
+ * signed. A lost demand never drives, and its
  * braking torque never rises. */
 demand_t demand_step(demand_state_t *state, const config_t *config, const slow_input_t *in,
-                     int32_t speed_mrad_s, bool standstill);
+                     int32_t speed_mrad_s);
 
 /* Largest change of a torque in one slow step, mNm, at least 1. */
 int32_t demand_rate_mNm_per_step(const config_t *config);

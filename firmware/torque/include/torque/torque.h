@@ -38,6 +38,8 @@ typedef struct {
     int32_t hydraulic_mNm;       /* magnitude >= 0 */
     int32_t hydraulic_added_mNm; /* of it, beyond what brake blending commands */
     int32_t phase_voltage_mV;    /* peak phase: that PWM has or would have, less a reserve */
+    int32_t kept_mNm;            /* of a lost demand, by a vehicle without another brake: braking
+                                    torque of both brakes, magnitude; else 0 */
     reason_t hydraulic_reason;   /* REASON_HYDRAULIC_LIMIT when the demand cannot be met,
                                     REASON_HILL_HOLD when more than it is commanded */
     bool hydraulic_valid; /* false: the demand is lost, the brake system takes its own path */

@@ -283,9 +283,8 @@ static void remember_the_demand(bool lost)
         return;
     }
     reference.lost_ms++;
-    const bool until_standstill = config->driver.no_other_brake != 0 && !rig.out.standstill;
     if (reference.lost_ms > config->driver.lost_hold_ms + config->brake.hydraulic_dead_time_ms &&
-        !until_standstill) {
+        config->driver.no_other_brake == 0) {
         /* No slower than the lag of the path that replaces it, or than its rate. */
         const int32_t lag_ms = config->brake.hydraulic_time_constant_ms + 2;
         reference.kept_mNm -=
@@ -354,7 +353,8 @@ static void check_reasons(bool lost)
     const int32_t drive_mNm = q_limit(rig.in.demand.drive_torque_mNm, 100000000);
     const bool below =
         reference.kept_mNm > 0 ? command_mNm < reference.kept_mNm : command_mNm != q_abs(drive_mNm);
-    if (below || lost) {
+    const bool coasts = reference.kept_mNm == 0 && drive_mNm == 0 && command_mNm <= coasting_mNm();
+    if ((below && !coasts) || lost) {
         check(out->torque_reason != REASON_NONE, "no reason");
         counts.reasons++;
     }

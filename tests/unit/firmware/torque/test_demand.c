@@ -13,7 +13,6 @@ static config_t config;
 static demand_state_t state;
 static slow_input_t in;
 static int32_t speed_mrad_s;
-static bool standstill;
 
 void setUp(void)
 {
@@ -28,7 +27,6 @@ void setUp(void)
     config.driver.direction_change_mrad_s = 3000;
     in = none;
     speed_mrad_s = 0;
-    standstill = false;
     demand_init(&state);
 }
 
@@ -39,7 +37,7 @@ static demand_t step(int32_t drive_mNm, int32_t brake_mNm, uint32_t age_ms)
     in.demand.drive_torque_mNm = drive_mNm;
     in.demand.brake_torque_mNm = brake_mNm;
     in.demand_age_ms = age_ms;
-    return demand_step(&state, &config, &in, speed_mrad_s, standstill);
+    return demand_step(&state, &config, &in, speed_mrad_s);
 }
 
 static demand_t fresh(int32_t drive_mNm, int32_t brake_mNm)
@@ -272,18 +270,18 @@ void test_masked_driving_demand_stays_zero_when_the_braking_above_it_has_fallen(
     }
 }
 
-void test_vehicle_without_another_brake_keeps_the_demand_until_standstill(void)
+void test_vehicle_without_another_brake_keeps_the_demand_until_one_arrives(void)
 {
     config.driver.no_other_brake = 1;
-    config.brake.hydraulic_rate_mNm_s = 1000 * RATE;
     fresh(0, 20000);
-    speed_mrad_s = 0; /* a locked wheel; the monitor's bound still says that it may roll */
-    demand_t out = silent(20 * HOLD);
-    TEST_ASSERT_EQUAL_INT32(20000, out.brake_torque_mNm);
-    TEST_ASSERT_TRUE(out.hydraulic_valid);
-    standstill = true;
-    out = silent(1);
-    TEST_ASSERT_EQUAL_INT32(20000 - RATE, out.brake_torque_mNm);
+    const int32_t speeds_mrad_s[] = {20000, 0, -3000};
+    for (int k = 0; k < 3; k++) {
+        speed_mrad_s = speeds_mrad_s[k];
+        const demand_t out = silent(20 * HOLD);
+        TEST_ASSERT_EQUAL_INT32(20000, out.brake_torque_mNm);
+        TEST_ASSERT_TRUE(out.hydraulic_valid);
+    }
+    TEST_ASSERT_EQUAL_INT32(0, fresh(0, 0).brake_torque_mNm);
 }
 
 void test_demand_applies_again_in_the_first_step_after_its_loss(void)
@@ -315,7 +313,6 @@ static void draw_input(random_t *random)
     in.demand_age_ms = random_chance(random, 0.9) ? 0 : (uint32_t)random_u64(random);
     in.demand.direction = (drive_direction_t)random_between(random, 0, 3);
     in.demand.abs_active = random_chance(random, 0.1);
-    standstill = random_chance(random, 0.3);
     speed_mrad_s = (int32_t)random_u64(random);
 }
 
@@ -346,7 +343,7 @@ void test_outputs_obey_priority_direction_and_bounds_for_any_sequence(void)
         if (random_chance(&random, 0.01)) {
             config.driver.no_other_brake = random_between(&random, 0, 1);
         }
-        const demand_t out = demand_step(&state, &config, &in, speed_mrad_s, standstill);
+        const demand_t out = demand_step(&state, &config, &in, speed_mrad_s);
         assert_lawful(&out);
         if (in.demand_age_ms > TIMEOUT) { /* an old demand never grows */
             TEST_ASSERT_LESS_OR_EQUAL_INT32(before.brake_torque_mNm, out.brake_torque_mNm);
