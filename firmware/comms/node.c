@@ -73,7 +73,7 @@ static void expire_transmission(node_t *node, uint32_t now_ms)
 bool node_tick(node_t *node, uint32_t now_ms)
 {
     bool changed = false;
-    expire_transmission(node, now_ms); /* also known by its time */
+    expire_transmission(node, now_ms);          /* also known by its time */
     (void)e2e_timed_out(&node->demand, now_ms); /* the torque follows from the demand's age */
     if (node->command.demand_known &&
         now_ms - node->command.demand_time_ms >= NODE_DEMAND_EXPIRY_ms) {

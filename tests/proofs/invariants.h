@@ -88,8 +88,8 @@
      is_within((s)->demand.received_brake_torque_mNm, 0, 100000000) && (s)->demand.lost_ms >= 0 && \
      anti_lock_holds(&(s)->limits) && is_within((s)->limits.charge.allowed_q24, 0, SCALED_ONE) &&  \
      is_within((s)->limits.discharge.allowed_q24, 0, SCALED_ONE) && table_holds(&(s)->table) &&    \
-     battery_rises_hold(&(s)->limits) &&                                                           \
-     road_holds(&(s)->road) && is_within((s)->hold.torque_mNm, 0, (c)->driver.hold_torque_mNm) &&  \
+     battery_rises_hold(&(s)->limits) && road_holds(&(s)->road) &&                                 \
+     is_within((s)->hold.torque_mNm, 0, (c)->driver.hold_torque_mNm) &&                            \
      is_within((s)->hold.release_ms, 0, (c)->driver.hold_release_ms) &&                            \
      (s)->hold.begun_mrad_s >= 0 && (s)->lamp.speed_lp_q8_mrad_s >= 0 &&                           \
      is_within((s)->lamp.decel_lp_mm_s2.accumulator, -(1 << 30), 1 << 30) &&                       \
@@ -239,7 +239,7 @@ enum { MOST_ROW_POINTS = 65 };
         const findings_t findings_copy = (s)->findings;                                            \
         torque_state_holds(&torque_copy, c) && monitor_state_holds(&monitor_copy, c) &&            \
             measure_holds(&measure_copy, c) && findings_hold(&findings_copy) &&                    \
-            (unsigned)(s)->modes.mode <= MODE_FAULT && slow_rise_holds(&(s)->modes.braking) &&     \
+            (unsigned)(s)->modes.mode <= MODE_FAULT &&slow_rise_holds(&(s)->modes.braking) &&      \
             ((s)->modes.mode != MODE_FAULT || (s)->modes.fault != REASON_NONE) &&                  \
             is_within((s)->last.torque_command_mNm, -400000000, 400000000) &&                      \
             (s)->last.hydraulic_added_mNm >= 0 && vector_holds((s)->last.reference_pu) &&          \

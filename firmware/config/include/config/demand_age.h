@@ -16,8 +16,8 @@ static inline bool demand_is_lost(const config_t *config, uint32_t age_ms)
     return age_ms > (uint32_t)config->brake.demand_timeout_ms;
 }
 
-/* True where the motor may brake only while this wheel's messages leave: the braking demand comes by
- * CAN, and the hydraulic brake takes its own path while no message comes. */
+/* True where the motor may brake only while this wheel's messages leave: the braking demand comes
+ * by CAN, and the hydraulic brake takes its own path while no message comes. */
 static inline bool demand_needs_transmission(const config_t *config)
 {
     return config->brake.max_hydraulic_torque_mNm > 0 && config->driver.no_other_brake == 0 &&

@@ -19,10 +19,10 @@
 
 /* Peak phase, terminal, means over the PWM period. */
 typedef struct {
-    int32_t i_d_mA; /* without the trim, which the fast loop adds */
-    int32_t i_q_mA; /* for the i_d with the trim */
-    bool limited;   /* i_q reduced by the phase current limit */
-    bool feasible;  /* the voltage suffices for the currents, limited or not */
+    int32_t i_d_mA;     /* without the trim, which the fast loop adds */
+    int32_t i_q_mA;     /* for the i_d with the trim */
+    bool limited;       /* i_q reduced by the phase current limit */
+    bool feasible;      /* the voltage suffices for the currents, limited or not */
     int32_t forced_mNm; /* braking torque that the voltage forces instead, magnitude; 0: none */
 } current_setpoint_t;
 

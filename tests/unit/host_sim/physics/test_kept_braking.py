@@ -36,12 +36,7 @@ def read(name: str) -> Drive:
 def pull_nm(drive: Drive, slope: float) -> float:
     """Return what the slope pulls with at each wheel, beyond the friction of tyres and bearings."""
     vehicle = drive.vehicle
-    weight_nm = (
-        vehicle.mass_kg
-        * GRAVITY_M_PER_S2
-        * vehicle.wheel_radius_m
-        / vehicle.driven_wheels
-    )
+    weight_nm = vehicle.mass_kg * GRAVITY_M_PER_S2 * vehicle.wheel_radius_m / vehicle.driven_wheels
     resisted = (slope - vehicle.rolling_resistance) / np.hypot(1.0, slope)
     return float(weight_nm * resisted) - drive.motor.friction_torque_nm
 
@@ -61,27 +56,24 @@ def creep_m_per_s(drive: Drive, slope: float) -> float:
     pull = pull_nm(drive, slope)
 
     peak = r / np.sqrt(l_d * l_q)
-    return (
-        float(brentq(lambda w: short_nm(w) - pull, 0.0, peak))
-        / p
-        * drive.vehicle.wheel_radius_m
-    )
+    return float(brentq(lambda w: short_nm(w) - pull, 0.0, peak)) / p * drive.vehicle.wheel_radius_m
 
 
-def stopped_uphill(
-    name: str, slope_percent: float, settings: dict[str, float]
-) -> hubsim.Recording:
+def stopped_uphill(name: str, slope_percent: float, settings: dict[str, float]) -> hubsim.Recording:
     """Return the ride of a vehicle whose link is lost while it brakes to standstill uphill."""
     drive = read(name)
-    keys = {
-        "slope_percent": slope_percent, "initial_speed_kmh": 8.0, "max_duration_s": 20.0,
-        "demand_nm": 1.5 * pull_nm(drive, 0.01 * slope_percent), "record_interval_s": 0.01,
-        "events": {"silence": {"at_s": 0.2, "inject": "can_silence", "until_s": 20.0}},
-    }  # fmt: skip
-    config = hubsim.load_configuration(
-        path_of(name), {"driver.no_other_brake": True, **settings}
-    )
-    with hubsim.Bench(config, record=SIGNALS, **keys) as bench:
+    silence = {"at_s": 0.2, "inject": "can_silence", "until_s": 20.0}
+    config = hubsim.load_configuration(path_of(name), {"driver.no_other_brake": True, **settings})
+    with hubsim.Bench(
+        config,
+        record=SIGNALS,
+        slope_percent=slope_percent,
+        initial_speed_kmh=8.0,
+        max_duration_s=20.0,
+        demand_nm=1.5 * pull_nm(drive, 0.01 * slope_percent),
+        record_interval_s=0.01,
+        events={"silence": silence},
+    ) as bench:
         return bench.run(20.0)
 
 
