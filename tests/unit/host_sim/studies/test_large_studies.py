@@ -7,6 +7,8 @@ import pytest
 from studies import __main__ as command
 
 
-@pytest.mark.parametrize("name", ["blend_out", "coast", "edges", "envelope", "stored_share"])
+@pytest.mark.parametrize(
+    "name", ["blend_out", "coast", "edges", "envelope", "healthy", "stored_share"]
+)
 def test_a_whole_study_holds(name: str, tmp_path: Path) -> None:
     assert command.main([name, "-o", str(tmp_path)]) == 0
