@@ -106,7 +106,7 @@ def run_scenario(options: argparse.Namespace) -> int:
     if options.json:
         files.write_text(options.json, as_json(json_object(result)))
     console.print_table([result])
-    print(*course.lines(result.observed), sep="\n")
+    print(*console.limits_cost(result.ideal), *course.lines(result.observed), sep="\n")
     failed = [outcome.name for outcome in evaluated if not outcome.passed]
     if evaluated:
         console.print_criteria(name, evaluated)

@@ -2,10 +2,10 @@
 """Tables of energies and criteria on the terminal, and warnings of a drive."""
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
 from regen_table import bus_capacitor, relations
 from regen_table.schema import Drive
@@ -94,6 +94,13 @@ def energy_table(results: Sequence[RunResult]) -> Table:
 def _ideal_share(result: RunResult) -> str:
     share = stops.ideal_share(result.ideal)
     return "" if share is None else f"{PERCENT * share:.1f} %"
+
+
+def limits_cost(ideal: Mapping[str, Any]) -> list[str]:
+    """Return the line about what the drive's limits cost an ideal stop; none where they do not."""
+    costs = ideal.get("limits_cost_j") or {}
+    listed = ", ".join(f"{name} {joule / KILO:.2f} kJ" for name, joule in costs.items())
+    return [f"what the drive's limits cost the ideal stop: {listed}"] if costs else []
 
 
 def definitions() -> list[str]:

@@ -53,9 +53,9 @@ HOW_TO_READ = (
 
 
 IDEAL = (
-    "The ideal stop has the same demand, initial speed and winding temperature: steady state of the"
-    " motor at every speed, no delay, no blend-out, no limit of the charge current, no air drag and"
-    " no rolling resistance, the battery at rest before the stop."
+    "The ideal stop has the same demand, initial speed, winding temperature and state of charge,"
+    " and the limits of the drive: steady state of the motor at every speed, no delay, no air drag"
+    " and no rolling resistance, the battery at rest before the stop."
 )
 
 
@@ -155,7 +155,7 @@ def _single(runs: list[RunLike], identity: str, called: str, extras: Extras) -> 
     """Show one run over the whole width: pictures beside each other, signals in three columns."""
     pictures = (_flows(runs, identity, called), _points(runs, identity, called, extras))
     ideal = reading.ideal(runs[0])
-    note = element("p", IDEAL, class_="soft") if ideal else Markup("")
+    note = element("p", IDEAL + tables.limits_cost(ideal), class_="soft") if ideal else Markup("")
     brakes = tables.braking_quality(runs, f"How well it brakes, {called}")
     asked = tables.criteria(runs, f"Criteria of the scenario, {called}")
     return [

@@ -86,6 +86,15 @@ def ideal_share(ideal: Mapping[str, Any]) -> float:
     return _ideal_j(ideal, "battery_returned") / work if work > 0.0 else math.nan
 
 
+def limits_cost(ideal: Mapping[str, Any]) -> str:
+    """Return what each limit of the drive costs an ideal stop, as a sentence; empty without one."""
+    costs = ideal.get("limits_cost_j")
+    if not isinstance(costs, Mapping) or not costs:
+        return ""
+    listed = ", ".join(f"{name} {reading.as_number(j) / 1e3:.2f} kJ" for name, j in costs.items())
+    return f" It would store more without one of these limits: {listed}."
+
+
 def _ideal_j(ideal: Mapping[str, Any], name: str) -> float:
     """Return an energy of an ideal stop; its braking work is without the bearings' friction."""
     energies = ideal["energy_j"]

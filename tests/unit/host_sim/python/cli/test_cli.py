@@ -300,6 +300,37 @@ def test_a_drive_without_a_state_of_charge_starts_as_its_ideal_does_and_says_whe
     assert stored == pytest.approx(found["ideal_stop"]["stored_share_of_kinetic"], abs=0.02)
 
 
+@pytest.mark.parametrize(
+    ("setting", "limit"),
+    [
+        ("battery.max_charge_current_a=20", "charge_current"),
+        ("battery.charge_foldback_voltage_v=50", "fold_back"),
+        ("control.handover_start_rpm=300", "blend_out"),
+    ],
+)
+def test_the_ideal_beside_a_stop_has_its_limits_and_says_what_they_cost(
+    hubsim: Hubsim, tmp_path: Path, setting: str, limit: str
+) -> None:
+    """Without its limits the ideal stores 76 % of the energy, whatever the drive may take."""
+    plain = ("run", "stop", "--set", "drag=false", "--json")
+    assert hubsim(*plain, "free.json").returncode == 0
+    done = hubsim(*plain, "stop.json", "--set", setting)
+    free, found = (
+        json.loads((tmp_path / f"{name}.json").read_text(encoding="utf-8"))
+        for name in ("free", "stop")
+    )
+    ideal = found["ideal_stop"]
+    stored = found["energy_j"]["battery_returned"] / found["kinetic_energy_j"]
+    assert stored < free["ideal_stop"]["stored_share_of_kinetic"] - 0.005
+    assert stored == pytest.approx(ideal["stored_share_of_kinetic"], abs=0.02)
+    cost_j = ideal["limits_cost_j"]
+    assert list(cost_j) == [limit]
+    without_j = ideal["energy_j"]["battery_returned"] + cost_j[limit]
+    assert without_j == pytest.approx(free["ideal_stop"]["energy_j"]["battery_returned"], rel=0.02)
+    line = f"what the drive's limits cost the ideal stop: {limit} {cost_j[limit] / 1e3:.2f} kJ"
+    assert line in done.stdout
+
+
 def test_a_list_of_faults_needs_no_library_for_figures(monkeypatch: pytest.MonkeyPatch) -> None:
     for module in [name for name in sys.modules if name.startswith(("matplotlib", "hubsim.sweep"))]:
         monkeypatch.delitem(sys.modules, module)
