@@ -444,6 +444,14 @@ static void take_back(hall_t *hall, const hall_t *before)
     clamp_to_sector(hall);
 }
 
+/* Where the rotor was expected: in the direction of the last edge, and after three quarters of its
+ * sector's time. */
+static bool expected_edge(const hall_t *hall, const hall_t *before)
+{
+    return hall->valid && hall->direction == before->direction &&
+           8 * before->periods_since_edge >= 3 * before->overdue_periods;
+}
+
 bool hall_process_reading(hall_t *hall, hall_t *before, const config_t *config, uint8_t sensors,
                           hall_observed_t observed)
 {
@@ -458,7 +466,7 @@ bool hall_process_reading(hall_t *hall, hall_t *before, const config_t *config, 
         before->valid = false;
     }
     hall_process_event(hall, config, sensors, observed);
-    const bool confirmed = !edge || (hall->valid && hall->direction == before->direction);
+    const bool confirmed = !edge || expected_edge(hall, before);
     if (!confirmed) {
         hall->steady_sensors = HALL_NO_READING;
     }

@@ -63,8 +63,9 @@ void hall_process_event(hall_t *hall, const config_t *config, uint8_t sensors,
 
 /* The same, of a reading that may be a disturbance of a line: an edge that is gone in the next
  * period was none, and all that it made is taken back. before: the state before this edge; not
- * valid without one, and at first. False: the edge contradicts the movement so far, a reversal or a
- * fault, and the next period has to confirm it; until then the rotor goes on as `before` has it. */
+ * valid without one, and at first. False: the edge contradicts the movement so far, a reversal, a
+ * fault or far too early, and the next period has to confirm it; until then the rotor goes on as
+ * `before` has it. */
 bool hall_process_reading(hall_t *hall, hall_t *before, const config_t *config, uint8_t sensors,
                           hall_observed_t observed);
 

@@ -112,6 +112,23 @@ void test_a_skipped_sector_that_stays_is_a_fault_in_the_second_period(void)
     TEST_ASSERT_EQUAL_UINT16(1, hall.faults);
 }
 
+/* After half of the last sector's time, and after nearly all of it. */
+void test_an_edge_that_is_far_too_early_is_confirmed_first(void)
+{
+    for (int early = 0; early <= 1; early++) {
+        setUp();
+        speed_turns_per_period = 1.0 / 600.0;
+        turn_undisturbed(6000);
+        while (hall.periods_since_edge != (early == 1 ? 50 : 90)) {
+            (void)read_sensors(&hall, &before, move());
+        }
+        theta_turns += early == 1 ? 0.5 / 6.0 : 0.1 / 6.0;
+        TEST_ASSERT_EQUAL_INT(early == 0, read_sensors(&hall, &before, move()));
+        TEST_ASSERT_TRUE(read_sensors(&hall, &before, move()));
+        TEST_ASSERT_TRUE(hall.valid);
+    }
+}
+
 /* At a sector in 0.2 s, where a rotor may turn round. */
 void test_a_reversal_counts_from_its_second_period_on(void)
 {
