@@ -70,6 +70,37 @@ static void expire_transmission(node_t *node, uint32_t now_ms)
     }
 }
 
+/* command.demand: the accepted one, without driving torque and with the larger braking torque while
+ * there is a second sender. */
+static void set_demand(node_t *node, uint32_t now_ms)
+{
+    const node_senders_t *senders = &node->senders;
+    wheel_demand_t *demand = &node->command.demand;
+    *demand = node->accepted;
+    demand->reason = node->refused ? REASON_DEMAND_IMPLAUSIBLE : REASON_NONE;
+    if (!senders->contradicts) {
+        return;
+    }
+    demand->reason = REASON_DEMAND_CONTRADICTED;
+    demand->drive_torque_mNm = 0;
+    demand->fault_reset = false;
+    if (now_ms - senders->contradicted_ms < NODE_CONTRADICTION_BRAKE_ms) {
+        demand->brake_torque_mNm = q_max(demand->brake_torque_mNm, senders->larger_brake_mNm);
+    }
+}
+
+static bool expire_contradiction(node_t *node, uint32_t now_ms)
+{
+    node_senders_t *senders = &node->senders;
+    const uint32_t since_ms = now_ms - senders->contradicted_ms;
+    if (!senders->contradicts || since_ms < NODE_CONTRADICTION_BRAKE_ms) {
+        return false;
+    }
+    senders->contradicts = since_ms < NODE_CONTRADICTION_SHOWN_ms;
+    set_demand(node, now_ms);
+    return true;
+}
+
 bool node_tick(node_t *node, uint32_t now_ms)
 {
     bool changed = false;
@@ -82,9 +113,10 @@ bool node_tick(node_t *node, uint32_t now_ms)
     }
     if (node->refused && now_ms - node->refused_ms >= NODE_REFUSAL_SHOWN_ms) {
         node->refused = false;
-        node->command.demand.reason = REASON_NONE;
+        set_demand(node, now_ms);
         changed = true;
     }
+    changed = expire_contradiction(node, now_ms) || changed;
     if (e2e_timed_out(&node->battery, now_ms)) {
         changed = expire_battery_limits(node) || changed;
     }
@@ -140,26 +172,71 @@ static bool show_refusal(node_t *node, e2e_status_t status, uint32_t now_ms)
     }
     node->refused = true;
     node->refused_ms = now_ms;
-    node->command.demand.reason = REASON_DEMAND_IMPLAUSIBLE;
+    set_demand(node, now_ms);
     return true;
+}
+
+static bool is_other_content(const node_senders_t *senders, const uint8_t data[E2E_FRAME_BYTES])
+{
+    bool other = false;
+    for (uint32_t i = 0; i < E2E_FRAME_BYTES; i++) {
+        other = other || senders->data[i] != data[i];
+    }
+    return other;
+}
+
+/* Whether this Demand contradicts the one before it. A frame that is refused counts as well: its
+ * torque may be too much only beside the other sender's. */
+static bool watch_senders(node_t *node, const messages_frame_t *frame, int32_t brake_torque_mNm,
+                          uint32_t now_ms)
+{
+    const e2e_profile_t profile = messages_profile(MESSAGES_DEMAND);
+    node_senders_t *senders = &node->senders;
+    if (!e2e_intact(profile, frame->data, frame->identifier)) {
+        return false;
+    }
+    /* After a gap it may be a sender that has started again. */
+    const bool follows =
+        senders->received && now_ms - senders->received_ms < node->demand.timeout_ms;
+    const bool repeats = e2e_counter(profile, senders->data) == e2e_counter(profile, frame->data);
+    const bool contradicts = follows && repeats && is_other_content(senders, frame->data);
+    const int32_t usable_mNm =
+        brake_torque_mNm <= node->limits.largest_brake_mNm ? brake_torque_mNm : 0;
+    if (contradicts) {
+        senders->contradicts = true;
+        senders->contradicted_ms = now_ms;
+        senders->larger_brake_mNm = q_max(senders->brake_torque_mNm, usable_mNm);
+    }
+    for (uint32_t i = 0; i < E2E_FRAME_BYTES; i++) {
+        senders->data[i] = frame->data[i];
+    }
+    senders->received = true;
+    senders->received_ms = now_ms;
+    senders->brake_torque_mNm = usable_mNm;
+    return contradicts;
 }
 
 static bool receive_demand(node_t *node, const messages_frame_t *frame, uint32_t now_ms)
 {
-    wheel_demand_t demand;
-    const bool plausible =
-        messages_read_demand(frame, &demand) && plausible_demand(node, &demand, now_ms);
+    wheel_demand_t demand = {.drive_torque_mNm = 0};
+    const bool in_range = messages_read_demand(frame, &demand);
+    const bool contradicts =
+        watch_senders(node, frame, in_range ? demand.brake_torque_mNm : 0, now_ms);
+    const bool plausible = in_range && plausible_demand(node, &demand, now_ms);
     const e2e_status_t status =
         e2e_receive(&node->demand, frame->data, frame->identifier, plausible, now_ms);
-    if (!is_usable(status)) {
-        return show_refusal(node, status, now_ms);
+    const bool usable = is_usable(status);
+    if (usable) {
+        node->accepted = demand;
+        node->command.demand_time_ms = now_ms;
+        node->command.demand_known = true;
+        node->demand_counter = node->demand.counter;
     }
-    demand.reason = node->refused ? REASON_DEMAND_IMPLAUSIBLE : REASON_NONE;
-    node->command.demand = demand;
-    node->command.demand_time_ms = now_ms;
-    node->command.demand_known = true;
-    node->demand_counter = node->demand.counter;
-    return true;
+    const bool refused = show_refusal(node, status, now_ms);
+    if (usable || contradicts) {
+        set_demand(node, now_ms);
+    }
+    return usable || contradicts || refused;
 }
 
 static bool receive_battery(node_t *node, const messages_frame_t *frame, uint32_t now_ms)

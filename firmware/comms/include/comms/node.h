@@ -8,6 +8,11 @@
  * demand_rise, is refused as if its frame were lost, and command.demand.reason says so for a
  * second. Falling torque is always accepted.
  *
+ * Two senders: an intact Demand with the counter of the one before it and other content shows a
+ * second sender, and which of them is right cannot be known. From then on, until none has come for
+ * a second, there is no driving torque and no acknowledgement, and the braking torque is the larger
+ * of both; command.demand.reason says so.
+ *
  * Reception: only frames that e2e.h qualifies are used; the others are counted and have no other
  * effect. In particular they do not refresh command.demand_time_ms, so the age of the demand grows
  * and after config.brake.demand_timeout_ms the torque ramps to zero. Before the first BatteryLimits
@@ -40,8 +45,10 @@ enum {
     NODE_PACK_CURRENT_AGE_ms = 150,
     /* Longer than any timeout of the controller, shorter than the clock's wrap. */
     NODE_DEMAND_EXPIRY_ms = 10000,
-    NODE_REFUSAL_SHOWN_ms = 1000, /* demand.reason after a refused demand */
-    NODE_UNSENT_ms = 50           /* without a WheelBrake that leaves: NODE_TIMEOUT_CYCLES of it */
+    NODE_REFUSAL_SHOWN_ms = 1000,       /* demand.reason after a refused demand */
+    NODE_CONTRADICTION_SHOWN_ms = 1000, /* and without driving torque after a second sender's */
+    NODE_CONTRADICTION_BRAKE_ms = 50,   /* its braking torque: NODE_TIMEOUT_CYCLES of Demand */
+    NODE_UNSENT_ms = 50 /* without a WheelBrake that leaves: NODE_TIMEOUT_CYCLES of it */
 };
 
 /* What a node is configured with. Magnitudes. */
@@ -54,6 +61,17 @@ typedef struct {
     int32_t demand_rise_ms;
     int32_t demand_lost_frames; /* in a row that may be missing, 0 .. 3 */
 } node_limits_t;
+
+/* The latest intact Demand, used or not, and what a second sender shows by it. */
+typedef struct {
+    uint8_t data[E2E_FRAME_BYTES];
+    uint32_t received_ms;
+    int32_t brake_torque_mNm; /* 0 beyond largest_brake_mNm */
+    bool received;
+    bool contradicts;         /* less than NODE_CONTRADICTION_SHOWN_ms ago */
+    uint32_t contradicted_ms; /* the latest time */
+    int32_t larger_brake_mNm; /* of the latest two frames that contradict each other */
+} node_senders_t;
 
 /* What the vehicle sends, as the slow step takes it (slow_input_t). */
 typedef struct {
@@ -75,6 +93,8 @@ typedef struct {
     e2e_receiver_t battery;
     e2e_receiver_t hydraulic;
     e2e_receiver_t peak;
+    wheel_demand_t accepted; /* the demand in use, before what a second sender takes of it */
+    node_senders_t senders;
     uint32_t refused_ms;    /* when the last demand was refused */
     bool refused;           /* less than NODE_REFUSAL_SHOWN_ms ago */
     uint8_t demand_counter; /* of the newest demand in use */

@@ -100,7 +100,9 @@
     X(104, CURRENT_GAIN, "gain of all current sensors wrong, by the battery's charge",             \
       HEALS, SERVICE)                                                                              \
     X(105, TRANSMIT_TIMEOUT, "own messages do not leave: the brake system brakes by its own path", \
-      SHOWN, NO_MOTOR)
+      SHOWN, NO_MOTOR)                                                                             \
+    X(106, DEMAND_CONTRADICTED, "two senders of the demand: one counter, different content",       \
+      SHOWN, SERVICE)
 /* clang-format on */
 
 #define REASON_LIMIT_ENUM(number, identifier, text) REASON_##identifier = (number),

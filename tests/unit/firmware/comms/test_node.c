@@ -52,7 +52,7 @@ void test_stuck_counter_does_not_reset_the_age(void)
 {
     qualify_demand();
     for (uint32_t ms = 30; ms < 1000; ms += DEMAND_CYCLE_ms) {
-        TEST_ASSERT_FALSE(receive_demand(2, 9000, ms));
+        TEST_ASSERT_FALSE(receive_demand(2, 3000, ms));
         assert_demand_is_still_of(20, ms);
     }
     TEST_ASSERT_TRUE(node.demand.counts.repeated > 0);

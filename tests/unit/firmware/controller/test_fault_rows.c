@@ -72,8 +72,8 @@ static void brake_with_stored_offsets(void)
 static bool comes_with_the_demand(reason_t reason)
 {
     return reason == REASON_DEMAND_TIMEOUT || reason == REASON_TRANSMIT_TIMEOUT ||
-           reason == REASON_DEMAND_IMPLAUSIBLE || reason == REASON_ACCELERATOR_SENSOR ||
-           reason == REASON_BRAKE_PEDAL_SENSOR;
+           reason == REASON_DEMAND_IMPLAUSIBLE || reason == REASON_DEMAND_CONTRADICTED ||
+           reason == REASON_ACCELERATOR_SENSOR || reason == REASON_BRAKE_PEDAL_SENSOR;
 }
 
 static bool is_of_rotor(finding_t row)
