@@ -11,7 +11,7 @@
 enum {
     LAST_CODE = 4095, /* of 4096 */
     MOST_mA = 10000000,
-    SLOW_RHO = 10 /* from here on torque and current go with the speed */
+    SLOW_RHO = 11 /* rho^2 has 7 bits beside 24 of its fraction */
 };
 
 /* One speed and temperature: EMF, and the ratios that the equations are written in, made by the
@@ -82,6 +82,22 @@ static int32_t root_q24(int64_t x_q24)
     return scaled_root(x_q24 * (INT64_C(1) << 24));
 }
 
+/* The same where R is large, to the second order of 1/rho: I / I_infinite is (1 + c/2)/rho, the
+ * torque (1 + c)/rho, c = (sigma^2 - 2 sigma)/rho^2. */
+static steady_state_t slow_short(const machine_t *m, const measured_t *now)
+{
+    const int32_t sigmas_q24 =
+        q_saturate64((int64_t)square_q24(m->sigma_q24) - 2 * (int64_t)m->sigma_q24);
+    const int32_t c_q24 = share_of(sigmas_q24, square_q24(m->slow_q24));
+    const steady_state_t out = {
+        .torque_mNm = share_of(m->stall_mNm, share_of(m->slow_q24, SCALED_ONE + c_q24)),
+        .current_mA = share_of(m->infinite_mA, share_of(m->slow_q24, SCALED_ONE + c_q24 / 2)),
+        .charging_mA = 0,
+        .bus_mV = now->bus_voltage_mV,
+    };
+    return out;
+}
+
 /* I / I_infinite of the short circuit, and its torque over 3/2 p psi^2/L_d:
  * sqrt(rho^2 + sigma^2)/(rho^2 + sigma), rho times the square of that. */
 static steady_state_t shorted_at(machine_t *m, const config_t *config, const measured_t *now,
@@ -89,13 +105,7 @@ static steady_state_t shorted_at(machine_t *m, const config_t *config, const mea
 {
     make_ratios(m, config, now, bound_mrad_s);
     if (m->rho_q24 > SLOW_RHO * SCALED_ONE) {
-        const steady_state_t slow = {
-            .torque_mNm = share_of(m->stall_mNm, m->slow_q24),
-            .current_mA = share_of(m->infinite_mA, m->slow_q24),
-            .charging_mA = 0,
-            .bus_mV = now->bus_voltage_mV,
-        };
-        return slow;
+        return slow_short(m, now);
     }
     const int64_t rho2 = square_q24(m->rho_q24);
     const int64_t sigma2 = square_q24(m->sigma_q24);
