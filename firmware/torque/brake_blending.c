@@ -288,8 +288,10 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
         q_max(made.torque_mNm - share.shortfall_mNm - last->hydraulic_added_mNm, 0);
     const int32_t left_mNm =
         uncovered_mNm(config, demand, covered_mNm, last->torque_command_mNm, speed_mrad_s);
-    limit_tighten(&electric, left_mNm,
-                  motor->missing_q15 > 0 ? REASON_CURRENT_GAIN : REASON_TORQUE_RATE);
+    /* The hydraulic brake makes what a limit leaves it; without one it has not left yet. */
+    const reason_t beside =
+        available.torque_mNm < brake_torque_mNm ? available.reason : REASON_TORQUE_RATE;
+    limit_tighten(&electric, left_mNm, motor->missing_q15 > 0 ? REASON_CURRENT_GAIN : beside);
     /* On its own path the brake arrives without a command that the model would know. */
     const int32_t rise_mNm =
         demand->handed_over ? brake_torque_mNm : q_max(covered_mNm - state->covered_mNm, 0);
