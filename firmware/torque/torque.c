@@ -89,25 +89,29 @@ static int32_t beside_coasting_mNm(const demand_t *demand, const brake_blending_
 }
 
 /* Of both brakes; after braking, of what coasting does until the bridge opens. */
-static motor_braking_t motor_braking(const torque_state_t *state, const measured_t *now,
-                                     const last_t *last, const demand_t *demand,
-                                     const brake_blending_out_t *split, const lift_off_t *lift_off,
-                                     int32_t coasting_mNm, bool bridge_open)
+static torque_command_out_t motor_command(torque_state_t *state, const config_t *config,
+                                          const measured_t *now, const last_t *last,
+                                          const torque_enable_t *enable, const demand_t *demand,
+                                          const motor_now_t *motor,
+                                          const brake_blending_out_t *split, int32_t lift_off_mNm)
 {
-    const int32_t electric_mNm = split->electric_mNm + lift_off->motor_mNm;
+    const int32_t electric_mNm = split->electric_mNm + lift_off_mNm;
     const bool braked = torque_command_is_against(last->torque_command_mNm, now->speed_mrad_s) &&
-                        demand->drive_torque_mNm == 0 && state->demand.lost_ms == 0 && !bridge_open;
+                        demand->drive_torque_mNm == 0 && state->demand.lost_ms == 0 &&
+                        !motor->bridge_open;
     const bool brakes = demand->brake_torque_mNm > 0 || demand->lift_off_mNm > 0 || braked;
-    const bool coasts = brakes && demand->hydraulic_valid;
     const int32_t added_mNm =
-        coasts ? beside_coasting_mNm(demand, split, electric_mNm, coasting_mNm) : 0;
-    const motor_braking_t out = {
+        brakes && demand->hydraulic_valid
+            ? beside_coasting_mNm(demand, split, electric_mNm, motor->coasting_mNm)
+            : 0;
+    const motor_braking_t braking = {
         .electric_mNm = electric_mNm + added_mNm,
-        .uncovered_mNm =
-            q_saturate64((int64_t)split->uncovered_mNm + lift_off->motor_mNm + added_mNm),
+        .uncovered_mNm = q_saturate64((int64_t)split->uncovered_mNm + lift_off_mNm + added_mNm),
         .rise_mNm = split->rise_mNm,
     };
-    return out;
+    return torque_command_step(&state->command, config, &state->table, now,
+                               last->torque_command_mNm, enable, demand, &braking,
+                               motor->bridge_open);
 }
 
 /* What a vehicle without another brake keeps of a lost demand. */
@@ -208,21 +212,17 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
     const feasible_set_t set = feasible_set_at(&model, voltage_mV);
     const motor_current_t mean = {.d_mA = now->i_d_mA, .q_mA = now->i_q_mA};
     const motor_point_t flowing = motor_model_point(&model, mean);
-    const int32_t coasts_mNm = coasting_mNm(&model, watch, voltage_mV);
-    const motor_now_t motor =
-        motor_now(config, now, watch, motor_model_torque_mNm(&model, flowing), coasts_mNm);
+    const motor_now_t motor = motor_now(config, now, watch, motor_model_torque_mNm(&model, flowing),
+                                        coasting_mNm(&model, watch, voltage_mV));
     const demand_t demand =
         seen_demand(demand_step(&state->demand, config, in, now->speed_mrad_s), motor.missing_q15);
     step_limits(state, &set, now, enable, &demand, flowing, motor.missing_q15, findings);
     const brake_blending_out_t split = blend(state, config, now, last, in, enable, &demand, &motor);
     const reason_t found = brake_blending_report(&state->blending, findings);
     const lift_off_t lift_off =
-        lift_off_split(&state->table, demand.lift_off_mNm, split.electric_mNm, coasts_mNm);
-    const motor_braking_t braking =
-        motor_braking(state, now, last, &demand, &split, &lift_off, coasts_mNm, motor.bridge_open);
-    const torque_command_out_t limited =
-        torque_command_step(&state->command, config, &state->table, now, last->torque_command_mNm,
-                            enable, &demand, &braking, motor.bridge_open);
+        lift_off_split(&state->table, demand.lift_off_mNm, split.electric_mNm, motor.coasting_mNm);
+    const torque_command_out_t limited = motor_command(state, config, now, last, enable, &demand,
+                                                       &motor, &split, lift_off.motor_mNm);
     current_setpoint_t current = loss_braking_setpoint(
         &set, &state->table.losses, limited.command_mNm,
         current_setpoint_step(&set, limited.command_mNm, now->i_d_weakening_mA));
@@ -246,7 +246,7 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
     const torque_output_t out = {
         .current = current,
         .command_mNm = limited.command_mNm,
-        .coasting_mNm = coasts_mNm,
+        .coasting_mNm = motor.coasting_mNm,
         .estimate_mNm = motor.achieved_mNm,
         .hydraulic_mNm = hydraulic_mNm,
         .hydraulic_added_mNm = q_max(q_max(hydraulic_mNm, own_path_mNm) - split.hydraulic_mNm, 0),
