@@ -6,6 +6,7 @@
 
 enum {
     THOUSANDTH_q24 = 16777,    /* 2^24 / 1000 */
+    LEAST_LOG2 = 3,            /* of the filters' time constant: the least time with light */
     DECEL_MOST_MM_S2 = 1000000 /* 100 g: a wheel that jumps, not a vehicle that brakes */
 };
 
@@ -37,8 +38,10 @@ bool stop_lamp_step(stop_lamp_state_t *state, const config_t *config, int32_t sp
 
     if (brake_demand_mNm > 0 || decel_mm_s2 > brake->stop_lamp_on_mm_s2) {
         state->lit = true;
+        state->quiet_ms = 0;
     } else if (decel_mm_s2 < brake->stop_lamp_off_mm_s2) {
-        state->lit = false;
+        state->quiet_ms = (uint16_t)q_min(state->quiet_ms + 1, filter_steps << LEAST_LOG2);
+        state->lit = state->lit && state->quiet_ms < filter_steps << LEAST_LOG2;
     }
     return state->lit;
 }

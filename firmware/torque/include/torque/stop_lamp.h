@@ -6,6 +6,8 @@
  * brake.stop_lamp_on and clears it below brake.stop_lamp_off: 1.3 and 0.7 m/s^2 are the thresholds
  * that UN R13-H sets for passenger cars with lift-off regeneration. Not legal advice. Two
  * low-passes with the time constant brake.stop_lamp_filter suppress the ripple of the wheel speed.
+ * The lamp goes out when neither has lit it for eight time constants, 0.5 s by default, so that a
+ * noisy pedal at its dead band does not make it flicker.
  */
 #ifndef TORQUE_STOP_LAMP_H
 #define TORQUE_STOP_LAMP_H
@@ -19,6 +21,7 @@
 typedef struct {
     int32_t speed_lp_q8_mrad_s; /* low-passed speed, 8 more bits */
     filter_t decel_lp_mm_s2;
+    uint16_t quiet_ms; /* since it was last lit by either, saturating at the least time */
     bool lit;
     bool started;
 } stop_lamp_state_t;

@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "paper_vehicle.h"
+#include "random_values.h"
 #include "torque/stop_lamp.h"
 #include "unity.h"
 
@@ -33,7 +34,45 @@ void test_any_braking_demand_lights_the_lamp_in_the_same_step(void)
 {
     TEST_ASSERT_FALSE(stop_lamp_step(&state, &config, 0, 0));
     TEST_ASSERT_TRUE(stop_lamp_step(&state, &config, 0, 1));
-    TEST_ASSERT_FALSE(stop_lamp_step(&state, &config, 0, 0));
+}
+
+/* Eight times 2^6 ms after the last demand; in proportion to the configured filter. */
+void test_lamp_stays_lit_for_the_least_time_after_a_demand(void)
+{
+    for (int32_t log2 = 0; log2 <= 10; log2 += 2) {
+        config.brake.stop_lamp_filter_log2 = log2;
+        stop_lamp_init(&state);
+        stop_lamp_step(&state, &config, 0, 1);
+        for (int n = 1; n < 8 << log2; n++) {
+            TEST_ASSERT_TRUE(stop_lamp_step(&state, &config, 0, 0));
+        }
+        TEST_ASSERT_FALSE(stop_lamp_step(&state, &config, 0, 0));
+    }
+}
+
+/* 0 and 0.2 N m in any order, once a demand of CAN or more rarely: at most one change in the least
+ * time, 512 ms, and none where the noise comes more often. */
+void test_a_noisy_pedal_at_its_dead_band_does_not_make_the_lamp_flicker(void)
+{
+    random_t random = random_seeded(3);
+    for (int32_t every_ms = 5; every_ms < 2000; every_ms = every_ms * 3 / 2) {
+        stop_lamp_init(&state);
+        int changes = 0;
+        bool before = false;
+        int32_t demand_mNm = 0;
+        for (int n = 0; n < 30000; n++) {
+            if (n % every_ms == 0) {
+                demand_mNm = random_chance(&random, 0.5) ? 200 : 0;
+            }
+            const bool lit = stop_lamp_step(&state, &config, 0, demand_mNm);
+            changes += lit != before ? 1 : 0;
+            before = lit;
+        }
+        TEST_ASSERT_LESS_OR_EQUAL_INT(30000 / 512 + 1, changes);
+        if (every_ms <= 20) { /* 25 zeros in a row have a chance of 3e-8 */
+            TEST_ASSERT_LESS_OR_EQUAL_INT(1, changes);
+        }
+    }
 }
 
 /* One second is fifteen time constants: the filters have settled to 1e-6. */
@@ -159,6 +198,7 @@ void test_the_thresholds_of_the_lamp_are_exact(void)
         config.brake.stop_lamp_off_mm_s2 = off_mm_s2;
         stop_lamp_init(&state);
         TEST_ASSERT_TRUE(stop_lamp_step(&state, &config, 8, 1));
+        state.quiet_ms = 7; /* of 8 */
         TEST_ASSERT_EQUAL_INT(off_mm_s2 == 2047, stop_lamp_step(&state, &config, 0, 0));
     }
 }
