@@ -2,6 +2,7 @@
 #include "torque/torque.h"
 
 #include "core/q15.h"
+#include "core/scaled.h"
 #include "motor/motor_model.h"
 #include "torque/closing_voltage.h"
 
@@ -65,11 +66,15 @@ static bool road_is_seen(const torque_limits_t *table, const measured_t *now,
 static int32_t coasting_mNm(const motor_model_t *model, const monitored_t *watch,
                             int32_t phase_voltage_mV)
 {
-    static const motor_current_t ZERO = {.d_mA = 0, .q_mA = 0};
     const safe_state_t *safe = &watch->safe;
     const bool opens = model->config->modes.coast_delay_ms > 0 && safe->bridge == BRIDGE_OFF &&
                        safe->torque_mNm == 0 && safe->emf_mV < phase_voltage_mV;
-    return opens ? q_abs(motor_model_torque_mNm(model, motor_model_point(model, ZERO))) : 0;
+    if (!opens) {
+        return 0;
+    }
+    const motor_point_t open = {.d_b = 0, .x_b = motor_model_x_of_i_q_b(model, 0, 0)};
+    const int32_t drag_b = model->friction_b - motor_model_airgap_b(model, open);
+    return scaled_shift(q_max(drag_b, 0), -model->constants->torque_shift);
 }
 
 /* What the motor adds to its part of a small demand: with D demanded and the coasting torque C both
