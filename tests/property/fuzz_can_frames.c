@@ -72,7 +72,10 @@ static void require_within(const node_t *node, const node_command_t *before, uin
     require(now->bms.charge_peak_current_mA >= 0 && now->bms.charge_peak_current_mA <= PACK_mA);
     require((uint32_t)now->bms.contactor <= (uint32_t)CONTACTOR_OPEN);
     require(now->hydraulic.torque_mNm >= 0 && now->hydraulic.torque_mNm <= 20000000);
-    if (node->demand.counts.used == used) {
+    const bool two_senders = before->demand.reason == REASON_DEMAND_CONTRADICTED ||
+                             now->demand.reason == REASON_DEMAND_CONTRADICTED;
+    require(now->demand.reason != REASON_DEMAND_CONTRADICTED || now->demand.drive_torque_mNm == 0);
+    if (node->demand.counts.used == used && !two_senders) {
         require(now->demand.drive_torque_mNm == before->demand.drive_torque_mNm);
         require(now->demand.brake_torque_mNm == before->demand.brake_torque_mNm);
         require(now->demand_time_ms == before->demand_time_ms);

@@ -135,7 +135,8 @@ typedef enum { FINDING_REACTION_LIST(FINDING_REACTION_ENUM) } finding_reaction_t
       OWN("pedals.fault_time_ms"), NONE, LIMIT)                                                    \
     X(DEMAND_OLD, DEMAND_TIMEOUT, MEASURED, OWN("brake.demand_timeout_ms"), AT_ONCE, NONE,         \
       HAND_OVER)                                                                                   \
-    X(FRAMES_UNSENT, TRANSMIT_TIMEOUT, MEASURED, OWN("50 ms"), OWN("3 messages"), NONE, HAND_OVER)       \
+    X(FRAMES_UNSENT, TRANSMIT_TIMEOUT, MEASURED, OWN("50 ms"), OWN("20 ms and more"), NONE,        \
+      HAND_OVER)                                                                                   \
     X(DEMAND_SENDERS, DEMAND_CONTRADICTED, MEASURED, AT_ONCE, OWN("1000 ms"), NONE, LIMIT)         \
     X(DEMAND_REFUSED, DEMAND_IMPLAUSIBLE, MEASURED, AT_ONCE, OWN("1000 ms"), NONE, NONE)           \
     X(BUS_CONTRADICTED, BUS_SENSOR, MEASURED, OWN("200 ms"), OWN("200 ms"), NONE, LIMIT)           \
