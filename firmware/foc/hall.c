@@ -435,10 +435,37 @@ static bool was_disturbance(const hall_t *hall, const hall_t *before, uint8_t se
            (sector == before->sector || sector_step(before->sector, sector) != 0);
 }
 
+/* All but the constants and what only an impossible state counts. Member by member, because the
+ * processor copies a whole structure of this size in a loop of bytes. */
+static void copy_movement(hall_t *to, const hall_t *from)
+{
+    to->speed_q32 = from->speed_q32;
+    to->theta_q32 = from->theta_q32;
+    to->periods_since_edge = from->periods_since_edge;
+    to->overdue_periods = from->overdue_periods;
+    to->begin_q32 = from->begin_q32;
+    to->span_q32 = from->span_q32;
+    to->bounce_periods = from->bounce_periods;
+    /* Of the sector that an edge leaves: the only one that it times. */
+    to->sector_periods[from->sector] = from->sector_periods[from->sector];
+    to->timed_turn = from->timed_turn;
+    to->timed_periods = from->timed_periods;
+    to->edge_theta_q32 = from->edge_theta_q32;
+    to->edge_speed_q32 = from->edge_speed_q32;
+    to->observer_lead_q32 = from->observer_lead_q32;
+    to->faults = from->faults;
+    to->sector = from->sector;
+    to->sectors_timed = from->sectors_timed;
+    to->direction = from->direction;
+    to->plausible_edges = from->plausible_edges;
+    to->valid = from->valid;
+}
+
 /* The rotor has gone on in the period of the disturbance. */
 static void take_back(hall_t *hall, const hall_t *before)
 {
-    *hall = *before;
+    copy_movement(hall, before);
+    hall->invalid_periods = 0;
     hall->periods_since_edge = q_min(hall->periods_since_edge + 1, UINT16_MAX);
     hall->theta_q32 += (uint32_t)hall->speed_q32;
     clamp_to_sector(hall);
@@ -461,7 +488,7 @@ bool hall_process_reading(hall_t *hall, hall_t *before, const config_t *config, 
     }
     const bool edge = hall->valid && sector != HALL_NO_SECTOR && sector != hall->sector;
     if (edge) {
-        *before = *hall;
+        copy_movement(before, hall);
     } else {
         before->valid = false;
     }
