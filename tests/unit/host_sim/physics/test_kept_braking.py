@@ -97,7 +97,5 @@ def test_without_a_hydraulic_brake_it_creeps_as_a_short_circuit_allows(
     back_m_per_s = -rows["vehicle.speed_m_per_s"]
     creep = creep_m_per_s(read(name), slope)
     assert np.max(back_m_per_s) < 1.05 * creep
-    assert (
-        back_m_per_s[-1] > 0.8 * creep
-    )  # of which a light vehicle takes half a minute
+    assert back_m_per_s[-1] > 0.8 * creep  # of which a light vehicle takes half a minute
     assert np.max(rows["wheel0.fault_reason"]) == 0.0
