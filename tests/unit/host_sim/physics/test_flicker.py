@@ -61,7 +61,7 @@ HALL = Device(
 )
 
 
-def held(run: Outcome, healthy: Outcome, failed: Outcome, longer: float) -> None:
+def check(run: Outcome, healthy: Outcome, failed: Outcome, longer: float) -> None:
     assert run.stands
     assert run.distance_m <= (1.0 + longer) * max(failed.distance_m, healthy.distance_m)
     assert (
@@ -80,7 +80,7 @@ def test_what_flickers_is_named_and_costs_no_more_than_what_has_failed(
     for rate_hz in RATES_HZ if FOR_LONG else SOME_HZ:
         for share in FAILED_SHARES:
             run = wheel.stop(rate_hz, share)
-            held(run, healthy, failed, LONGER if rate_hz >= 2.0 else LONGER_SLOW)
+            check(run, healthy, failed, LONGER if rate_hz >= 2.0 else LONGER_SLOW)
             assert run.changes["limit"] <= MOST_CHANGES
             assert share < 0.5 or device.reasons & run.reasons
 
@@ -92,7 +92,7 @@ def test_a_report_that_flickers_is_named_and_costs_nothing(device: Device, confi
     healthy, failed = wheel.stop(0.0, 0.0), wheel.stop(0.0, 1.0)
     for rate_hz in RATES_HZ if FOR_LONG else SOME_HZ:
         run = wheel.stop(rate_hz)
-        held(run, healthy, failed, LONGER)
+        check(run, healthy, failed, LONGER)
         assert rate_hz > 5.0 or device.reasons & run.reasons
 
 
@@ -105,5 +105,5 @@ def test_a_hall_line_that_flickers_is_named_and_costs_no_more_than_a_dead_one(
     healthy, failed = wheel.stop(0.0, 0.0), wheel.stop(0.0, 1.0)
     for rate_hz in RATES_HZ if FOR_LONG else SOME_HZ:
         run = wheel.stop(rate_hz)
-        held(run, healthy, failed, LONGER)
+        check(run, healthy, failed, LONGER)
         assert HALL.reasons & run.reasons
