@@ -43,10 +43,6 @@ function(planted_image name chip folder file old new)
   endforeach()
   string(JOIN "|" stems ${stems})
   set(target planted_${name})
-  set(stack_bytes 2560)
-  if(chip STREQUAL "stm32g431")
-    set(stack_bytes 2816)
-  endif()
   add_executable(${target} "${copy}" ${PLANTED_ALSO}
     "$<FILTER:$<TARGET_OBJECTS:${port_objects}>,EXCLUDE,/(${stems})[.]c[.]obj$>")
   target_include_directories(${target} PRIVATE "${port}" "${PROJECT_SOURCE_DIR}/hal/stm32")
@@ -55,7 +51,7 @@ function(planted_image name chip folder file old new)
     hubfoc_config_image)
   target_link_options(${target} PRIVATE -fno-lto -nostartfiles --specs=nano.specs
     "-T${port}/link.ld" "-L${PROJECT_SOURCE_DIR}/hal/stm32"
-    "-Wl,--defsym=link_stack_size=${stack_bytes}")
+    "-Wl,--defsym=link_stack_size=2816")
   set_target_properties(${target} PROPERTIES SUFFIX .elf LINK_DEPENDS "${port}/link.ld")
   add_custom_command(TARGET ${target} POST_BUILD
     COMMAND "${HUBFOC_PYTHON}" "${PROJECT_SOURCE_DIR}/tests/target/chip/seal.py"
