@@ -196,7 +196,7 @@ def test_what_is_missing_is_named_in_one_line(tmp_path: Path) -> None:
             [sys.executable, "-m", "hubsim", "run", "stop", "--on", "qemu"],
             check=False, capture_output=True, text=True, env=os.environ | environment,
         )  # fmt: skip
-        assert done.returncode == 1
+        assert done.returncode == 2
         assert done.stderr.count("\n") == 1
         return done.stderr
 

@@ -171,6 +171,7 @@ void test_an_opened_contactor_is_a_warning_and_the_brake_returns_by_itself(void)
     rig_run(&rig, 210); /* it has left and come back before, at the start */
     TEST_ASSERT_EQUAL_INT(MODE_RUN, rig.out.mode);
     TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, rig.pwm.bridge);
+    rig_run(&rig, 2000); /* the braking torque rises as slowly */
     TEST_ASSERT_TRUE(rig.out.motor_torque_command_mNm < 0);
 }
 

@@ -109,7 +109,7 @@ void test_the_table_of_torque_limits_can_be_recorded_line_by_line(void)
                              value_of("wheel2.limit_abs_braking_nm"));
     TEST_ASSERT_DOUBLE_WITHIN(0.1, 2147483.6, value_of("wheel2.limit_loss_optimum_driving_nm"));
     for (int line = 0; line < (int)TORQUE_LINE_COUNT; line++) {
-        const int first = signals_find(bench, "wheel2.limit_max_torque_driving_nm") + 2 * line;
+        const int first = signals_find(bench, "wheel2.limit_enable_driving_nm") + 2 * line;
         TEST_ASSERT_EQUAL_DOUBLE(1e-3 * table->driving[line].torque_mNm,
                                  signals_read(bench, first));
         TEST_ASSERT_EQUAL_DOUBLE(1e-3 * table->braking[line].torque_mNm,
