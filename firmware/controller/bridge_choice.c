@@ -74,7 +74,7 @@ static bool short_circuit_holds(const config_t *config, const measured_t *now,
 {
     const int32_t kept_mNm = torque->kept_mNm;
     const int32_t controlled_mNm = torque->available.torque_mNm;
-    if (config->brake.max_hydraulic_torque_mNm > 0 || kept_mNm == 0) {
+    if (config->brake.max_hydraulic_torque_mNm > 0 || kept_mNm <= 0) {
         return false;
     }
     const int32_t speed_mrad_s = now->angle_valid ? q_abs(now->speed_mrad_s) : watch->bound_mrad_s;

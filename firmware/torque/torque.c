@@ -6,6 +6,8 @@
 #include "motor/motor_model.h"
 #include "torque/closing_voltage.h"
 
+enum { MOST_DRAG_mNm = 100000000 }; /* as a demand is bounded */
+
 void torque_init(torque_state_t *state, const config_t *config)
 {
     motor_constants_init(&state->motor, config);
@@ -74,7 +76,7 @@ static int32_t coasting_mNm(const motor_model_t *model, const monitored_t *watch
     }
     const motor_point_t open = {.d_b = 0, .x_b = motor_model_x_of_i_q_b(model, 0, 0)};
     const int32_t drag_b = model->friction_b - motor_model_airgap_b(model, open);
-    return scaled_shift(q_max(drag_b, 0), -model->constants->torque_shift);
+    return q_min(scaled_shift(q_max(drag_b, 0), -model->constants->torque_shift), MOST_DRAG_mNm);
 }
 
 /* What the motor adds to its part of a small demand: with D demanded and the coasting torque C both

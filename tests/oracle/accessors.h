@@ -212,6 +212,7 @@
     X(torque_limits_t, least_winding_mNm, "likewise") \
     X(torque_limits_t, least_switch_mNm, "likewise") \
     X(torque_limits_t, winding_hotter_cC, "likewise") \
+    X(torque_limits_t, optimum_mNm, "likewise") \
     X(torque_limits_t, current_missing_q15, "likewise")
 
 /* clang-format on */

@@ -261,7 +261,7 @@ POST(torque_command_init, !state->braked)
 
 PRE(torque_command_step, table_holds(limits))
 PRE(torque_command_step, is_within(demand->drive_torque_mNm, -100000000, 100000000) &&
-     is_within(braking->electric_mNm, 0, 200000000))
+     is_within(braking->electric_mNm, 0, 300000000))
 PRE(torque_command_step, is_within(last_command_mNm, -400000000, 400000000))
 PRE(torque_command_step, braking->uncovered_mNm >= 0 && braking->rise_mNm >= 0)
 POST(torque_command_step, is_within(result.command_mNm, -400000000, 400000000))
