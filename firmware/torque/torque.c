@@ -76,7 +76,7 @@ static int32_t coasting_mNm(const motor_model_t *model, const monitored_t *watch
     }
     const motor_point_t open = {.d_b = 0, .x_b = motor_model_x_of_i_q_b(model, 0, 0)};
     const int32_t drag_b = model->friction_b - motor_model_airgap_b(model, open);
-    return q_min(scaled_shift(q_max(drag_b, 0), -model->constants->torque_shift), MOST_DRAG_mNm);
+    return q_clamp(scaled_shift(drag_b, -model->constants->torque_shift), 0, MOST_DRAG_mNm);
 }
 
 /* What the motor adds to its part of a small demand: with D demanded and the coasting torque C both
@@ -92,7 +92,7 @@ static int32_t beside_coasting_mNm(const demand_t *demand, const brake_blending_
         q_min(q_max(coasting_mNm, split->available.torque_mNm), split->hard_mNm);
     const bool lifts_off = demand->lift_off_mNm > 0;
     const int32_t wanted_mNm = q_max(electric_mNm + added_mNm, lifts_off ? coasting_mNm : 0);
-    return q_max(q_min(wanted_mNm, most_mNm) - electric_mNm, 0);
+    return q_max(q_min(wanted_mNm, most_mNm), electric_mNm) - electric_mNm;
 }
 
 /* Of both brakes; after braking, of what coasting does until the bridge opens. */

@@ -86,7 +86,8 @@ def test_requirements_of_the_wheel_are_exactly_the_imports_of_its_modules(wheel:
         for path in directory.rglob("*.py"):
             if not (name == "hubsim" and path.is_relative_to(directory / "fmu")):
                 imported |= imports_of(path)
-    foreign = imported - sys.stdlib_module_names - set(PACKAGES) - {"pydantic_core", "_cffi_backend"}
+    parts = {"pydantic_core", "_cffi_backend"}  # of pydantic and cffi
+    foreign = imported - sys.stdlib_module_names - set(PACKAGES) - parts
     asked = requirements_of(metadata_of(wheel)["Requires-Dist"], EXTRAS)
     assert foreign == {requirement.name for requirement in asked}
     plain = {r.name for r in requirements_of(metadata_of(wheel)["Requires-Dist"], frozenset())}
