@@ -22,8 +22,9 @@
 
 enum { NODES = 256, STARTS = 10, SEEDS = 4, BYTES = 8 };
 static const double WATCHED_S = 0.5;
-static const double URGENT_SHARE = 0.60, LOAD = 0.95, WORST_GAP_ms = 20.0;
-static const uint16_t URGENT = 0x010; /* and upwards: all other nodes of more urgency */
+static const double URGENT_SHARE = 0.60, LOAD = 0.95;
+static const double WORST_GAP_ms = 20.5; /* a cycle left out, and a frame */
+static const uint16_t URGENT = 0x010;    /* and upwards: all other nodes of more urgency */
 
 typedef struct {
     uint16_t identifier;
