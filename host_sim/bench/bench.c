@@ -212,7 +212,7 @@ static double pedal_nm(const bench_t *bench)
     return driver->follow_trace > 0.5 ? bench->demand.brake_nm : driver->brake_demand_nm;
 }
 
-/* The driver's demand reaches the controllers when its message comes. */
+/* The controllers get the driver's demand with its message. */
 static void send_demand(bench_t *bench, const driver_demand_t *demand)
 {
     const driver_params_t *driver = &bench->params.driver;

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """What braking could return if nothing but physics bounded it.
 
-At every instant the motor makes the torque of least DC power between zero and the demand, both
-currents free inside the phase current and the voltage that the bus gives; the hydraulic brake makes
-the rest at once. No derating, fold-back, charge limit, torque rate or blend-out, no table and no
-delay. For a given speed trace the least power at every instant stores most (packs).
+At every instant the motor makes the torque of least DC power between zero and what is demanded,
+both currents free inside the phase current and the voltage that the bus gives; the hydraulic brake
+makes the rest at once. A demand D adds to the torque C of coasting, at zero current: both brakes
+make max(D, C + D/2). No derating, fold-back, charge limit, torque rate or blend-out, no table and
+no delay. For a given speed trace the least power at every instant stores most (packs).
 """
 
 from dataclasses import dataclass
@@ -39,12 +40,19 @@ def returned_j(drive: Drive, at: Instants) -> float:
         return 0.0
     motor, inverter = models.machine(drive, at.winding_c), models.bridge(drive)
     friction = motor.friction_nm + motor.viscous_nm_s * np.abs(at.speed_rad_s)
+    at_zero_current = models.evaluate(
+        motor, inverter, at.speed_rad_s * motor.pole_pairs, 0.0, 0.0
+    ).torque_nm
+    coasting_nm = friction + np.abs(at_zero_current)
+    total_nm = np.where(
+        at.demand_nm > 0.0, np.maximum(at.demand_nm, coasting_nm + 0.5 * at.demand_nm), 0.0
+    )
     best = joint.best_braking(
         motor,
         inverter,
         at.speed_rad_s * motor.pole_pairs,
         joint.Limits(drive.motor.max_phase_current_a, at.bus_v / np.sqrt(3.0)),
-        np.maximum(at.demand_nm - friction, 0.0),
+        np.maximum(total_nm - friction, 0.0),
         joint.AUDIT,
     )
     open_circuit = np.array([models.open_circuit_voltage_v(drive, soc) for soc in at.soc])
