@@ -4,8 +4,9 @@
 At every instant the motor makes the torque of least DC power between zero and what is demanded,
 both currents free inside the phase current and the voltage that the bus gives; the hydraulic brake
 makes the rest at once. A demand D adds to the torque C of coasting, at zero current: both brakes
-make max(D, C + D/2). No derating, fold-back, charge limit, torque rate or blend-out, no table and
-no delay. For a given speed trace the least power at every instant stores most (packs).
+make max(D, C + D/2). A bridge whose EMF is as high as the bus cannot coast: there C = 0. No
+derating, fold-back, charge limit, torque rate or blend-out, no table and no delay. For a given
+speed trace the least power at every instant stores most (packs).
 """
 
 from dataclasses import dataclass
@@ -15,6 +16,9 @@ import numpy as np
 from regen_table import joint, models
 from regen_table.models import Array
 from regen_table.schema import Drive
+
+OPENS_SHARE = 15.0 / 16.0
+"""Of the phase voltage, an EMF up to which the firmware opens the bridge (bridge_choice.c)."""
 
 
 @dataclass(frozen=True)
@@ -40,10 +44,9 @@ def returned_j(drive: Drive, at: Instants) -> float:
         return 0.0
     motor, inverter = models.machine(drive, at.winding_c), models.bridge(drive)
     friction = motor.friction_nm + motor.viscous_nm_s * np.abs(at.speed_rad_s)
-    at_zero_current = models.evaluate(
-        motor, inverter, at.speed_rad_s * motor.pole_pairs, 0.0, 0.0
-    ).torque_nm
-    coasting_nm = friction + np.abs(at_zero_current)
+    open_bridge = models.evaluate(motor, inverter, at.speed_rad_s * motor.pole_pairs, 0.0, 0.0)
+    opens = open_bridge.voltage_v < OPENS_SHARE * at.bus_v / np.sqrt(3.0)
+    coasting_nm = np.where(opens, friction + np.abs(open_bridge.torque_nm), 0.0)
     total_nm = np.where(
         at.demand_nm > 0.0, np.maximum(at.demand_nm, coasting_nm + 0.5 * at.demand_nm), 0.0
     )

@@ -60,3 +60,22 @@ def test_current_and_bus_voltage_are_the_only_bounds(paper: schema.Drive) -> Non
     free = unguarded.returned_j(paper, instants(500.0))
     assert unguarded.returned_j(paper, instants(500.0, bus_v=10.0)) == pytest.approx(free, rel=1e-3)
     assert unguarded.returned_j(paper, instants(500.0, bus_v=4.0)) < 0.95 * free
+
+
+def test_a_demand_below_coasting_adds_half_of_itself_where_the_bridge_opens(
+    paper: schema.Drive,
+) -> None:
+    """At zero current the iron brakes with C = 3/2 p psi g psi/(1 + (g L)^2), g = omega/R_i."""
+    omega = 23 * SPEED
+    ratio = omega / (1.5 + 0.006 * omega)
+    coasting = 1.5 * 23 * 0.0204**2 * ratio / (1.0 + (ratio * 76e-6) ** 2)
+    demand = 0.8 * coasting
+    as_much = unguarded.returned_j(paper, instants(coasting + 0.5 * demand))
+    assert coasting + 0.5 * demand < 2.0 * coasting
+    # max(D, C + D/2) of that larger demand is more than itself; of twice C on it is the demand.
+    assert 0.0 < unguarded.returned_j(paper, instants(demand)) < as_much
+    assert unguarded.returned_j(paper, instants(2.0 * coasting)) == pytest.approx(
+        unguarded.returned_j(paper, instants(2.0 * coasting * (1.0 + 1e-9))), rel=1e-6
+    )
+    # 4.9 V of EMF, and 8.9 V of bus whose phase voltage of 5.15 V has them beyond 15/16.
+    assert unguarded.returned_j(paper, instants(demand, bus_v=8.9)) <= 1e-3
