@@ -210,17 +210,85 @@ static bool read_brake(const messages_frame_t *frame, slow_output_t *o)
     return true;
 }
 
+static bool read_drive(const messages_frame_t *frame, slow_output_t *o)
+{
+    struct hubfoc_wheel_drive_t raw;
+    if (hubfoc_wheel_drive_unpack(&raw, frame->data, frame->length) != 0) {
+        return false;
+    }
+    o->direction = (drive_direction_t)raw.direction;
+    o->torque_reason = (reason_t)raw.torque_reason;
+    o->hydraulic_reason = (reason_t)raw.hydraulic_reason;
+    o->motor_torque_command_mNm = raw.motor_torque_command_nm * TORQUE_STEP_mNm;
+    o->i_q_mA = raw.current_q_a * CURRENT_STEP_mA;
+    return true;
+}
+
+static bool read_power(const messages_frame_t *frame, slow_output_t *o)
+{
+    struct hubfoc_wheel_power_t raw;
+    if (hubfoc_wheel_power_unpack(&raw, frame->data, frame->length) != 0) {
+        return false;
+    }
+    o->bus_voltage_mV = (int32_t)raw.bus_voltage_v * VOLTAGE_STEP_mV;
+    o->bus_current_mA = raw.bus_current_a * CURRENT_STEP_mA;
+    return true;
+}
+
+static bool read_health(const messages_frame_t *frame, slow_output_t *o)
+{
+    struct hubfoc_wheel_health_t raw;
+    if (hubfoc_wheel_health_unpack(&raw, frame->data, frame->length) != 0) {
+        return false;
+    }
+    o->warning_reason = (reason_t)raw.warning_reason;
+    return true;
+}
+
+static bool read_ahead(const messages_frame_t *frame, slow_output_t *o)
+{
+    struct hubfoc_wheel_ahead_t raw;
+    if (hubfoc_wheel_ahead_unpack(&raw, frame->data, frame->length) != 0) {
+        return false;
+    }
+    o->electric_brake_ahead_mNm = (int32_t)raw.electric_brake_ahead_nm * TORQUE_STEP_mNm;
+    o->ahead_reason = (reason_t)raw.ahead_reason;
+    o->drive_ahead_mNm = (int32_t)raw.drive_ahead_nm * TORQUE_STEP_mNm;
+    o->drive_ahead_reason = (reason_t)raw.drive_ahead_reason;
+    return true;
+}
+
+static bool read_available(const messages_frame_t *frame, slow_output_t *o)
+{
+    struct hubfoc_wheel_available_t raw;
+    if (hubfoc_wheel_available_unpack(&raw, frame->data, frame->length) != 0) {
+        return false;
+    }
+    o->drive_available_mNm = (int32_t)raw.drive_available_nm * TORQUE_STEP_mNm;
+    o->drive_available_reason = (reason_t)raw.drive_available_reason;
+    o->waits_for = (waits_for_t)raw.waits_for;
+    o->available_reason = (reason_t)raw.electric_brake_available_reason;
+    return true;
+}
+
 bool messages_read_output(const messages_frame_t *frame, messages_address_t address,
                           slow_output_t *output)
 {
     if (frame->length != E2E_FRAME_BYTES) {
         return false;
     }
-    if (frame->identifier == messages_identifier(MESSAGES_WHEEL_STATE, address)) {
-        return read_state(frame, output);
+    static bool (*const READ[MESSAGES_KINDS])(const messages_frame_t *, slow_output_t *) = {
+        [MESSAGES_WHEEL_STATE] = read_state,         [MESSAGES_WHEEL_BRAKE] = read_brake,
+        [MESSAGES_WHEEL_DRIVE] = read_drive,         [MESSAGES_WHEEL_POWER] = read_power,
+        [MESSAGES_WHEEL_HEALTH] = read_health,       [MESSAGES_WHEEL_AHEAD] = read_ahead,
+        [MESSAGES_WHEEL_AVAILABLE] = read_available,
+    };
+    for (int kind = MESSAGES_RECEIVED; kind < MESSAGES_KINDS; kind++) {
+        if (frame->identifier == messages_identifier((messages_kind_t)kind, address)) {
+            return READ[kind](frame, output);
+        }
     }
-    return frame->identifier == messages_identifier(MESSAGES_WHEEL_BRAKE, address) &&
-           read_brake(frame, output);
+    return false;
 }
 
 static void protect(messages_frame_t *frame, messages_kind_t kind, uint8_t counter)

@@ -29,15 +29,28 @@ static struct {
     bool tripped;
     bool pwm_started;
     bool tick_started;
+    bool pwm_period_hangs, millisecond_hangs;
 } board;
 
-void host_connect(const host_plant_t *plant, const void *configuration, uint32_t size_bytes)
+static void reset(const host_plant_t *plant)
 {
     memset(&board, 0, sizeof board);
     board.plant = *plant;
     board.endless = true;
+}
+
+void host_connect(const host_plant_t *plant, const void *configuration, uint32_t size_bytes)
+{
+    reset(plant);
     board_reset_memory(configuration, size_bytes);
     board_reset_lines();
+}
+
+void host_restart(reset_cause_t cause)
+{
+    const host_plant_t plant = board.plant;
+    reset(&plant);
+    board_restart_lines(cause);
 }
 
 bool board_bridge_on(void)
@@ -61,11 +74,17 @@ void host_remove_rotor_sensor(bool missing)
     board.sensor_missing = missing;
 }
 
+void host_hang(bool pwm_period, bool millisecond)
+{
+    board.pwm_period_hangs = pwm_period;
+    board.millisecond_hangs = millisecond;
+}
+
 void host_millisecond(void)
 {
     board.milliseconds++;
     board_watchdog_tick();
-    if (board.tick_started) {
+    if (board.tick_started && !board.millisecond_hangs) {
         app_millisecond_isr();
     }
 }
@@ -75,7 +94,9 @@ void host_pwm_period(void)
     if (board.pwm_started) {
         board.plant.drive(board.plant.context, board.mode, board.compare_counts);
         board.sample = board.plant.sample(board.plant.context);
-        app_pwm_period_isr();
+        if (!board.pwm_period_hangs) {
+            app_pwm_period_isr();
+        }
     }
 }
 

@@ -19,13 +19,11 @@ typedef struct {
 typedef struct {
     can_frame_t frame;
     bool pending, sent;
-    uint32_t number; /* in the order of the calls */
 } place_t;
 
 static struct {
     queue_t to_controller;
     place_t place[HOST_CAN_FRAMES];
-    uint32_t transmitted;
     uint16_t accepted[ACCEPTED_MAX];
     uint32_t accepted_count;
     char output[HOST_SERIAL_BYTES];
@@ -34,11 +32,24 @@ static struct {
     uint32_t typed_bytes, read_bytes;
     uint32_t watchdog_timeout_ms, watchdog_left_ms;
     bool watchdog_bit;
+    reset_cause_t reset_cause;
 } lines;
 
 void board_reset_lines(void)
 {
     memset(&lines, 0, sizeof lines);
+}
+
+/* The serial line is the reader's: what was written stays. */
+void board_restart_lines(reset_cause_t cause)
+{
+    memset(&lines.to_controller, 0, sizeof lines.to_controller);
+    memset(lines.place, 0, sizeof lines.place);
+    lines.accepted_count = 0;
+    lines.read_bytes = lines.typed_bytes;
+    lines.watchdog_timeout_ms = 0;
+    lines.watchdog_bit = false;
+    lines.reset_cause = cause;
 }
 
 static bool push(queue_t *queue, const can_frame_t *frame)
@@ -94,19 +105,20 @@ static place_t *free_place(void)
 
 bool host_can_receive(can_frame_t *frame)
 {
-    place_t *oldest = NULL;
+    place_t *urgent = NULL;
     for (uint32_t i = 0; i < HOST_CAN_FRAMES; i++) {
         place_t *place = &lines.place[i];
-        if (place->pending && (oldest == NULL || place->number < oldest->number)) {
-            oldest = place;
+        if (place->pending &&
+            (urgent == NULL || place->frame.identifier < urgent->frame.identifier)) {
+            urgent = place;
         }
     }
-    if (oldest == NULL) {
+    if (urgent == NULL) {
         return false;
     }
-    *frame = oldest->frame;
-    oldest->pending = false;
-    oldest->sent = true;
+    *frame = urgent->frame;
+    urgent->pending = false;
+    urgent->sent = true;
     return true;
 }
 
@@ -135,7 +147,6 @@ bool can_transmit(const can_frame_t *frame)
         return false;
     }
     place->frame = *frame;
-    place->number = place->pending ? place->number : lines.transmitted++;
     place->pending = true;
     return true;
 }
@@ -208,7 +219,7 @@ void watchdog_feed(void)
 
 reset_cause_t watchdog_reset_cause(void)
 {
-    return RESET_UNKNOWN;
+    return lines.reset_cause; /* 0: unknown */
 }
 
 void board_watchdog_tick(void)

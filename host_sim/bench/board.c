@@ -1,12 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "bench/board.h"
 
+#include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "app/app.h"
 #include "bench/link.h"
+#include "hal/upcall.h"
 
 enum { NO_CURRENT_CODE = 2048, ROOM_TEMPERATURE_cC = 2500 };
+static const double ON = 0.5; /* a switch given as a number */
+static const double MILLISECOND_S = 1e-3;
+/* Of a frame of eight bytes with an identifier of 11 bits at 500 kbit/s, with as many stuff bits as
+ * there can be (ISO 11898-1): 135 bits. */
+static const double FRAME_S = 135.0 / 500e3;
 
 static host_sample_t sample(void *context)
 {
@@ -51,17 +59,25 @@ static fast_output_t period(void *context, const fast_input_t *in)
     board->sample.encoder.index = in->encoder.index;
     board->sample.power_stage_fault = in->power_stage_fault;
     host_pwm_period();
+    if (board->fault.fast_doubled > ON) {
+        app_pwm_period_isr();
+    }
     return board->active;
 }
 
+/* What the others leave of the bus; nobody can keep a bus that was free for later. */
 static void receive_messages(board_t *board)
 {
     can_frame_t received;
-    while (!board->unsent && host_can_receive(&received)) {
+    board->bus_free_s += (1.0 - board->fault.can_load) * MILLISECOND_S;
+    while (board->fault.can_unsent < ON && board->bus_free_s >= FRAME_S &&
+           host_can_receive(&received)) {
+        board->bus_free_s -= FRAME_S;
         messages_frame_t frame = {.identifier = received.identifier, .length = received.length};
         memcpy(frame.data, received.data, sizeof frame.data);
         vehicle_can_receive(&board->vehicle, &frame);
     }
+    board->bus_free_s = fmin(board->bus_free_s, FRAME_S);
 }
 
 static void send_messages(board_t *board, const slow_input_t *in)
@@ -75,6 +91,19 @@ static void send_messages(board_t *board, const slow_input_t *in)
     }
 }
 
+/* A program that hangs is restarted by its watchdog, again and again while the cause stays. The
+ * board boots at once: the time of its self-tests is in the chip models (tests/target/chip). */
+static void restart_when_due(board_t *board)
+{
+    const bool asked = board->fault.restart > ON;
+    if (host_watchdog_bit() || (asked && !board->has_restarted)) {
+        host_restart(RESET_WATCHDOG);
+        board->active.bridge = BRIDGE_OFF;
+        app_boot();
+    }
+    board->has_restarted = asked;
+}
+
 /* The main loop runs before the interrupt, so that what was received now is acted upon now, and
  * after it. */
 static slow_output_t millisecond(void *context, const slow_input_t *in)
@@ -82,9 +111,14 @@ static slow_output_t millisecond(void *context, const slow_input_t *in)
     board_t *board = context;
     board->sample.winding_temperature_cC = in->temperature.winding_cC;
     board->sample.switch_temperature_cC = in->temperature.switch_cC;
+    restart_when_due(board);
     send_messages(board, in);
     app_background();
+    host_hang(board->fault.fast_stopped > ON, board->fault.slow_stopped > ON);
     host_millisecond();
+    if (board->fault.slow_doubled > ON) {
+        app_millisecond_isr();
+    }
     board->vehicle.now_ms++;
     app_background();
     receive_messages(board);
@@ -92,9 +126,15 @@ static slow_output_t millisecond(void *context, const slow_input_t *in)
     return board->vehicle.received;
 }
 
+static void break_down(void *context, const fault_params_t *fault)
+{
+    const fault_params_t none = {.wheels = 0.0};
+    ((board_t *)context)->fault = fault != NULL ? *fault : none;
+}
+
 wheel_coupling_t board_coupling(board_t *board)
 {
     const wheel_coupling_t coupling = {
-        .context = board, .period = period, .millisecond = millisecond};
+        .context = board, .period = period, .millisecond = millisecond, .break_down = break_down};
     return coupling;
 }

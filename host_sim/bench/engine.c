@@ -16,8 +16,8 @@ static const double CLOCK_ROUNDING_S = 1e-9;
 static const char NOT_THE_FIRMWARE[] =
     "after hubsim_external_take the vehicle goes on with hubsim_external_step only";
 static const char ELSEWHERE[] =
-    "the controllers' state is in another processor: hubsim_save and hubsim_restore are for runs "
-    "without one";
+    "hubsim_save and hubsim_restore: accepted where the engine has the controllers' state, without "
+    "hubsim_processor and hubsim_application";
 
 hubsim_t *hubsim_new(void)
 {
@@ -52,6 +52,9 @@ void hubsim_delete(hubsim_t *sim)
         if (sim->has_processor) {
             sim->processor.close(sim->processor.context);
         }
+        if (sim->has_application) {
+            sim->application.close(sim->application.context);
+        }
         free(sim->trace_memory);
         free(sim);
     }
@@ -71,6 +74,20 @@ int handle_fail(hubsim_t *sim, int code, const char *format, ...)
     return code;
 }
 
+/* Faults that need the whole application, or that it cannot have. NULL: none of them. */
+static const char *misplaced_fault(const hubsim_t *sim, const fault_params_t *fault)
+{
+    if (!sim->has_application && (fault->can_unsent > 0.0 || fault->can_load > 0.0)) {
+        return "fault.can_unsent and fault.can_load: accepted: 0 without the whole application";
+    }
+    if (sim->has_application && (fault->slow_late > 0.0 || fault->fast_late > 0.0 ||
+                                 fault->state_bit > 0.0 || fault->config_bit > 0.0)) {
+        return "fault.slow_late, fast_late, state_bit and config_bit: accepted: 0 with the whole "
+               "application";
+    }
+    return NULL;
+}
+
 int hubsim_set(hubsim_t *sim, const char *name, double value)
 {
     const int index = parameters_find(name);
@@ -87,7 +104,10 @@ int hubsim_set(hubsim_t *sim, const char *name, double value)
         sim->params = changed;
         return HUBSIM_OK;
     }
-    const char *objection = bench_objection(&sim->bench, &changed);
+    const char *objection = misplaced_fault(sim, &changed.fault);
+    if (objection == NULL) {
+        objection = bench_objection(&sim->bench, &changed);
+    }
     if (objection != NULL) {
         return handle_fail(sim, HUBSIM_BAD_ORDER, "%s", objection);
     }
@@ -214,7 +234,10 @@ static int check_params(hubsim_t *sim)
         return handle_fail(sim, HUBSIM_BAD_ORDER,
                            "run.pieces: accepted: 0 or 1 while inverter.switching is 1");
     }
-    const char *objection = bench_world_objection(&sim->params);
+    const char *objection = misplaced_fault(sim, &sim->params.fault);
+    if (objection == NULL) {
+        objection = bench_world_objection(&sim->params);
+    }
     if (objection != NULL) {
         return handle_fail(sim, HUBSIM_BAD_ORDER, "%s", objection);
     }
@@ -235,6 +258,16 @@ static int not_run(hubsim_t *sim)
     return handle_fail(sim, HUBSIM_FAILED, "the controllers do not run");
 }
 
+/* Who is in the place of the engine's own controllers. NULL, or what is wrong. */
+static const char *take_controllers(hubsim_t *sim)
+{
+    if (sim->has_processor) {
+        bench_use_processor(&sim->bench, &sim->processor);
+    }
+    return sim->has_application ? sim->application.start(sim->application.context, &sim->bench)
+                                : NULL;
+}
+
 int hubsim_start(hubsim_t *sim)
 {
     if (!sim->has_config) {
@@ -246,8 +279,9 @@ int hubsim_start(hubsim_t *sim)
     }
     bench_init(&sim->bench, &sim->params, &sim->config, &sim->trace);
     sim->has_started = true;
-    if (sim->has_processor) {
-        bench_use_processor(&sim->bench, &sim->processor);
+    const char *objection = take_controllers(sim);
+    if (objection != NULL) {
+        return handle_fail(sim, HUBSIM_FAILED, "the application: %s", objection);
     }
     switch (bench_start(&sim->bench)) {
     case BENCH_READY:
@@ -390,7 +424,7 @@ int hubsim_save(hubsim_t *sim, void *state)
     if (!sim->has_started) {
         return handle_fail(sim, HUBSIM_BAD_ORDER, "hubsim_start comes first");
     }
-    if (sim->has_processor) {
+    if (sim->has_processor || sim->has_application) {
         return handle_fail(sim, HUBSIM_BAD_ORDER, "%s", ELSEWHERE);
     }
     memcpy(state, &sim->recorder, sizeof(sim->recorder));
@@ -406,7 +440,7 @@ int hubsim_restore(hubsim_t *sim, const void *state)
     if (!sim->has_started) {
         return handle_fail(sim, HUBSIM_BAD_ORDER, "hubsim_start comes first");
     }
-    if (sim->has_processor) {
+    if (sim->has_processor || sim->has_application) {
         return handle_fail(sim, HUBSIM_BAD_ORDER, "%s", ELSEWHERE);
     }
     memcpy(&sim->recorder, state, sizeof(sim->recorder));

@@ -7,10 +7,10 @@ void vehicle_can_init(vehicle_can_t *can, messages_address_t address)
 {
     const vehicle_can_t fresh = {.address = address, .received = {.mode = MODE_BOOT}};
     *can = fresh;
-    e2e_receiver_init(&can->state_link, messages_profile(MESSAGES_WHEEL_STATE),
-                      TIMEOUT_CYCLES * messages_cycle_ms(MESSAGES_WHEEL_STATE));
-    e2e_receiver_init(&can->brake_link, messages_profile(MESSAGES_WHEEL_BRAKE),
-                      TIMEOUT_CYCLES * messages_cycle_ms(MESSAGES_WHEEL_BRAKE));
+    for (messages_kind_t kind = MESSAGES_WHEEL_STATE; kind < MESSAGES_KINDS; kind++) {
+        e2e_receiver_init(&can->link[kind], messages_profile(kind),
+                          TIMEOUT_CYCLES * messages_cycle_ms(kind));
+    }
 }
 
 static void queue(vehicle_can_t *can, messages_frame_t frame)
@@ -40,15 +40,18 @@ void vehicle_can_send(vehicle_can_t *can, const slow_input_t *in)
 
 static e2e_receiver_t *link_of(vehicle_can_t *can, uint16_t identifier)
 {
-    return identifier == messages_identifier(MESSAGES_WHEEL_STATE, can->address) ? &can->state_link
-                                                                                 : &can->brake_link;
+    messages_kind_t kind = MESSAGES_WHEEL_STATE;
+    while (identifier != messages_identifier(kind, can->address)) {
+        kind++;
+    }
+    return &can->link[kind];
 }
 
 void vehicle_can_receive(vehicle_can_t *can, const messages_frame_t *frame)
 {
     slow_output_t message = can->received;
     if (!messages_read_output(frame, can->address, &message)) {
-        return; /* of no interest to the plant */
+        return; /* not of this wheel */
     }
     const e2e_status_t check = e2e_receive(link_of(can, frame->identifier), frame->data,
                                            frame->identifier, true, can->now_ms);
@@ -59,8 +62,10 @@ void vehicle_can_receive(vehicle_can_t *can, const messages_frame_t *frame)
 
 void vehicle_can_expire(vehicle_can_t *can)
 {
-    (void)e2e_timed_out(&can->state_link, can->now_ms);
-    if (e2e_timed_out(&can->brake_link, can->now_ms)) {
+    for (messages_kind_t kind = MESSAGES_WHEEL_STATE; kind < MESSAGES_KINDS; kind++) {
+        (void)e2e_timed_out(&can->link[kind], can->now_ms);
+    }
+    if (can->link[MESSAGES_WHEEL_BRAKE].link != E2E_VALID) {
         can->received.hydraulic_valid = false;
         can->received.electric_brake_available_mNm = 0;
     }

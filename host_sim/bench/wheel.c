@@ -176,6 +176,16 @@ static injection_target_t target_of(wheel_t *wheel, const wheel_world_t *world)
     return out;
 }
 
+static slow_output_t coupled_millisecond(wheel_t *wheel, const wheel_world_t *world,
+                                         const slow_input_t *in)
+{
+    const wheel_coupling_t *coupling = wheel->coupling;
+    if (coupling->break_down != NULL) {
+        coupling->break_down(coupling->context, wheel->is_faulty ? &world->params->fault : NULL);
+    }
+    return coupling->millisecond(coupling->context, in);
+}
+
 /* For another processor. */
 static const fault_params_t *program_fault(const wheel_t *wheel, const wheel_world_t *world)
 {
@@ -232,7 +242,7 @@ void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t 
         link_step(&world->params->fault, &wheel->link, world->config, &in);
     }
     if (wheel->coupling != NULL) {
-        wheel->slow = wheel->coupling->millisecond(wheel->coupling->context, &in);
+        wheel->slow = coupled_millisecond(wheel, world, &in);
     } else if (wheel->processor != NULL) {
         wheel->slow = wheel->processor->slow(wheel->processor->context, wheel->index,
                                              program_fault(wheel, world), &in, &wheel->controller);

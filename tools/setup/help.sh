@@ -123,7 +123,8 @@ Usage: tools/dev hubsim ARGUMENT...
 Brings the simulation engine up to date and hands the arguments to `python -m hubsim`, whose own
 help follows; `tools/dev hubsim COMMAND --help` is its own as well and installs nothing. Sweeps,
 pictures and files that end in .parquet or .mf4 install their Python packages first; `run SCENARIO
---on qemu` installs the emulator and builds the cross-compiled controllers.
+--on qemu` installs the emulator and builds the cross-compiled controllers, `--on board` builds the
+whole application for this machine.
 TEXT
 }
 

@@ -32,11 +32,32 @@ HEADERS = (
     ROOT / "host_sim" / "exchange" / "include" / "exchange" / "controller_api.h",
 )
 LIBRARY = Path("host_sim") / "libhubsim_engine.so"
+APPLICATION = Path("host_sim") / "libhubsim_application.so"
 _BUILT_IN = Path(__file__).resolve().parent / LIBRARY.name
 _NAME_BYTES = 96
 _MOST_CODE = 2**31 - 1  # a bit that flipped makes a code beyond what the library takes
 
 Rows = npt.NDArray[np.float64]
+
+
+def _built(library: Path) -> Path:
+    named = os.environ.get("HUBFOC_BUILD_DIR")
+    return Path(named) / library if named else ROOT / "build" / "host" / library
+
+
+def application_path() -> Path:
+    """Return where the whole application is as a library, which the repository alone builds."""
+    if installation.INSTALLED:
+        raise HubsimError(
+            "--on board: accepted in the repository, which has the firmware's sources"
+        )
+    path = _built(APPLICATION)
+    if not path.is_file():
+        raise HubsimError(
+            f"--on board: {path} is not built, './tools/dev hubsim run SCENARIO --on board' builds "
+            "it (or 'cmake --build --preset host --target hubsim_application')"
+        )
+    return path
 
 
 def library_path() -> Path:
@@ -47,8 +68,7 @@ def library_path() -> Path:
     """
     if installation.INSTALLED:
         return _BUILT_IN
-    named = os.environ.get("HUBFOC_BUILD_DIR")
-    path = Path(named) / LIBRARY if named else ROOT / "build" / "host" / LIBRARY
+    path = _built(LIBRARY)
     if not path.is_file():
         raise HubsimError(
             f"{path}: the simulation engine is not built, accepted: after 'cmake --build --preset "
@@ -130,6 +150,10 @@ class Engine:
         ``hubsim.emulator`` starts one.
         """
         self._check(self._lib.hubsim_processor(self._sim, path.encode()))
+
+    def attach_application(self, path: Path) -> None:
+        """Let the whole application be the controller of every wheel, before ``start``."""
+        self._check(self._lib.hubsim_application(self._sim, str(path).encode()))
 
     def start(self) -> None:
         """Boot the controllers and bring the vehicle to its initial speed; time is 0 afterwards."""

@@ -122,8 +122,8 @@ messages_frame_t messages_hydraulic(const hydraulic_feedback_t *feedback,
                                     messages_address_t address, uint8_t counter);
 
 /* Decodes for the vehicle's side: the fields that this kind of frame carries, in whole
- * steps; the others are left as they are. False, and the structure untouched, if it is neither
- * WHEEL_STATE nor WHEEL_BRAKE of that wheel. */
+ * steps; the others are left as they are. False, and the structure untouched, if it is none of
+ * what that wheel sends. */
 bool messages_read_output(const messages_frame_t *frame, messages_address_t address,
                           slow_output_t *output);
 

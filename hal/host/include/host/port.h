@@ -23,6 +23,7 @@
 #include "hal/can.h"
 #include "hal/inverter.h"
 #include "hal/rotor_sensor.h"
+#include "hal/watchdog.h"
 
 /* What the board measures, in the units of hal/analog.h and hal/rotor_sensor.h. */
 typedef struct {
@@ -51,6 +52,10 @@ enum { HOST_FLASH_BYTES = 16384, HOST_CAN_FRAMES = 32, HOST_SERIAL_BYTES = 65536
  * address of the configuration; the rest of that memory is erased. Before app_boot(). */
 void host_connect(const host_plant_t *plant, const void *configuration, uint32_t size_bytes);
 
+/* A reset of the core: flash, retained memory and what was written to the serial line stay. Before
+ * app_boot(). */
+void host_restart(reset_cause_t cause);
+
 /* Number of PWM periods after which time_running() returns false; 0 (also after host_connect()):
  * never. */
 void host_run_for(uint32_t periods);
@@ -69,9 +74,13 @@ void host_step(void);
 void host_pwm_period(void);
 void host_millisecond(void);
 
+/* From now on the handler of an interrupt is not entered, the timers go on: the bridge keeps its
+ * last compare values. */
+void host_hang(bool pwm_period, bool millisecond);
+
 /* The vehicle's side of CAN. A frame whose identifier is not accepted, or for which the queue is
- * full, is lost. The controller's frames are acknowledged by receiving them, in the order in which
- * it sent them; without a call none leaves. */
+ * full, is lost. The controller's frames are acknowledged by receiving them, the lowest identifier
+ * first; without a call none leaves. */
 void host_can_send(const can_frame_t *frame);
 bool host_can_receive(can_frame_t *frame);
 
@@ -79,7 +88,7 @@ bool host_can_receive(can_frame_t *frame);
 const char *host_serial_output(void);
 void host_serial_type(const char *text);
 
-/* Has the watchdog, on the simulated clock, run out since host_connect()? */
+/* Has the watchdog, on the simulated clock, run out since host_connect() or host_restart()? */
 bool host_watchdog_bit(void);
 
 #endif

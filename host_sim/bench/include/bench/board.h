@@ -24,7 +24,9 @@ typedef struct {
     host_sample_t sample; /* what the sensors see at this top */
     fast_output_t active; /* what the bridge does from this top on */
     vehicle_can_t vehicle;
-    bool unsent; /* the wheel's frames are not acknowledged: none leaves */
+    fault_params_t fault; /* of the program and of the bus, all zero: none */
+    bool has_restarted;   /* for the fault of that name */
+    double bus_free_s;    /* of the bus's time until now, that the wheel's frames may take */
 } board_t;
 
 /* Boots the application with this configuration and a motor at rest. */

@@ -66,6 +66,15 @@ int hubsim_load_config(hubsim_t *sim, const void *image, uint32_t size_bytes);
  */
 int hubsim_processor(hubsim_t *sim, const char *path);
 
+/*
+ * The whole application (interrupts, CAN frames, main loop, watchdog) on its simulated board in the
+ * place of every wheel's two steps, before hubsim_start: `path` is libhubsim_application, of which
+ * each wheel gets a copy. The controllers' own signals (limits, temperatures in use, estimated
+ * angle) are then constant, because CAN does not contain them. hubsim_save and hubsim_restore are
+ * refused.
+ */
+int hubsim_application(hubsim_t *sim, const char *path);
+
 /* Boot the controllers and bring the vehicle to its initial speed; time is 0 afterwards. */
 int hubsim_start(hubsim_t *sim);
 

@@ -28,6 +28,14 @@ typedef struct {
     external_wheel_t wheel[BENCH_WHEELS_MAX];
 } external_t;
 
+/* The whole application in the place of every wheel's controller. */
+typedef struct {
+    void *context;
+    /* After bench_init(): boots one in each wheel. NULL, or why it cannot. */
+    const char *(*start)(void *context, bench_t *bench);
+    void (*close)(void *context);
+} application_link_t;
+
 struct hubsim {
     bench_params_t params;
     config_t config;
@@ -39,6 +47,8 @@ struct hubsim {
     external_t external;
     processor_t processor; /* with has_processor */
     bool has_processor;
+    application_link_t application; /* with has_application */
+    bool has_application;
     bench_t bench;
 };
 

@@ -19,11 +19,11 @@ enum { VEHICLE_CAN_QUEUED_MAX = 4 };
 
 typedef struct {
     messages_address_t address;
-    /* Last output received from the wheel, at first mode BOOT; without WheelBrake for five cycles
+    /* What was last received from the wheel, at first mode BOOT; without WheelBrake for five cycles
      * hydraulic_valid is false. */
     slow_output_t received;
-    e2e_receiver_t state_link, brake_link;
-    uint32_t now_ms; /* counted by the caller */
+    e2e_receiver_t link[MESSAGES_KINDS]; /* of what it sends */
+    uint32_t now_ms;                     /* counted by the caller */
     uint8_t demand_counter, battery_counter, peak_counter, hydraulic_counter;
     messages_frame_t queued[VEHICLE_CAN_QUEUED_MAX]; /* to the wheel in this millisecond */
     uint32_t queued_count;

@@ -49,6 +49,9 @@ typedef struct {
      * top. */
     fast_output_t (*period)(void *context, const fast_input_t *in);
     slow_output_t (*millisecond)(void *context, const slow_input_t *in);
+    /* Before each millisecond: the faults that this wheel has now, NULL: none. NULL: a controller
+     * that can have none. */
+    void (*break_down)(void *context, const fault_params_t *fault);
 } wheel_coupling_t;
 
 /* Energies and impulses since the start of the run. Heat and work in J. */

@@ -84,6 +84,13 @@
     X(can_wrong_wheel,       0.0,   1.0,    "", \
       "1: the demand's frames are those of another wheel, under this wheel's identifier")
 
+/* Of the whole application alone (application/application.h). */
+#define BOARD_FAULT_PARAMETERS(X) \
+    X(can_unsent,            0.0,   1.0,    "", \
+      "1: no frame of the wheel leaves, as without an acknowledge") \
+    X(can_load,              0.0,   1.0,    "1", \
+      "share of the bus that more urgent frames of other nodes take")
+
 #define FAULT_PARAMETERS(X) \
     X(wheels,                0.0,   65535.0, "", \
       "wheels with the faults of this section: 1 = first, 2 = second, 4 = third ..., sums; " \
@@ -114,6 +121,7 @@
     X(hydraulic_report_shown, 0.0, 1.0,    "1",   "of the largest hydraulic torque") \
     X(hydraulic_report_offset, -1.0, 1.0,  "1",   "of the largest hydraulic torque, added") \
     LINK_FAULT_PARAMETERS(X) \
+    BOARD_FAULT_PARAMETERS(X) \
     PROGRAM_FAULT_PARAMETERS(X)
 /* clang-format on */
 

@@ -25,7 +25,7 @@ from hubsim.errors import HubsimError
 
 DEFAULT_CONFIG = installation.ROOT / "tools" / "motors" / "lu2013.toml"
 STRATEGIES = ("parallel_ratio", "parallel_free_travel", "series_optimal")
-PROCESSORS = ("qemu",)  # besides this one
+CARRIERS = ("qemu", "board")  # of the controllers, besides the engine itself
 RECORDINGS = {
     "csv": "write the recorded signals as text",
     "parquet": "write the recorded signals as a Parquet table with units",
@@ -174,12 +174,13 @@ def _add_run(commands: Commands) -> None:
     )
     command.add_argument(
         "--on",
-        choices=PROCESSORS,
-        metavar="PROCESSOR",
+        choices=CARRIERS,
+        metavar="CARRIER",
         help=(
             "qemu: the controllers as cross-compiled for the Cortex-M4 run on an emulated one, the"
             " plant on this machine; recordings and figures are the same bit for bit"
-            " (host_sim/pil/README.md); default: this machine"
+            " (host_sim/pil/README.md). board: the whole application, reached by CAN frames only,"
+            " in every wheel (host_sim/application/README.md); default: the controllers' two steps"
         ),
     )
     sweeps.add_date(command)

@@ -85,7 +85,8 @@ def run_scenario(options: argparse.Namespace) -> int:
             name, drive, chosen, beside, (*(patterns if wanted else ()), *course.SIGNALS),
             settings.plant,
             lambda now, planned: bar.update(task, completed=int(now), total=int(planned)),
-            date=options.date, processor=emulator.command() if options.on else None,
+            date=options.date, processor=emulator.command() if options.on == "qemu" else None,
+            application=engine.application_path() if options.on == "board" else None,
         )  # fmt: skip
     evaluated = evaluation.evaluate(chosen, drive, result)
     result = replace(

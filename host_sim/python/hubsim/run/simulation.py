@@ -159,6 +159,7 @@ def simulate(
     formulas: Sequence[str] = (),
     date: str | None = None,
     processor: Command | None = None,
+    application: Path | None = None,
 ) -> RunResult:
     """Run to the end.
 
@@ -179,6 +180,8 @@ def simulate(
         Of the run, for its origin (ISO 8601); absent: SOURCE_DATE_EPOCH, or else the clock.
     processor : Command, optional
         Starts another one that executes the controllers (``emulator.command``); absent: this one.
+    application : Path, optional
+        Library of the whole application, which then is the controller of every wheel.
     """
     origin = origin_of(name, drive, scenario, date)
     try:
@@ -186,6 +189,8 @@ def simulate(
     except ConfigurationError as error:
         raise HubsimError(f"{drive.name}: {error}") from error
     with engine, attached(engine, processor) if processor is not None else nullcontext():
+        if application is not None:
+            engine.attach_application(application)
         engine.start()
         known = engine.signals()
         parameters = {parameter: engine.get(parameter) for parameter in engine_parameters()}

@@ -132,6 +132,50 @@ void test_wheel_state_and_brake_unpack_to_the_packed_values(void)
     }
 }
 
+void test_all_other_messages_of_a_wheel_unpack_to_the_packed_values(void)
+{
+    const slow_output_t meant = {
+        .motor_torque_command_mNm = -12300,
+        .electric_brake_ahead_mNm = 1900000,
+        .drive_available_mNm = 700,
+        .drive_ahead_mNm = 20000000,
+        .i_q_mA = -45600,
+        .bus_voltage_mV = 72100,
+        .bus_current_mA = -8900,
+        .torque_reason = (reason_t)1,
+        .available_reason = (reason_t)2,
+        .ahead_reason = (reason_t)3,
+        .drive_available_reason = (reason_t)4,
+        .drive_ahead_reason = (reason_t)5,
+        .hydraulic_reason = (reason_t)6,
+        .waits_for = (waits_for_t)7,
+        .warning_reason = (reason_t)8,
+        .direction = DRIVE_DIRECTION_REVERSE,
+    };
+    slow_output_t back = {.speed_mrad_s = 77};
+    for (messages_kind_t kind = MESSAGES_WHEEL_DRIVE; kind < MESSAGES_KINDS; kind++) {
+        const messages_frame_t frame = frame_of(kind, &meant, MESSAGES_FRONT_RIGHT, 3);
+        TEST_ASSERT_TRUE(messages_read_output(&frame, address_of(MESSAGES_FRONT_RIGHT), &back));
+    }
+    TEST_ASSERT_EQUAL_INT(77, back.speed_mrad_s);
+    TEST_ASSERT_EQUAL_INT(meant.motor_torque_command_mNm, back.motor_torque_command_mNm);
+    TEST_ASSERT_EQUAL_INT(meant.electric_brake_ahead_mNm, back.electric_brake_ahead_mNm);
+    TEST_ASSERT_EQUAL_INT(meant.drive_available_mNm, back.drive_available_mNm);
+    TEST_ASSERT_EQUAL_INT(meant.drive_ahead_mNm, back.drive_ahead_mNm);
+    TEST_ASSERT_EQUAL_INT(meant.i_q_mA, back.i_q_mA);
+    TEST_ASSERT_EQUAL_INT(meant.bus_voltage_mV, back.bus_voltage_mV);
+    TEST_ASSERT_EQUAL_INT(meant.bus_current_mA, back.bus_current_mA);
+    TEST_ASSERT_EQUAL_INT(meant.torque_reason, back.torque_reason);
+    TEST_ASSERT_EQUAL_INT(meant.available_reason, back.available_reason);
+    TEST_ASSERT_EQUAL_INT(meant.ahead_reason, back.ahead_reason);
+    TEST_ASSERT_EQUAL_INT(meant.drive_available_reason, back.drive_available_reason);
+    TEST_ASSERT_EQUAL_INT(meant.drive_ahead_reason, back.drive_ahead_reason);
+    TEST_ASSERT_EQUAL_INT(meant.hydraulic_reason, back.hydraulic_reason);
+    TEST_ASSERT_EQUAL_INT(meant.waits_for, back.waits_for);
+    TEST_ASSERT_EQUAL_INT(meant.warning_reason, back.warning_reason);
+    TEST_ASSERT_EQUAL_INT(meant.direction, back.direction);
+}
+
 void test_state_and_brake_of_other_wheels_or_messages_are_refused(void)
 {
     const slow_output_t meant = {.hydraulic_torque_mNm = 1000, .mode = MODE_READY};
@@ -140,8 +184,9 @@ void test_state_and_brake_of_other_wheels_or_messages_are_refused(void)
     TEST_ASSERT_FALSE(messages_read_output(&frame, address_of(MESSAGES_REAR_RIGHT), &back));
     frame.length = 7;
     TEST_ASSERT_FALSE(messages_read_output(&frame, address_of(MESSAGES_REAR_LEFT), &back));
-    const messages_frame_t drive = frame_of(MESSAGES_WHEEL_DRIVE, &meant, MESSAGES_REAR_LEFT, 0);
-    TEST_ASSERT_FALSE(messages_read_output(&drive, address_of(MESSAGES_REAR_LEFT), &back));
+    const wheel_demand_t none = {.brake_torque_mNm = 1000};
+    const messages_frame_t demand = messages_demand(&none, address_of(MESSAGES_REAR_LEFT), 0);
+    TEST_ASSERT_FALSE(messages_read_output(&demand, address_of(MESSAGES_REAR_LEFT), &back));
     TEST_ASSERT_EQUAL_INT(0, back.hydraulic_torque_mNm);
     TEST_ASSERT_EQUAL_UINT8(1, back.mode);
 }

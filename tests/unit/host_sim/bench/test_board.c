@@ -88,16 +88,16 @@ static slow_output_t millisecond(void *context, const slow_input_t *in)
     t->has_report = false;
     const slow_output_t expected =
         controller_slow_step(&t->controller.slow, t->config, &t->report, &received, &t->to_fast);
-    if (t->board.vehicle.brake_link.link == E2E_VALID &&
-        t->board.vehicle.brake_link.refreshed_ms == t->now_ms) {
+    if (t->board.vehicle.link[MESSAGES_WHEEL_BRAKE].link == E2E_VALID &&
+        t->board.vehicle.link[MESSAGES_WHEEL_BRAKE].refreshed_ms == t->now_ms) {
         TEST_ASSERT_INT_WITHIN(50, expected.hydraulic_torque_mNm,
                                out.hydraulic_torque_mNm); /* half a step */
         TEST_ASSERT_INT_WITHIN(100, expected.electric_brake_available_mNm,
                                out.electric_brake_available_mNm); /* rounded down to a step */
         t->braking_commands += out.hydraulic_torque_mNm > 0 ? 1 : 0;
     }
-    if (t->board.vehicle.state_link.link == E2E_VALID &&
-        t->board.vehicle.state_link.refreshed_ms == t->now_ms) {
+    if (t->board.vehicle.link[MESSAGES_WHEEL_STATE].link == E2E_VALID &&
+        t->board.vehicle.link[MESSAGES_WHEEL_STATE].refreshed_ms == t->now_ms) {
         TEST_ASSERT_EQUAL_INT(expected.mode, out.mode);
         TEST_ASSERT_EQUAL_INT(expected.fault_reason, out.fault_reason);
     }
@@ -275,11 +275,11 @@ void test_a_wheel_whose_frames_do_not_leave_hands_its_brake_over(void)
         bench.params.driver.brake_demand_nm = 20.0;
         fixture_run(&bench, 0.3);
         TEST_ASSERT_TRUE_MESSAGE(bench.wheel[0].brake.torque_nm < 2.0, "the motor brakes alone");
-        board.unsent = true;
+        bench.params.fault.can_unsent = 1.0;
         bench.params.driver.silent = both_ways;
         bench_refresh(&bench);
         assert_both_brakes_make_the_demand(&board, 20.0);
-        board.unsent = false;
+        bench.params.fault.can_unsent = 0.0;
         bench.params.driver.silent = 0.0;
         bench_refresh(&bench);
         fixture_run(&bench, 0.5);
