@@ -174,8 +174,21 @@ const char *host_serial_output(void)
     return lines.output;
 }
 
+uint32_t host_serial_take(char *bytes, uint32_t size)
+{
+    const uint32_t taken = size < lines.output_bytes ? size : lines.output_bytes;
+    memcpy(bytes, lines.output, taken);
+    lines.output_bytes -= taken;
+    memmove(lines.output, &lines.output[taken], lines.output_bytes);
+    lines.output[lines.output_bytes] = 0;
+    return taken;
+}
+
 void host_serial_type(const char *text)
 {
+    lines.typed_bytes -= lines.read_bytes;
+    memmove(lines.typed, &lines.typed[lines.read_bytes], lines.typed_bytes);
+    lines.read_bytes = 0;
     const uint32_t space = (uint32_t)sizeof lines.typed - lines.typed_bytes;
     const uint32_t size = (uint32_t)strlen(text);
     memcpy(&lines.typed[lines.typed_bytes], text, size < space ? size : space);

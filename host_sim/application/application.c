@@ -9,7 +9,10 @@ const application_t *application_entry(void)
     const application_t entry = {.sizes = APPLICATION_SIZES,
                                  .board = &board,
                                  .coupling = board_coupling(&board),
-                                 .start = board_start};
+                                 .start = board_start,
+                                 .can_send = host_can_send,
+                                 .serial_take = host_serial_take,
+                                 .serial_type = host_serial_type};
     application = entry;
     return &application;
 }

@@ -5,6 +5,7 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,6 +16,8 @@
 
 #include "application/application.h"
 #include "bench/handle.h"
+#include "comms/messages.h"
+#include "config/validate.h"
 #include "pedals/pedals.h"
 
 enum { NAME_BYTES = 32 };
@@ -82,6 +85,18 @@ static const char *load(copy_t *copy, int library)
     return "not an application of the sources of this engine";
 }
 
+/* Several wheels on one bus have an address each, counted from the front left as the bench counts
+ * them; one wheel keeps its own. */
+static config_t config_of(const config_t *config, int wheel, int wheels)
+{
+    config_t out = *config;
+    if (wheels > 1 && wheel < CONFIG_WHEELS) {
+        out.vehicle.wheel_position = wheel;
+        out.crc32 = config_crc32(&out, (uint32_t)offsetof(config_t, crc32));
+    }
+    return out;
+}
+
 static const char *start(void *context, bench_t *bench)
 {
     applications_t *all = context;
@@ -97,7 +112,8 @@ static const char *start(void *context, bench_t *bench)
     }
     for (int k = 0; k < bench->wheels; k++) {
         const application_t *application = all->copy[k].application;
-        application->start(application->board, &bench->config);
+        const config_t own = config_of(&bench->config, k, bench->wheels);
+        application->start(application->board, &own);
         bench->wheel[k].coupling = &application->coupling;
     }
     return NULL;
@@ -133,5 +149,79 @@ int hubsim_application(hubsim_t *sim, const char *path)
     const application_link_t application = {.context = all, .start = start, .close = close_all};
     sim->application = application;
     sim->has_application = true;
+    return HUBSIM_OK;
+}
+
+/* NULL unless the wheel's application runs. */
+static const application_t *application_of(const hubsim_t *sim, int wheel)
+{
+    const bool runs =
+        sim->has_application && sim->has_started && wheel >= 0 && wheel < sim->bench.wheels;
+    return runs ? ((const applications_t *)sim->application.context)->copy[wheel].application
+                : NULL;
+}
+
+static int no_application(hubsim_t *sim)
+{
+    return handle_fail(sim, HUBSIM_BAD_ORDER,
+                       "accepted: after hubsim_start with hubsim_application, a wheel of it");
+}
+
+int hubsim_bus_send(hubsim_t *sim, const hubsim_frame_t *frame)
+{
+    if (application_of(sim, 0) == NULL) {
+        return no_application(sim);
+    }
+    can_frame_t sent = {.identifier = frame->identifier, .length = frame->length};
+    memcpy(sent.data, frame->data, sizeof(sent.data));
+    for (int k = 0; k < sim->bench.wheels; k++) {
+        application_of(sim, k)->can_send(&sent);
+    }
+    return HUBSIM_OK;
+}
+
+/* A message for all wheels is on the bus once, although each wheel's side of it sends it. */
+static bool is_for_all(const messages_frame_t *frame, const vehicle_can_t *vehicle)
+{
+    return frame->identifier == messages_identifier(MESSAGES_BATTERY_LIMITS, vehicle->address) ||
+           frame->identifier == messages_identifier(MESSAGES_BATTERY_PEAK, vehicle->address);
+}
+
+int hubsim_bus_read(hubsim_t *sim, hubsim_frame_t *frames, int capacity)
+{
+    if (application_of(sim, 0) == NULL) {
+        return no_application(sim);
+    }
+    int count = 0;
+    for (int k = 0; k < sim->bench.wheels; k++) {
+        board_t *board = application_of(sim, k)->board;
+        for (uint32_t i = 0; i < board->tapped_count && count < capacity; i++) {
+            const messages_frame_t *frame = &board->tapped[i];
+            if (k == 0 || !is_for_all(frame, &board->vehicle)) {
+                frames[count].identifier = frame->identifier;
+                frames[count].length = frame->length;
+                memcpy(frames[count].data, frame->data, sizeof(frames[count].data));
+                count++;
+            }
+        }
+        board->tapped_count = 0;
+    }
+    return count;
+}
+
+int hubsim_serial_take(hubsim_t *sim, int wheel, char *bytes, int size)
+{
+    const application_t *application = application_of(sim, wheel);
+    return application == NULL ? no_application(sim)
+                               : (int)application->serial_take(bytes, (uint32_t)size);
+}
+
+int hubsim_serial_type(hubsim_t *sim, int wheel, const char *text)
+{
+    const application_t *application = application_of(sim, wheel);
+    if (application == NULL) {
+        return no_application(sim);
+    }
+    application->serial_type(text);
     return HUBSIM_OK;
 }

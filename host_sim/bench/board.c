@@ -65,6 +65,14 @@ static fast_output_t period(void *context, const fast_input_t *in)
     return board->active;
 }
 
+static void tap(board_t *board, const messages_frame_t *frame)
+{
+    if (board->tapped_count < BOARD_TAPPED_MAX) {
+        board->tapped[board->tapped_count] = *frame;
+        board->tapped_count++;
+    }
+}
+
 /* What the others leave of the bus; nobody can keep a bus that was free for later. */
 static void receive_messages(board_t *board)
 {
@@ -75,6 +83,7 @@ static void receive_messages(board_t *board)
         board->bus_free_s -= FRAME_S;
         messages_frame_t frame = {.identifier = received.identifier, .length = received.length};
         memcpy(frame.data, received.data, sizeof frame.data);
+        tap(board, &frame);
         vehicle_can_receive(&board->vehicle, &frame);
     }
     board->bus_free_s = fmin(board->bus_free_s, FRAME_S);
@@ -87,6 +96,7 @@ static void send_messages(board_t *board, const slow_input_t *in)
         const messages_frame_t *queued = &board->vehicle.queued[i];
         can_frame_t sent = {.identifier = queued->identifier, .length = queued->length};
         memcpy(sent.data, queued->data, sizeof sent.data);
+        tap(board, queued);
         host_can_send(&sent);
     }
 }

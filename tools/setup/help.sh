@@ -16,6 +16,7 @@ work.
   firmware [PORT]               ELF, BIN, HEX, sizes, stack; stm32f405 (default), stm32g431, qemu
   flash [PORT]                  firmware onto a board through a debug probe
   hubsim ARGUMENT...            the simulator's own command
+  live [OPTION...]              a virtual vehicle on a CAN bus, in real time
   study [NAME]                  measurements in closed loop: table, picture; no NAME: their list
   python ARGUMENT...            the project's Python, with hubsim and regen_table importable
   fmu [--config DRIVE]          units for co-simulation (FMI 2.0, 3.0): controller, whole vehicle
@@ -125,6 +126,15 @@ help follows; `tools/dev hubsim COMMAND --help` is its own as well and installs 
 pictures and files that end in .parquet or .mf4 install their Python packages first; `run SCENARIO
 --on qemu` installs the emulator and builds the cross-compiled controllers, `--on board` builds the
 whole application for this machine.
+TEXT
+}
+
+help_live() {
+    cat <<'TEXT'
+Usage: tools/dev live [OPTION...]
+
+Builds the whole application for this machine and puts a virtual vehicle with it on a CAN bus, in
+real time: `python -m hubfoc live`, whose own help follows.
 TEXT
 }
 
@@ -274,9 +284,9 @@ Installs what the other commands would install when they need it. Groups (all, i
 Sets of Python packages in .dev/venv (python means all of them):
   sim       numpy, pydantic, cffi, rich     figures  matplotlib
   formats   pyarrow, asammdf                sweep    dask
-  fmi       fmpy                            examples motulator, scipy
-  test      pytest, cantools                bench    unicorn
-  dev       ruff, mypy, clang-format, gcovr
+  live      python-can                      fmi      fmpy
+  examples  motulator, scipy                bench    unicorn
+  test      pytest, cantools                dev      ruff, mypy, clang-format, gcovr
 TEXT
 }
 

@@ -10,7 +10,7 @@ readonly VENV="$ROOT/.dev/venv"
 readonly VENV_PYTHON="$VENV/bin/python"
 readonly REQUIREMENTS="$ROOT/tools/setup/requirements"
 # shellcheck disable=SC2034  # read by tools/dev
-readonly PYTHON_SETS=(sim figures formats sweep fmi examples bench test dev)
+readonly PYTHON_SETS=(sim figures formats sweep live fmi examples bench test dev)
 
 # find_interpreter [MODULE...]: a Python of at least 3.11 (tomllib) that has these modules. The
 # system's own first: version managers change which one is first on PATH.

@@ -35,6 +35,8 @@ LIBRARY = Path("host_sim") / "libhubsim_engine.so"
 APPLICATION = Path("host_sim") / "libhubsim_application.so"
 _BUILT_IN = Path(__file__).resolve().parent / LIBRARY.name
 _NAME_BYTES = 96
+_FRAMES = 512  # more than a millisecond of any bus has
+_SERIAL_BYTES = 4096
 _MOST_CODE = 2**31 - 1  # a bit that flipped makes a code beyond what the library takes
 
 Rows = npt.NDArray[np.float64]
@@ -46,16 +48,14 @@ def _built(library: Path) -> Path:
 
 
 def application_path() -> Path:
-    """Return where the whole application is as a library, which the repository alone builds."""
+    """Return where the whole application is as a library."""
     if installation.INSTALLED:
-        raise HubsimError(
-            "--on board: accepted in the repository, which has the firmware's sources"
-        )
+        return _BUILT_IN.with_name(APPLICATION.name)
     path = _built(APPLICATION)
     if not path.is_file():
         raise HubsimError(
-            f"--on board: {path} is not built, './tools/dev hubsim run SCENARIO --on board' builds "
-            "it (or 'cmake --build --preset host --target hubsim_application')"
+            f"{path}: the application is not built, './tools/dev hubsim run SCENARIO --on board' "
+            "builds it (or 'cmake --build --preset host --target hubsim_application')"
         )
     return path
 
@@ -155,6 +155,30 @@ class Engine:
         """Let the whole application be the controller of every wheel, before ``start``."""
         self._check(self._lib.hubsim_application(self._sim, str(path).encode()))
 
+    def bus_send(self, identifier: int, data: bytes) -> None:
+        """Put a frame of another node on the bus of wheels that have the whole application."""
+        values = {"identifier": identifier, "length": len(data), "data": list(data)}
+        frame = self._ffi.new("hubsim_frame_t *", values)
+        self._check(self._lib.hubsim_bus_send(self._sim, frame))
+
+    def bus_read(self) -> list[tuple[int, bytes]]:
+        """Return identifier and content of what wheels, battery and brakes sent since last time."""
+        frames = self._ffi.new("hubsim_frame_t[]", _FRAMES)
+        count = self._lib.hubsim_bus_read(self._sim, frames, _FRAMES)
+        self._check(min(count, 0))
+        return [(f.identifier, bytes(f.data)[: f.length]) for f in frames[0:count]]
+
+    def serial_take(self, wheel: int) -> bytes:
+        """Return what the application of a wheel wrote to its serial line since last time."""
+        buffer = self._ffi.new("char[]", _SERIAL_BYTES)
+        count = self._lib.hubsim_serial_take(self._sim, wheel, buffer, _SERIAL_BYTES)
+        self._check(min(count, 0))
+        return bytes(self._ffi.buffer(buffer, count))
+
+    def serial_type(self, wheel: int, text: bytes) -> None:
+        """Type on the serial line of a wheel's application."""
+        self._check(self._lib.hubsim_serial_type(self._sim, wheel, text))
+
     def start(self) -> None:
         """Boot the controllers and bring the vehicle to its initial speed; time is 0 afterwards."""
         self._check(self._lib.hubsim_start(self._sim))
@@ -210,6 +234,12 @@ class Engine:
             raise AssertionError("the engine recorded more rows than the interval allows")
         self.ended = status == self._lib.HUBSIM_ENDED
         return rows[: written[0], : len(self._chosen)]
+
+    def advance(self, until_s: float) -> None:
+        """Go on to a time, at most to the end of the run, and record nothing."""
+        status = self._lib.hubsim_advance(self._sim, until_s)
+        self._check(status)
+        self.ended = status == self._lib.HUBSIM_ENDED
 
     def save(self) -> bytes:
         """Return everything that changes while the vehicle runs.

@@ -88,6 +88,9 @@ bool host_can_receive(can_frame_t *frame);
 const char *host_serial_output(void);
 void host_serial_type(const char *text);
 
+/* A terminal: takes what was written, at most `size` bytes, which makes space for more. */
+uint32_t host_serial_take(char *bytes, uint32_t size);
+
 /* Has the watchdog, on the simulated clock, run out since host_connect() or host_restart()? */
 bool host_watchdog_bit(void);
 

@@ -30,6 +30,10 @@ typedef struct {
     wheel_coupling_t coupling; /* for wheel_t.coupling */
     /* Power on with this configuration and a motor at rest. */
     void (*start)(board_t *board, const config_t *config);
+    /* A frame of another node on the bus, and the serial line (host/port.h). */
+    void (*can_send)(const can_frame_t *frame);
+    uint32_t (*serial_take)(char *bytes, uint32_t size);
+    void (*serial_type)(const char *text);
 } application_t;
 
 const application_t *application_entry(void);

@@ -20,13 +20,18 @@
 #include "bench/wheel.h"
 #include "host/port.h"
 
+enum { BOARD_TAPPED_MAX = 64 };
+
 typedef struct {
     host_sample_t sample; /* what the sensors see at this top */
     fast_output_t active; /* what the bridge does from this top on */
     vehicle_can_t vehicle;
     fault_params_t fault; /* of the program and of the bus, all zero: none */
     bool has_restarted;   /* for the fault of that name */
-    double bus_free_s;    /* of the bus's time until now, that the wheel's frames may take */
+    /* What was on this wheel's bus, from both sides, until somebody reads it; the rest is lost. */
+    messages_frame_t tapped[BOARD_TAPPED_MAX];
+    uint32_t tapped_count;
+    double bus_free_s; /* of the bus's time until now, that the wheel's frames may take */
 } board_t;
 
 /* Boots the application with this configuration and a motor at rest. */

@@ -75,6 +75,24 @@ int hubsim_processor(hubsim_t *sim, const char *path);
  */
 int hubsim_application(hubsim_t *sim, const char *path);
 
+/* A frame on the bus of the vehicle whose wheels have the whole application. */
+typedef struct {
+    uint16_t identifier; /* of 11 bits */
+    uint8_t length;
+    uint8_t data[8];
+} hubsim_frame_t;
+
+/* After hubsim_start with hubsim_application: a frame from outside to every wheel; and at most
+ * `capacity` of the frames that wheels, battery and brakes have sent since the last call. Returns
+ * their number, negative: an error. What nobody reads for some milliseconds is lost. */
+int hubsim_bus_send(hubsim_t *sim, const hubsim_frame_t *frame);
+int hubsim_bus_read(hubsim_t *sim, hubsim_frame_t *frames, int capacity);
+
+/* The serial line of one wheel's application: at most `size` bytes that it wrote, their number
+ * returned; and typing on it. */
+int hubsim_serial_take(hubsim_t *sim, int wheel, char *bytes, int size);
+int hubsim_serial_type(hubsim_t *sim, int wheel, const char *text);
+
 /* Boot the controllers and bring the vehicle to its initial speed; time is 0 afterwards. */
 int hubsim_start(hubsim_t *sim);
 

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The simulated vehicle behind a bus: whole applications, plant, battery management and brakes."""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Self
+
+from hubsim import can_protocol, engine, run
+from hubsim.scenario import Scenario
+from regen_table.schema import Drive
+
+from hubfoc.bus import Frame
+
+POSITIONS = ("front_left", "front_right", "rear_left", "rear_right")
+STEP_S = 1e-3  # of simulated time between two looks at the bus
+NOBODY_DRIVES = Scenario(
+    description="a vehicle that stands and is driven by what comes by CAN",
+    initial_speed_kmh=0.0,
+    boots_rolling=True,
+    max_duration_s=1.0,  # of which nobody here takes notice
+)
+
+
+class SimulatedVehicle:
+    """Four wheels (or as many as the drive has) that see a bus and are seen on it.
+
+    Without a scenario nobody in the simulation sends a demand; the brake system hears the demands
+    that others send, as a real one does, and takes its own path where a wheel hands over.
+    """
+
+    def __init__(
+        self, drive: Drive, scenario: Scenario | None = None, beside: Path = Path()
+    ) -> None:
+        self._base = drive.vehicle.can_base
+        self._driven = scenario is not None
+        chosen = scenario if scenario is not None else NOBODY_DRIVES
+        self._engine, planned_s = run.prepare(drive, chosen, beside, {})
+        self._engine.attach_application(engine.application_path())
+        if not self._driven:
+            self._engine.set("driver.silent", 1.0)
+        self._engine.start()
+        self._happening = run.timeline(chosen, beside)
+        self.wheels = int(self._engine.get("vehicle.driven_wheels"))
+        self.time_s = 0.0
+        self._end_s = planned_s if self._driven else math.inf
+
+    def __enter__(self) -> Self:
+        """Return the vehicle itself."""
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        """Free it."""
+        self._engine.__exit__(*exc)
+
+    @property
+    def ended(self) -> bool:
+        """Whether the scenario has come to its end."""
+        return self._engine.ended or self.time_s >= self._end_s
+
+    def step(self, received: Sequence[Frame]) -> list[Frame]:
+        """Go on by ``STEP_S`` with what came by the bus; return what the vehicle sent."""
+        for identifier, data in received:
+            self._engine.bus_send(identifier, data)
+            if not self._driven:
+                self._hear(identifier, data)
+        self._happening.apply(self._engine, self.time_s)
+        self._engine.advance(self.time_s + STEP_S)
+        self.time_s = self._engine.value("time_s")
+        return self._engine.bus_read()
+
+    def _hear(self, identifier: int, data: bytes) -> None:
+        """Tell the brake system what is demanded: the largest braking torque of the wheels."""
+        if can_protocol.message_of(identifier, self._base) != "Demand":
+            return
+        profile = can_protocol.MESSAGES["Demand"].profile
+        values = can_protocol.decode("Demand", data)
+        if values is not None and can_protocol.intact(profile, data, identifier):
+            self._engine.set("driver.brake_demand_nm", values["brake_torque_nm"])
+
+    def serial_take(self, wheel: int) -> bytes:
+        """Return what a wheel's shell wrote."""
+        return self._engine.serial_take(wheel)
+
+    def serial_type(self, wheel: int, text: bytes) -> None:
+        """Type into a wheel's shell."""
+        self._engine.serial_type(wheel, text)
+
+    def value(self, signal: str) -> float:
+        """Return a signal of the simulation (``hubsim list --signals``)."""
+        return self._engine.value(signal)
