@@ -16,8 +16,9 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "scenario": (FLOOR,),
     "run": (FLOOR, "scenario"),
     "sweep": (FLOOR, "scenario", "run"),
+    "swarm": (FLOOR, "scenario", "run", "sweep"),
     "fmu": (FLOOR, "scenario", "run"),
-    "cli": (FLOOR, "report", "scenario", "run", "sweep"),
+    "cli": (FLOOR, "report", "scenario", "run", "sweep", "swarm"),
 }
 FACE = ("__init__.py", "__main__.py")  # of the package: public names, whatever group they are of
 

@@ -12,28 +12,11 @@ import numpy as np
 from hubsim import reasons, run
 from hubsim.engine import Engine, Rows, mode_text
 from hubsim.run import stops
-from hubsim.run.plant import STANDARD_GRAVITY_M_PER_S2
 from hubsim.scenario import Scenario
-from studies.healthy.vehicles import (
-    BRAKE,
-    COAST,
-    CRAWL_M_PER_S,
-    HOLD,
-    REVERSE,
-    ROLLING,
-    STANDING,
-    Phase,
-    Ride,
-    drive_of,
-    top_m_per_s,
-)  # fmt: skip
+from hubsim.swarm.driving import STANDS_M_PER_S, STEP_S, Driver
+from hubsim.swarm.vehicles import BRAKE, ROLLING, STANDING, top_m_per_s
+from studies.healthy.drawn import Ride, drive_of
 
-STEP_S = 0.02  # of the driver
-SLOPE_S = 1.0  # in which the road becomes another one
-BANDWIDTH = 1.0  # of the driver's speed regulator, 1/s
-FASTEST_SHARE = 0.97  # of the largest speed: here a coasting driver brakes
-FORWARD, BACKWARD = 1.0, 2.0  # directions
-STANDS_M_PER_S = 0.02
 SIGNALS = (
     "time_s",
     "vehicle.speed_m_per_s",
@@ -42,57 +25,6 @@ SIGNALS = (
     "wheel0.fault_reason",
 )
 TIME, SPEED, MODE, WARNING, FAULT = range(len(SIGNALS))
-
-
-class Driver:
-    """The feet of one driver. Torques at the wheel in N m, speeds in m/s."""
-
-    def __init__(self, ride: Ride, engine: Engine) -> None:
-        drive = drive_of(ride.drive, ride.sensor, ride.strategy, ride.hold)
-        self._ride = ride
-        self._engine = engine
-        self._top = top_m_per_s(drive)
-        self._inertia = engine.get("vehicle.mass_kg") * engine.get("vehicle.wheel_radius_m")
-        self._most_drive = drive.motor.max_torque_nm
-        self._most_brake = drive.motor.max_torque_nm + drive.brake.max_hydraulic_torque_nm
-        self._drive = self._brake = self._slope = 0.0
-
-    def wants(self, phase: Phase, speed: float) -> tuple[float, float]:
-        """Return accelerator, negative lift-off braking, and brake pedal."""
-        if phase.kind in (HOLD, BRAKE):
-            return 0.0, phase.torque_nm
-        pull = self._inertia * STANDARD_GRAVITY_M_PER_S2 * self._slope
-        if phase.kind == COAST:
-            fast = speed > FASTEST_SHARE * self._top or speed < -CRAWL_M_PER_S
-            return -phase.torque_nm, abs(pull) + 0.1 * self._most_drive if fast else 0.0
-        sign = -1.0 if phase.kind == REVERSE else 1.0
-        error = phase.speed_share * self._top - sign * speed
-        wanted = self._inertia * BANDWIDTH * error + sign * pull
-        return sign * float(np.clip(wanted, 0.0, phase.torque_nm)), max(-wanted, 0.0)
-
-    def step(self, phase: Phase, speed: float) -> None:
-        """Move pedals and road by one step."""
-        drive, brake = self.wants(phase, speed)
-        self._drive = _towards(self._drive, drive, self._most_drive * STEP_S / self._ride.drive_s)
-        self._brake = _towards(
-            self._brake,
-            min(brake, self._most_brake),
-            self._most_brake * STEP_S / self._ride.brake_s,
-        )
-        self._slope = _towards(self._slope, phase.slope, 0.24 * STEP_S / SLOPE_S)
-        direction = BACKWARD if phase.kind == REVERSE else FORWARD
-        for name, value in (
-            ("driver.drive_demand_nm", self._drive),
-            ("driver.brake_demand_nm", self._brake),
-            ("driver.direction", direction),
-            ("road.slope", self._slope),
-        ):
-            if self._engine.get(name) != value:
-                self._engine.set(name, value)
-
-
-def _towards(value: float, end: float, step: float) -> float:
-    return value + min(max(end - value, -step), step)
 
 
 def simulated(ride: Ride) -> tuple[Rows, int]:
@@ -122,13 +54,17 @@ def simulated(ride: Ride) -> tuple[Rows, int]:
 
 
 def _driven(ride: Ride, engine: Engine) -> Iterator[Rows]:
-    driver = Driver(ride, engine)
+    drive = drive_of(ride.drive, ride.sensor, ride.strategy, ride.hold)
+    inertia = engine.get("vehicle.mass_kg") * engine.get("vehicle.wheel_radius_m")
+    driver = Driver(drive, inertia, ride.drive_s, ride.brake_s)
     for phase in ride.phases:
         for _ in range(round(phase.seconds / STEP_S)):
             speed = engine.value("vehicle.speed_m_per_s")
             if phase.kind == BRAKE and abs(speed) < STANDS_M_PER_S:
                 break
-            driver.step(phase, speed)
+            for name, value in driver.step(phase, speed).parameters.items():
+                if engine.get(name) != value:
+                    engine.set(name, value)
             yield engine.run(STEP_S)
 
 

@@ -2,7 +2,7 @@
 """Healthy rides of drawn vehicles: whether a warning comes, or LIMP.
 
 Vehicles whose parts are wrong within their tolerances, with ordinary lags, noise, filters and
-messages, driven on slopes by drawn drivers (``vehicles``, ``rides``). Every drive that comes along
+messages, driven on slopes by drawn drivers (``drawn``, ``rides``). Every drive that comes along
 with every rotor sensor. Ride N of a seed is always the same. Exit status 1 if a ride has a warning,
 a fault or LIMP.
 
@@ -19,13 +19,14 @@ from typing import Any
 
 import numpy as np
 from hubsim.errors import HubsimError
+from hubsim.swarm.vehicles import top_m_per_s
 from hubsim.sweep.drives import DRIVES
 from matplotlib.figure import Figure
 from regen_table import plotting
 from regen_table.cli import Parser
 from studies.common import Study, markdown
-from studies.healthy import rides, vehicles
-from studies.healthy.vehicles import Ride, drive_of
+from studies.healthy import drawn, rides
+from studies.healthy.drawn import Ride, drive_of
 
 RIDES = 2000
 NOT_STARTED = "NOT_STARTED"
@@ -124,7 +125,7 @@ def tables(outcomes: Sequence[Outcome]) -> dict[str, str]:
     """Return the tables of the page: drives with their sensors, and reasons."""
     rows = []
     for name in DRIVES:
-        for sensor in vehicles.SENSORS[name]:
+        for sensor in drawn.SENSORS[name]:
             here = [o for o in outcomes if (o.drive, o.sensor) == (name, sensor)]
             rows.append(
                 (
@@ -165,7 +166,7 @@ def figure(outcomes: Sequence[Outcome]) -> Figure:
     )
     for name, axes in zip(DRIVES, panels, strict=True):
         drive = drive_of(name, "hall", "series_optimal", False)
-        top = vehicles.top_m_per_s(drive)
+        top = top_m_per_s(drive)
         for text, within, colour in groups:
             here = [o for o in outcomes if o.drive == name and o.within is within]
             axes.plot(
@@ -219,7 +220,7 @@ STUDY = Study(
     name="healthy",
     text=__doc__,
     outcome=Outcome,
-    cases=lambda options: [vehicles.draw(options.seed, number) for number in options.rides],
+    cases=lambda options: [drawn.draw(options.seed, number) for number in options.rides],
     measure=measure,
     summary=summary,
     figure=figure,

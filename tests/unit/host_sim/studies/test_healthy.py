@@ -10,18 +10,12 @@ import numpy as np
 import pytest
 from hubsim import reasons
 from hubsim.run import STRATEGIES, plant
+from hubsim.swarm import vehicles
+from hubsim.swarm.vehicles import BRAKE, COAST, DRIVE, HOLD, REVERSE, Phase
 from hubsim.sweep.drives import DRIVES
-from studies.healthy import rides, study, vehicles
-from studies.healthy.vehicles import (
-    BRAKE,
-    COAST,
-    DRIVE,
-    HOLD,
-    REVERSE,
-    Phase,
-    Ride,
-    draw,
-)
+from studies.healthy import drawn as rides_drawn
+from studies.healthy import rides, study
+from studies.healthy.drawn import Ride, draw
 
 MANY = 240
 
@@ -40,7 +34,7 @@ def test_all_drives_sensors_beginnings_strategies_and_things_to_do_come(
     drawn: list[Ride],
 ) -> None:
     pairs = {(ride.drive, ride.sensor) for ride in drawn}
-    assert pairs == {(d, s) for d in DRIVES for s in vehicles.SENSORS[d]}
+    assert pairs == {(d, s) for d in DRIVES for s in rides_drawn.SENSORS[d]}
     assert {ride.begins for ride in drawn} == {
         vehicles.PREPARED,
         vehicles.STANDING,
@@ -56,7 +50,7 @@ def test_all_drives_sensors_beginnings_strategies_and_things_to_do_come(
 def test_every_part_is_within_its_tolerance_and_uses_it(drawn: list[Ride]) -> None:
     shares: dict[str, list[float]] = {name: [] for name in vehicles.FACTORS}
     for ride in drawn:
-        drive = vehicles.drive_of(ride.drive, ride.sensor, ride.strategy, ride.hold)
+        drive = rides_drawn.drive_of(ride.drive, ride.sensor, ride.strategy, ride.hold)
         nominal = plant.parameters(drive)
         for name, (low, high) in vehicles.FACTORS.items():
             if nominal[name] and name != "motor.friction_torque_nm":  # which adds some
@@ -71,7 +65,7 @@ def test_a_slope_leaves_the_motor_torque_and_a_brake_the_road_its_grip(
     drawn: list[Ride],
 ) -> None:
     for ride in drawn:
-        drive = vehicles.drive_of(ride.drive, ride.sensor, ride.strategy, ride.hold)
+        drive = rides_drawn.drive_of(ride.drive, ride.sensor, ride.strategy, ride.hold)
         inertia = ride.plant["vehicle.mass_kg"] / drive.vehicle.driven_wheels
         inertia *= ride.plant["vehicle.wheel_radius_m"]
         for phase in ride.phases:

@@ -1,31 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Healthy vehicles and what their drivers do, drawn.
+"""Healthy vehicles and what their drivers do, drawn around the drive that a controller is told.
 
-A ride depends on the seed and its number alone: any range of rides has the same ones. Drives that
-come along and rotor sensors take turns; all else is drawn. A vehicle is its drive's file with every
-part wrong within its tolerance; the controller knows the file only.
+A vehicle is its drive's file with every part wrong within its tolerance; the controller knows the
+file only. Used by the study of healthy rides and by ``hubsim swarm``.
 """
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from functools import lru_cache
+from dataclasses import dataclass
 
 import numpy as np
-from hubsim.run import plant
-from hubsim.run.plant import STANDARD_GRAVITY_M_PER_S2
-from hubsim.scenario import overrides
-from hubsim.sweep import faults_sweep
-from hubsim.sweep.drives import DRIVES
-from regen_table import STRATEGIES, models
+from regen_table import models
 from regen_table.schema import Drive
 
-SENSORS: Mapping[str, tuple[str, ...]] = {
-    "lu2013": ("hall", "angle", "encoder"),
-    "ebike36v": ("hall", "angle", "encoder"),
-    "scooter48v": ("hall", "angle", "encoder"),
-    "ipm400v": ("angle", "encoder"),  # 11 000 r/min and salient: no motor like it has halls alone
-}
+from hubsim.run import plant
+from hubsim.run.plant import STANDARD_GRAVITY_M_PER_S2
+
 PREPARED, STANDING, ROLLING = "prepared", "standing", "rolling"
 """How a ride begins: controllers that run already, that boot at rest, or on turning wheels."""
 HOLD, DRIVE, COAST, BRAKE, REVERSE = "hold", "drive", "coast", "brake", "reverse"
@@ -103,37 +93,6 @@ class Phase:
     slope: float = 0.0
 
 
-@dataclass(frozen=True)
-class Ride:
-    """One vehicle and its driver; ``plant`` has the parameters of the world that are drawn.
-
-    ``drive_s`` and ``brake_s``: for the whole travel of a pedal.
-    """
-
-    number: int
-    drive: str
-    sensor: str
-    strategy: str
-    hold: bool
-    begins: str
-    initial_share: float
-    soc: float
-    rest_v: float
-    ambient_c: float
-    winding_c: float
-    switch_c: float
-    seed: int
-    drive_s: float
-    brake_s: float
-    plant: dict[str, float] = field(default_factory=dict)
-    phases: tuple[Phase, ...] = ()
-
-    @property
-    def reports(self) -> int:
-        """1: the hydraulic torque is measured and reported."""
-        return int(self.plant["brake_sensor.fitted"])
-
-
 class Lot:
     """Random numbers of one ride."""
 
@@ -157,33 +116,14 @@ class Lot:
         return int(self._source.integers(below))
 
 
-@lru_cache
-def drive_of(name: str, sensor: str, strategy: str, hold: bool) -> Drive:
-    """Return what the controller is configured with."""
-    drive = faults_sweep.drive_of(name, sensor)
-    changes: dict[tuple[str, str], object] = {("brake", "strategy"): strategy}
-    if hold:
-        changes["driver", "hold_torque_nm"] = 0.5 * drive.motor.rated_torque_nm
-    return overrides.changed(drive, changes, f"{name}, {sensor}, {strategy}")
-
-
 def top_m_per_s(drive: Drive) -> float:
     """Return the largest speed of the configuration."""
     return drive.motor.max_speed_rpm * math.pi / 30.0 * drive.vehicle.wheel_radius_m
 
 
-def draw(seed: int, number: int) -> Ride:
-    """Return one ride."""
-    lot = Lot(seed, number)
-    name = DRIVES[number % len(DRIVES)]
-    sensor = SENSORS[name][number // len(DRIVES) % len(SENSORS[name])]
-    strategy = STRATEGIES[lot.whole(len(STRATEGIES))]
-    hold = lot.chance(0.25)
-    drive = drive_of(name, sensor, strategy, hold)
-    ambient_c = lot.within(*AMBIENT_C)
-    warm = lot.chance(0.5)
-    hottest_c = drive.motor.max_winding_temperature_c - 15.0
-    world = {
+def parts_of(lot: Lot, drive: Drive, ambient_c: float) -> dict[str, float]:
+    """Return the parameters of a healthy world around a drive, each within its tolerance."""
+    return {
         **_parts(lot, drive),
         **_battery(lot, drive, ambient_c),
         **_sensors(lot, drive),
@@ -191,36 +131,29 @@ def draw(seed: int, number: int) -> Ride:
         "road.wind_m_per_s": lot.within(-8.0, 8.0),
         "thermal.active": 1.0,
     }
-    begins = _begins(lot, sensor)
-    rolls = begins == ROLLING or (begins == PREPARED and lot.chance(0.5))
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Charge (0 to 1) where a ride begins, and the pack's voltage at rest, which it decides."""
+
+    soc: float
+    rest_v: float
+
+
+def cells(lot: Lot, drive: Drive) -> Cells:
+    """Return a charge; both ends come more often than others."""
     low_v, high_v = drive.battery.min_voltage_v, drive.battery.max_voltage_v
     soc = min(max(lot.within(-0.08, 1.08), 0.0), 1.0)
     filled = CELLS_REST[0] + (CELLS_REST[1] - CELLS_REST[0]) * soc
     flat = isinstance(drive.battery.open_circuit_voltage_v, float | int)
-    return Ride(
-        number=number,
-        drive=name,
-        sensor=sensor,
-        strategy=strategy,
-        hold=hold,
-        begins=begins,
-        initial_share=lot.within(0.05, 0.8) if rolls else 0.0,
-        soc=soc,
-        rest_v=low_v + (high_v - low_v) * filled
-        if flat
-        else models.open_circuit_voltage_v(drive, soc),
-        ambient_c=ambient_c,
-        winding_c=lot.within(ambient_c, hottest_c) if warm else ambient_c,
-        switch_c=lot.within(ambient_c, ambient_c + 40.0) if warm else ambient_c,
-        seed=lot.whole(1 << 31),
-        drive_s=lot.within(0.2, 1.0),
-        brake_s=lot.within(0.1, 0.6),
-        plant=world,
-        phases=_phases(lot, drive, world, rolls),
+    return Cells(
+        soc,
+        low_v + (high_v - low_v) * filled if flat else models.open_circuit_voltage_v(drive, soc),
     )
 
 
-def _begins(lot: Lot, sensor: str) -> str:
+def begins(lot: Lot, sensor: str) -> str:
     """Return how a ride begins: not at rest with an encoder, which needs its index first."""
     kinds = (PREPARED, ROLLING) if sensor == "encoder" else (PREPARED, ROLLING, STANDING)
     return kinds[lot.whole(len(kinds))]
@@ -322,8 +255,11 @@ def _brake(lot: Lot, drive: Drive) -> dict[str, float]:
     }
 
 
-def _phases(lot: Lot, drive: Drive, world: Mapping[str, float], rolls: bool) -> tuple[Phase, ...]:
-    """Return what the driver does for RIDE_S, a stop at the end; reverse from a stop only."""
+def phases_of(lot: Lot, drive: Drive, world: Mapping[str, float], rolls: bool) -> tuple[Phase, ...]:
+    """Return what the driver does for RIDE_S, a stop at the end; reverse from a stop only.
+
+    ``rolls``: the ride begins on turning wheels.
+    """
     inertia = world["vehicle.mass_kg"] / drive.vehicle.driven_wheels
     inertia *= world["vehicle.wheel_radius_m"]
     pull = inertia * STANDARD_GRAVITY_M_PER_S2
