@@ -146,7 +146,8 @@ def four_wheels(dbc: str) -> str:
         r'^CM_ "hubfoc, one wheel.*";$',
         'CM_ "hubfoc, four wheels; made from hubfoc.dbc by'
         " generate.py. Every message carries a CRC and a counter:"
-        ' firmware/comms/README.md.";',
+        " firmware/comms/README.md. A quantity of a wheel beyond its range is not sent as the end"
+        ' of it but as NOT_AVAILABLE.";',
         text,
         flags=re.MULTILINE,
     )
@@ -206,7 +207,8 @@ def signal_row(signal: Signal) -> str:
     """Return the row of one signal: where, how fine, how far, what."""
     last = signal.start + signal.length - 1
     bits = f"{signal.start}" if signal.length == 1 else f"{signal.start} .. {last}"
-    span = "" if signal.choices else f"{number(signal.minimum)} .. {number(signal.maximum)}"
+    listed = signal.choices and not signal.unit
+    span = "" if listed else f"{number(signal.minimum)} .. {number(signal.maximum)}"
     step = number(signal.conversion.scale) if signal.unit else ""
     return (
         f"| `{signal.name}` | {bits} | {step} | {span} | {signal.unit or ''} | {signal.comment} |\n"

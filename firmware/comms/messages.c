@@ -18,7 +18,8 @@ enum {
     DEMAND_DRIVE_MAX = 8191,
     DEMAND_BRAKE_MAX = 16383,
     SHARE_MAX = 100,
-    BRAKE_MAX = 32767,
+    HYDRAULIC_MAX = 32767,
+    AVAILABLE_MAX = 32766,
     COMMAND_MAX = 65535,
     SPEED_MAX = 520000,
     CURRENT_MAX = 60000,
@@ -26,10 +27,11 @@ enum {
     VOLTAGE_MAX = 20000,
     PEAK_MAX = 4095,
     PACK_VOLTAGE_MAX = 16383,
+    PACK_VOLTAGE_NOT_GIVEN = 0,
     PACK_CURRENT_MAX = 8191,
     PACK_CURRENT_NOT_GIVEN = -8192,
-    TEMPERATURE_MIN = -1000,
-    TEMPERATURE_MAX = 3000,
+    TEMPERATURE_MIN = -2000,
+    TEMPERATURE_NOT_AVAILABLE = 3000,
     MODE_MASK = 0x0F,
     DIRECTION_MASK = 0x03,
     ERRORS_MASK = 0x0F
@@ -95,28 +97,37 @@ e2e_profile_t messages_profile(messages_kind_t kind)
     return commands ? E2E_PROFILE_5 : E2E_PROFILE_2;
 }
 
-/* Nearest step, halves away from zero, between the ends. */
-static int32_t steps(int32_t milli, int32_t step, int32_t lowest, int32_t highest)
+/* Nearest step, halves away from zero; at most one step beyond the ends. */
+static int32_t nearest(int32_t milli, int32_t step, int32_t lowest, int32_t highest)
 {
-    const int32_t within =
-        q_clamp(milli, lowest * step, highest * step); /* so that half a step more is no overflow */
-    return (within + (within < 0 ? -step : step) / 2) / step;
+    /* so that half a step more is no overflow */
+    const int32_t near = q_clamp(milli, (lowest - 1) * step, (highest + 1) * step);
+    return (near + (near < 0 ? -step : step) / 2) / step;
 }
 
+/* Nearest step between the ends. */
 static int32_t signed_steps(int32_t milli, int32_t step, int32_t highest)
 {
-    return steps(milli, step, -highest, highest);
+    return q_clamp(nearest(milli, step, -highest, highest), -highest, highest);
 }
 
 static uint32_t magnitude_steps(int32_t milli, int32_t step, int32_t highest)
 {
-    return (uint32_t)steps(milli, step, 0, highest);
+    return (uint32_t)q_clamp(nearest(milli, step, 0, highest), 0, highest);
+}
+
+/* Nearest step; beyond the ends the number that stands for "not available". */
+static int32_t sent_steps(int32_t milli, int32_t step, int32_t highest, int32_t not_available)
+{
+    const int32_t found = nearest(milli, step, -highest, highest);
+    return found < -highest || found > highest ? not_available : found;
 }
 
 /* Of an available torque: whole steps, rounded down. */
-static uint32_t available_steps(int32_t torque_mNm, int32_t highest)
+static uint32_t available_steps(int32_t torque_mNm, int32_t highest, uint32_t not_available)
 {
-    return (uint32_t)q_clamp(torque_mNm / TORQUE_STEP_mNm, 0, highest);
+    const int32_t found = q_max(torque_mNm, 0) / TORQUE_STEP_mNm;
+    return found > highest ? not_available : (uint32_t)found;
 }
 
 bool messages_read_demand(const messages_frame_t *frame, wheel_demand_t *demand)
@@ -184,6 +195,14 @@ bool messages_read_hydraulic(const messages_frame_t *frame, hydraulic_feedback_t
     return true;
 }
 
+/* What is NOT_AVAILABLE leaves the field as it was. */
+static void take(int32_t *field, bool is_available, int32_t raw_steps, int32_t step)
+{
+    if (is_available) {
+        *field = raw_steps * step;
+    }
+}
+
 static bool read_state(const messages_frame_t *frame, slow_output_t *o)
 {
     struct hubfoc_wheel_state_t raw;
@@ -192,8 +211,11 @@ static bool read_state(const messages_frame_t *frame, slow_output_t *o)
     }
     o->mode = (operating_mode_t)raw.mode;
     o->fault_reason = (reason_t)raw.fault_reason;
-    o->motor_torque_estimate_mNm = raw.motor_torque_estimate_nm * TORQUE_STEP_mNm;
-    o->speed_mrad_s = raw.speed_rad_s * SPEED_STEP_mrad_s;
+    take(&o->motor_torque_estimate_mNm,
+         hubfoc_wheel_state_motor_torque_estimate_nm_is_in_range(raw.motor_torque_estimate_nm),
+         raw.motor_torque_estimate_nm, TORQUE_STEP_mNm);
+    take(&o->speed_mrad_s, hubfoc_wheel_state_speed_rad_s_is_in_range(raw.speed_rad_s),
+         raw.speed_rad_s, SPEED_STEP_mrad_s);
     o->stop_lamp = raw.stop_lamp != 0;
     return true;
 }
@@ -205,7 +227,8 @@ static bool read_brake(const messages_frame_t *frame, slow_output_t *o)
         return false;
     }
     o->hydraulic_torque_mNm = (int32_t)raw.hydraulic_torque_nm * TORQUE_STEP_mNm;
-    o->electric_brake_available_mNm = (int32_t)raw.electric_brake_available_nm * TORQUE_STEP_mNm;
+    take(&o->electric_brake_available_mNm, raw.electric_brake_available_nm <= AVAILABLE_MAX,
+         (int32_t)raw.electric_brake_available_nm, TORQUE_STEP_mNm);
     o->hydraulic_valid = raw.hydraulic_valid != 0;
     return true;
 }
@@ -219,8 +242,11 @@ static bool read_drive(const messages_frame_t *frame, slow_output_t *o)
     o->direction = (drive_direction_t)raw.direction;
     o->torque_reason = (reason_t)raw.torque_reason;
     o->hydraulic_reason = (reason_t)raw.hydraulic_reason;
-    o->motor_torque_command_mNm = raw.motor_torque_command_nm * TORQUE_STEP_mNm;
-    o->i_q_mA = raw.current_q_a * CURRENT_STEP_mA;
+    take(&o->motor_torque_command_mNm,
+         hubfoc_wheel_drive_motor_torque_command_nm_is_in_range(raw.motor_torque_command_nm),
+         raw.motor_torque_command_nm, TORQUE_STEP_mNm);
+    take(&o->i_q_mA, hubfoc_wheel_drive_current_q_a_is_in_range(raw.current_q_a), raw.current_q_a,
+         CURRENT_STEP_mA);
     return true;
 }
 
@@ -230,8 +256,10 @@ static bool read_power(const messages_frame_t *frame, slow_output_t *o)
     if (hubfoc_wheel_power_unpack(&raw, frame->data, frame->length) != 0) {
         return false;
     }
-    o->bus_voltage_mV = (int32_t)raw.bus_voltage_v * VOLTAGE_STEP_mV;
-    o->bus_current_mA = raw.bus_current_a * CURRENT_STEP_mA;
+    take(&o->bus_voltage_mV, hubfoc_wheel_power_bus_voltage_v_is_in_range(raw.bus_voltage_v),
+         raw.bus_voltage_v, VOLTAGE_STEP_mV);
+    take(&o->bus_current_mA, hubfoc_wheel_power_bus_current_a_is_in_range(raw.bus_current_a),
+         raw.bus_current_a, CURRENT_STEP_mA);
     return true;
 }
 
@@ -251,9 +279,12 @@ static bool read_ahead(const messages_frame_t *frame, slow_output_t *o)
     if (hubfoc_wheel_ahead_unpack(&raw, frame->data, frame->length) != 0) {
         return false;
     }
-    o->electric_brake_ahead_mNm = (int32_t)raw.electric_brake_ahead_nm * TORQUE_STEP_mNm;
+    take(&o->electric_brake_ahead_mNm,
+         hubfoc_wheel_ahead_electric_brake_ahead_nm_is_in_range(raw.electric_brake_ahead_nm),
+         (int32_t)raw.electric_brake_ahead_nm, TORQUE_STEP_mNm);
     o->ahead_reason = (reason_t)raw.ahead_reason;
-    o->drive_ahead_mNm = (int32_t)raw.drive_ahead_nm * TORQUE_STEP_mNm;
+    take(&o->drive_ahead_mNm, hubfoc_wheel_ahead_drive_ahead_nm_is_in_range(raw.drive_ahead_nm),
+         (int32_t)raw.drive_ahead_nm, TORQUE_STEP_mNm);
     o->drive_ahead_reason = (reason_t)raw.drive_ahead_reason;
     return true;
 }
@@ -264,7 +295,9 @@ static bool read_available(const messages_frame_t *frame, slow_output_t *o)
     if (hubfoc_wheel_available_unpack(&raw, frame->data, frame->length) != 0) {
         return false;
     }
-    o->drive_available_mNm = (int32_t)raw.drive_available_nm * TORQUE_STEP_mNm;
+    take(&o->drive_available_mNm,
+         hubfoc_wheel_available_drive_available_nm_is_in_range(raw.drive_available_nm),
+         (int32_t)raw.drive_available_nm, TORQUE_STEP_mNm);
     o->drive_available_reason = (reason_t)raw.drive_available_reason;
     o->waits_for = (waits_for_t)raw.waits_for;
     o->available_reason = (reason_t)raw.electric_brake_available_reason;
@@ -345,12 +378,12 @@ messages_frame_t messages_peak(const battery_limits_t *limits, messages_address_
     const struct hubfoc_battery_peak_t raw = {
         .charge_peak_current_a =
             (uint16_t)q_clamp(limits->charge_peak_current_mA / PEAK_STEP_mA, 0, PEAK_MAX),
-        .pack_voltage_v =
-            (uint16_t)magnitude_steps(limits->voltage_mV, VOLTAGE_STEP_mV, PACK_VOLTAGE_MAX),
+        .pack_voltage_v = (uint16_t)sent_steps(q_max(limits->voltage_mV, 0), VOLTAGE_STEP_mV,
+                                               PACK_VOLTAGE_MAX, PACK_VOLTAGE_NOT_GIVEN),
         .pack_current_a =
-            (int16_t)(limits->current_given
-                          ? signed_steps(limits->current_mA, PACK_CURRENT_STEP_mA, PACK_CURRENT_MAX)
-                          : PACK_CURRENT_NOT_GIVEN),
+            (int16_t)(limits->current_given ? sent_steps(limits->current_mA, PACK_CURRENT_STEP_mA,
+                                                         PACK_CURRENT_MAX, PACK_CURRENT_NOT_GIVEN)
+                                            : PACK_CURRENT_NOT_GIVEN),
     };
     messages_frame_t frame = new_frame(MESSAGES_BATTERY_PEAK, address);
     (void)hubfoc_battery_peak_pack(frame.data, &raw, sizeof frame.data);
@@ -377,21 +410,24 @@ static void put_state(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o)
         .mode = (uint8_t)((uint32_t)o->mode & MODE_MASK),
         .fault_reason = (uint8_t)o->fault_reason,
         .motor_torque_estimate_nm =
-            signed_steps(o->motor_torque_estimate_mNm, TORQUE_STEP_mNm, TORQUE_MAX),
+            sent_steps(o->motor_torque_estimate_mNm, TORQUE_STEP_mNm, TORQUE_MAX,
+                       HUBFOC_WHEEL_STATE_MOTOR_TORQUE_ESTIMATE_NM_NOT_AVAILABLE_CHOICE),
         .stop_lamp = o->stop_lamp ? 1 : 0,
-        .speed_rad_s = signed_steps(o->speed_mrad_s, SPEED_STEP_mrad_s, SPEED_MAX),
+        .speed_rad_s = sent_steps(o->speed_mrad_s, SPEED_STEP_mrad_s, SPEED_MAX,
+                                  HUBFOC_WHEEL_STATE_SPEED_RAD_S_NOT_AVAILABLE_CHOICE),
     };
     (void)hubfoc_wheel_state_pack(data, &raw, E2E_FRAME_BYTES);
 }
 
 static void put_brake(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o, uint8_t demand_counter)
 {
+    const int32_t hydraulic = nearest(o->hydraulic_torque_mNm, TORQUE_STEP_mNm, 0, HYDRAULIC_MAX);
     const struct hubfoc_wheel_brake_t raw = {
-        .hydraulic_valid = o->hydraulic_valid ? 1 : 0,
-        .hydraulic_torque_nm =
-            (uint16_t)magnitude_steps(o->hydraulic_torque_mNm, TORQUE_STEP_mNm, BRAKE_MAX),
-        .electric_brake_available_nm =
-            (uint16_t)available_steps(o->electric_brake_available_mNm, BRAKE_MAX),
+        .hydraulic_valid = o->hydraulic_valid && hydraulic <= HYDRAULIC_MAX ? 1 : 0,
+        .hydraulic_torque_nm = (uint16_t)q_clamp(hydraulic, 0, HYDRAULIC_MAX),
+        .electric_brake_available_nm = (uint16_t)available_steps(
+            o->electric_brake_available_mNm, AVAILABLE_MAX,
+            HUBFOC_WHEEL_BRAKE_ELECTRIC_BRAKE_AVAILABLE_NM_NOT_AVAILABLE_CHOICE),
         .demand_counter = demand_counter,
     };
     (void)hubfoc_wheel_brake_pack(data, &raw, E2E_FRAME_BYTES);
@@ -404,8 +440,10 @@ static void put_drive(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o)
         .torque_reason = (uint8_t)o->torque_reason,
         .hydraulic_reason = (uint8_t)o->hydraulic_reason,
         .motor_torque_command_nm =
-            signed_steps(o->motor_torque_command_mNm, TORQUE_STEP_mNm, COMMAND_MAX),
-        .current_q_a = signed_steps(o->i_q_mA, CURRENT_STEP_mA, CURRENT_MAX),
+            sent_steps(o->motor_torque_command_mNm, TORQUE_STEP_mNm, COMMAND_MAX,
+                       HUBFOC_WHEEL_DRIVE_MOTOR_TORQUE_COMMAND_NM_NOT_AVAILABLE_CHOICE),
+        .current_q_a = sent_steps(o->i_q_mA, CURRENT_STEP_mA, CURRENT_MAX,
+                                  HUBFOC_WHEEL_DRIVE_CURRENT_Q_A_NOT_AVAILABLE_CHOICE),
     };
     (void)hubfoc_wheel_drive_pack(data, &raw, E2E_FRAME_BYTES);
 }
@@ -413,15 +451,21 @@ static void put_drive(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o)
 static void put_power(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o)
 {
     const struct hubfoc_wheel_power_t raw = {
-        .bus_voltage_v = (uint16_t)magnitude_steps(o->bus_voltage_mV, VOLTAGE_STEP_mV, VOLTAGE_MAX),
-        .bus_current_a = signed_steps(o->bus_current_mA, CURRENT_STEP_mA, CURRENT_MAX),
+        .bus_voltage_v =
+            (uint16_t)sent_steps(q_max(o->bus_voltage_mV, 0), VOLTAGE_STEP_mV, VOLTAGE_MAX,
+                                 HUBFOC_WHEEL_POWER_BUS_VOLTAGE_V_NOT_AVAILABLE_CHOICE),
+        .bus_current_a = sent_steps(o->bus_current_mA, CURRENT_STEP_mA, CURRENT_MAX,
+                                    HUBFOC_WHEEL_POWER_BUS_CURRENT_A_NOT_AVAILABLE_CHOICE),
     };
     (void)hubfoc_wheel_power_pack(data, &raw, E2E_FRAME_BYTES);
 }
 
 static int16_t temperature_steps(int32_t temperature_cC)
 {
-    return (int16_t)steps(temperature_cC, TEMPERATURE_STEP_cC, TEMPERATURE_MIN, TEMPERATURE_MAX);
+    const int32_t found =
+        nearest(temperature_cC, TEMPERATURE_STEP_cC, TEMPERATURE_MIN, TEMPERATURE_NOT_AVAILABLE);
+    const bool within = found >= TEMPERATURE_MIN && found <= TEMPERATURE_NOT_AVAILABLE;
+    return (int16_t)(within ? found : TEMPERATURE_NOT_AVAILABLE);
 }
 
 static void put_health(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o,
@@ -444,9 +488,12 @@ static void put_health(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o,
 static void put_ahead(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o)
 {
     const struct hubfoc_wheel_ahead_t raw = {
-        .electric_brake_ahead_nm = available_steps(o->electric_brake_ahead_mNm, TORQUE_MAX),
+        .electric_brake_ahead_nm =
+            available_steps(o->electric_brake_ahead_mNm, TORQUE_MAX,
+                            HUBFOC_WHEEL_AHEAD_ELECTRIC_BRAKE_AHEAD_NM_NOT_AVAILABLE_CHOICE),
         .ahead_reason = (uint8_t)o->ahead_reason,
-        .drive_ahead_nm = available_steps(o->drive_ahead_mNm, TORQUE_MAX),
+        .drive_ahead_nm = available_steps(o->drive_ahead_mNm, TORQUE_MAX,
+                                          HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_NM_NOT_AVAILABLE_CHOICE),
         .drive_ahead_reason = (uint8_t)o->drive_ahead_reason,
     };
     (void)hubfoc_wheel_ahead_pack(data, &raw, E2E_FRAME_BYTES);
@@ -455,7 +502,9 @@ static void put_ahead(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o)
 static void put_available(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o)
 {
     const struct hubfoc_wheel_available_t raw = {
-        .drive_available_nm = available_steps(o->drive_available_mNm, TORQUE_MAX),
+        .drive_available_nm =
+            available_steps(o->drive_available_mNm, TORQUE_MAX,
+                            HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_NM_NOT_AVAILABLE_CHOICE),
         .drive_available_reason = (uint8_t)o->drive_available_reason,
         .waits_for = (uint8_t)o->waits_for,
         .electric_brake_available_reason = (uint8_t)o->available_reason,

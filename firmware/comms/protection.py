@@ -87,10 +87,10 @@ def _message(message: Message) -> str:
     for signal in sorted(message.signals, key=lambda signal: signal.start):
         step = float(signal.conversion.scale)
         least, most = float(signal.minimum or 0), float(signal.maximum or 0)
-        text += (
-            f'            "{signal.name}": Signal('
-            f"{signal.start}, {signal.length}, {signal.is_signed}, {step}, {least}, {most}),\n"
-        )
+        named = {str(meaning): raw for raw, meaning in (signal.choices or {}).items()}
+        last = f", {named['NOT_AVAILABLE']}" if "NOT_AVAILABLE" in named else ""
+        values = f"{signal.start}, {signal.length}, {signal.is_signed}, {step}, {least}, {most}"
+        text += f'            "{signal.name}": Signal({values}{last}),\n'
     return f"{text}        }},\n    ),\n"
 
 

@@ -713,7 +713,7 @@ bool hubfoc_wheel_brake_hydraulic_torque_nm_is_in_range(uint16_t value)
 
 bool hubfoc_wheel_brake_electric_brake_available_nm_is_in_range(uint16_t value)
 {
-    return (value <= 32767u);
+    return (value <= 32766u);
 }
 
 bool hubfoc_wheel_brake_demand_counter_is_in_range(uint8_t value)
@@ -1036,7 +1036,7 @@ bool hubfoc_wheel_health_battery_link_is_in_range(uint8_t value)
 
 bool hubfoc_wheel_health_winding_temperature_c_is_in_range(int16_t value)
 {
-    return ((value >= -1000) && (value <= 3000));
+    return ((value >= -2000) && (value <= 3000));
 }
 
 bool hubfoc_wheel_health_hydraulic_link_is_in_range(uint8_t value)
@@ -1046,7 +1046,7 @@ bool hubfoc_wheel_health_hydraulic_link_is_in_range(uint8_t value)
 
 bool hubfoc_wheel_health_switch_temperature_c_is_in_range(int16_t value)
 {
-    return ((value >= -1000) && (value <= 3000));
+    return ((value >= -2000) && (value <= 3000));
 }
 
 bool hubfoc_wheel_health_peak_link_is_in_range(uint8_t value)

@@ -183,9 +183,19 @@ extern "C" {
 #define HUBFOC_WHEEL_STATE_FAULT_REASON_TRANSMIT_TIMEOUT_CHOICE (105u)
 #define HUBFOC_WHEEL_STATE_FAULT_REASON_DEMAND_CONTRADICTED_CHOICE (106u)
 
+#define HUBFOC_WHEEL_STATE_MOTOR_TORQUE_ESTIMATE_NM_NOT_AVAILABLE_CHOICE (-262144)
+
+#define HUBFOC_WHEEL_STATE_SPEED_RAD_S_NOT_AVAILABLE_CHOICE (-524288)
+
+#define HUBFOC_WHEEL_BRAKE_ELECTRIC_BRAKE_AVAILABLE_NM_NOT_AVAILABLE_CHOICE (32767u)
+
 #define HUBFOC_WHEEL_DRIVE_DIRECTION_NEUTRAL_CHOICE (0u)
 #define HUBFOC_WHEEL_DRIVE_DIRECTION_FORWARD_CHOICE (1u)
 #define HUBFOC_WHEEL_DRIVE_DIRECTION_REVERSE_CHOICE (2u)
+
+#define HUBFOC_WHEEL_DRIVE_CURRENT_Q_A_NOT_AVAILABLE_CHOICE (-65536)
+
+#define HUBFOC_WHEEL_DRIVE_MOTOR_TORQUE_COMMAND_NM_NOT_AVAILABLE_CHOICE (-65536)
 
 #define HUBFOC_WHEEL_DRIVE_TORQUE_REASON_NONE_CHOICE (0u)
 #define HUBFOC_WHEEL_DRIVE_TORQUE_REASON_LOSS_OPTIMUM_CHOICE (1u)
@@ -325,6 +335,10 @@ extern "C" {
 #define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_TRANSMIT_TIMEOUT_CHOICE (105u)
 #define HUBFOC_WHEEL_DRIVE_HYDRAULIC_REASON_DEMAND_CONTRADICTED_CHOICE (106u)
 
+#define HUBFOC_WHEEL_POWER_BUS_VOLTAGE_V_NOT_AVAILABLE_CHOICE (65535u)
+
+#define HUBFOC_WHEEL_POWER_BUS_CURRENT_A_NOT_AVAILABLE_CHOICE (-65536)
+
 #define HUBFOC_WHEEL_HEALTH_DEMAND_LINK_NO_DATA_CHOICE (0u)
 #define HUBFOC_WHEEL_HEALTH_DEMAND_LINK_QUALIFYING_CHOICE (1u)
 #define HUBFOC_WHEEL_HEALTH_DEMAND_LINK_VALID_CHOICE (2u)
@@ -414,6 +428,8 @@ extern "C" {
 #define HUBFOC_WHEEL_HEALTH_WARNING_REASON_TRANSMIT_TIMEOUT_CHOICE (105u)
 #define HUBFOC_WHEEL_HEALTH_WARNING_REASON_DEMAND_CONTRADICTED_CHOICE (106u)
 
+#define HUBFOC_WHEEL_AHEAD_ELECTRIC_BRAKE_AHEAD_NM_NOT_AVAILABLE_CHOICE (262143u)
+
 #define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_NONE_CHOICE (0u)
 #define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_LOSS_OPTIMUM_CHOICE (1u)
 #define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_MAX_TORQUE_CHOICE (2u)
@@ -483,6 +499,8 @@ extern "C" {
 #define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_TRANSMIT_TIMEOUT_CHOICE (105u)
 #define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_DEMAND_CONTRADICTED_CHOICE (106u)
 
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_NM_NOT_AVAILABLE_CHOICE (262143u)
+
 #define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_NONE_CHOICE (0u)
 #define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_LOSS_OPTIMUM_CHOICE (1u)
 #define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_MAX_TORQUE_CHOICE (2u)
@@ -551,6 +569,8 @@ extern "C" {
 #define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_CURRENT_GAIN_CHOICE (104u)
 #define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_TRANSMIT_TIMEOUT_CHOICE (105u)
 #define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_DEMAND_CONTRADICTED_CHOICE (106u)
+
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_NM_NOT_AVAILABLE_CHOICE (262143u)
 
 #define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_NONE_CHOICE (0u)
 #define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_LOSS_OPTIMUM_CHOICE (1u)
@@ -1134,7 +1154,7 @@ struct hubfoc_wheel_brake_t {
     uint8_t counter;
 
     /**
-     * 0: the demand is lost or none came yet; the brake system must use its own path instead of hydraulic_torque_nm.
+     * 0: the demand is lost, none came yet, or the command is beyond hydraulic_torque_nm; the brake system must use its own path instead of hydraulic_torque_nm.
      *
      * Range: 0..1 (0..1 -)
      * Scale: 1
@@ -1154,7 +1174,7 @@ struct hubfoc_wheel_brake_t {
     /**
      * Available electric braking torque; a magnitude, rounded down.
      *
-     * Range: 0..32767 (0..3276.7 Nm)
+     * Range: 0..32766 (0..3276.6 Nm)
      * Scale: 0.1
      * Offset: 0
      */
@@ -1332,9 +1352,9 @@ struct hubfoc_wheel_health_t {
     uint8_t battery_link;
 
     /**
-     * 300: the sensor is broken or not connected.
+     * 300: not available, the sensor is broken or not connected.
      *
-     * Range: -1000..3000 (-100..300 degC)
+     * Range: -2000..3000 (-200..300 degC)
      * Scale: 0.1
      * Offset: 0
      */
@@ -1350,9 +1370,9 @@ struct hubfoc_wheel_health_t {
     uint8_t hydraulic_link;
 
     /**
-     * Of the power stage. 300: the sensor is broken or not connected.
+     * Of the power stage. 300: not available, the sensor is broken or not connected.
      *
-     * Range: -1000..3000 (-100..300 degC)
+     * Range: -2000..3000 (-200..300 degC)
      * Scale: 0.1
      * Offset: 0
      */

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The vehicle's computer in a few lines: demands to the wheels, and what they say of themselves."""
 
+import math
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -23,7 +24,7 @@ LISTEN_CYCLES = 10  # before the first demand, whether somebody else sends some
 
 @dataclass(frozen=True)
 class WheelStatus:
-    """What one wheel last said, in the units of the names; None: it has not said it.
+    """What one wheel last said, in the units of the names; None: not said, or not available.
 
     ``lost`` names the messages that have come but come no more (five cycles).
     """
@@ -60,7 +61,8 @@ class Wheel:
             receiver.timed_out(now_ms)
 
         def latest(message: str, signal: str) -> float | None:
-            return self.values[message][signal] if message in self.values else None
+            value = self.values.get(message, {}).get(signal)
+            return None if value is None or math.isnan(value) else value
 
         def reason(message: str, signal: str) -> str | None:
             code = latest(message, signal)

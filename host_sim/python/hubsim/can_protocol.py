@@ -7,6 +7,7 @@ are those of hubfoc.dbc, in the unit of a signal's name; meaning and cycle of ev
 firmware/comms/README.md.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final
@@ -31,10 +32,22 @@ class Signal:
     step: float
     least: float
     most: float
+    not_available: int | None = None  # steps that stand for a quantity beyond the range
 
     def holds(self, raw: int) -> bool:
         """Return whether this many steps are within the range."""
         return round(self.least / self.step) <= raw <= round(self.most / self.step)
+
+    def steps(self, value: float) -> int:
+        """Return the nearest whole steps; NaN is a quantity that is not available."""
+        if math.isnan(value):
+            if self.not_available is None:
+                raise ValueError("NaN, but it is always available")
+            return self.not_available
+        raw = round(value / self.step)
+        if not self.holds(raw):
+            raise ValueError(f"{value:g} is not in {self.least:g} .. {self.most:g}")
+        return raw
 
 
 @dataclass(frozen=True)
@@ -114,9 +127,9 @@ MESSAGES: Final[Mapping[str, Message]] = {
             "counter": Signal(8, 4, False, 1.0, 0.0, 15.0),
             "mode": Signal(12, 4, False, 1.0, 0.0, 15.0),
             "fault_reason": Signal(16, 8, False, 1.0, 0.0, 255.0),
-            "motor_torque_estimate_nm": Signal(24, 19, True, 0.1, -20000.0, 20000.0),
+            "motor_torque_estimate_nm": Signal(24, 19, True, 0.1, -20000.0, 20000.0, -262144),
             "stop_lamp": Signal(43, 1, False, 1.0, 0.0, 1.0),
-            "speed_rad_s": Signal(44, 20, True, 0.01, -5200.0, 5200.0),
+            "speed_rad_s": Signal(44, 20, True, 0.01, -5200.0, 5200.0, -524288),
         },
     ),
     "WheelBrake": Message(
@@ -129,7 +142,7 @@ MESSAGES: Final[Mapping[str, Message]] = {
             "counter": Signal(16, 8, False, 1.0, 0.0, 255.0),
             "hydraulic_valid": Signal(24, 1, False, 1.0, 0.0, 1.0),
             "hydraulic_torque_nm": Signal(25, 15, False, 0.1, 0.0, 3276.7),
-            "electric_brake_available_nm": Signal(40, 15, False, 0.1, 0.0, 3276.7),
+            "electric_brake_available_nm": Signal(40, 15, False, 0.1, 0.0, 3276.6, 32767),
             "demand_counter": Signal(56, 8, False, 1.0, 0.0, 255.0),
         },
     ),
@@ -142,8 +155,8 @@ MESSAGES: Final[Mapping[str, Message]] = {
             "crc": Signal(0, 8, False, 1.0, 0.0, 255.0),
             "counter": Signal(8, 4, False, 1.0, 0.0, 15.0),
             "direction": Signal(12, 2, False, 1.0, 0.0, 2.0),
-            "current_q_a": Signal(14, 17, True, 0.1, -6000.0, 6000.0),
-            "motor_torque_command_nm": Signal(31, 17, True, 0.1, -6553.5, 6553.5),
+            "current_q_a": Signal(14, 17, True, 0.1, -6000.0, 6000.0, -65536),
+            "motor_torque_command_nm": Signal(31, 17, True, 0.1, -6553.5, 6553.5, -65536),
             "torque_reason": Signal(48, 8, False, 1.0, 0.0, 255.0),
             "hydraulic_reason": Signal(56, 8, False, 1.0, 0.0, 255.0),
         },
@@ -156,8 +169,8 @@ MESSAGES: Final[Mapping[str, Message]] = {
         {
             "crc": Signal(0, 8, False, 1.0, 0.0, 255.0),
             "counter": Signal(8, 4, False, 1.0, 0.0, 15.0),
-            "bus_voltage_v": Signal(16, 16, False, 0.1, 0.0, 2000.0),
-            "bus_current_a": Signal(32, 17, True, 0.1, -6000.0, 6000.0),
+            "bus_voltage_v": Signal(16, 16, False, 0.1, 0.0, 2000.0, 65535),
+            "bus_current_a": Signal(32, 17, True, 0.1, -6000.0, 6000.0, -65536),
         },
     ),
     "WheelHealth": Message(
@@ -170,9 +183,9 @@ MESSAGES: Final[Mapping[str, Message]] = {
             "counter": Signal(8, 4, False, 1.0, 0.0, 15.0),
             "demand_link": Signal(12, 2, False, 1.0, 0.0, 3.0),
             "battery_link": Signal(14, 2, False, 1.0, 0.0, 3.0),
-            "winding_temperature_c": Signal(16, 13, True, 0.1, -100.0, 300.0),
+            "winding_temperature_c": Signal(16, 13, True, 0.1, -200.0, 300.0),
             "hydraulic_link": Signal(29, 2, False, 1.0, 0.0, 3.0),
-            "switch_temperature_c": Signal(32, 13, True, 0.1, -100.0, 300.0),
+            "switch_temperature_c": Signal(32, 13, True, 0.1, -200.0, 300.0),
             "peak_link": Signal(45, 2, False, 1.0, 0.0, 3.0),
             "demand_errors": Signal(48, 4, False, 1.0, 0.0, 15.0),
             "battery_errors": Signal(52, 4, False, 1.0, 0.0, 15.0),
@@ -187,9 +200,9 @@ MESSAGES: Final[Mapping[str, Message]] = {
         {
             "crc": Signal(0, 8, False, 1.0, 0.0, 255.0),
             "counter": Signal(8, 4, False, 1.0, 0.0, 15.0),
-            "electric_brake_ahead_nm": Signal(12, 18, False, 0.1, 0.0, 20000.0),
+            "electric_brake_ahead_nm": Signal(12, 18, False, 0.1, 0.0, 20000.0, 262143),
             "ahead_reason": Signal(30, 8, False, 1.0, 0.0, 255.0),
-            "drive_ahead_nm": Signal(38, 18, False, 0.1, 0.0, 20000.0),
+            "drive_ahead_nm": Signal(38, 18, False, 0.1, 0.0, 20000.0, 262143),
             "drive_ahead_reason": Signal(56, 8, False, 1.0, 0.0, 255.0),
         },
     ),
@@ -201,7 +214,7 @@ MESSAGES: Final[Mapping[str, Message]] = {
         {
             "crc": Signal(0, 8, False, 1.0, 0.0, 255.0),
             "counter": Signal(8, 4, False, 1.0, 0.0, 15.0),
-            "drive_available_nm": Signal(12, 18, False, 0.1, 0.0, 20000.0),
+            "drive_available_nm": Signal(12, 18, False, 0.1, 0.0, 20000.0, 262143),
             "drive_available_reason": Signal(30, 8, False, 1.0, 0.0, 255.0),
             "waits_for": Signal(38, 8, False, 1.0, 0.0, 255.0),
             "electric_brake_available_reason": Signal(46, 8, False, 1.0, 0.0, 255.0),
@@ -275,16 +288,17 @@ def encode(
 ) -> tuple[int, bytes]:
     """Return identifier and content of a complete frame; signals not named are zero.
 
-    A value is rounded to whole steps; one beyond its range is a ValueError.
+    A value is rounded to whole steps; one beyond its range is a ValueError. NaN is a quantity that
+    is not available, where the signal has a number for it.
     """
     message = MESSAGES[name]
     word = 0
     for key, value in values.items():
         signal = message.signals[key]
-        raw = round(value / signal.step)
-        if not signal.holds(raw):
-            span = f"{signal.least:g} .. {signal.most:g}"
-            raise ValueError(f"{name}.{key}: {value:g} is not in {span}")
+        try:
+            raw = signal.steps(value)
+        except ValueError as error:
+            raise ValueError(f"{name}.{key}: {error}") from None
         word |= (raw & ((1 << signal.length) - 1)) << signal.start
     identifier = identifier_of(name, wheel, base)
     content = word.to_bytes(FRAME_BYTES, "little")
@@ -292,7 +306,10 @@ def encode(
 
 
 def decode(name: str, data: bytes) -> dict[str, float] | None:
-    """Return the values of a frame's signals; None if its length or a value is out of range."""
+    """Return the values of a frame's signals; None if its length or a value is out of range.
+
+    NaN is a quantity that is not available.
+    """
     if len(data) != FRAME_BYTES:
         return None
     word = int.from_bytes(data, "little")
@@ -301,6 +318,9 @@ def decode(name: str, data: bytes) -> dict[str, float] | None:
         raw = word >> signal.start & ((1 << signal.length) - 1)
         if signal.signed and raw >> (signal.length - 1):
             raw -= 1 << signal.length
+        if raw == signal.not_available:
+            values[key] = math.nan
+            continue
         if not signal.holds(raw):
             return None
         values[key] = raw * signal.step

@@ -7,8 +7,10 @@
  * e2e.h), and a vehicle's in the configured base, so one DBC is for all of them. The structures are
  * the controller's own (core/slow_messages.h), in SI milli-units; a frame holds whole steps of 0.1
  * N m (demands 0.2 N m), 0.1 A, 0.1 V, 0.1 degrees and 0.01 rad/s. What is sent is rounded to the
- * nearest step and kept within the DBC's range, except that available torques are rounded down, so
- * that they are never overstated.
+ * nearest step, except that available torques are rounded down, so that they are never overstated.
+ * A quantity of the wheel beyond the DBC's range is sent as NOT_AVAILABLE, a hydraulic command with
+ * hydraulic_valid 0, never as the end of the range. Demands are kept within the range: the
+ * configuration admits none beyond it.
  *
  * Signs: torque, speed and current are positive when they drive forward; braking torques are
  * magnitudes >= 0; the bus current is positive out of the battery. Pure; any context.
@@ -80,10 +82,10 @@ typedef struct {
     uint8_t demand_counter; /* of the newest demand in use, for WheelBrake */
 } messages_links_t;
 
-/* Everything that one wheel sends. Out-of-range values are sent as the end of the range. */
+/* Everything that one wheel sends. */
 typedef struct {
     const slow_output_t *output;
-    const wheel_temperatures_t *temperature; /* 29 999 or more is sent as 300 degrees */
+    const wheel_temperatures_t *temperature; /* 29 999 or more is 300 degrees: not available */
     messages_links_t links;
 } messages_values_t;
 
@@ -121,9 +123,9 @@ messages_frame_t messages_peak(const battery_limits_t *limits, messages_address_
 messages_frame_t messages_hydraulic(const hydraulic_feedback_t *feedback,
                                     messages_address_t address, uint8_t counter);
 
-/* Decodes for the vehicle's side: the fields that this kind of frame carries, in whole
- * steps; the others are left as they are. False, and the structure untouched, if it is none of
- * what that wheel sends. */
+/* Decodes for the vehicle's side: the fields that this kind of frame carries, in whole steps; the
+ * others, and those that are NOT_AVAILABLE, are left as they are. False, and the structure
+ * untouched, if it is none of what that wheel sends. */
 bool messages_read_output(const messages_frame_t *frame, messages_address_t address,
                           slow_output_t *output);
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """hubsim.can_protocol against the firmware's C: frames, what is refused, and the receiver."""
 
+import math
 import random
 
 import pytest
@@ -93,6 +94,23 @@ def test_values_beyond_their_range_are_refused_in_both_directions() -> None:
     assert can_protocol.decode("Demand", bytes(7)) is None
     assert not can_protocol.intact(5, bytes(7), 0x100)
     assert can_protocol.message_of(0x7FF) is None
+
+
+def test_a_quantity_that_is_not_available_is_not_a_number_in_both_directions(comms: Comms) -> None:
+    output = comms.struct("slow_output_t", speed_mrad_s=2**31 - 1, fault_reason=73)
+    sent = comms.struct("messages_values_t", output=output)
+    kind = comms.number("MESSAGES_WHEEL_STATE")
+    frame = comms.lib.messages_output(kind, sent, comms.address(0), 3)
+    values = can_protocol.decode("WheelState", bytes(frame.data))
+    assert values is not None
+    assert math.isnan(values["speed_rad_s"])
+    assert (values["motor_torque_estimate_nm"], values["fault_reason"]) == (0.0, 73.0)
+    encoded = can_protocol.encode(
+        "WheelState", {"speed_rad_s": math.nan, "fault_reason": 73}, counter=3
+    )
+    assert encoded == (frame.identifier, bytes(frame.data))
+    with pytest.raises(ValueError, match="NaN"):
+        can_protocol.encode("Demand", {"brake_torque_nm": math.nan})
 
 
 @pytest.mark.parametrize("name", ["Demand", "WheelState"])

@@ -341,18 +341,49 @@ def test_a_quantity_is_transferred_within_half_a_step_and_changes_no_other(
         }
 
 
-@pytest.mark.parametrize("member", PHYSICAL)
-def test_a_quantity_beyond_its_range_saturates_at_the_end_of_the_dbc_range(
+def not_available(signal: Signal) -> float:
+    """Return what stands for a quantity beyond the range: the number with this name, or 300."""
+    named = [raw for raw, meaning in (signal.choices or {}).items() if meaning == "NOT_AVAILABLE"]
+    return float(named[0] * signal.conversion.scale) if named else 300.0
+
+
+@pytest.mark.parametrize("member", sorted(set(PHYSICAL) - {"hydraulic_torque_mNm"}))
+def test_a_quantity_beyond_its_range_is_not_available_instead_of_the_end_of_it(
     member: str, comms: Comms, database: Database
 ) -> None:
+    """Over all 32 bits: within half a step, or not available; no magnitude is below zero."""
     message, name, per_unit = PHYSICAL[member]
     signal = signal_of(database, message, name)
     lowest, highest = signal.minimum, signal.maximum
     assert lowest is not None and highest is not None
-    for value in (2**31 - 1, int(highest * per_unit) + 1, int(highest * per_unit)):
-        assert decoded(comms, database, message, **{member: value})[name] == pytest.approx(highest)
-    for value in (-(2**31), int(lowest * per_unit) - 1, int(lowest * per_unit)):
-        assert decoded(comms, database, message, **{member: value})[name] == pytest.approx(lowest)
+    step, absent = float(signal.conversion.scale), not_available(signal)
+    ends = [int(end * per_unit) + more for end in (lowest, highest) for more in range(-60, 61)]
+    dice = random.Random(member)
+    wild = [int(dice.choice([-1, 1]) * 2 ** dice.uniform(0, 31)) for _ in range(2000)]
+    seen = 0
+    for value in [-(2**31), 2**31 - 1, *ends, *wild]:
+        got = decoded(comms, database, message, **{member: value})[name]
+        meant = max(value, 0) / per_unit if lowest == 0 else value / per_unit
+        seen += got == pytest.approx(absent)
+        if got != pytest.approx(absent):
+            assert abs(got - meant) < (step if member in ROUNDED_DOWN else step / 2 + 1e-9)
+        else:
+            assert not lowest <= meant < highest - step / 2
+    assert seen > 100
+
+
+def test_a_hydraulic_command_beyond_its_range_is_not_valid(
+    comms: Comms, database: Database
+) -> None:
+    signal = signal_of(database, "WheelBrake", "hydraulic_torque_nm")
+    assert signal.maximum is not None
+    most = round(1000 * signal.maximum)
+    for value in (0, 100, most, most + 49, most + 50, most + 51, 5_000_000, 2**31 - 1):
+        got = decoded(
+            comms, database, "WheelBrake", hydraulic_torque_mNm=value, hydraulic_valid=True
+        )
+        right = abs(round(1000 * got["hydraulic_torque_nm"]) - value) < 50
+        assert got["hydraulic_valid"] == int(right)
 
 
 @pytest.mark.parametrize(

@@ -176,6 +176,25 @@ void test_all_other_messages_of_a_wheel_unpack_to_the_packed_values(void)
     TEST_ASSERT_EQUAL_INT(meant.direction, back.direction);
 }
 
+void test_what_is_not_available_leaves_the_field_as_it_was(void)
+{
+    const slow_output_t meant = {.motor_torque_estimate_mNm = 20000050,
+                                 .speed_mrad_s = -5200005,
+                                 .hydraulic_torque_mNm = 3276750,
+                                 .hydraulic_valid = true,
+                                 .electric_brake_available_mNm = 3276700};
+    slow_output_t back = {
+        .motor_torque_estimate_mNm = 1, .speed_mrad_s = 2, .electric_brake_available_mNm = 3};
+    const messages_frame_t state = frame_of(MESSAGES_WHEEL_STATE, &meant, MESSAGES_FRONT_LEFT, 0);
+    const messages_frame_t brake = frame_of(MESSAGES_WHEEL_BRAKE, &meant, MESSAGES_FRONT_LEFT, 0);
+    TEST_ASSERT_TRUE(messages_read_output(&state, address_of(MESSAGES_FRONT_LEFT), &back));
+    TEST_ASSERT_TRUE(messages_read_output(&brake, address_of(MESSAGES_FRONT_LEFT), &back));
+    TEST_ASSERT_EQUAL_INT32(1, back.motor_torque_estimate_mNm);
+    TEST_ASSERT_EQUAL_INT32(2, back.speed_mrad_s);
+    TEST_ASSERT_EQUAL_INT32(3, back.electric_brake_available_mNm);
+    TEST_ASSERT_FALSE(back.hydraulic_valid);
+}
+
 void test_state_and_brake_of_other_wheels_or_messages_are_refused(void)
 {
     const slow_output_t meant = {.hydraulic_torque_mNm = 1000, .mode = MODE_READY};
@@ -387,24 +406,26 @@ void test_hydraulic_feedback_and_battery_peak_unpack_to_the_packed_values(void)
     }
 }
 
-/* A limit is never overstated; what is not given is no current of the lowest value. */
-void test_battery_peak_rounds_its_limit_down_and_keeps_ends(void)
+/* A limit is never overstated; a measured value beyond its range is not given. */
+void test_battery_peak_rounds_its_limit_down_and_leaves_out_what_does_not_fit(void)
 {
     const battery_limits_t high = {
-        .charge_peak_current_mA = 900, .current_mA = INT32_MAX, .current_given = true};
-    const battery_limits_t low = {
-        .charge_peak_current_mA = INT32_MAX, .current_mA = INT32_MIN, .current_given = true};
+        .charge_peak_current_mA = 900, .current_mA = 1638301, .current_given = true};
+    const battery_limits_t low = {.charge_peak_current_mA = INT32_MAX,
+                                  .voltage_mV = 1638350,
+                                  .current_mA = INT32_MIN,
+                                  .current_given = true};
     const battery_limits_t none = {.charge_peak_current_mA = -1, .current_mA = 5000};
     battery_limits_t got = {.current_given = false};
     messages_frame_t frame = messages_peak(&high, address_of(MESSAGES_FRONT_LEFT), 0);
     TEST_ASSERT_TRUE(messages_read_peak(&frame, &got));
     TEST_ASSERT_EQUAL_INT32(500, got.charge_peak_current_mA);
-    TEST_ASSERT_EQUAL_INT32(1638200, got.current_mA);
+    TEST_ASSERT_FALSE(got.current_given);
     frame = messages_peak(&low, address_of(MESSAGES_FRONT_LEFT), 0);
     TEST_ASSERT_TRUE(messages_read_peak(&frame, &got));
     TEST_ASSERT_EQUAL_INT32(2047500, got.charge_peak_current_mA);
-    TEST_ASSERT_EQUAL_INT32(-1638200, got.current_mA);
-    TEST_ASSERT_TRUE(got.current_given);
+    TEST_ASSERT_FALSE(got.current_given);
+    TEST_ASSERT_EQUAL_INT32(0, got.voltage_mV);
     frame = messages_peak(&none, address_of(MESSAGES_FRONT_LEFT), 0);
     TEST_ASSERT_TRUE(messages_read_peak(&frame, &got));
     TEST_ASSERT_EQUAL_INT32(0, got.charge_peak_current_mA);
