@@ -30,7 +30,8 @@ def random_tree(rng: np.random.Generator) -> Tree:
     bus = float(np.clip(24.0 * (power / 100.0) ** 0.45 * rng.uniform(0.7, 1.5), 20.0, 900.0))
     pole_pairs, interior = int(rng.integers(2, 31)), bool(rng.integers(2))
     shaft = speed * np.pi / 30.0
-    omega, torque = shaft * pole_pairs, power / shaft
+    # At most what one and a half of it may be on CAN.
+    omega, torque = shaft * pole_pairs, min(power / shaft, 1092.0)
     flux = bus / np.sqrt(3.0) * rng.uniform(0.55, 0.95) / omega
     current = torque / (1.5 * pole_pairs * flux)
     impedance = flux * omega / current
@@ -100,7 +101,7 @@ def random_tree(rng: np.random.Generator) -> Tree:
             "hydraulic_dead_time_s": 0.04,
             "hydraulic_time_constant_s": 0.06,
             "hydraulic_rate_nm_per_s": 10.0 * torque,
-            "max_hydraulic_torque_nm": min(8.0 * torque, 2e4),
+            "max_hydraulic_torque_nm": min(8.0 * torque, 3276.7),
         },
         "control": {
             "current_bandwidth_hz": frequency / 20.0,

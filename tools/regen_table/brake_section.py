@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from regen_table.plant_sections import Section, number
+from regen_table.plant_sections import COMMANDED_HYDRAULIC_NM, Section, number
 
 
 class Brake(Section):
@@ -24,7 +24,16 @@ class Brake(Section):
     hydraulic_dead_time_s: Annotated[float, number(0.0, 1.0, "s", "")]
     hydraulic_time_constant_s: Annotated[float, number(1e-3, 2.0, "s", "")]
     hydraulic_rate_nm_per_s: Annotated[float, number(0.1, 1e6, "N m/s", "")]
-    max_hydraulic_torque_nm: Annotated[float, number(0.0, 20e3, "N m", "per driven wheel; 0: none")]
+    max_hydraulic_torque_nm: Annotated[
+        float,
+        number(
+            0.0,
+            COMMANDED_HYDRAULIC_NM,
+            "N m",
+            "per driven wheel; 0: none",
+            "WheelBrake.hydraulic_torque_nm",
+        ),
+    ]
     hydraulic_knee_torque_nm: Annotated[
         float,
         number(

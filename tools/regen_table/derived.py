@@ -7,6 +7,7 @@ Plain scalar arithmetic, so that the simulator, which reads the same files, load
 import itertools
 import math
 
+from regen_table.plant_sections import DEMANDED_BRAKE_NM
 from regen_table.sections import Drive
 
 AIR_DENSITY_KG_M3 = 1.2041  # 20 degC, 101 325 Pa
@@ -115,7 +116,7 @@ def pedal_brake_torque_nm(drive: Drive) -> float:
     """Braking torque in N m of the whole brake pedal at a wheel of share 1."""
     wanted = drive.pedals.brake_torque_nm
     both = drive.motor.max_torque_nm + drive.brake.max_hydraulic_torque_nm
-    return both if wanted is None else wanted
+    return min(both, DEMANDED_BRAKE_NM) if wanted is None else wanted
 
 
 def largest_drive_torque_nm(drive: Drive) -> float:

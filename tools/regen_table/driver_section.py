@@ -5,7 +5,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from regen_table.plant_sections import Section, number
+from regen_table.plant_sections import COMMANDED_HYDRAULIC_NM, Section, number
 
 
 class Driver(Section):
@@ -31,10 +31,11 @@ class Driver(Section):
         float | None,
         number(
             0.0,
-            20e3,
+            COMMANDED_HYDRAULIC_NM,
             "N m",
             "hydraulic torque that holds the vehicle at standstill until it drives off; absent: no"
             " hold",
+            "WheelBrake.hydraulic_torque_nm",
         ),
     ] = None
     hold_release_s: Annotated[

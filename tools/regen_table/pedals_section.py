@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from regen_table.plant_sections import Section, number
+from regen_table.plant_sections import DEMANDED_BRAKE_NM, DEMANDED_DRIVE_NM, Section, number
 
 Ratio = Annotated[float, number(0.0, 1.0, "1", "of the sensor's supply")]
 Ratios = tuple[Ratio, Ratio, Ratio, Ratio]
@@ -38,11 +38,23 @@ class Pedals(Section):
     ] = "proportional"
     drive_torque_nm: Annotated[
         float | None,
-        number(0.0, 20e3, "N m", "whole accelerator; absent: motor.max_torque_nm"),
+        number(
+            0.0,
+            DEMANDED_DRIVE_NM,
+            "N m",
+            "whole accelerator; absent: motor.max_torque_nm",
+            "Demand.drive_torque_nm",
+        ),
     ] = None
     lift_off_torque_nm: Annotated[
         float,
-        number(0.0, 20e3, "N m", "braking torque of the released accelerator; 0: it coasts"),
+        number(
+            0.0,
+            DEMANDED_DRIVE_NM,
+            "N m",
+            "braking torque of the released accelerator; 0: it coasts",
+            "Demand.drive_torque_nm",
+        ),
     ] = 0.0
     lift_off_travel: Annotated[
         float,
@@ -52,9 +64,11 @@ class Pedals(Section):
         float | None,
         number(
             0.0,
-            20e3,
+            DEMANDED_BRAKE_NM,
             "N m",
-            "whole brake pedal, motor and hydraulic brake; absent: the sum of their limits",
+            "whole brake pedal, motor and hydraulic brake; absent: the sum of their limits, within"
+            " the range",
+            "Demand.brake_torque_nm",
         ),
     ] = None
     free_travel: Annotated[
@@ -63,7 +77,13 @@ class Pedals(Section):
     ] = 0.3
     free_travel_torque_nm: Annotated[
         float | None,
-        number(0.0, 20e3, "N m", "at its end; absent: brake.electric_rated_torque_nm"),
+        number(
+            0.0,
+            DEMANDED_BRAKE_NM,
+            "N m",
+            "at its end; absent: brake.electric_rated_torque_nm",
+            "Demand.brake_torque_nm",
+        ),
     ] = None
     dead_band: Annotated[
         float,

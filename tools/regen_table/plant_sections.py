@@ -6,10 +6,18 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field
 from pydantic.fields import FieldInfo
 
+DEMANDED_DRIVE_NM = 1638.2  # end of Demand.drive_torque_nm on CAN
+DEMANDED_BRAKE_NM = 3276.6  # end of Demand.brake_torque_nm
+COMMANDED_HYDRAULIC_NM = 3276.7  # end of WheelBrake.hydraulic_torque_nm
 
-def number(lowest: float, highest: float, unit: str, text: str) -> FieldInfo:
-    """Describe a number: its closed range, its unit and its meaning."""
-    field = Field(ge=lowest, le=highest, description=text, json_schema_extra={"unit": unit})
+
+def number(lowest: float, highest: float, unit: str, text: str, carried_by: str = "") -> FieldInfo:
+    """Describe a number: its closed range, its unit and its meaning.
+
+    ``carried_by`` is the signal on CAN where it ends the range.
+    """
+    extra = {"unit": unit, "carried_by": carried_by}
+    field = Field(ge=lowest, le=highest, description=text, json_schema_extra={**extra})
     assert isinstance(field, FieldInfo)
     return field
 

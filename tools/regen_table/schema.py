@@ -119,12 +119,13 @@ def _accepted(info: FieldInfo) -> str:
     """Describe what a key takes: kind, range and unit."""
     extra = info.json_schema_extra if isinstance(info.json_schema_extra, dict) else {}
     unit = str(extra.get("unit", "1"))
+    carried = f", carried on CAN by {extra['carried_by']}" if extra.get("carried_by") else ""
     kinds = (
         [kind for kind in get_args(info.annotation) if kind is not type(None)]
         if _is_union(info.annotation)
         else [info.annotation]
     )
-    return " or ".join(_accepted_kind(kind, info.metadata, unit) for kind in kinds)
+    return " or ".join(_accepted_kind(kind, info.metadata, unit) for kind in kinds) + carried
 
 
 def _accepted_kind(kind: object, metadata: list[Any], unit: str) -> str:

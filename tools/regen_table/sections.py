@@ -19,6 +19,7 @@ from regen_table.errors import ConfigurationError
 from regen_table.monitor_section import Monitor
 from regen_table.pedals_section import Pedals
 from regen_table.plant_sections import (
+    DEMANDED_DRIVE_NM,
     Bms,
     Bus,
     Chassis,
@@ -89,8 +90,14 @@ class Motor(Section):
     viscous_friction_nm_s: Annotated[
         float, number(0.0, 1000.0, "N m s", "friction per mechanical rad/s")
     ] = 0.0
-    rated_torque_nm: Annotated[float, number(0.01, 20e3, "N m", "continuous")]
-    max_torque_nm: Annotated[float, number(0.01, 20e3, "N m", "either direction")]
+    rated_torque_nm: Annotated[
+        float,
+        number(0.01, DEMANDED_DRIVE_NM, "N m", "continuous", "Demand.drive_torque_nm"),
+    ]
+    max_torque_nm: Annotated[
+        float,
+        number(0.01, DEMANDED_DRIVE_NM, "N m", "either direction", "Demand.drive_torque_nm"),
+    ]
     max_power_w: Annotated[
         float, number(1.0, 1e6, "W", "electromagnetic, either direction (P_en of the paper)")
     ]

@@ -45,7 +45,8 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
         /* [uNm s] friction proportional to mechanical speed */
         .viscous_friction_uNm_s            = 0,
         .rated_torque_mNm                  = 30000, /* [mNm] continuous torque */
-        .max_torque_mNm                    = 40000, /* [mNm] largest torque in either direction */
+        /* [mNm] largest torque in either direction; Demand carries no more for driving */
+        .max_torque_mNm                    = 40000,
         /* [mW] largest electromagnetic power in either direction */
         .max_power_mW                      = 2094000,
         .max_phase_current_mA              = 75000, /* [mA] peak */
@@ -178,7 +179,8 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
         /* [mNm] electric torque above which the hydraulic brake adds torque (parallel
          * strategies) */
         .electric_rated_torque_mNm   = 40000,
-        /* [mNm] 0: no hydraulic brake commanded by this controller */
+        /* [mNm] 0: no hydraulic brake commanded by this controller; WheelBrake carries no
+         * more */
         .max_hydraulic_torque_mNm    = 300000,
         /* [ms] from a changed command until the hydraulic brake begins to move */
         .hydraulic_dead_time_ms      = 40,
@@ -272,7 +274,7 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
         /* share of the accelerator over which lift-off braking fades out; default 0.15 */
         .lift_off_travel_q15    = 4915,
         /* [mNm] whole brake pedal, motor and hydraulic, wheel of share 1; default both
-         * limits' sum */
+         * limits' sum, within the range */
         .brake_torque_mNm       = 340000,
         /* share of the brake pedal that is the friction brake's free travel; default 0.3 */
         .free_travel_q15        = 9830,

@@ -77,9 +77,9 @@
     X(friction_torque_mNm, 0, 1000000, "mNm", "Coulomb friction of bearings and seals") \
     X(viscous_friction_uNm_s,                0,         1000000000, "uNm s", \
       "friction proportional to mechanical speed") \
-    X(rated_torque_mNm,                      10,        20000000,   "mNm",    "continuous torque") \
-    X(max_torque_mNm,                        10,        20000000,   "mNm", \
-      "largest torque in either direction") \
+    X(rated_torque_mNm,                      10,        1638200,    "mNm",    "continuous torque") \
+    X(max_torque_mNm,                        10,        1638200,    "mNm", \
+      "largest torque in either direction; Demand carries no more for driving") \
     X(max_power_mW,                          1000,      1000000000, "mW", \
       "largest electromagnetic power in either direction") \
     X(max_phase_current_mA,                  100,       3000000,    "mA",     "peak") \
@@ -214,8 +214,8 @@
       "electric part of the whole demand (parallel_ratio)") \
     X(electric_rated_torque_mNm,             0,         20000000,   "mNm", \
       "electric torque above which the hydraulic brake adds torque (parallel strategies)") \
-    X(max_hydraulic_torque_mNm,              0,         20000000,   "mNm", \
-      "0: no hydraulic brake commanded by this controller") \
+    X(max_hydraulic_torque_mNm,              0,         3276700,    "mNm", \
+      "0: no hydraulic brake commanded by this controller; WheelBrake carries no more") \
     X(hydraulic_dead_time_ms,                0,         250,        "ms", \
       "from a changed command until the hydraulic brake begins to move") \
     X(hydraulic_time_constant_ms,            0,         2000,       "ms", \
@@ -284,7 +284,7 @@
       "1: no brake but those commanded here: a lost braking demand is kept until standstill") \
     X(direction_change_mrad_s,               0,         1000000,    "mrad/s", \
       "a wheel that turns faster against a drive direction refuses it; default 3 km/h") \
-    X(hold_torque_mNm,                       0,         20000000,   "mNm", \
+    X(hold_torque_mNm,                       0,         3276700,    "mNm", \
       "hydraulic torque that holds the vehicle at standstill until it drives off; 0: none") \
     X(hold_release_ms,                       10,        10000,      "ms", \
       "from the driving demand until the hold is gone at the latest, unless the vehicle rolls " \
@@ -298,17 +298,17 @@
     X(accelerator_channels,   0,   2,        "1",   "0: the driving demand comes by CAN") \
     X(brake_channels,         0,   2,        "1",   "0: the braking demand comes by CAN") \
     X(interpretation,         0,   1,        "",    "brake pedal: 0 proportional, 1 free travel") \
-    X(drive_torque_mNm,       0,   20000000, "mNm", \
+    X(drive_torque_mNm,       0,   1638200,  "mNm", \
       "whole accelerator, wheel of share 1; default motor.max_torque_mNm") \
-    X(lift_off_torque_mNm,    0,   20000000, "mNm", \
+    X(lift_off_torque_mNm,    0,   1638200,  "mNm", \
       "braking torque of the released accelerator, wheel of share 1; 0: it coasts") \
     X(lift_off_travel_q15,    328, 16384,    "1", \
       "share of the accelerator over which lift-off braking fades out; default 0.15") \
-    X(brake_torque_mNm,       0,   20000000, "mNm", \
-      "whole brake pedal, motor and hydraulic, wheel of share 1; default both limits' sum") \
+    X(brake_torque_mNm,       0,   3276600,  "mNm", \
+      "whole brake pedal, motor and hydraulic, wheel of share 1; default both limits' sum, within the range") \
     X(free_travel_q15,        328, 32440,    "1", \
       "share of the brake pedal that is the friction brake's free travel; default 0.3") \
-    X(free_travel_torque_mNm, 0,   20000000, "mNm", \
+    X(free_travel_torque_mNm, 0,   3276600,  "mNm", \
       "braking torque at its end; default brake.electric_rated_torque_mNm") \
     X(dead_band_q15,          164, 8192,     "1",   "travel of a released pedal; default 0.05") \
     X(difference_q15,         328, 16384,    "1", \
