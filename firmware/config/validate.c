@@ -5,6 +5,7 @@
 #include <stddef.h>
 
 #include "config/bases.h"
+#include "config/derived.h"
 #include "config/fields.h"
 #include "core/sqrt3.h"
 
@@ -285,6 +286,8 @@ static const char *broken_in_drive(const config_t *c)
             "range less monitor.offset_tolerance_codes");
     REQUIRE(speed_within_base(c),
             "motor.max_speed_mrad_s within a sixteenth of an electrical turn a PWM period");
+    REQUIRE(c->current_loop.bandwidth_Hz <= c->drive.pwm_frequency_Hz / 12,
+            "current_loop.bandwidth_Hz at most a twelfth of drive.pwm_frequency_Hz");
     REQUIRE(gains_fit(c), "current_loop gains fit their formats at battery.undervoltage_trip_mV");
     REQUIRE(cross_coupling_fits(c),
             "current_loop inductances fit their formats at motor.max_speed_mrad_s");
@@ -346,6 +349,26 @@ static const char *broken_in_vehicle(const config_t *c)
     return NULL;
 }
 
+/* What follows from other fields is what they say. */
+static bool derived_hold(const config_t *c, config_result_t *refusal)
+{
+    const int32_t *values = (const int32_t *)(const void *)c;
+    for (int k = 0; k < CONFIG_DERIVED_FIELDS; k++) {
+        const config_derived_range_t range = config_derived_range(c, (config_derived_t)k);
+        const int32_t value = values[range.offset_bytes / sizeof(int32_t)];
+        if (value < range.lowest || value > range.highest) {
+            const config_field_t field = config_field_at(range.offset_bytes);
+            refuse(refusal, CONFIG_RESULT_RANGE, field.name);
+            refusal->section = field.section;
+            refusal->value = value;
+            refusal->lowest = range.lowest;
+            refusal->highest = range.highest;
+            return false;
+        }
+    }
+    return true;
+}
+
 static bool relations_hold(const config_t *c, config_result_t *refusal)
 {
     const char *relation = broken_in_drive(c);
@@ -359,7 +382,7 @@ static bool relations_hold(const config_t *c, config_result_t *refusal)
     for (uint32_t k = 0; hold && k < sizeof ORDERS / sizeof ORDERS[0]; k++) {
         hold = order_holds(c, &ORDERS[k], refusal);
     }
-    return hold;
+    return hold && derived_hold(c, refusal);
 }
 
 /* Printable ASCII, at least one character, and zero-terminated: the shell prints it. */

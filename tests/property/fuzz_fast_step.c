@@ -16,6 +16,7 @@
 
 #include "config/bases.h"
 #include "controller/controller.h"
+#include "derive.h"
 #include "tuning.h"
 /* The source, because of what it keeps to itself: relations_hold(). */
 #include "validate.c"
@@ -142,10 +143,10 @@ static void change_configuration(config_t *config, bytes_t *bytes)
             }
         }
         const uint32_t place = field.count > 1 ? take16(bytes) % field.count : 0U;
-        const int32_t before = config_field_value(config, &field, place);
+        const config_t before = *config;
         store(config, &field, place, take_within(bytes, field.lowest, field.highest));
-        if (!accepted(config)) {
-            store(config, &field, place, before);
+        if (!derive(config) || !accepted(config)) {
+            *config = before;
         }
     }
     change_maps(config, bytes);

@@ -4,8 +4,9 @@
  *
  * Called once in BOOT and by every host tool that loads an image; never in a control step. Checks,
  * in this order: magic, format version, size, CRC-32, name (printable), the range of every field
- * (the ranges of config.h), then the relations between fields that no single range can express. The
- * first failure is reported.
+ * (the ranges of config.h), the relations between fields that no single range can express, then the
+ * fields that follow from others (derived.h), whose range is what they follow from. The first
+ * failure is reported.
  */
 #ifndef CONFIG_VALIDATE_H
 #define CONFIG_VALIDATE_H

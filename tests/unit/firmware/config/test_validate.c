@@ -87,7 +87,7 @@ void test_name_must_be_printable_not_empty_and_terminated(void)
 }
 
 /* One beyond an end must be refused with field, value and range; the end itself must not be refused
- * as out of range (a relation with other fields may still object). */
+ * as beyond that range (a relation with other fields may still object). */
 static void assert_range(const char *field, int32_t *value, int32_t lowest, int32_t highest)
 {
     const int32_t good = *value;
@@ -107,7 +107,10 @@ static void assert_range(const char *field, int32_t *value, int32_t lowest, int3
     const int32_t ends[] = {lowest, highest};
     for (int i = 0; i < 2; i++) {
         *value = ends[i];
-        TEST_ASSERT_NOT_EQUAL(CONFIG_RESULT_RANGE, sealed_result().code);
+        const config_result_t result = sealed_result();
+        TEST_ASSERT_TRUE_MESSAGE(result.code != CONFIG_RESULT_RANGE || result.lowest > lowest ||
+                                     result.highest < highest,
+                                 field);
     }
     *value = good;
 }
@@ -213,7 +216,7 @@ void test_max_speed_must_be_within_the_speed_base(void)
     config.current_loop.inductance_d_pu_q16 = 1;
     config.current_loop.inductance_q_pu_q16 = 1;
     config.motor.max_speed_mrad_s = 341477;
-    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
+    TEST_ASSERT_NOT_EQUAL_INT(CONFIG_RESULT_RELATION, sealed_result().code);
     config.motor.max_speed_mrad_s = 341478;
     assert_relation("motor.max_speed_mrad_s within a sixteenth");
 }
@@ -368,12 +371,13 @@ static double lowest_unit(void)
            config.battery.undervoltage_trip_mV / config.drive.voltage_full_scale_mV / sqrt(3.0);
 }
 
-/* A value a thousandth below the limit is accepted, one a thousandth above it is not. */
+/* A value a thousandth below the limit breaks no relation (but is no longer what it follows from),
+ * one a thousandth above it does. */
 static void assert_edge(int32_t *value, double limit, const char *fields)
 {
     const int32_t good = *value;
     *value = (int32_t)(limit * 0.999);
-    TEST_ASSERT_EQUAL_INT_MESSAGE(CONFIG_RESULT_OK, sealed_result().code, fields);
+    TEST_ASSERT_EQUAL_INT_MESSAGE(CONFIG_RESULT_RANGE, sealed_result().code, fields);
     *value = (int32_t)(limit * 1.001);
     const config_result_t result = sealed_result();
     TEST_ASSERT_EQUAL_INT_MESSAGE(CONFIG_RESULT_RELATION, result.code, fields);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "config/validate.h"
+#include "derive.h"
 #include "refusal.h"
 #include "unity.h"
 
@@ -105,6 +106,7 @@ void test_d_currents_of_the_map_must_leave_a_quarter_of_the_flux(void)
     /* psi = 20.4 mWb: with L_q - L_d = 0.1 mH, i_d = 153 A cancels three quarters of it. */
     config.motor.type = CONFIG_MOTOR_IPMSM;
     config.motor.q_inductance_nH = config.motor.d_inductance_nH + 100000;
+    TEST_ASSERT_TRUE(derive(&config));
     config.current_map.lsb_log2 = 3;
     config.current_map.current_d_lsb[CONFIG_CURRENT_MAP_POINTS_MAX - 1] = 153000 / 8;
     TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);

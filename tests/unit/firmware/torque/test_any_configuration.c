@@ -5,6 +5,7 @@
 
 #include "config/validate.h"
 #include "core/q15.h"
+#include "derive.h"
 #include "random_values.h"
 #include "torque_rig.h"
 #include "unity.h"
@@ -88,6 +89,7 @@ static bool random_configuration(random_t *random, double changed)
         config.current_map.current_d_lsb[k] =
             (int16_t)(random_between(random, -1000, 1000) * exp(random_real(random, 0.0, 3.48)));
     }
+    (void)derive(&config);
     config.crc32 = config_crc32(&config, (uint32_t)offsetof(config_t, crc32));
     return config_validate(&config, sizeof config).code == CONFIG_RESULT_OK;
 }
@@ -134,7 +136,7 @@ void test_outputs_are_bounded_for_every_valid_configuration_and_any_input(void)
     const double changed[] = {0.02, 0.08, 0.15};
     for (int k = 0; k < 3; k++) {
         int accepted = 0;
-        for (int n = 0; n < 5000; n++) {
+        for (int n = 0; n < 9000; n++) {
             if (!random_configuration(&random, changed[k])) {
                 continue;
             }
