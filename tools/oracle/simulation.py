@@ -114,7 +114,7 @@ def run_scenario(
     name: str, drive: str, settings: Mapping[str, object], strategy: str | None
 ) -> Hashes:
     """Run a scenario with its events to the end, the start of the controllers included."""
-    _, chosen, beside = scenario.load(name, settings)
+    _, chosen, beside = scenario.load(name, {"needs": {}, **settings}, drive_named(drive, {}))
     changes = dict(chosen.drive_changes)
     if strategy is not None:
         changes["brake", "strategy"] = strategy

@@ -13,7 +13,7 @@ from dataclasses import replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-from regen_table import __version__, installation
+from regen_table import __version__, installation, schema
 from regen_table.schema import Drive
 from rich import box
 from rich.console import Console
@@ -21,11 +21,11 @@ from rich.table import Table
 
 from hubsim import emulator, engine, files, progress, reasons, run, scenario
 from hubsim.cli import arguments, console
-from hubsim.errors import HubsimError
-from hubsim.run import course, difference, evaluation, recordings, stops
+from hubsim.errors import DoesNotApplyError, HubsimError
+from hubsim.run import course, difference, evaluation, ideal_stop, recordings, stops
 from hubsim.run.difference import Difference, Side, Tolerance
 from hubsim.run.results import RunResult, as_json, json_object, load_result
-from hubsim.scenario import Scenario, cycles, events, expression, overrides
+from hubsim.scenario import Scenario, cycles, events, expression, overrides, quantities
 from hubsim.scenario.criteria import Criterion
 from hubsim.scenario.keys import Section, accepted
 
@@ -47,6 +47,13 @@ def drive_of(
     if strategy is not None:
         settings.drive["brake", "strategy"] = strategy
     return console.warned(config, overrides.load_drive(config, settings, chosen))
+
+
+def scenario_of(
+    name: str, settings: overrides.Overrides, config: Path
+) -> tuple[str, Scenario, Path]:
+    """Read the scenario that a command is to use, fitted to its drive."""
+    return scenario.load(name, settings.scenario, schema.load(config), settings.drive)
 
 
 def warn_of(result: RunResult) -> None:
@@ -73,7 +80,10 @@ def run_scenario(options: argparse.Namespace) -> int:
         files.check_writable(path)
     files.check_distinct(outputs_of)
     settings = overrides.parse(options.settings)
-    name, chosen, beside = scenario.load(options.scenario, settings.scenario)
+    try:
+        name, chosen, beside = scenario_of(options.scenario, settings, options.config)
+    except DoesNotApplyError as stated:
+        return _does_not_apply(stated, options.json)
     drive = drive_of(options.config, settings, options.strategy, chosen)
     patterns = tuple(options.signals.split(",")) if options.signals else DEFAULT_SIGNALS
     if options.signals and not wanted:
@@ -92,7 +102,7 @@ def run_scenario(options: argparse.Namespace) -> int:
     result = replace(
         result,
         criteria=[outcome.as_object() for outcome in evaluated],
-        ideal=stops.ideal_of(drive, chosen),
+        ideal=ideal_stop.ideal_of(drive, chosen),
         observed=course.observed(result, chosen),
         origin=result.origin | ({"processor": options.on} if options.on else {}),
     )
@@ -120,12 +130,21 @@ def run_scenario(options: argparse.Namespace) -> int:
     return 1 if failed else 0
 
 
+def _does_not_apply(stated: DoesNotApplyError, json: Path | None) -> int:
+    """Say why a scenario is not for a drive; that is a result, not a failure."""
+    print(stated)
+    if json is not None:
+        said = {"cycle": stated.scenario, "vehicle": stated.drive, "applies": False}
+        files.write_text(json, as_json(said | {"needs": stated.needs}))
+    return 0
+
+
 def run_strategies(options: argparse.Namespace) -> int:
     """Do ``hubsim sim``: the three strategies side by side, with a page."""
     from hubsim.cli import comparison, kept  # noqa: PLC0415, only here
 
     settings = overrides.parse(options.settings)
-    name, chosen, beside = scenario.load(options.scenario, settings.scenario)
+    name, chosen, beside = scenario_of(options.scenario, settings, options.config)
     if not chosen.follows:
         raise HubsimError(f"sim: scenario {name} has no cycle, accepted: one that has")
     drives = [drive_of(options.config, settings, strategy, chosen) for strategy in run.STRATEGIES]
@@ -296,7 +315,7 @@ def _side(options: argparse.Namespace, name: str, extra: Sequence[str]) -> Side:
             )
         return difference.read(Path(name))
     settings = overrides.parse([*options.settings, *extra])
-    title, chosen, beside = scenario.load(name, settings.scenario)
+    title, chosen, beside = scenario_of(name, settings, options.config)
     drive = drive_of(options.config, settings, None, chosen)
     result = run.simulate(
         title, drive, chosen, beside, DEFAULT_SIGNALS, settings.plant, date=options.date
@@ -362,7 +381,7 @@ def list_names(options: argparse.Namespace) -> int:
             f"{max(cycle.speed_kmh):g} km/h"
         )
     print("drives (--config NAME, or a file):")
-    for path in sorted((installation.ROOT / "tools" / "motors").glob("*.toml")):
+    for path in sorted((installation.ROOT / "tools" / "motors").rglob("*.toml")):
         print(f"  {path.stem}")
     print(f"strategies (--strategy NAME):\n  {', '.join(run.STRATEGIES)}")
     print("keys of a scenario (--set KEY=VALUE):")
@@ -387,6 +406,9 @@ def _list_criteria() -> None:
         print(f"  {name:28} {injection.text}")
     print("keys of a criterion, [criteria.NAME]:")
     _list_keys(Criterion)
+    print("figures of a drive, besides the numbers of its file (drive.SECTION.KEY):")
+    for name, figure in quantities.FIGURES.items():
+        print(f"  {name:28} {figure.text}")
     print("functions of formulas:")
     for name, function in expression.FUNCTIONS.items():
         print(f"  {name:28} {function.text}")

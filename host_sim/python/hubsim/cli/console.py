@@ -13,7 +13,7 @@ from rich import box
 from rich.console import Console, JustifyMethod
 from rich.table import Table
 
-from hubsim.run import stops
+from hubsim.run import ideal_stop
 from hubsim.run.evaluation import CriterionResult
 from hubsim.run.results import RunResult
 
@@ -92,7 +92,7 @@ def energy_table(results: Sequence[RunResult]) -> Table:
 
 
 def _ideal_share(result: RunResult) -> str:
-    share = stops.ideal_share(result.ideal)
+    share = ideal_stop.ideal_share(result.ideal)
     return "" if share is None else f"{PERCENT * share:.1f} %"
 
 
@@ -111,9 +111,10 @@ def definitions() -> list[str]:
 
 def criteria_table(name: str, evaluated: Sequence[CriterionResult]) -> Table:
     """Return the criteria of a run with what they came to."""
-    met = sum(outcome.passed for outcome in evaluated)
+    applied = [outcome for outcome in evaluated if outcome.applies]
+    met = sum(outcome.passed for outcome in applied)
     table = Table(
-        title=f"{name}: {met} of {len(evaluated)} criteria met",
+        title=f"{name}: {met} of {len(applied)} criteria met",
         title_justify="left",
         pad_edge=False,
         box=box.SIMPLE_HEAD,
@@ -130,9 +131,9 @@ def criteria_table(name: str, evaluated: Sequence[CriterionResult]) -> Table:
     table.add_column("", overflow="fold")
     for v in evaluated:
         limits = ["" if limit is None else f"{limit:.5g}" for limit in (v.at_least, v.at_most)]
-        table.add_row(
-            v.name, f"{v.value:.5g}", *limits, v.unit, "pass" if v.passed else "FAIL", v.remark
-        )
+        value = f"{v.value:.5g}" if v.applies else ""
+        outcome = ("pass" if v.passed else "FAIL") if v.applies else ""
+        table.add_row(v.name, value, *limits, v.unit, outcome, v.remark)
     return table
 
 

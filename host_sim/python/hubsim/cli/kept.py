@@ -34,7 +34,7 @@ def one_wheel(
 
     One wheel with its share of the vehicle stands for all of them: the share is the same (stops).
     """
-    _, chosen, beside = scenario.load(name, {"record_interval_s": RECORD_S})
+    _, chosen, beside = scenario.load(name, {"record_interval_s": RECORD_S}, drive)
     engine, planned_s = run.prepare(drive, chosen, beside, dict(plant))
     with engine:
         stops.as_one_wheel(engine, drive)

@@ -18,6 +18,7 @@ from typing import Any, Self
 
 import numpy as np
 from pydantic import ValidationError
+from regen_table.schema import Drive
 
 from hubsim import configuration, scenario
 from hubsim.configuration import Configuration
@@ -106,7 +107,6 @@ class Bench:
     ) -> None:
         if drive is None and isinstance(settings.get("drive"), Configuration | str | Path):
             drive = settings.pop("drive")
-        chosen, beside = _scenario(scenario, settings)
         if drive is None:
             raise HubsimError("drive: missing, accepted: a drive's .toml file or name")
         config = drive if isinstance(drive, Configuration) else configuration.load(drive)
@@ -115,6 +115,7 @@ class Bench:
                 f"{config.name}: an image does not say what the plant is, accepted: a drive's "
                 ".toml file"
             )
+        chosen, beside = _scenario(scenario, settings, config.drive)
         vehicle = overrides.changed(config.drive, chosen.drive_changes, f"{chosen.source}: drive")
         self._engine, self.planned_s = simulation.prepare(
             vehicle, chosen, beside, dict(plant or {})
@@ -228,10 +229,12 @@ class Bench:
         return self._engine.reason_text(reason)
 
 
-def _scenario(name: str | Path | None, settings: dict[str, Any]) -> tuple[scenario.Scenario, Path]:
+def _scenario(
+    name: str | Path | None, settings: dict[str, Any], drive: Drive
+) -> tuple[scenario.Scenario, Path]:
     if name is not None:
         try:
-            _, chosen, beside = scenario.load(str(name), settings)
+            _, chosen, beside = scenario.load(str(name), settings, drive)
         except HubsimError as error:
             raise HubsimError(str(error).removeprefix("--set ")) from error
         return chosen, beside

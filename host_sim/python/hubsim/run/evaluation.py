@@ -2,9 +2,10 @@
 """The criteria of a scenario, evaluated for a finished run."""
 
 import math
+from collections import ChainMap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from regen_table.schema import Drive
@@ -12,11 +13,12 @@ from regen_table.suggest import suggestion
 
 from hubsim import engine, reasons
 from hubsim.errors import HubsimError
-from hubsim.run import unguarded
+from hubsim.run import ideal_stop, unguarded
 from hubsim.run.results import RunResult
-from hubsim.scenario import Scenario, expression
+from hubsim.scenario import Scenario, expression, fitting
 from hubsim.scenario.criteria import Criterion
 from hubsim.scenario.expression import EmptyWindow, ExpressionError, Value
+from hubsim.scenario.quantities import Quantities
 
 RESIDUAL_MOST = 1e-4  # of the energy turned over: a larger residual is an error of the simulation
 _ACCOUNTS = ("energy.", "braking.")
@@ -25,7 +27,10 @@ _WHEELS = "wheels."
 
 @dataclass(frozen=True)
 class CriterionResult:
-    """Value and result of one criterion; ``value`` is NaN where the window held no row."""
+    """Value and result of one criterion; ``value`` is NaN where the window held no row.
+
+    One that does not apply to the drive has passed; ``remark`` says why it does not.
+    """
 
     name: str
     passed: bool
@@ -35,6 +40,7 @@ class CriterionResult:
     unit: str = ""
     text: str = ""
     remark: str = ""
+    applies: bool = True
 
     def as_object(self) -> dict[str, Any]:
         """Return it for a JSON file, which has neither NaN nor infinity."""
@@ -60,22 +66,21 @@ RUN_FIGURES: Mapping[str, Callable[[RunResult], float]] = {
     "faults": lambda r: float(len(r.faults)),
     "series_optimal": lambda r: float(r.strategy == "series_optimal"),
 }
-KEPT_SHARE = "run.kept_share"  # hubsim.run.unguarded; worked out where a formula names it
+# Worked out where a formula names them: hubsim.run.unguarded, hubsim.run.ideal_stop.
+KEPT_SHARE, IDEAL_SHARE = "run.kept_share", "run.ideal_share"
 
 
-def constants(scenario: Scenario, drive: Drive) -> dict[str, float]:
+def constants(scenario: Scenario, drive: Drive) -> Mapping[str, float]:
     """Return what formulas may name that is known before the run.
 
-    Numbers of the scenario and of the drive's file.
+    Numbers of the scenario, and what quantities.py knows of the drive.
     """
-    out = scenario.constants
-    for section, keys in drive.model_dump().items():
-        out |= {
-            f"drive.{section}.{key}": float(v)
-            for key, v in keys.items()
-            if isinstance(v, int | float) and not isinstance(v, bool)
-        }
-    return out
+    return ChainMap(scenario.constants, cast(dict[str, float], Quantities(drive)))
+
+
+def missing(criterion: Criterion, scenario: Scenario, drive: Drive) -> list[str]:
+    """Return what a criterion needs and the drive does not have, in words."""
+    return fitting.missing(criterion.needs, scenario.source, constants(scenario, drive))
 
 
 def scalars(scenario: Scenario, drive: Drive, known: Sequence[str]) -> set[str]:
@@ -88,6 +93,7 @@ def scalars(scenario: Scenario, drive: Drive, known: Sequence[str]) -> set[str]:
         *(f"plant.{name}" for name in engine.parameters()),
         *(f"run.{name}" for name in RUN_FIGURES),
         KEPT_SHARE,
+        IDEAL_SHARE,
     }
     return own | {name for name in known if name.startswith(_ACCOUNTS)}
 
@@ -104,6 +110,7 @@ def signals_of(
     looked_at = [
         (f"criteria.{name}.{key}", f)
         for name, criterion in scenario.criteria.items()
+        if not missing(criterion, scenario, drive)
         for key, f in criterion.formulas.items()
     ]
     for place, formula in [*looked_at, *((text, expression.read(text)) for text in formulas)]:
@@ -148,10 +155,10 @@ class Evaluator:
     """
 
     def __init__(self, result: RunResult, scenario: Scenario, drive: Drive) -> None:
-        self._result, self._drive = result, drive
+        self._result, self._drive, self._scenario = result, drive, scenario
         self._time_s = result.signal("time_s") if "time_s" in result.names else np.empty(0)
+        self._constants = constants(scenario, drive)
         self._scalars = {
-            **constants(scenario, drive),
             **{f"plant.{name}": value for name, value in result.parameters.items()},
             **result.account_j,
             **{f"run.{name}": figure(result) for name, figure in RUN_FIGURES.items()},
@@ -203,8 +210,11 @@ class Evaluator:
                     self._drive, signals, self._result.returned_j, self._result.wheels
                 )
             )
-        if name in self._scalars:
-            return np.asarray(self._scalars[name])
+        if name == IDEAL_SHARE:
+            return np.asarray(ideal_stop.stored_share(self._drive, self._scenario))
+        for known in (self._constants, self._scalars):
+            if name in known:
+                return np.asarray(known[name])
         rows = self._rows(name)
         if self._window is None:
             return rows
@@ -230,6 +240,20 @@ def evaluate(scenario: Scenario, drive: Drive, result: RunResult) -> list[Criter
     evaluator = Evaluator(result, scenario, drive)
     out = []
     for name, criterion in scenario.criteria.items():
+        if lacking := missing(criterion, scenario, drive):
+            remark = f"does not apply: needs {', '.join(lacking)}"
+            out.append(
+                CriterionResult(
+                    name,
+                    True,
+                    math.nan,
+                    unit=criterion.unit,
+                    text=criterion.text,
+                    remark=remark,
+                    applies=False,
+                )
+            )
+            continue
         try:
             evaluator.set_window(criterion)
             out.append(_evaluate(name, criterion, evaluator))

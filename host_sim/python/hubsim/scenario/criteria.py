@@ -16,6 +16,7 @@ parameters themselves, so that a criterion stays correct when a parameter is cha
 window without a row fails its criterion.
 """
 
+from collections.abc import Mapping
 from typing import Annotated
 
 from pydantic import Field, model_validator
@@ -27,6 +28,15 @@ from hubsim.scenario.keys import Section, listed, listing, number
 
 Limit = float | str
 _FORMULA = "a number or a formula in quotes"
+
+
+def read_needs(needs: Mapping[str, str]) -> None:
+    """Refuse a condition that cannot be read, with ValueError."""
+    for words, text in needs.items():
+        try:
+            expression.read(text)
+        except ExpressionError as error:
+            raise ValueError(f"needs: {words}: {error}") from error
 
 
 class Criterion(Section):
@@ -59,6 +69,14 @@ class Criterion(Section):
     must_not_appear: Annotated[
         tuple[str, ...], listing("identifiers of reason.h, or ANY_FAULT", "a list of identifiers")
     ] = ()
+    needs: Annotated[
+        dict[str, str],
+        listed(
+            "what the drive must have for it, in words: where that does not hold, the criterion"
+            " does not apply",
+            "a section of words and formulas",
+        ),
+    ] = Field(default_factory=dict)
     share: Annotated[
         float, number(0.0, 1.0, "of the window's rows that must show each reason that must appear")
     ] = 0.0
@@ -83,6 +101,7 @@ class Criterion(Section):
         return self
 
     def _read_everything(self) -> None:
+        read_needs(self.needs)
         for key in (
             "value",
             "at_least",

@@ -99,6 +99,7 @@ class Function:
 FUNCTIONS: dict[str, Function] = {
     "abs": Function(1, np.abs, "magnitude"),
     "sqrt": Function(1, np.sqrt, "square root"),
+    "round": Function(1, np.round, "nearest whole number"),
     "exp": Function(1, np.exp, "exponential"),
     "min": Function(
         9,

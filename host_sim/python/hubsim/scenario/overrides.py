@@ -9,7 +9,7 @@ it is (``plant.motor.phase_resistance_ohm=0.04``).
 """
 
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -20,7 +20,10 @@ from regen_table.schema import Drive
 from hubsim import engine
 from hubsim.errors import HubsimError
 from hubsim.scenario.events import check_parameter, range_of
+from hubsim.scenario.fitting import changed
 from hubsim.scenario.schema import Scenario
+
+__all__ = ["Overrides", "changed", "load_drive", "parse", "put", "value_of"]
 
 PLANT = "plant."
 OF_THE_SCENARIO = ("events.", "criteria.")
@@ -95,16 +98,3 @@ def load_drive(path: Path, overrides: Overrides, scenario: Scenario | None = Non
         f"{path} with --set" if overrides.drive or scenario is None else f"{scenario.source}: drive"
     )
     return changed(drive, changes, source)
-
-
-def changed(drive: Drive, changes: Mapping[tuple[str, str], Any], source: str) -> Drive:
-    """Return a drive with other values of some keys, checked as a file is.
-
-    ``changes`` are by (section, key).
-    """
-    if not changes:
-        return drive
-    data = drive.model_dump(exclude_none=True, exclude_unset=True)
-    for (section, name), value in changes.items():
-        data.setdefault(section, {})[name] = value
-    return schema.parse(data, name=drive.name, source=source)

@@ -3,7 +3,9 @@
 
 Every key can be overridden on the command line.
 
-The keys at the top are state, driver and road. Sections: ``[plant.SECTION]`` is the simulated world
+The keys at the top are state, driver and road; a number may be a formula in quotes of what is known
+of the drive (quantities.py), so that one scenario fits every drive. ``[needs]`` says what a drive
+must have for it. Sections: ``[plant.SECTION]`` is the simulated world
 where it is to differ from the drive's file, ``[drive.SECTION]`` the drive's file itself for plant
 and controllers alike, ``[events.NAME]`` something that happens (events.py), ``[criteria.NAME]``
 something that must be shown (criteria.py).
@@ -11,18 +13,23 @@ something that must be shown (criteria.py).
 
 import tomllib
 from collections.abc import Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import Field, PrivateAttr, ValidationError, model_validator
+from regen_table import installation, schema
+from regen_table.schema import Drive
 from regen_table.suggest import suggestion
 
 from hubsim import files
-from hubsim.errors import HubsimError
-from hubsim.scenario import keys
-from hubsim.scenario.criteria import Criterion
+from hubsim.errors import DoesNotApplyError, HubsimError
+from hubsim.scenario import fitting, keys
+from hubsim.scenario.criteria import Criterion, read_needs
 from hubsim.scenario.events import Event, check_parameter, rising
+from hubsim.scenario.fitting import changed
 from hubsim.scenario.keys import Section, listed, listing, number
+from hubsim.scenario.quantities import Quantities
 
 DIRECTORY = Path(__file__).resolve().parent / "builtin"
 MAX_FILE_BYTES = 1 << 20
@@ -110,6 +117,14 @@ class Scenario(Section):
         float, number(1e-3, 100.0, "of the driver's speed regulator, rad/s")
     ] = 2.0
     driver_preview_s: Annotated[float, number(1e-3, 10.0, "preview time of the driver, s")] = 0.1
+    needs: Annotated[
+        dict[str, str],
+        listed(
+            "what the drive must have for this scenario, in words: where that does not hold, the"
+            " scenario does not apply",
+            "a section of words and formulas",
+        ),
+    ] = Field(default_factory=dict)
     drive: Annotated[
         Named,
         listed("sections of the drive's file that differ in this scenario", "sections of keys"),
@@ -151,6 +166,7 @@ class Scenario(Section):
         ):
             if (points := getattr(self, key)) is not None:
                 rising(points, key)
+        read_needs(self.needs)
         for name, value in self.plant.items():
             try:
                 check_parameter(name, value)
@@ -166,11 +182,7 @@ class Scenario(Section):
     @property
     def drive_changes(self) -> dict[tuple[str, str], Any]:
         """Overrides of the drive file, by (section, key)."""
-        return {
-            (section, key): value
-            for section, keys in self.drive.items()
-            for key, value in keys.items()
-        }
+        return _by_key(self.drive)
 
     @property
     def follows(self) -> bool:
@@ -235,8 +247,19 @@ def builtin_names() -> list[str]:
     return sorted(path.stem for path in DIRECTORY.glob("*.toml"))
 
 
-def load(name: str, overrides: Mapping[str, Any]) -> tuple[str, Scenario, Path]:
-    """Read a scenario and apply what the command line sets.
+@lru_cache(maxsize=1)
+def default_drive() -> Drive:
+    """Return the drive for which a scenario is fitted where none is named."""
+    return schema.load(installation.ROOT / "tools" / "motors" / "lu2013.toml")
+
+
+def load(
+    name: str,
+    overrides: Mapping[str, Any],
+    drive: Drive | None = None,
+    drive_settings: Mapping[tuple[str, str], Any] | None = None,
+) -> tuple[str, Scenario, Path]:
+    """Read a scenario, apply what the command line sets, and fit it to a drive.
 
     Parameters
     ----------
@@ -244,11 +267,20 @@ def load(name: str, overrides: Mapping[str, Any]) -> tuple[str, Scenario, Path]:
         A built-in scenario, or a TOML file.
     overrides : mapping
         Key to value; a key inside a section is dotted (``events.lost.at_s``).
+    drive : Drive, optional
+        As its file has it; absent: the default one. The scenario's formulas name its quantities.
+    drive_settings : mapping, optional
+        Of the drive's keys, by (section, key): what the command line sets.
 
     Returns
     -------
     name, scenario, directory
         The name results go under, and where the scenario's own files are looked for.
+
+    Raises
+    ------
+    DoesNotApplyError
+        Where the drive lacks what the scenario needs.
     """
     path = DIRECTORY / f"{name}.toml" if name in builtin_names() else Path(name)
     if path.suffix != ".toml":
@@ -260,6 +292,16 @@ def load(name: str, overrides: Mapping[str, Any]) -> tuple[str, Scenario, Path]:
         data["plant"].setdefault("thermal.active", 1.0)  # as the controllers' own model heats
     for key, value in overrides.items():
         _put(data, key, _from_here(value) if key == "cycle" else value)
+    settings = drive_settings or {}
+    base = changed(drive or default_drive(), settings, "--set")
+    if lacking := fitting.missing(data.get("needs"), str(path), Quantities(base)):
+        raise DoesNotApplyError(path.stem, base.name, lacking)
+    used = fitting.named({key: value for key, value in data.items() if key != "criteria"})
+    if used:
+        data = fitting.fitted(
+            data, str(path), base,
+            lambda own: changed(changed(base, _by_key(own), f"{path}: drive"), settings, "--set"),
+        )  # fmt: skip
     try:
         found = Scenario.model_validate(data)
     except ValidationError as error:
@@ -277,9 +319,13 @@ def load(name: str, overrides: Mapping[str, Any]) -> tuple[str, Scenario, Path]:
         raise HubsimError(f"{path}: {key}: {what}" if key else f"{path}: {what}") from error
     found._source = str(path)
     for key in overrides:
-        if why := found.not_read.get(key):
+        if (why := found.not_read.get(key)) and f"scenario.{key}" not in used:
             raise HubsimError(f"--set {key}: is not read, as {why}")
     return path.stem, found, path.parent
+
+
+def _by_key(sections: Mapping[str, Mapping[str, Any]]) -> dict[tuple[str, str], Any]:
+    return {(section, key): v for section, keys in sections.items() for key, v in keys.items()}
 
 
 def _from_here(cycle: object) -> object:

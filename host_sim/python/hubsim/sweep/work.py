@@ -48,7 +48,9 @@ class Job:
         settings = overrides.parse(self.settings)
         for key, value in point.items():
             overrides.put(settings, key, value)
-        name, chosen, beside = scenario.load(self.scenario, settings.scenario)
+        name, chosen, beside = scenario.load(
+            self.scenario, settings.scenario, _plain_drive(self.config), settings.drive
+        )
         if self.strategy is not None:
             settings.drive["brake", "strategy"] = self.strategy
         return name, chosen, beside, _drive(self.config, chosen, settings), settings.plant

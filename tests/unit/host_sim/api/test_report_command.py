@@ -12,7 +12,7 @@ import pytest
 from black_box_memory import memory, printed
 from hubsim import run, scenario
 from hubsim.engine import ROOT
-from hubsim.run import evaluation, stops
+from hubsim.run import evaluation, ideal_stop
 from hubsim.run.results import load_result
 from hubsim_command import Hubsim, hubsim_in
 from regen_table import schema
@@ -47,7 +47,7 @@ def test_a_result_read_back_equals_the_run(result: str, folder: Path) -> None:
     assert found.names == expected.names
     assert np.allclose(found.rows, expected.rows, rtol=1e-7, atol=0.0)  # some as float32
     evaluated = [outcome.as_object() for outcome in evaluation.evaluate(chosen, drive, expected)]
-    expected = replace(expected, criteria=evaluated, ideal=stops.ideal_of(drive, chosen))
+    expected = replace(expected, criteria=evaluated, ideal=ideal_stop.ideal_of(drive, chosen))
     assert found.summary == expected.summary
     assert len(found.summary["criteria"]) == 4
     assert found.summary["ideal_stop"]["demand_nm"] == 60.0

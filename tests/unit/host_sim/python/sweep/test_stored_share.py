@@ -11,7 +11,7 @@ import pytest
 from hubsim import cli, reasons, run
 from hubsim.engine import Rows
 from hubsim.errors import HubsimError
-from hubsim.run import stops
+from hubsim.run import ideal_stop
 from hubsim.scenario import Scenario
 from hubsim.sweep import cases, drives, stored_share, stored_share_report
 from hubsim.sweep.stored_share import Case, Outcome
@@ -92,7 +92,7 @@ def test_a_stop_stores_what_the_whole_vehicle_stores() -> None:
     assert found.stored == pytest.approx(share, abs=3e-4)
     assert found.difference == found.stored - found.ideal
     assert found.within
-    assert stops.ideal_of(drive, standing)["stored_share_of_kinetic"] == pytest.approx(
+    assert ideal_stop.ideal_of(drive, standing)["stored_share_of_kinetic"] == pytest.approx(
         found.ideal, abs=0.01
     )
 
