@@ -21,6 +21,17 @@ void torque_init(torque_state_t *state, const config_t *config)
     available_ahead_init(&state->ahead);
 }
 
+hill_hold_kept_t torque_held(const torque_state_t *state)
+{
+    return hill_hold_keep(&state->hold, state->demand.engaged);
+}
+
+void torque_start_held(torque_state_t *state, hill_hold_kept_t kept)
+{
+    state->demand.engaged = kept.direction;
+    hill_hold_resume(&state->hold, &kept);
+}
+
 /* Reason shown on CAN, shell and log: that of the table's tightest line, braking side while
  * braking, else driving side. Without one, that of lift-off braking, phase current, voltage, torque
  * rate, or of what withdraws the demand. */
@@ -209,6 +220,28 @@ static brake_blending_out_t blend(torque_state_t *state, const config_t *config,
                                demand, motor);
 }
 
+/* A lost demand leaves a held vehicle with no less than it had: its driver may have pressed the
+ * pedal harder. */
+static int32_t held_mNm(torque_state_t *state, const config_t *config, const measured_t *now,
+                        const monitored_t *watch, const torque_enable_t *enable,
+                        const demand_t *demand, const brake_blending_out_t *split, int32_t road_mNm,
+                        int32_t command_mNm)
+{
+    /* An encoder counts before its index has shown the angle. */
+    const bool counts = q_abs(now->sensor_mrad_s) > q_abs(now->speed_mrad_s);
+    const hill_hold_wheel_t wheel = {
+        .speed_mrad_s = counts ? now->sensor_mrad_s : now->speed_mrad_s,
+        .standstill = watch->standstill,
+        .road_mNm = road_mNm,
+        .command_mNm = command_mNm,
+        .seen = now->angle_valid,
+        .may_drive = enable->drive_q15 > 0 && state->demand.lost_ms == 0,
+    };
+    const int32_t hold_mNm = hill_hold_step(&state->hold, config, demand, split, &wheel);
+    const bool alone = state->demand.lost_ms > 0 && hill_hold_works(&state->hold);
+    return alone ? q_max(hold_mNm, state->demand.received_brake_torque_mNm) : hold_mNm;
+}
+
 torque_output_t torque_step(torque_state_t *state, const config_t *config, const measured_t *now,
                             const last_t *last, const slow_input_t *in, const monitored_t *watch,
                             const torque_enable_t *enable, findings_t *findings)
@@ -240,12 +273,12 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
     const int32_t road_mNm = road_step(&state->road, config, now->speed_mrad_s, motor.achieved_mNm,
                                        split.made_mNm, seen);
     const int32_t hold_mNm =
-        hill_hold_step(&state->hold, config, &demand, &split, road_mNm, limited.command_mNm,
-                       now->speed_mrad_s, watch->standstill);
+        held_mNm(state, config, now, watch, enable, &demand, &split, road_mNm, limited.command_mNm);
+    findings_set(findings, FINDING_HOLD_FAILS, hill_hold_fails(&state->hold));
+    const bool hydraulic_valid = demand.hydraulic_valid || hill_hold_works(&state->hold);
     const int32_t hydraulic_mNm = hydraulic_command_mNm(config, &split, &lift_off, hold_mNm);
     /* On its own path the brake makes what was asked for, and has to let go of it afterwards. */
-    const int32_t own_path_mNm =
-        demand.hydraulic_valid ? 0 : state->demand.received_brake_torque_mNm;
+    const int32_t own_path_mNm = hydraulic_valid ? 0 : state->demand.received_brake_torque_mNm;
     available_ahead_step(&state->ahead, &state->motor, config, &state->table, now, voltage_mV,
                          state->demand.brake_torque_mNm);
 
@@ -262,7 +295,7 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
         .hydraulic_reason = holds                  ? REASON_HILL_HOLD
                             : found != REASON_NONE ? found
                                                    : split.hydraulic_reason,
-        .hydraulic_valid = demand.hydraulic_valid,
+        .hydraulic_valid = hydraulic_valid,
         .available = split.available,
         .available_now = state->ahead.now,
         .available_ahead = state->ahead.ahead,

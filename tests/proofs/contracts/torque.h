@@ -119,10 +119,16 @@ POST(hill_hold_step, is_within(state->release_ms, 0, config->driver.hold_release
 POST(hill_hold_step, result == state->torque_mNm)
 POST(hill_hold_step, demand->engaged != DRIVE_DIRECTION_NEUTRAL || (!state->holds && result <=
      old(state->torque_mNm)))
+POST(hill_hold_init, !state->resumed && !state->leaves && !state->lost && state->rolls_ms == 0)
+PRE(hill_hold_step, is_within(state->rolls_ms, 0, HILL_HOLD_CAUGHT_ms))
+POST(hill_hold_step, is_within(state->rolls_ms, 0, HILL_HOLD_CAUGHT_ms))
 POST(hill_hold_step, old(state->holds) || demand->brake_torque_mNm + demand->lift_off_mNm > 0 ||
-     result <= old(state->torque_mNm))
-POST(hill_hold_step, !old(state->holds) || demand->engaged == DRIVE_DIRECTION_NEUTRAL ||
-     demand->drive_torque_mNm != 0 || result == config->driver.hold_torque_mNm)
+     (old(state->leaves) && !wheel->may_drive) || result <= old(state->torque_mNm))
+POST(hill_hold_step, !old(state->holds) || old(state->resumed) || demand->engaged ==
+     DRIVE_DIRECTION_NEUTRAL || (demand->drive_torque_mNm != 0 && wheel->may_drive) || result ==
+     config->driver.hold_torque_mNm)
+POST(hill_hold_resume, !(state->holds && state->leaves) && state->resumed == (state->holds ||
+     state->leaves))
 
 /* torque/hydraulic_feedback.h */
 POST(hydraulic_feedback_init, state->gain_q15 == 32768 && is_within(state->least_q15, 16384, 32768)

@@ -35,9 +35,10 @@ typedef struct {
     /* Rotor */
     bool angle_valid; /* the angle in use may make torque */
     angle_by_t angle_by;
-    bool sensor_wrong;    /* the observer contradicts the rotor sensor */
-    bool rotor_observed;  /* the observer knows the angle, whatever the sensor shows */
-    int32_t speed_mrad_s; /* of the angle in use, mechanical, signed */
+    bool sensor_wrong;     /* the observer contradicts the rotor sensor */
+    bool rotor_observed;   /* the observer knows the angle, whatever the sensor shows */
+    int32_t speed_mrad_s;  /* of the angle in use, mechanical, signed */
+    int32_t sensor_mrad_s; /* of the rotor sensor, whose angle may not be known yet; likewise */
     /* Means */
     dq_t sampled_pu; /* of the samples, without correction, Q15 */
     int32_t i_d_mA, i_q_mA;

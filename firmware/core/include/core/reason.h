@@ -102,7 +102,8 @@
     X(105, TRANSMIT_TIMEOUT, "own messages do not leave: the brake system brakes by its own path", \
       SHOWN, NO_MOTOR)                                                                             \
     X(106, DEMAND_CONTRADICTED, "two senders of the demand: one counter, different content",       \
-      SHOWN, SERVICE)
+      SHOWN, SERVICE)                                                                              \
+    X(107, HOLD_FAILED, "vehicle rolls that was to be held at standstill", HEALS, SERVICE)
 /* clang-format on */
 
 #define REASON_LIMIT_ENUM(number, identifier, text) REASON_##identifier = (number),

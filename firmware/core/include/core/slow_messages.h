@@ -106,8 +106,8 @@ typedef struct {
     reason_t warning_reason;     /* the latched warning, else the present one; REASON_NONE: none */
     reason_t present_warning;    /* for the black box, which counts one behind a latched one too */
     drive_direction_t direction; /* in which driving torque is made now; NEUTRAL: none is */
-    bool hydraulic_valid;        /* false: the demand is lost, the brake system must use its own
-                                    path instead of hydraulic_torque_mNm */
+    bool hydraulic_valid; /* false: the demand is lost and no hold works; the brake system uses its
+                             own path instead of hydraulic_torque_mNm */
     bool stop_lamp;
     bool standstill; /* the speed upper bound is below monitor.standstill (monitor_speed.h) */
 } slow_output_t;

@@ -42,7 +42,8 @@ typedef struct {
                                     torque of both brakes, magnitude; else 0 */
     reason_t hydraulic_reason;   /* REASON_HYDRAULIC_LIMIT when the demand cannot be met,
                                     REASON_HILL_HOLD when more than it is commanded */
-    bool hydraulic_valid; /* false: the demand is lost, the brake system takes its own path */
+    bool hydraulic_valid; /* false: the demand is lost and no hold works, the brake system takes
+                             its own path */
     limit_t available;    /* present limit of electric braking torque */
     available_t available_now, available_ahead;
     reason_t reason;           /* of the limit of the motor torque in the demanded direction */
@@ -65,6 +66,12 @@ typedef struct {
 
 /* config: must stay valid as long as the state is used. */
 void torque_init(torque_state_t *state, const config_t *config);
+
+/* How the vehicle is held at standstill, to be retained over a restart. */
+hill_hold_kept_t torque_held(const torque_state_t *state);
+
+/* After torque_init(). kept: torque_held() of before the restart. */
+void torque_start_held(torque_state_t *state, hill_hold_kept_t kept);
 
 /* 1 kHz, after modes_step(); findings that are set here act in the next step.
  *

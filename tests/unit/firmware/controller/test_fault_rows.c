@@ -84,7 +84,7 @@ static bool is_of_rotor(finding_t row)
 
 static bool is_of_brake(finding_t row)
 {
-    return row >= FINDING_BRAKE_DEAD && row <= FINDING_BRAKE_LATE;
+    return row == FINDING_HOLD_FAILS || (row >= FINDING_BRAKE_DEAD && row <= FINDING_BRAKE_LATE);
 }
 
 /* Whole brake, less or all of the drive: before the first millisecond of the cause. */

@@ -79,6 +79,7 @@ static const frozen_t FROZEN[] = {
     {100, REASON_HYDRAULIC_STRONG},
     {101, REASON_HYDRAULIC_STUCK},
     {102, REASON_HYDRAULIC_LATE},
+    {107, REASON_HOLD_FAILED},
 };
 enum { FROZEN_COUNT = sizeof(FROZEN) / sizeof(FROZEN[0]) };
 

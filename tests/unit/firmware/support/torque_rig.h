@@ -23,7 +23,7 @@ typedef struct {
     uint8_t abs_share_percent;
     bool fault_reset;
     /* Measured */
-    int32_t speed_mrad_s;
+    int32_t speed_mrad_s, sensor_mrad_s;
     motor_current_t current;
     int32_t i_d_weakening_mA;
     bool voltage_limited;
@@ -122,6 +122,7 @@ static inline torque_output_t torque_case_step(void)
         .angle_by = in.angle_by,
         .sensor_wrong = in.sensor_wrong,
         .speed_mrad_s = in.speed_mrad_s,
+        .sensor_mrad_s = in.sensor_mrad_s,
         .i_d_mA = in.current.d_mA,
         .i_q_mA = in.current.q_mA,
         .bus_voltage_mV = in.bus_voltage_mV,

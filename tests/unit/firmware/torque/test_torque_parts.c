@@ -250,6 +250,112 @@ void test_the_hold_counts_for_braking_and_lift_off_at_standstill(void)
     TEST_ASSERT_EQUAL_INT32(HOLD, step().hydraulic_mNm);
 }
 
+/* The driver holds the pedal with less or more than the hold, and the link is lost: the command
+ * stays, and stays valid, until the wheel turns. */
+void test_a_lost_demand_leaves_a_held_vehicle_with_the_larger_of_hold_and_pedal(void)
+{
+    for (int32_t pedal_mNm = 10000; pedal_mNm <= 3 * HOLD; pedal_mNm += 10000) {
+        torque_rig_reset();
+        stand_still();
+        in.brake_torque_mNm = pedal_mNm;
+        step();
+        in.demand_age_ms = UINT32_MAX;
+        const int32_t held_mNm = pedal_mNm > HOLD ? pedal_mNm : HOLD;
+        for (int ms = 0; ms < 5000; ms++) {
+            const torque_output_t out = step();
+            TEST_ASSERT_TRUE(out.hydraulic_valid);
+            TEST_ASSERT_EQUAL_INT32(held_mNm, out.hydraulic_mNm);
+        }
+        in.speed_mrad_s = config.monitor.standstill_mrad_s + 1;
+        in.standstill = false;
+        run(HILL_HOLD_CAUGHT_ms - 1);
+        TEST_ASSERT_TRUE(state.hold.rolls_ms < HILL_HOLD_CAUGHT_ms);
+        TEST_ASSERT_FALSE(findings_present(&findings, FINDING_HOLD_FAILS));
+        const torque_output_t rolls = step(); /* the driver's own pedal helps */
+        TEST_ASSERT_FALSE(rolls.hydraulic_valid);
+        TEST_ASSERT_TRUE(findings_present(&findings, FINDING_HOLD_FAILS));
+    }
+}
+
+void test_a_demand_that_is_lost_without_a_hold_is_handed_over_as_ever(void)
+{
+    stand_still();
+    config.driver.hold_torque_mNm = 0;
+    in.brake_torque_mNm = 10000;
+    step();
+    in.demand_age_ms = UINT32_MAX;
+    TEST_ASSERT_FALSE(run(config.driver.lost_hold_ms + 1).hydraulic_valid);
+}
+
+/* Another controller, which has no demand yet. */
+static void restart(hill_hold_kept_t kept)
+{
+    torque_rig_start();
+    torque_start_held(&state, kept);
+    in.brake_torque_mNm = 0;
+    in.demand_age_ms = UINT32_MAX;
+    in.torque_enable.drive_q15 = 0;
+}
+
+void test_a_hold_goes_on_after_a_restart_without_a_demand_in_its_direction(void)
+{
+    static const drive_direction_t DIRECTIONS[] = {DRIVE_DIRECTION_FORWARD,
+                                                   DRIVE_DIRECTION_REVERSE};
+    for (int k = 0; k < 2; k++) {
+        torque_rig_reset();
+        stand_still();
+        in.direction = DIRECTIONS[k];
+        in.brake_torque_mNm = 10000;
+        step();
+        const hill_hold_kept_t kept = torque_held(&state);
+        TEST_ASSERT_EQUAL_INT(DIRECTIONS[k], kept.direction);
+        restart(kept);
+        torque_output_t out = step();
+        TEST_ASSERT_EQUAL_INT32(HOLD, out.hydraulic_mNm);
+        TEST_ASSERT_TRUE(out.hydraulic_valid);
+        TEST_ASSERT_EQUAL_INT(DIRECTIONS[k], out.engaged);
+        in.demand_age_ms = 0;
+        out = step();
+        TEST_ASSERT_EQUAL_INT32(HOLD, out.hydraulic_mNm);
+        in.direction = DRIVE_DIRECTION_NEUTRAL;
+        TEST_ASSERT_LESS_THAN_INT32(HOLD, step().hydraulic_mNm);
+    }
+    torque_rig_reset();
+    stand_still();
+    restart(torque_held(&state));
+    TEST_ASSERT_EQUAL_INT32(0, step().hydraulic_mNm);
+}
+
+/* An encoder counts before its index comes: a roll back is one whatever angle is in use. */
+void test_a_hold_is_not_resumed_on_a_wheel_whose_encoder_turns_without_an_angle(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        torque_rig_reset();
+        stand_still();
+        const hill_hold_kept_t kept = {.direction = DRIVE_DIRECTION_FORWARD};
+        restart(kept);
+        in.angle_valid = false;
+        in.sensor_mrad_s = sign * config.driver.direction_change_mrad_s;
+        TEST_ASSERT_EQUAL_INT32(HOLD, step().hydraulic_mNm);
+        in.sensor_mrad_s += sign;
+        TEST_ASSERT_EQUAL_INT32(0, step().hydraulic_mNm);
+        TEST_ASSERT_TRUE(findings_present(&findings, FINDING_HOLD_FAILS));
+    }
+}
+
+void test_a_motor_whose_driving_torque_is_not_enabled_releases_no_hold(void)
+{
+    stand_still();
+    in.brake_torque_mNm = 10000;
+    step();
+    in.brake_torque_mNm = 0;
+    in.drive_torque_mNm = 20000;
+    in.torque_enable.drive_q15 = 0;
+    TEST_ASSERT_EQUAL_INT32(HOLD, run(2 * config.driver.hold_release_ms).hydraulic_mNm);
+    in.torque_enable.drive_q15 = 1;
+    TEST_ASSERT_LESS_THAN_INT32(HOLD, run(10).hydraulic_mNm);
+}
+
 void test_the_hydraulic_brake_has_what_the_blend_out_takes_of_lift_off_braking(void)
 {
     in.speed_mrad_s = CREEP_mrad_s;
