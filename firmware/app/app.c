@@ -9,6 +9,7 @@
 #include "app/console.h"
 #include "app/double_buffer.h"
 #include "app/fault_journal.h"
+#include "app/kept_hold.h"
 #include "app/kept_temperature.h"
 #include "app/pedal_link.h"
 #include "app/pwm_period.h"
@@ -52,6 +53,7 @@ typedef struct {
 typedef struct {
     recorder_memory_t recorder;
     kept_temperature_t temperature;
+    kept_hold_t hold;
 } retained_t;
 
 _Static_assert(sizeof(retained_t) <= 8192, "the ports keep 8 KiB");
@@ -114,6 +116,15 @@ static void start_recorder(const config_t *config)
     }
 }
 
+/* What a reset has not changed: the motor is as hot, the vehicle stands on its slope. */
+static void start_as_before(controller_slow_t *slow, retained_t *retained)
+{
+    const hill_hold_kept_t hold = kept_hold_read(&retained->hold);
+    controller_start_warm(slow, kept_temperature_read(&retained->temperature));
+    controller_start_held(slow, hold);
+    kept_hold_write(&retained->hold, hold);
+}
+
 static void start_control(const config_t *config)
 {
     start_recorder(config);
@@ -124,8 +135,7 @@ static void start_control(const config_t *config)
     const int32_t timer_Hz = (int32_t)inverter_timer_Hz();
     controller_init(&app.controller, config, timer_Hz);
     if (app.retained != NULL) {
-        controller_start_warm(&app.controller.slow,
-                              kept_temperature_read(&app.retained->temperature));
+        start_as_before(&app.controller.slow, app.retained);
     }
     for (int i = 0; i < 2; i++) {
         app.fast_setpoint[i] = controller_initial_setpoint(config, timer_Hz);
@@ -295,6 +305,7 @@ void app_millisecond_isr(void)
     if (app.retained != NULL) {
         kept_temperature_write(&app.retained->temperature,
                                controller_warmest_cC(&app.controller.slow));
+        kept_hold_follow(&app.retained->hold, controller_held(&app.controller.slow));
     }
     app.samples = app.recorder.takes_samples ? app.recorder.memory : NULL;
     double_buffer_swap(&app.to_fast);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "app/app.h"
+#include "app/kept_hold.h"
 #include "app/kept_temperature.h"
 #include "app/recorder.h"
 #include "app/supervisor.h"
@@ -283,6 +284,30 @@ void test_the_warmest_temperature_is_kept_over_a_reset(void)
     app_boot();
     milliseconds(10);
     TEST_ASSERT_INT32_WITHIN(5, 2500, kept_temperature_read(kept()));
+}
+
+/* The direction of a vehicle that is held goes from the memory to the controller and back. */
+void test_a_hold_is_kept_over_a_reset_and_after_another_one(void)
+{
+    kept_hold_t *hold = (kept_hold_t *)(uintptr_t)(kept() + 1);
+    board.config.driver.hold_torque_mNm = 10000;
+    board.config.crc32 = config_crc32(&board.config, (uint32_t)offsetof(config_t, crc32));
+    const hill_hold_kept_t backwards = {.direction = DRIVE_DIRECTION_REVERSE};
+    kept_hold_write(hold, backwards);
+    for (int resets = 0; resets < 3; resets++) {
+        app_boot();
+        TEST_ASSERT_EQUAL_INT(DRIVE_DIRECTION_REVERSE, kept_hold_read(hold).direction);
+        milliseconds(resets); /* also before the first slow step */
+        TEST_ASSERT_EQUAL_INT(DRIVE_DIRECTION_REVERSE, kept_hold_read(hold).direction);
+    }
+    vehicle_sends(true, false, 100); /* selects no direction */
+    TEST_ASSERT_EQUAL_INT(DRIVE_DIRECTION_NEUTRAL, kept_hold_read(hold).direction);
+    hold->crc32++;
+    hold->direction = DRIVE_DIRECTION_FORWARD;
+    app_boot();
+    TEST_ASSERT_EQUAL_INT(DRIVE_DIRECTION_NEUTRAL, kept_hold_read(hold).direction);
+    kept_hold_follow(hold, backwards); /* the record is whole again */
+    TEST_ASSERT_EQUAL_INT(DRIVE_DIRECTION_REVERSE, kept_hold_read(hold).direction);
 }
 
 void test_watchdog_is_fed_once_in_every_window(void)
