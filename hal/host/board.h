@@ -9,6 +9,7 @@
 #include "hal/watchdog.h"
 
 void board_reset_memory(const void *configuration, uint32_t size_bytes); /* memory.c */
+void board_forget(void);                                                 /* memory.c */
 void board_reset_lines(void);                                            /* lines.c */
 void board_restart_lines(reset_cause_t cause);                           /* lines.c */
 void board_watchdog_tick(void); /* lines.c: one millisecond has passed */

@@ -51,6 +51,9 @@ void host_restart(reset_cause_t cause)
     const host_plant_t plant = board.plant;
     reset(&plant);
     board_restart_lines(cause);
+    if (cause == RESET_POWER) {
+        board_forget();
+    }
 }
 
 bool board_bridge_on(void)

@@ -22,8 +22,14 @@ void board_reset_memory(const void *configuration, uint32_t size_bytes)
     memset(flash, 0xFF, sizeof flash);
     memcpy(flash[FLASH_CONFIGURATION_A], configuration,
            size_bytes < HOST_FLASH_BYTES ? size_bytes : HOST_FLASH_BYTES);
+    board_forget();
+}
+
+/* After power-up: anything. */
+void board_forget(void)
+{
     for (uint32_t i = 0; i < RETAINED_WORDS; i++) {
-        retained[i] = 0xA5A5A5A5U; /* after power-up: anything */
+        retained[i] = 0xA5A5A5A5U;
     }
 }
 

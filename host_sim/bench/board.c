@@ -46,9 +46,23 @@ void board_start(board_t *board, const config_t *config)
     app_boot();
 }
 
+void board_restart(board_t *board, reset_cause_t cause, uint32_t duration_ms)
+{
+    const fast_output_t off = {.bridge = BRIDGE_OFF};
+    board->active = off;
+    board->reset_ms = duration_ms;
+    host_restart(cause);
+    if (duration_ms == 0) {
+        app_boot();
+    }
+}
+
 static fast_output_t period(void *context, const fast_input_t *in)
 {
     board_t *board = context;
+    if (board->reset_ms > 0) {
+        return board->active;
+    }
     memcpy(board->sample.phase_current_code, in->phase_current_code,
            sizeof board->sample.phase_current_code);
     board->sample.bus_voltage_code = in->bus_voltage_code;
@@ -101,17 +115,17 @@ static void send_messages(board_t *board, const slow_input_t *in)
     }
 }
 
-/* A program that hangs is restarted by its watchdog, again and again while the cause stays. The
- * board boots at once: the time of its self-tests is in the chip models (tests/target/chip). */
+/* A program that hangs is restarted by its watchdog, again and again while the cause stays. */
 static void restart_when_due(board_t *board)
 {
-    const bool asked = board->fault.restart > ON;
-    if (host_watchdog_bit() || (asked && !board->has_restarted)) {
-        host_restart(RESET_WATCHDOG);
-        board->active.bridge = BRIDGE_OFF;
-        app_boot();
+    const fault_params_t *fault = &board->fault;
+    if (fault->restart > ON && !board->has_restarted) {
+        board_restart(board, fault->restart_cold > ON ? RESET_POWER : RESET_WATCHDOG,
+                      (uint32_t)lround(fault->restart_s / MILLISECOND_S));
+    } else if (host_watchdog_bit()) {
+        board_restart(board, RESET_WATCHDOG, 0);
     }
-    board->has_restarted = asked;
+    board->has_restarted = fault->restart > ON;
 }
 
 /* The main loop runs before the interrupt, so that what was received now is acted upon now, and
@@ -123,15 +137,21 @@ static slow_output_t millisecond(void *context, const slow_input_t *in)
     board->sample.switch_temperature_cC = in->temperature.switch_cC;
     restart_when_due(board);
     send_messages(board, in);
-    app_background();
-    host_hang(board->fault.fast_stopped > ON, board->fault.slow_stopped > ON);
-    host_millisecond();
-    if (board->fault.slow_doubled > ON) {
-        app_millisecond_isr();
+    if (board->reset_ms == 0) {
+        app_background();
+        host_hang(board->fault.fast_stopped > ON, board->fault.slow_stopped > ON);
+        host_millisecond();
+        if (board->fault.slow_doubled > ON) {
+            app_millisecond_isr();
+        }
     }
     board->vehicle.now_ms++;
-    app_background();
-    receive_messages(board);
+    if (board->reset_ms == 0) {
+        app_background();
+        receive_messages(board);
+    } else if (--board->reset_ms == 0) {
+        app_boot();
+    }
     vehicle_can_expire(&board->vehicle);
     return board->vehicle.received;
 }

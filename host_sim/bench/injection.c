@@ -63,9 +63,16 @@ bool config_watch_step(config_watch_t *watch, const config_t *config)
     return watch->damaged;
 }
 
-static void restart(const injection_target_t *target)
+/* As the application does, with what its retained memory holds. */
+static void restart(const injection_target_t *target, bool cold)
 {
+    controller_slow_t *slow = &target->controller->slow;
+    const int32_t warmest_cC = cold ? TEMPERATURE_NONE_cC : controller_warmest_cC(slow);
+    const hill_hold_kept_t none = {.direction = DRIVE_DIRECTION_NEUTRAL};
+    const hill_hold_kept_t held = cold ? none : controller_held(slow);
     controller_init(target->controller, target->config, BASES_MODEL_TIMER_Hz);
+    controller_start_warm(slow, warmest_cC);
+    controller_start_held(slow, held);
     *target->to_fast = controller_initial_setpoint(target->config, BASES_MODEL_TIMER_Hz);
 }
 
@@ -114,13 +121,16 @@ slow_output_t injection_slow(const fault_params_t *p, injection_t *state,
                              const slow_output_t *last)
 {
     state->unfed_ms = may_feed(p) ? 0 : state->unfed_ms + 1;
-    if (state->unfed_ms > INJECTION_WATCHDOG_MS || (p->restart > ON && !state->has_restarted)) {
-        restart(target);
+    state->reset_ms = state->reset_ms > 0 ? state->reset_ms - 1 : 0;
+    const bool once = p->restart > ON && !state->has_restarted;
+    if (state->unfed_ms > INJECTION_WATCHDOG_MS || once) {
+        restart(target, once && p->restart_cold > ON);
         state->memory_damaged = false;
-        state->has_restarted = p->restart > ON;
+        state->reset_ms = once ? (int)lround(p->restart_s * 1e3) : 0;
         state->has_late = false;
     }
-    state->in_reset = state->unfed_ms > INJECTION_WATCHDOG_MS;
+    state->has_restarted = p->restart > ON;
+    state->in_reset = state->unfed_ms > INJECTION_WATCHDOG_MS || state->reset_ms > 0;
     if (p->slow_stopped < ON) { /* in the slow loop's interrupt */
         const bool off = state->fast_missing_ms >= INJECTION_FAST_STOPPED_MS && !state->in_reset;
         state->fast_missing_ms = p->fast_stopped > ON || off ? state->fast_missing_ms + 1 : 0;

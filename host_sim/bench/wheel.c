@@ -115,6 +115,9 @@ void wheel_refresh(wheel_t *wheel, const wheel_world_t *world)
     wheel->is_faulty = is_concerned(wheel, &params->fault);
     wheel->has_broken_bridge = wheel->is_faulty && broken_bridge_present(&params->fault);
     wheel->has_broken_program = wheel->is_faulty && injection_present(&params->fault);
+    if (!wheel->has_broken_program) {
+        wheel->injection.has_restarted = false;
+    }
     if (!wheel->has_broken_bridge) {
         wheel->bridge.desaturated = false;
     }

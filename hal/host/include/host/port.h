@@ -52,8 +52,8 @@ enum { HOST_FLASH_BYTES = 16384, HOST_CAN_FRAMES = 32, HOST_SERIAL_BYTES = 65536
  * address of the configuration; the rest of that memory is erased. Before app_boot(). */
 void host_connect(const host_plant_t *plant, const void *configuration, uint32_t size_bytes);
 
-/* A reset of the core: flash, retained memory and what was written to the serial line stay. Before
- * app_boot(). */
+/* A reset of the core: flash and what was written to the serial line stay, and the retained memory
+ * unless the supply was away (RESET_POWER). Before app_boot(). */
 void host_restart(reset_cause_t cause);
 
 /* Number of PWM periods after which time_running() returns false; 0 (also after host_connect()):

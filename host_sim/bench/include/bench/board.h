@@ -28,6 +28,7 @@ typedef struct {
     vehicle_can_t vehicle;
     fault_params_t fault; /* of the program and of the bus, all zero: none */
     bool has_restarted;   /* for the fault of that name */
+    uint32_t reset_ms;    /* left of a restart */
     /* What was on this wheel's bus, from both sides, until somebody reads it; the rest is lost. */
     messages_frame_t tapped[BOARD_TAPPED_MAX];
     uint32_t tapped_count;
@@ -36,6 +37,10 @@ typedef struct {
 
 /* Boots the application with this configuration and a motor at rest. */
 void board_start(board_t *board, const config_t *config);
+
+/* A reset of the core, which boots after duration_ms: until then bridge off and nothing sent.
+ * Retained memory keeps its content unless the supply was away (RESET_POWER). */
+void board_restart(board_t *board, reset_cause_t cause, uint32_t duration_ms);
 
 /* For wheel_t.coupling. `board` has to stay where it is. */
 wheel_coupling_t board_coupling(board_t *board);

@@ -5,7 +5,8 @@
  *
  * Around them stands what the board does: the watchdog of app/supervisor.h restarts the core after
  * SUPERVISOR_TIMEOUT_ms in which steps were missing or their rates were off by more than a quarter,
- * and again for as long as the cause stays: bridge off, no messages. Before that it switches a
+ * and again for as long as the cause stays: bridge off, no messages. What the application retains
+ * over a reset is retained here, unless the supply went. Before that it switches a
  * bridge off that gets no fast step, and its background says so if the slow loop stands still. The
  * brake system takes its own path once the counter of the wheel's messages has stood still for five
  * cycles. A flipped bit of the configuration is found as app/background_check.h finds it: in parts,
@@ -34,6 +35,7 @@ enum {
 typedef struct {
     bool has_restarted, has_flipped, has_late;
     bool in_reset;
+    int reset_ms;        /* left of a restart that takes its time */
     bool memory_damaged; /* found by the background */
     int unfed_ms;        /* since the watchdog was fed */
     int silent_ms;       /* since the slow step made a message */

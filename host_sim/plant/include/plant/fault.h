@@ -66,6 +66,10 @@
     X(fast_late,             0.0,   1.0,    "",    "1: its output acts a period later") \
     X(restart,               0.0,   1.0,    "",    \
       "1: the controller restarts once, as by its watchdog") \
+    X(restart_s,             0.0,   10.0,   "s", \
+      "from that restart to the first step: bridge off, no message") \
+    X(restart_cold,          0.0,   1.0,    "",    \
+      "1: by a supply that went, so that nothing is retained") \
     X(state_bit,             0.0,   1e6,    "", \
       "number of a bit of the controller's state, from 1, that flips once; 0: none") \
     X(state_part,            0.0,   5.0,    "", \

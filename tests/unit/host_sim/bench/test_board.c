@@ -288,6 +288,74 @@ void test_a_wheel_whose_frames_do_not_leave_hands_its_brake_over(void)
     }
 }
 
+/* Uphill, 8 %, with half as much again as the slope pulls with. */
+static void stop_on_slope(board_t *board, wheel_coupling_t *coupling, double speed_m_per_s)
+{
+    config_t config =
+        fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_ANGLE);
+    bench_params_t params = moving_vehicle(speed_m_per_s);
+    params.road.slope = 0.08;
+    params.driver.own_brake_path = 1.0;
+    const double pull_nm = params.vehicle.mass_kg * 9.81 * 0.08 * params.vehicle.wheel_radius_m;
+    config.driver.hold_torque_mNm = (int32_t)(1500.0 * pull_nm);
+    config.crc32 = config_crc32(&config, (uint32_t)offsetof(config_t, crc32));
+    board_start(board, &config);
+    *coupling = board_coupling(board);
+    TEST_ASSERT_EQUAL_INT(BENCH_READY, start(&params, &config, coupling));
+    bench.params.driver.brake_demand_nm = 2.0 * pull_nm;
+}
+
+static double rolled_m(double duration_s)
+{
+    const double before_m = bench.vehicle.distance_m;
+    fixture_run(&bench, duration_s);
+    return fabs(bench.vehicle.distance_m - before_m);
+}
+
+/* Twice: after 40 ms the brake system still has the last command; after 300 ms it has had none for
+ * a quarter of a second, in which the vehicle rolls g s t^2/2, 25 mm, and then until the brake has
+ * stopped it. Then the driver drives off. */
+void test_a_vehicle_that_is_held_on_a_slope_is_held_after_a_restart(void)
+{
+    static board_t board;
+    wheel_coupling_t coupling;
+    stop_on_slope(&board, &coupling, 2.0);
+    fixture_run(&bench, 3.0);
+    bench.params.driver.brake_demand_nm = 0.0;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, rolled_m(1.0));
+    board_restart(&board, RESET_WATCHDOG, 40);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, rolled_m(2.0));
+    TEST_ASSERT_TRUE(board.vehicle.received.hydraulic_valid);
+    board_restart(&board, RESET_BROWN_OUT, 300);
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, 0.0, rolled_m(0.5));
+    TEST_ASSERT_DOUBLE_WITHIN(0.05, 0.0, rolled_m(2.0));
+    TEST_ASSERT_EQUAL_INT(MODE_RUN, board.vehicle.received.mode);
+    bench.params.driver.drive_demand_nm = 38.0;
+    fixture_run(&bench, 2.0);
+    TEST_ASSERT_TRUE_MESSAGE(bench.vehicle.speed_m_per_s > 0.1, "the hold ends as usual");
+    TEST_ASSERT_EQUAL_INT(0, board.vehicle.received.hydraulic_torque_mNm);
+}
+
+/* Nor one that was, after a supply that was away. */
+void test_a_restart_holds_no_vehicle_that_was_not_held(void)
+{
+    static board_t board;
+    wheel_coupling_t coupling;
+    stop_on_slope(&board, &coupling, 8.0);
+    bench.params.driver.brake_demand_nm = 0.0;
+    fixture_run(&bench, 0.5);
+    board_restart(&board, RESET_WATCHDOG, 40);
+    fixture_run(&bench, 1.0);
+    TEST_ASSERT_EQUAL_INT(0, board.vehicle.received.hydraulic_torque_mNm);
+    TEST_ASSERT_TRUE(bench.wheel[0].brake.torque_nm < 0.01);
+    stop_on_slope(&board, &coupling, 2.0);
+    fixture_run(&bench, 3.0);
+    bench.params.driver.brake_demand_nm = 0.0;
+    fixture_run(&bench, 0.5);
+    board_restart(&board, RESET_POWER, 40);
+    TEST_ASSERT_TRUE_MESSAGE(rolled_m(2.0) > 0.5, "nothing is known of it any more");
+}
+
 void test_vehicle_stays_at_standstill_with_a_refused_configuration(void)
 {
     const config_t good =
