@@ -70,7 +70,7 @@ class SimulatedVehicle:
         return self._engine.bus_read()
 
     def _hear(self, identifier: int, data: bytes) -> None:
-        """Tell the brake system what is demanded: the largest braking torque of the wheels."""
+        """Tell the brake system what was last demanded of any wheel; it brakes all alike."""
         if can_protocol.message_of(identifier, self._base) != "Demand":
             return
         profile = can_protocol.MESSAGES["Demand"].profile
