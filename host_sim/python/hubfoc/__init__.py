@@ -8,6 +8,7 @@
 """
 
 from hubfoc.client import Vehicle, WheelStatus
+from hubfoc.counterparts import Bms, BrakeSystem
 from hubfoc.errors import HubfocError
 
-__all__ = ["HubfocError", "Vehicle", "WheelStatus"]
+__all__ = ["Bms", "BrakeSystem", "HubfocError", "Vehicle", "WheelStatus"]

@@ -8,8 +8,10 @@ process; anything else is the name of a SocketCAN channel.
 
 import ipaddress
 import socket
+import time
 from collections import deque
 from pathlib import Path
+from threading import Lock
 
 import can
 
@@ -39,11 +41,13 @@ class Bus:
         self._mark = mark
         self._echoes = name.startswith(MULTICAST)
         self._sent: deque[Frame] = deque(maxlen=ECHOES)
+        self._lock = Lock()  # several threads may send while one receives
 
     def send(self, identifier: int, data: bytes) -> None:
         """Send a frame; an OSError or CanError where the bus takes none."""
         if self._echoes:
-            self._sent.append((identifier, data))
+            with self._lock:
+                self._sent.append((identifier, data))
         self._port.send(can.Message(arbitration_id=identifier, data=data, is_extended_id=False))
 
     def receive(self, wait_s: float) -> list[Frame]:
@@ -52,12 +56,18 @@ class Bus:
         message = self._port.recv(wait_s)
         while message is not None:
             frame = (message.arbitration_id, bytes(message.data))
-            if frame in self._sent:
-                self._sent.remove(frame)
-            elif not message.is_extended_id and not message.is_remote_frame:
+            is_data = not message.is_extended_id and not message.is_remote_frame
+            if is_data and not self._is_echo(frame):
                 frames.append(frame)
             message = self._port.recv(0.0)
         return frames
+
+    def _is_echo(self, frame: Frame) -> bool:
+        with self._lock:
+            if frame not in self._sent:
+                return False
+            self._sent.remove(frame)
+            return True
 
     def close(self) -> None:
         """Leave the bus."""
@@ -74,6 +84,11 @@ def _group(text: str) -> ipaddress.IPv4Address:
     if not group.is_multicast:
         raise HubfocError(f"{MULTICAST}:{text}: accepted: 224.0.0.0 to 239.255.255.255")
     return group
+
+
+def now_ms() -> int:
+    """Return the clock of receivers."""
+    return int(1e3 * time.monotonic())
 
 
 def join(name: str) -> Bus:

@@ -4,7 +4,9 @@
 import argparse
 import sys
 from collections.abc import Sequence
+from typing import TypeAlias
 
+from hubsim import can_protocol
 from hubsim.cli.arguments import DEFAULT_CONFIG
 from hubsim.errors import HubsimError
 from regen_table.cli import REFUSED, Parser, ShowVersion, drive_file, interrupted
@@ -12,6 +14,8 @@ from regen_table.errors import ConfigurationError
 
 from hubfoc.errors import HubfocError
 
+Commands: TypeAlias = "argparse._SubParsersAction[Parser]"
+DIRECTIONS = ("neutral", "forward", "reverse")
 LIVE = (
     "A virtual vehicle in real time: in every wheel the whole application (boot, CAN, shell,"
     " watchdog) on a simulated board, with motor, inverter, battery, battery management, brake"
@@ -24,13 +28,22 @@ _CAN = (
 )
 
 
-def parser() -> argparse.ArgumentParser:
-    """Return the parser of the command line."""
-    out = Parser(prog="hubfoc", description="Talk to wheels with hubfoc controllers.")
-    out.add_argument("--version", action=ShowVersion)
-    commands = out.add_subparsers(
-        title="commands", required=True, metavar="COMMAND", parser_class=Parser, dest="command"
+def _add_bus(command: Parser) -> None:
+    command.add_argument("--can", default="udp_multicast", metavar="BUS", help=_CAN)
+
+
+def _add_vehicle(command: Parser) -> None:
+    _add_bus(command)
+    command.add_argument(
+        "--base", type=lambda text: int(text, 0), default=can_protocol.BASE, metavar="IDENTIFIER",
+        help=f"the lowest identifier, [vehicle] can_base; default: {can_protocol.BASE:#x}",
+    )  # fmt: skip
+    command.add_argument(
+        "--for", dest="duration", type=float, metavar="SECONDS", help="default: until Ctrl-C"
     )
+
+
+def _add_live(commands: Commands) -> None:
     live = commands.add_parser("live", help="a virtual vehicle on a CAN bus", description=LIVE)
     live.add_argument(
         "--config", type=drive_file, default=DEFAULT_CONFIG, metavar="DRIVE",
@@ -41,7 +54,7 @@ def parser() -> argparse.ArgumentParser:
         help="its simulated driver drives (hubsim list); default: nobody does, the vehicle stands"
         " until demands come by CAN",
     )  # fmt: skip
-    live.add_argument("--can", default="udp_multicast", metavar="BUS", help=_CAN)
+    _add_bus(live)
     live.add_argument(
         "--port", type=int, default=0, metavar="PORT",
         help="of the local HTTP service (GET /health); default: any that is free",
@@ -54,6 +67,38 @@ def parser() -> argparse.ArgumentParser:
     live.add_argument(
         "--no-page", action="store_true", help="without the page in a browser; there is none yet"
     )
+
+
+def _add_watch(commands: Commands) -> None:
+    text = "what the wheels of a vehicle say, as it changes"
+    command = commands.add_parser("watch", help=text, description=f"{text[0].upper()}{text[1:]}.")
+    _add_vehicle(command)
+
+
+def _add_demand(commands: Commands) -> None:
+    command = commands.add_parser(
+        "demand", help="drive or brake every wheel",
+        description="Demand torque of every wheel in the cycle of the protocol and show what the "
+        "wheels say; at the end the demand is zero, then silent.",
+    )  # fmt: skip
+    _add_vehicle(command)
+    for name in ("drive", "brake"):
+        command.add_argument(
+            f"--{name}", type=float, default=0.0, metavar="NM", help="at each wheel, N m"
+        )
+    command.add_argument("--direction", choices=DIRECTIONS, default="forward", help="to drive in")
+    command.add_argument("--acknowledge", action="store_true", help="acknowledge faults as well")
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the parser of the command line."""
+    out = Parser(prog="hubfoc", description="Talk to wheels with hubfoc controllers.")
+    out.add_argument("--version", action=ShowVersion)
+    commands = out.add_subparsers(
+        title="commands", required=True, metavar="COMMAND", parser_class=Parser, dest="command"
+    )
+    for add in (_add_live, _add_watch, _add_demand):
+        add(commands)
     return out
 
 
@@ -61,9 +106,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; a mistake is one line and exit status 2, Ctrl-C one line and 130."""
     options = parser().parse_args(arguments)
     try:
-        from hubfoc.live import command  # noqa: PLC0415, a help needs no simulator
+        # A help needs neither simulator nor bus.
+        if options.command == "live":
+            from hubfoc.live import command  # noqa: PLC0415
 
-        return command.run(options)
+            return command.run(options)
+        from hubfoc import commands  # noqa: PLC0415
+
+        return commands.watch(options) if options.command == "watch" else commands.demand(options)
     except (HubfocError, HubsimError, ConfigurationError) as error:
         print(f"hubfoc {options.command}: {error}", file=sys.stderr)
         return REFUSED

@@ -5,13 +5,13 @@ import math
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from threading import Lock, Thread
+from threading import Thread
 from typing import Self
 
-import can
 from hubsim import can_protocol, engine, reasons
 
 from hubfoc import bus as buses
+from hubfoc.cyclic import Cyclic, check, cycle_s
 from hubfoc.errors import HubfocError
 
 WHEELS = ("front_left", "front_right", "rear_left", "rear_right")
@@ -41,6 +41,7 @@ class WheelStatus:
     bus_current_a: float | None
     winding_temperature_c: float | None
     warning: str | None
+    waits_for: str | None  # before it drives; empty: for nothing
     lost: tuple[str, ...]
 
 
@@ -56,7 +57,7 @@ class Wheel:
 
     def status(self) -> WheelStatus:
         """Return what the wheel last said."""
-        now_ms = _now_ms()
+        now_ms = buses.now_ms()
         for receiver in self.receivers.values():
             receiver.timed_out(now_ms)
 
@@ -84,12 +85,11 @@ class Wheel:
             bus_current_a=latest("WheelPower", "bus_current_a"),
             winding_temperature_c=latest("WheelHealth", "winding_temperature_c"),
             warning=reason("WheelHealth", "warning_reason"),
+            waits_for=None
+            if (waits_for := latest("WheelAvailable", "waits_for")) is None
+            else reasons.waits_for(int(waits_for)),
             lost=tuple(n for n, r in self.receivers.items() if r.link == "TIMED_OUT"),
         )
-
-
-def _now_ms() -> int:
-    return int(1e3 * time.monotonic())
 
 
 class Vehicle:
@@ -114,12 +114,10 @@ class Vehicle:
         self.front_left, self.front_right, self.rear_left, self.rear_right = self.wheels
         self._demands: list[dict[str, float]] | None = None
         self._foreign_ms: int | None = None  # when somebody else's demand came last
-        self._lock = Lock()
         self._ends = False
-        self._threads = [Thread(target=self._listen, daemon=True),
-                         Thread(target=self._send, daemon=True)]  # fmt: skip
-        for thread in self._threads:
-            thread.start()
+        self._listener = Thread(target=self._listen, daemon=True)
+        self._listener.start()
+        self._sender = Cyclic(self._bus, "Demand", base, lambda: self._demands)
 
     def __enter__(self) -> Self:
         """Return the vehicle itself."""
@@ -162,29 +160,29 @@ class Vehicle:
                 "drive_torque_nm": sign * torques["drive_nm"],
                 "brake_torque_nm": torques["brake_nm"],
             }
-            try:
-                can_protocol.encode("Demand", values)
-            except (KeyError, ValueError) as error:
-                raise HubfocError(str(error)) from error
+            check("Demand", values)
             demands.append(values)
-        with self._lock:
-            self._demands = demands
+        self._demands = demands
 
     def close(self) -> None:
         """Demand nothing any more, and leave the bus."""
         if self._ends:
             return
+        if self._demands is not None:
+            zero = {"drive_torque_nm": 0.0, "brake_torque_nm": 0.0}
+            self._demands = [{**values, **zero} for values in self._demands]
+            time.sleep(END_CYCLES * cycle_s("Demand"))
+        self._sender.close()
         self._ends = True
-        for thread in self._threads:
-            thread.join()
+        self._listener.join()
         self._bus.close()
 
     def _refuse_second_sender(self) -> None:
-        cycle_s = 1e-3 * can_protocol.MESSAGES["Demand"].cycle_ms
+        listen_s = LISTEN_CYCLES * cycle_s("Demand")
         if self._demands is None:
-            time.sleep(LISTEN_CYCLES * cycle_s)
+            time.sleep(listen_s)
         last_ms = self._foreign_ms
-        if last_ms is not None and _now_ms() - last_ms < 1e3 * LISTEN_CYCLES * cycle_s:
+        if last_ms is not None and buses.now_ms() - last_ms < 1e3 * listen_s:
             raise HubfocError("another sender's demand is on this bus, accepted: one sender")
 
     def _listen(self) -> None:
@@ -195,40 +193,10 @@ class Vehicle:
     def _take(self, identifier: int, data: bytes) -> None:
         name = can_protocol.message_of(identifier, self._base)
         if name == "Demand":
-            self._foreign_ms = _now_ms()
+            self._foreign_ms = buses.now_ms()
         elif name in SENT_BY_WHEELS:
             wheel = self.wheels[identifier & can_protocol.WHEEL_MASK]
-            if wheel.receivers[name].receive(identifier, data, _now_ms()) == "used":
+            if wheel.receivers[name].receive(identifier, data, buses.now_ms()) == "used":
                 values = can_protocol.decode(name, data)
                 assert values is not None
                 wheel.values[name] = values
-
-    def _send(self) -> None:
-        """Keep the cycle; a thread of its own, so that nobody's computing makes a demand late."""
-        cycle_s = 1e-3 * can_protocol.MESSAGES["Demand"].cycle_ms
-        due_s = time.monotonic()
-        counter = left = 0
-        while not self._ends or left > 0:
-            with self._lock:
-                demands = self._demands
-            if demands is not None:
-                if self._ends:
-                    demands = [{**d, "drive_torque_nm": 0.0, "brake_torque_nm": 0.0}
-                               for d in demands]  # fmt: skip
-                else:
-                    left = END_CYCLES
-                self._put(demands, counter)
-                counter += 1
-            left -= 1
-            due_s = max(due_s + cycle_s, time.monotonic() - cycle_s)
-            time.sleep(max(due_s - time.monotonic(), 0.0))
-
-    def _put(self, demands: list[dict[str, float]], counter: int) -> None:
-        for wheel, values in enumerate(demands):
-            identifier, data = can_protocol.encode(
-                "Demand", values, wheel=wheel, counter=counter, base=self._base
-            )
-            try:
-                self._bus.send(identifier, data)
-            except (can.CanError, OSError):
-                return  # the wheels notice: their demand grows old

@@ -9,6 +9,7 @@ from regen_table.suggest import suggestion
 from hubsim.engine import ROOT
 
 HEADER = ROOT / "firmware" / "core" / "include" / "core" / "reason.h"
+WAITS_FOR = HEADER.with_name("waits_for.h")
 ANY_FAULT = "ANY_FAULT"
 
 
@@ -43,6 +44,14 @@ def identifier(code: float) -> str:
     return next(
         (name for name, number in codes().items() if number == int(code)), f"unknown {int(code)}"
     )
+
+
+@cache
+def waits_for(code: int) -> str:
+    """Return what driving torque waits for, in words; empty for nothing."""
+    text = WAITS_FOR.read_text(encoding="utf-8")
+    found = re.search(rf'^\s*X\({code}, \w+, "(.*)"\)', text, flags=re.MULTILINE)
+    return (found[1] if found else f"unknown {code}") if code else ""
 
 
 def shown(code: float) -> str:

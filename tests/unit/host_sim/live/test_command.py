@@ -2,6 +2,7 @@
 """``hubfoc live`` as a person starts it: ready, healthy, ended by Ctrl-C, refused in one line."""
 
 import json
+import os
 import signal
 import socket
 import subprocess
@@ -39,6 +40,36 @@ def test_the_first_line_says_where_everything_is_and_ctrl_c_ends_it() -> None:
         assert process.wait(timeout=60) == 130
         lines = [line for line in process.stderr if "too slow" not in line]
     assert lines == ["hubfoc live: interrupted\n"]
+
+
+def test_a_vehicle_is_driven_and_watched_from_a_terminal() -> None:
+    with subprocess.Popen(
+        [*COMMAND, "--ready-json"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+    ) as process:
+        assert process.stdout is not None
+        bus = json.loads(process.stdout.readline())["can"]
+        given = ["demand", "--can", bus, "--drive", "20", "--for", "2.2"]
+        done = subprocess.run(
+            [sys.executable, "-m", "hubfoc", *given], check=False, capture_output=True, text=True,
+            timeout=120, env=os.environ | {"COLUMNS": "120"},
+        )  # fmt: skip
+        process.send_signal(signal.SIGINT)
+    assert done.returncode == 0, done.stderr
+    last = done.stdout.rpartition("front left")[2].splitlines()
+    shown = {line[:28].strip(): line[28:].split() for line in last[1:]}
+    assert shown["mode"] == ["RUN"] * 4
+    assert shown["motor torque, N m"] == ["20.0"] * 4
+
+
+def test_a_bus_without_a_vehicle_is_one_line() -> None:
+    for given in (["watch"], ["demand", "--brake", "1"]):
+        done = subprocess.run(
+            [sys.executable, "-m", "hubfoc", *given, "--can", "virtual"], check=False,
+            capture_output=True, text=True, timeout=120,
+        )  # fmt: skip
+        assert done.returncode == 2
+        assert done.stderr.count("\n") == 1
+        assert "no wheel on this bus" in done.stderr
 
 
 def test_a_scenario_ends_by_itself_and_people_get_words() -> None:
