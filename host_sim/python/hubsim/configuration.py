@@ -115,7 +115,7 @@ def image_of(drive: Drive) -> bytes:
         if key not in _known:
             if len(_known) >= _KEPT:
                 _known.pop(next(iter(_known)))
-            content = (*_program(), key.encode())
+            content = (*program(), key.encode())
             _known[key] = stored.by_content("image", content, partial(_computed, drive))
         found = _known[key]
     return changed_image(found, {("brake", "strategy"): STRATEGIES.index(strategy)})
@@ -128,7 +128,7 @@ def _computed(drive: Drive) -> bytes:
 
 
 @cache
-def _program() -> tuple[bytes, ...]:
+def program() -> tuple[bytes, ...]:
     """Return what an image depends on besides its drive: header, programs, cycles."""
     programs = Path(schema.__file__).parent.glob("*.py")
     cycles = (installation.ROOT / "host_sim" / "cycles").glob("*.csv")

@@ -20,7 +20,7 @@ from regen_table.cli import REFUSED, Parser, ShowVersion, drive_file, interrupte
 from regen_table.errors import ConfigurationError
 
 from hubsim import moved
-from hubsim.cli import sweeps
+from hubsim.cli import swarms, sweeps
 from hubsim.errors import HubsimError
 
 DEFAULT_CONFIG = installation.ROOT / "tools" / "motors" / "lu2013.toml"
@@ -53,6 +53,7 @@ EXAMPLES = (
     ),
     "hubsim stops --count 40 --output stops",
     "hubsim faults --reduced --output faults",
+    "hubsim swarm --seeds 0:500 --output swarm --json swarm.json",
     (
         "hubsim sweep stop --vary 'plant.vehicle.mass_kg=normal(660,30)' --runs 1000 --output "
         "draws.csv"
@@ -108,7 +109,7 @@ def parser() -> Parser:
         title="commands", required=True, metavar="COMMAND", parser_class=Parser, dest="command"
     )
     for add in (
-        *(_add_run, _add_sim, _add_sweep, *sweeps.COMMANDS),
+        *(_add_run, _add_sim, _add_sweep, *sweeps.COMMANDS, *swarms.COMMANDS),
         *(_add_compare, _add_list, _add_report, _add_blackbox, _add_crash),
     ):
         add(commands)

@@ -239,6 +239,11 @@ def measure_many(options: argparse.Namespace) -> int:
     return 0 if passed else 1
 
 
+def run_swarm(options: argparse.Namespace) -> int:
+    """Do ``hubsim swarm``: runs that seeds draw, and their judge."""
+    return int(importlib.import_module("hubsim.cli.swarm_runs").command(options))
+
+
 def _place(name: str) -> str:
     """Return the scenario by a name that is the same in any directory."""
     return name if name in scenario.builtin_names() else str(Path(name).resolve())
@@ -483,6 +488,7 @@ COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "sim": run_strategies,
     "sweep": sweep_runs,
     **dict.fromkeys(("stops", "faults"), measure_many),
+    "swarm": run_swarm,
     "compare": compare_runs,
     "report": write_report,
     "list": list_names,

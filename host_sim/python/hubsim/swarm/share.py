@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The stop beside a healthy run: what it stores, against the configured ideal on the true vehicle.
+
+The same vehicle with its parts wrong within their tolerances stops once at a constant demand under
+``series_optimal``, without drag and warming. The ideal is that of the drive's file
+(``regen_table.limited_stop``): its currents at each speed, in the motor, bridge and battery as they
+are, store what the firmware is to store. Sensors are exact here: an angle or a current that is shown
+wrong costs up to another hundredth. Saturation, cogging and the road are left out as well, which
+the ideal does not have either.
+
+The tolerance is a hundredth of the kinetic energy where the table of the optimum decides, twice
+that for slow stops (as ``stored_share``). Where a limit decides (torque, current, charge), it acts
+on what the sensors show: the parts' and sensors' tolerances of six hundredths of the stored share
+come on top.
+"""
+
+import math
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from regen_table import limited_stop, models, packs
+from regen_table.errors import ConfigurationError
+from regen_table.schema import Drive
+
+from hubsim import run
+from hubsim.engine import Rows
+from hubsim.errors import HubsimError
+from hubsim.scenario import Scenario, overrides
+from hubsim.swarm import drives, judge
+from hubsim.swarm.draw import Case
+from hubsim.swarm.judge import Finding
+from hubsim.swarm.vehicles import Lot, top_m_per_s
+
+TOLERANCE, TOLERANCE_SLOW = 0.01, 0.02  # of the kinetic energy; of slow or limited stops
+PARTS_SHARE = 0.06  # of what is stored, where a limit decides
+BY_THE_TABLE = ("", "loss_optimum", "blend_out", "torque_rate")
+STRATEGY = "series_optimal"
+SLOW_SHARE = 0.3  # of the largest speed
+RATED_SHARE = (0.15, 1.1)
+SOC = (0.2, 0.8)
+SPEED_SHARE = (0.3, 0.95)
+LONGEST_S = 600.0
+SECTIONS = ("motor", "inverter", "battery", "vehicle")
+SENSORS = ("sensors.", "encoder.", "winding_sensor.", "switch_sensor.", "brake_sensor.")
+LEFT_OUT = (
+    "motor.q_saturation_current_a",
+    "motor.cogging_torque_nm",
+    "motor.cogging_per_turn",
+    "road.wind_m_per_s",
+    "vehicle.rolling_resistance",
+    "thermal.active",
+)
+
+
+@dataclass(frozen=True)
+class Stop:
+    """One stop: demand at the wheel, speed and winding temperature where it begins."""
+
+    demand_nm: float
+    speed_kmh: float
+    winding_c: float
+    soc: float
+
+
+def drawn(case: Case) -> Stop:
+    """Return the stop that belongs to a run."""
+    lot, drive = Lot(drives.SEED + 1, case.seed), case.drive
+    return Stop(
+        demand_nm=lot.within(*RATED_SHARE) * drive.motor.rated_torque_nm,
+        speed_kmh=3.6 * lot.within(*SPEED_SHARE) * top_m_per_s(drive),
+        winding_c=lot.within(0.0, drive.motor.max_winding_temperature_c - 40.0),
+        soc=lot.within(*SOC),
+    )
+
+
+def true_drive(drive: Drive, world: Mapping[str, float]) -> Drive:
+    """Return the drive's file as it would be, had every part been measured."""
+    changes: dict[tuple[str, str], object] = {}
+    for name, value in world.items():
+        section, _, key = name.partition(".")
+        if section in SECTIONS and key in type(getattr(drive, section)).model_fields:
+            changes[section, key] = value
+    changes.pop(("motor", "iron_loss_resistance_ohm"), None)
+    if drive.motor.iron_loss_resistance_ohm is not None:
+        changes["motor", "iron_loss_resistance_ohm"] = [
+            world["motor.iron_loss_resistance_ohm"],
+            world["motor.iron_loss_resistance_slope_ohm_s"],
+        ]
+    changes["motor", "type"] = "ipmsm"  # two inductances that were equal in the file
+    coefficient = "flux_temperature_coefficient_per_k"
+    changes["motor", coefficient] = min(world[f"motor.{coefficient}"], 0.0)
+    return overrides.changed(drive, changes, "the vehicle as it is")
+
+
+def braked(case: Case) -> Drive:
+    """Return the drive of a run under the strategy that has the table."""
+    data = case.data["drive"]
+    return drives.changed(case.config, {**data, "brake": {**data["brake"], "strategy": STRATEGY}})
+
+
+def ideal_share(drive: Drive, true: Drive, stop: Stop) -> tuple[float, str] | None:
+    """Return what the ideal of a drive's file stores in another vehicle, and what bounds it.
+
+    Share of the kinetic energy; None where the file's own voltage makes the stop impossible. Wheel
+    speeds are those of the true vehicle; each step of speed lasts as long as the true torques take.
+    """
+    told = drive.model_copy(update={"battery": true.battery})  # by its messages
+    radius, true_radius = drive.vehicle.wheel_radius_m, true.vehicle.wheel_radius_m
+    begins = (stop.demand_nm, stop.speed_kmh * radius / true_radius, stop.winding_c, stop.soc)
+    trace = limited_stop.trace_of(told, STRATEGY, *begins)
+    if not np.all(trace.possible):
+        return None
+    machine = models.machine(true, stop.winding_c)
+    currents = (trace.state.current_d_a, trace.state.current_q_a)
+    state = models.evaluate(machine, models.bridge(true), trace.state.omega_rad_s, *currents)
+    planned = trace.hydraulic_nm - trace.motor_nm + _friction_nm(drive, trace.speed_rad_s)
+    made = trace.hydraulic_nm - state.torque_nm + _friction_nm(true, trace.speed_rad_s)
+    inertia = true.vehicle.mass_kg * true_radius**2 / (drive.vehicle.mass_kg * radius**2)
+    seconds = trace.seconds * inertia * planned / made
+    power_w = true.vehicle.driven_wheels * state.dc_power_w
+    pack = packs.flow(true, packs.DYNAMIC, power_w, seconds, stop.soc)
+    kinetic_j = 0.5 * true.vehicle.mass_kg * (stop.speed_kmh / 3.6) ** 2
+    missing = trace.hydraulic_nm * trace.speed_rad_s * trace.seconds
+    by_reason = Counter[str]()
+    for reason, joule in zip(trace.reason, missing.tolist(), strict=True):
+        by_reason[reason] += joule
+    del by_reason["demand"]
+    main = max(by_reason, key=lambda name: by_reason[name], default="")
+    return -pack.chemical_j / kinetic_j, main if by_reason[main] > 0.0 else ""
+
+
+def _friction_nm(drive: Drive, speed_rad_s: Rows) -> Rows:
+    motor = drive.motor
+    out: Rows = motor.friction_torque_nm + motor.viscous_friction_nm_s * speed_rad_s
+    return out
+
+
+def gap(case: Case) -> Finding | None:
+    """Return how far what a stop stores is beside the ideal; None where there is no ideal."""
+    drive, stop = braked(case), drawn(case)
+    try:
+        ideal = ideal_share(drive, true_drive(drive, case.data["plant"]), stop)
+    except ConfigurationError:
+        return None
+    if ideal is None:
+        return None
+    share, main = ideal
+    try:
+        stored = _stored(case, stop)
+    except HubsimError:
+        return Finding(judge.STORED_SHARE, 0, 0.0, math.inf, TOLERANCE, "1", judge.NOT_STARTED)
+    slow = stop.speed_kmh < SLOW_SHARE * 3.6 * top_m_per_s(drive)
+    limit = TOLERANCE_SLOW if slow or main not in BY_THE_TABLE else TOLERANCE
+    if main not in BY_THE_TABLE:
+        limit += PARTS_SHARE * abs(share)
+    text = f"{stored:.4f} beside {share:.4f}, {main}"
+    return Finding(judge.STORED_SHARE, 0, 0.0, abs(stored - share), limit, "1", text)
+
+
+def _stored(case: Case, stop: Stop) -> float:
+    scenario = Scenario(
+        initial_speed_kmh=stop.speed_kmh,
+        demand_nm=stop.demand_nm,
+        drag=False,
+        stop_at_standstill=True,
+        winding_temperature_c=stop.winding_c,
+        initial_soc=stop.soc,
+        seed=case.data["seed"],
+        plant={
+            name: value
+            for name, value in case.data["plant"].items()
+            if name not in LEFT_OUT and not name.startswith(SENSORS)
+        },
+    )
+    engine, _ = run.prepare(braked(case), scenario, Path(), {})
+    with engine:
+        engine.start()
+        while not engine.ended and engine.value("time_s") < LONGEST_S:
+            engine.run(10.0)
+        return engine.value("energy.chemical_j") / engine.value("energy.kinetic_j")
