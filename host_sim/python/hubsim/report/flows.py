@@ -17,6 +17,7 @@ from hubsim.report import reading
 from hubsim.report.reading import RunLike
 
 NEGLIGIBLE = 2e-5  # of the largest energy: what is less is left out, 3 J of an urban cycle
+SHOWN = 1e-4  # of the braking work: a difference of two runs that is told
 UNUSUAL = 1e-3  # the same for what hardly ever leaves a lane and would only take space
 
 
@@ -68,6 +69,22 @@ class Flow:
 def total(parts: tuple[Part, ...] | list[Part]) -> float:
     """Return the sum of parts in J."""
     return math.fsum(part.energy_j for part in parts)
+
+
+def differences_j(flow: Flow, other: Flow) -> dict[str, float]:
+    """Return what becomes of the braking work differently in two runs, by the part's name, J.
+
+    Only what differs by a hundredth of a per cent of the work or more, the largest first.
+    """
+    names = dict.fromkeys(part.name for part in (*flow.lower, *other.lower))
+    found = {name: _of(flow, name) - _of(other, name) for name in names}
+    least = SHOWN * max(flow.work_j, other.work_j)
+    kept = {name: joule for name, joule in found.items() if abs(joule) >= least}
+    return dict(sorted(kept.items(), key=lambda entry: -abs(entry[1])))
+
+
+def _of(flow: Flow, name: str) -> float:
+    return math.fsum(part.energy_j for part in flow.lower if part.name == name)
 
 
 def flow_of(run: RunLike) -> Flow | None:

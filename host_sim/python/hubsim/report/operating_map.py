@@ -8,13 +8,15 @@ import numpy as np
 from hubsim.report import markup, reading, scale
 from hubsim.report.markup import Markup, element, number, picture
 from hubsim.report.reading import Array, MapLike, RunLike
-from hubsim.report.scale import Chart
+from hubsim.report.scale import Chart, RootScale
 
 WIDTH, HEIGHT = 400.0, 262.0
 LEFT, RIGHT, TOP, BOTTOM = 38.0, 392.0, 25.0, 222.0
 RPM = 30.0 / np.pi
 MOST_POINTS = 700
-HEADROOM = 1.25  # over the motor's largest torque
+CURVE_POINTS = 160
+HEADROOM = 1.15  # over the largest torque that was used
+NO_LESS = 0.25  # of the motor's largest torque, in which a gentle ride is drawn
 _KEYS = (("— most energy", "best-line"), ("┄ no energy", "zero-line"), ("— limit", "limit-line"))
 
 
@@ -39,7 +41,10 @@ def operating_points(run: RunLike, wheel_radius_m: float) -> tuple[Array, Array]
 
 
 def layout(runs: Sequence[RunLike], best: MapLike) -> Chart:
-    """Fit one chart for all runs: the motor's torque and the speeds that were driven."""
+    """Fit one chart for all runs: torques and speeds that were driven.
+
+    The axis of the speed is that of its root: what decides happens at walking speed.
+    """
     found = [
         points
         for run in runs
@@ -50,20 +55,25 @@ def layout(runs: Sequence[RunLike], best: MapLike) -> Chart:
         (float(np.max(speed)) for speed, _ in found), default=RPM * float(best.speed_rad_s[-1])
     )
     strongest = max(
-        float(np.max(best.limit_nm)), *(float(np.max(torque)) for _, torque in found), 1.0
+        NO_LESS * float(np.max(best.limit_nm)), *(float(np.max(torque)) for _, torque in found), 1.0
     )
-    weakest = min(0.0, *(float(np.min(torque)) for _, torque in found), 0.0)
     x = scale.fitted(
         0.0, min(1.1 * fastest, RPM * float(best.speed_rad_s[-1])), 10.0, 6.0, LEFT, RIGHT
     )
-    return Chart(x, scale.fitted(weakest, HEADROOM * strongest, 10.0, 6.0, BOTTOM, TOP))
+    y = scale.fitted(0.0, HEADROOM * strongest, 5.0, 6.0, BOTTOM, TOP)
+    return Chart(RootScale(x.low, x.high, x.low_px, x.high_px, x.step), y)
 
 
 def draw(run: RunLike, best: MapLike, chart: Chart, identity: str, title: str) -> Markup:
     """Draw the points of one run over the map. ``identity`` is unique in the page."""
     clip = f"{identity}-inside"
-    rpm = RPM * best.speed_rad_s
+    # The curves leave zero steeply: points as dense in the root of the speed as the axis is.
+    rpm = chart.x.high * np.linspace(0.0, 1.0, CURVE_POINTS) ** 2
     x = chart.x.px(rpm)
+    optimal, zero, limit = (
+        np.interp(rpm, RPM * best.speed_rad_s, torque)
+        for torque in (best.optimal_nm, best.zero_nm, best.limit_nm)
+    )
     inside = element(
         "clipPath",
         element("rect", x=LEFT, y=TOP, width=RIGHT - LEFT, height=BOTTOM - TOP),
@@ -74,19 +84,21 @@ def draw(run: RunLike, best: MapLike, chart: Chart, identity: str, title: str) -
     curves = [
         element(
             "path",
-            d=scale.band(x, ceiling, chart.y.px(np.minimum(best.zero_nm, best.limit_nm))),
+            d=scale.band(x, ceiling, chart.y.px(np.minimum(zero, limit))),
             class_="region",
         ),
-        element("path", d=scale.line(x, chart.y.px(best.limit_nm)), class_="curve limit-line"),
-        element("path", d=scale.line(x, chart.y.px(best.zero_nm)), class_="curve zero-line"),
-        element("path", d=scale.line(x, chart.y.px(best.optimal_nm)), class_="curve best-line"),
+        element("path", d=scale.line(x, chart.y.px(limit)), class_="curve limit-line"),
+        element("path", d=scale.line(x, chart.y.px(zero)), class_="curve zero-line"),
+        element("path", d=scale.line(x, chart.y.px(optimal)), class_="curve best-line"),
     ]
     found = operating_points(run, best.wheel_radius_m)
     marks = Markup("")
     if found is not None:
         dots = " ".join(
             f"M{number(px)} {number(py)}h0"
-            for px, py in zip(chart.x.px(found[0]), chart.y.px(found[1]), strict=True)
+            for px, py in zip(
+                chart.x.px(found[0]), chart.y.px(np.maximum(found[1], 0.0)), strict=True
+            )
         )
         marks = element("path", d=dots, class_="dots")
     caption = element(
@@ -100,7 +112,7 @@ def draw(run: RunLike, best: MapLike, chart: Chart, identity: str, title: str) -
     return picture(
         identity, title, describe(run, best), WIDTH, HEIGHT,
         element("defs", inside),
-        chart.frame("wheel speed, r/min", "Motor's braking torque, N·m", _KEYS),
+        chart.frame("wheel speed, r/min (root scale)", "Motor's braking torque, N·m", _KEYS),
         element("g", *curves, marks, clip_path=f"url(#{clip})"),
         caption if found is None else "",
         class_="traces chart",

@@ -59,6 +59,19 @@ IDEAL = (
 )
 
 
+_OWN_PAGE = join(
+    Markup("The same page of your own motor: copy "),
+    element("code", "tools/motors/lu2013.toml"),
+    Markup(", put in its numbers, then "),
+    element("code", "hubsim sim --config mine.toml"),
+    Markup("; of one run: "),
+    element("code", "hubsim run stop --config mine.toml --json stop.json --csv stop.csv"),
+    Markup(" and "),
+    element("code", "hubsim report stop.json -o page.html"),
+    Markup("."),
+)
+
+
 def document(runs: Sequence[RunLike], extras: Extras | None = None) -> str:
     """Return the whole page."""
     extras = extras or Extras()
@@ -142,11 +155,11 @@ def _compared(runs: list[RunLike], identity: str, called: str, extras: Extras) -
     """Show several runs, a column for each."""
     return [
         element("div", *[_card(run) for run in runs], class_="columns"),
-        tables.energies(runs, f"Energies of the whole vehicle, {called}"),
-        tables.criteria(runs, f"Criteria of the scenario, {called}"),
         _flows(runs, identity, called),
+        tables.energies(runs, f"Energies of the whole vehicle, {called}"),
         _points(runs, identity, called, extras),
         tables.braking_quality(runs, f"How well it brakes, {called}"),
+        tables.criteria(runs, f"What the scenario asks for, {called}"),
         _traces(runs, identity, called),
     ]
 
@@ -157,12 +170,13 @@ def _single(runs: list[RunLike], identity: str, called: str, extras: Extras) -> 
     ideal = reading.ideal(runs[0])
     note = element("p", IDEAL + tables.limits_cost(ideal), class_="soft") if ideal else Markup("")
     brakes = tables.braking_quality(runs, f"How well it brakes, {called}")
-    asked = tables.criteria(runs, f"Criteria of the scenario, {called}")
+    asked = tables.criteria(runs, f"What the scenario asks for, {called}")
     return [
-        element("div", element("div", _card(runs[0]), brakes), asked, class_="beside"),
+        element("div", element("div", _card(runs[0])), brakes, class_="beside"),
+        element("div", *filter(None, pictures), class_="beside pictures"),
         tables.energies(runs, f"Energies of the whole vehicle, {called}"),
         note,
-        element("div", *filter(None, pictures), class_="beside pictures"),
+        asked,
         _groups(runs, identity, called),
     ]
 
@@ -248,7 +262,8 @@ def _flows(runs: list[RunLike], identity: str, called: str) -> Markup:
             if flow is not None
             else element("p", "not known", class_="soft")
         )
-        figures.append(element("figure", element("figcaption", element("h3", title)), drawn))
+        told = _difference(place, runs, found)
+        figures.append(element("figure", element("figcaption", element("h3", title)), drawn, told))
     sentences = [
         "Along the upper lane energy goes from the battery to the wheels, along the lower lane it "
         "comes back. Widths are to one scale."
@@ -267,6 +282,27 @@ def _flows(runs: list[RunLike], identity: str, called: str) -> Markup:
         where = " where no work at the wheels is named" if any(flow.split for flow in known) else ""
         sentences.append(f"Losses are those of the whole run, driving and braking together{where}.")
     return _block("Energy flow", " ".join(sentences), figures)
+
+
+def _difference(place: int, runs: list[RunLike], found: Sequence[flows.Flow | None]) -> Markup:
+    """Say where a run's braking work goes other than in the run that returns the most."""
+    own = found[place]
+    others = {k: flow.returned_j for k, flow in enumerate(found) if flow is not None}
+    if own is None or len(others) < 2:
+        return Markup("")
+    best = max(others, key=lambda k: others[k])
+    against = found[best]
+    if best == place or against is None:
+        return element("p", "Returns the most of them.", class_="soft difference")
+    parts = [
+        f"{name} {markup.kilojoules(abs(joule))} {'more' if joule > 0.0 else 'less'}"
+        for name, joule in flows.differences_j(own, against).items()
+    ]
+    lost = markup.kilojoules(against.returned_j - own.returned_j)
+    text = f"Returns {lost} less than {reading.strategy(runs[best]).title}"
+    return element(
+        "p", f"{text}: {', '.join(parts)}." if parts else f"{text}.", class_="soft difference"
+    )
 
 
 def _points(runs: list[RunLike], identity: str, called: str, extras: Extras) -> Markup:
@@ -296,8 +332,8 @@ def _points(runs: list[RunLike], identity: str, called: str, extras: Extras) -> 
     note = (
         "Every dot is a moment in which the driver brakes. Below the solid line more torque would "
         "return more energy, above it less; "
-        "beyond the broken line braking takes energy out of the battery. Lines hold for a "
-        f"winding at {warm} °C."
+        "beyond the broken line braking takes energy out of the battery. Walking speed has half of "
+        f"the axis, because that is where they part. Lines hold for a winding at {warm} °C."
     )
     return _block("Where the motor brakes", note, figures)
 
@@ -430,7 +466,7 @@ def _footer(command: str, runs: Sequence[RunLike], *, upright: bool) -> Markup:
         "footer",
         element("h2", "How to read this page"),
         element("ul", *[element("li", point) for point in HOW_TO_READ], class_="how"),
-        element("p", "Made by ", element("code", command), ".", class_="soft"),
+        element("p", "Made by ", element("code", command), ". ", _OWN_PAGE, class_="soft"),
         _origin(runs),
         class_="upright" if upright else None,
     )

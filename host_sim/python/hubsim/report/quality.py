@@ -75,6 +75,41 @@ def while_braking(run: RunLike, values: Array | None) -> Array | None:
     return kept if kept.size else None
 
 
+def _stops(run: RunLike) -> list[int] | None:
+    """Return the first samples at standstill after motion; None where no speed was recorded."""
+    speed = reading.signal(run, "vehicle.speed_m_per_s")
+    if speed is None:
+        return None
+    moving = np.abs(speed) > 0.0
+    return [int(k) + 1 for k in np.flatnonzero(moving[:-1] & ~moving[1:])]
+
+
+def at_the_stop(run: RunLike, values: Array | None) -> Array | None:
+    """Return those of the values at which a vehicle comes to rest.
+
+    The last 0.3 m/s, and the two samples in which the deceleration has ended. None without any.
+    """
+    speed, stops = reading.signal(run, "vehicle.speed_m_per_s"), _stops(run)
+    if values is None or speed is None or not stops:
+        return None
+    came = np.zeros(speed.shape, dtype=bool)
+    for stop in stops:
+        first = stop
+        while first > 0 and 0.0 < np.abs(speed[first - 1]) <= STANDING_M_PER_S:
+            first -= 1
+        came[first : stop + 2] = True
+    kept = values[came & np.isfinite(values)]
+    return kept if kept.size else None
+
+
+def left_at_the_stop_m_per_s2(run: RunLike) -> Array | None:
+    """Return the decelerations that end with the motion at once, one for each stop."""
+    acceleration, stops = reading.signal(run, "vehicle.acceleration_m_per_s2"), _stops(run)
+    if acceleration is None or not stops:
+        return None
+    return np.abs(acceleration[[stop - 1 for stop in stops]])
+
+
 def root_mean_square(values: Array | None) -> float:
     """Return the root of the mean square, NaN of nothing."""
     return math.nan if values is None else float(np.sqrt(np.mean(np.square(values))))

@@ -14,6 +14,7 @@ from hubsim.report.reading import Array
 
 _BUCKETS_PER_PX = 1.5
 STANDS_OUT = 0.05
+APART_PX = 26.0  # ticks of a root scale
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,31 @@ class Scale:
     def decimals(self) -> int:
         """Decimals its ticks need."""
         return max(0, -math.floor(math.log10(self.step) + 1e-9))
+
+
+@dataclass(frozen=True)
+class RootScale(Scale):
+    """A scale from zero on whose pixels grow with the square root of the value.
+
+    Half of the width shows the lowest quarter.
+    """
+
+    def px(self, values: Array) -> Array:
+        """Return pixels of values, same shape; those below zero are at zero."""
+        share = np.sqrt(np.maximum(values, 0.0) / self.high)
+        return self.low_px + share * (self.high_px - self.low_px)
+
+    def ticks(self) -> list[float]:
+        """Return zero and the round values that are far enough apart, from the largest down."""
+        power = 10.0 ** math.floor(math.log10(self.high))
+        rounds = [factor * power * 0.1**k for k in range(3) for factor in (5.0, 2.0, 1.0)]
+        kept: list[float] = []
+        for value in (self.high, *rounds):
+            at = self.at(value)
+            right = self.at(kept[-1]) if kept else math.inf
+            if value <= self.high and at <= right - APART_PX and at >= self.low_px + APART_PX:
+                kept.append(value)
+        return [0.0, *reversed(kept)]
 
 
 def round_step(span: float, count: float) -> float:

@@ -194,6 +194,11 @@ def _row(title: str, meaning: str, unit: str, values: list[str], style: str) -> 
     return element("tr", name, element("td", unit, class_="unit"), *cells, class_=style or None)
 
 
+# What a criterion without words of its own is called, and what evaluation.py writes of reasons.
+_NAMED = {"no_fault": "no controller finds a fault", "says_why": "the controllers say why"}
+_SEEN = "seen: "
+
+
 def criteria(runs: Sequence[RunLike], caption: str) -> Markup:
     """Make the table of criteria; nothing where the scenario has none."""
     found = [{str(one["name"]): one for one in reading.criteria(run)} for run in runs]
@@ -201,13 +206,7 @@ def criteria(runs: Sequence[RunLike], caption: str) -> Markup:
     if not names:
         return Markup("")
     heads = [element("th", reading.strategy(run).title, scope="col") for run in runs]
-    head = element(
-        "tr",
-        element("th", "Criterion", scope="col"),
-        element("th", "Unit", scope="col"),
-        element("th", "Accepted", scope="col"),
-        *heads,
-    )
+    head = element("tr", element("th", "What it must show", scope="col"), *heads)
     body = [_criterion(name, [run.get(name) for run in found]) for name in names]
     table = element(
         "table",
@@ -221,66 +220,80 @@ def criteria(runs: Sequence[RunLike], caption: str) -> Markup:
 
 
 def _counted(found: Sequence[Mapping[str, Mapping[str, Any]]]) -> str:
-    every = [one for run in found for one in run.values()]
+    every = [one for run in found for one in run.values() if one.get("applies", True)]
     met = sum(one.get("passed") is True for one in every)
     return f"{met} of {len(every)} criteria met"
 
 
 def _criterion(name: str, results: Sequence[Mapping[str, Any] | None]) -> Markup:
+    """Make a row: the criterion in words, what is accepted, and a result for each run."""
     known = [one for one in results if one is not None]
     text = next((str(one["text"]) for one in known if one.get("text")), "")
-    title = name.replace("_", " ")
-    heading = element(
-        "th",
-        element("span", title[0].upper() + title[1:], class_="name"),
-        element("span", text, class_="meaning"),
-        scope="row",
-    )
-    unit = next((str(one["unit"]) for one in known if one.get("unit")), "")
+    called = text or _NAMED.get(name) or name.replace("_", " ")
     limits = list(dict.fromkeys(_limits(one) for one in known))
     shared = limits[0] if len(limits) == 1 else ""
-    cells = [_cell(one, "" if shared else _limits(one or {})) for one in results]
+    heading = element(
+        "th",
+        element("span", called[0].upper() + called[1:], class_="name"),
+        element("span", shared, class_="meaning") if shared else "",
+        scope="row",
+    )
     return element(
-        "tr",
-        heading,
-        element("td", markup.unit(unit), class_="unit"),
-        element("td", shared, class_="limits"),
-        *cells,
+        "tr", heading, *[_cell(one, "" if shared else _limits(one or {})) for one in results]
     )
 
 
 def _cell(one: Mapping[str, Any] | None, limits: str) -> Markup:
     if one is None:
         return element("td", markup.UNKNOWN)
-    passed = one.get("passed") is True
-    value = reading.as_number(one.get("value"))
-    shown = markup.figure(value) if math.isfinite(value) else markup.UNKNOWN
     remark = str(one.get("remark") or "")
+    if not one.get("applies", True):
+        return element("td", element("span", remark, class_="meaning"))
+    passed = one.get("passed") is True
     parts = [
-        element("span", shown, class_="figure"),
         element("span", "met" if passed else "not met", class_="met" if passed else "missed"),
+        element("span", _value(one), class_="figure") if not _of_reasons(one) else Markup(""),
     ]
     if limits:
         parts.append(element("span", limits, class_="meaning"))
-    if remark:
+    if remark and not (passed and _of_reasons(one)):
         parts.append(element("span", remark, class_="meaning"))
-    return element("td", join(*parts))
+    return element("td", join(*filter(None, parts)))
+
+
+def _of_reasons(one: Mapping[str, Any]) -> bool:
+    """Return whether a criterion counts reasons, which say more in words."""
+    return _SEEN in str(one.get("remark") or "")
+
+
+def _value(one: Mapping[str, Any]) -> str:
+    value = reading.as_number(one.get("value"))
+    return f"{markup.figure(value)}{_unit(one)}" if math.isfinite(value) else markup.UNKNOWN
+
+
+def _unit(one: Mapping[str, Any]) -> str:
+    unit = markup.unit(str(one.get("unit") or ""))
+    return f" {unit}" if unit else ""
 
 
 def _limits(one: Mapping[str, Any]) -> str:
-    """Write the accepted range."""
+    """Write the accepted range with its unit."""
     low, high = (reading.as_number(one.get(key)) for key in ("at_least", "at_most"))
+    if _of_reasons(one):
+        return ""
     if math.isfinite(low) and math.isfinite(high):
-        return f"{markup.figure(low)} to {markup.figure(high)}"
+        return f"{markup.figure(low)} to {markup.figure(high)}{_unit(one)}"
     if math.isfinite(low):
-        return f"at least {markup.figure(low)}"
-    return f"at most {markup.figure(high)}" if math.isfinite(high) else ""
+        return f"at least {markup.figure(low)}{_unit(one)}"
+    return f"at most {markup.figure(high)}{_unit(one)}" if math.isfinite(high) else ""
 
 
 def braking_quality(runs: Sequence[RunLike], caption: str) -> Markup:
     """Make the table of braking quality; nothing where nothing is known of it."""
     errors = [quality.while_braking(run, quality.torque_error_nm(run)) for run in runs]
-    jerks = [quality.while_braking(run, quality.jerk_m_per_s3(run)) for run in runs]
+    every_jerk = [quality.jerk_m_per_s3(run) for run in runs]
+    jerks = [quality.while_braking(run, jerk) for run, jerk in zip(runs, every_jerk, strict=True)]
+    stops = [quality.at_the_stop(run, jerk) for run, jerk in zip(runs, every_jerk, strict=True)]
     if all(values is None for values in (*errors, *jerks)):
         return Markup("")
     rows = (
@@ -305,7 +318,21 @@ def braking_quality(runs: Sequence[RunLike], caption: str) -> Markup:
             jerks,
             quality.root_mean_square,
         ),
-        ("Largest jerk", "for a moment", "m/s³", jerks, quality.largest),
+        ("Largest jerk under way", "for a moment, above 0.3 m/s", "m/s³", jerks, quality.largest),
+        (
+            "Largest jerk at the stop",
+            "from sample to sample, the last 0.3 m/s and the standstill",
+            "m/s³",
+            stops,
+            quality.largest,
+        ),
+        (
+            "Jolt at the stop",
+            "deceleration that ends at once with the motion, for nothing releases the brakes",
+            "m/s²",
+            [quality.left_at_the_stop_m_per_s2(run) for run in runs],
+            quality.largest,
+        ),
     )
     body = []
     for title, meaning, unit, found, figure in rows:

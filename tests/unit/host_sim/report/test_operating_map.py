@@ -62,6 +62,20 @@ def test_every_point_is_drawn_at_its_values_inside_the_frame(strategy: str) -> N
         assert operating_map.TOP <= y <= operating_map.BOTTOM
 
 
+def test_the_map_shows_the_torques_used_and_the_corner_of_walking_speed() -> None:
+    runs, best = three(), best_map()
+    chart = operating_map.layout(runs, best)
+    used = [operating_map.operating_points(run, best.wheel_radius_m) for run in runs]
+    strongest = max(float(np.max(found[1])) for found in used if found is not None)
+    assert strongest <= chart.y.high <= 1.6 * strongest
+    # Pixels grow with the root of the speed: a sixteenth of it takes a quarter of the width.
+    quarter = chart.x.low_px + 0.25 * (chart.x.high_px - chart.x.low_px)
+    assert chart.x.at(chart.x.high / 16.0) == pytest.approx(quarter)
+    ticks = chart.x.ticks()
+    assert ticks[0] == 0.0
+    assert np.all(np.diff([chart.x.at(tick) for tick in ticks]) > 20.0)
+
+
 def test_axes_have_units_and_the_map_is_drawn_without_braking_points() -> None:
     run = drive()
     run.signals["driver.brake_nm"] = np.zeros(run.time_s.shape)

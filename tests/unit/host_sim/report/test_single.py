@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from hubsim.report import lanes, markup, page, panels, reading, traces
-from hubsim.report.flows import flow_of
+from hubsim.report.flows import differences_j, flow_of
 
 from tests.unit.host_sim.report.documents import Node, read
 from tests.unit.host_sim.report.ideal_vehicle import Run, drive, three
@@ -45,14 +45,12 @@ def test_criteria_are_shown_with_value_limit_and_result() -> None:
     run.summary["criteria"] = CRITERIA
     document = read(page.document([run]))
     found = table(document, "1 of 3 criteria met")
-    assert [text.split() for text in found["As short"]] == [
-        ["m"],
-        ["at", "most", "67.2"],
-        ["54.7", "met"],
-    ]
-    assert found["Slows"][:2] == ["m/s²", "1.5 to 1.75"]
-    assert found["Slows"][2].split() == ["1.25", "not", "met", "too", "late"]
-    assert found["Settles"][2].split() == ["–", "not", "met", "never", "settles"]
+    # In words where the scenario has some, with what is accepted under them.
+    assert [text.split() for text in found["As short as the demand"]] == [["met", "54.7", "m"]]
+    assert found["Slows"][0].split() == ["not", "met", "1.25", "m/s²", "too", "late"]
+    assert found["Settles"][0].split() == ["not", "met", "–", "never", "settles"]
+    meanings = [node.words() for node in document.all("span", "meaning")]
+    assert {"at most 67.2 m", "1.5 to 1.75 m/s²", "at most 0.3 s"} <= set(meanings)
     assert len(document.all("span", "met")) == 1
     assert len(document.all("span", "missed")) == 2
 
@@ -61,11 +59,57 @@ def test_criteria_of_several_runs_are_shown_in_columns_with_their_own_limits() -
     runs = three()
     for place, run in enumerate(runs):
         run.summary["criteria"] = [CRITERIA[0] | {"at_most": 60.0 + place, "value": 50.0 + place}]
-    found = table(read(page.document(runs)), "3 of 3 criteria met")["As short"]
-    assert found[1] == ""
-    assert [cell.split() for cell in found[2:]] == [
-        [str(50 + k), "met", "at", "most", str(60 + k)] for k in range(3)
+    found = table(read(page.document(runs)), "3 of 3 criteria met")["As short as the demand"]
+    assert [cell.split() for cell in found] == [
+        ["met", str(50 + k), "m", "at", "most", str(60 + k), "m"] for k in range(3)
     ]
+
+
+def test_a_criterion_of_reasons_is_told_in_words_and_one_that_does_not_apply_is_not_counted() -> (
+    None
+):
+    run = drive()
+    run.summary["criteria"] = [
+        {"name": "no_fault", "passed": True, "value": 0.0, "at_least": None, "at_most": 0.0,
+         "unit": "", "text": "", "remark": "seen: NONE"},
+        {"name": "says_why", "passed": False, "value": 1.0, "at_least": None, "at_most": 0.0,
+         "unit": "", "text": "", "remark": "missing: ABS; seen: NONE"},
+        {"name": "taken_over", "passed": True, "value": None, "at_least": None, "at_most": None,
+         "unit": "N m", "text": "", "remark": "does not apply: needs a brake", "applies": False},
+    ]  # fmt: skip
+    found = table(read(page.document([run])), "1 of 2 criteria met")
+    assert found["No controller finds a fault"] == ["met"]
+    assert found["The controllers say why"][0].split()[:3] == ["not", "met", "missing:"]
+    assert found["Taken over"] == ["does not apply: needs a brake"]
+
+
+def test_pictures_come_before_criteria() -> None:
+    for runs in ([drive()], three()):
+        for run in runs:
+            run.summary["criteria"] = CRITERIA
+        text = page.document(runs)
+        assert text.index("Energy flow") < text.index("criteria met")
+
+
+def test_a_flow_picture_says_how_it_differs_from_the_best() -> None:
+    """The ideal vehicle's flows, one by one: what is returned less goes where the rest says."""
+    runs = three()
+    found = [flow_of(run) for run in runs]
+    best = max((flow for flow in found if flow is not None), key=lambda flow: flow.returned_j)
+    document = read(page.document(runs))
+    told = [node.words() for node in document.all("p", "difference")]
+    assert len(told) == len(runs)
+    for text, flow in zip(told, found, strict=True):
+        assert flow is not None
+        if flow is best:
+            assert text == "Returns the most of them."
+            continue
+        assert f"Returns {markup.kilojoules(best.returned_j - flow.returned_j)} less than" in text
+        parts = differences_j(flow, best)
+        assert sum(parts.values()) == pytest.approx(
+            best.returned_j - flow.returned_j + flow.work_j - best.work_j,
+            abs=1e-3 * best.work_j,
+        )
 
 
 def test_one_run_is_compared_with_the_ideal_stop_and_not_with_itself() -> None:
