@@ -232,6 +232,59 @@ def _add_date(command: argparse.ArgumentParser) -> None:
     )
 
 
+def _add_fit(command: argparse.ArgumentParser) -> None:
+    """Add the arguments of the loss fit."""
+    command.add_argument(
+        "measurements",
+        type=Path,
+        nargs="+",
+        metavar="FILE.csv",
+        help="columns by heading: tools/regen_table/README.md, Measured losses; several are fitted"
+        " together",
+    )
+    command.add_argument(
+        "--max-speed-rpm",
+        type=_number(0.0, 1e5, "r/min"),
+        metavar="N",
+        help="leave out faster points, where the field is weakened",
+    )
+    command.add_argument(
+        "--inertia-kg-m2",
+        type=_number(1e-9, 1e4, "kg m2"),
+        metavar="J",
+        help="of all that turns in a coast-down",
+    )
+    command.add_argument(
+        "--winding-temperature-c",
+        type=_number(-100.0, 300.0, "degC"),
+        metavar="N",
+        help="of rows without a column of it; default: unknown",
+    )
+    command.add_argument(
+        "--drive",
+        type=drive_file,
+        metavar="DRIVE",
+        help="a TOML file, or the name of one in tools/motors: pole pairs, flux, what else of the"
+        " inverter is known",
+    )
+    command.add_argument(
+        "-o",
+        "--output",
+        type=output_file(".toml"),
+        metavar="FILE.toml",
+        help="keys of [motor] and [inverter], with --drive",
+    )
+    command.add_argument(
+        "--json", type=output_file(".json"), metavar="FILE.json", help="everything that was found"
+    )
+    command.add_argument(
+        "--picture",
+        type=output_file(".svg", ".png"),
+        metavar="FILE.svg",
+        help="losses, residuals and best braking torque, SVG or PNG",
+    )
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="regen_table",
@@ -360,6 +413,11 @@ def _parser() -> argparse.ArgumentParser:
 
     command = add("figures", "draw the figures of the paper for a configuration, SVG and PNG")
     command.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
+
+    text = "loss parameters from a measured map, no-load curve or coast-down"
+    command = commands.add_parser("fit", help=text, description=text[0].upper() + text[1:] + ".")
+    _add_fit(command)
+    command.set_defaults(command="fit")
 
     command = commands.add_parser(
         "calibrate",

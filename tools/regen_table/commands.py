@@ -22,6 +22,8 @@ from regen_table import (
     image,
     installation,
     limited_stop,
+    loss_fit,
+    measured,
     outputs,
     points,
     schema,
@@ -40,6 +42,40 @@ def run_calibrate(options: argparse.Namespace) -> int:
             file=sys.stderr,
         )
     print(calibrate.as_toml(found))
+    return 0
+
+
+def run_fit(options: argparse.Namespace) -> int:
+    """Print the loss parameters of measurements; write them as keys, JSON and picture."""
+    # Matplotlib takes longer to load than all else takes to run.
+    from regen_table import loss_report, plotting  # noqa: PLC0415
+
+    if options.output is not None and options.drive is None:
+        raise ConfigurationError("-o: accepted: together with --drive, of pole pairs and inverter")
+    for path in filter(None, (options.output, options.json, options.picture)):
+        outputs.check_writable(path)
+    drive = None if options.drive is None else schema.load(options.drive)
+    rows = measured.joined(
+        [measured.load(path, options.inertia_kg_m2) for path in options.measurements]
+    )
+    if options.max_speed_rpm is not None:
+        rows = rows.where(rows.speed_rad_s <= options.max_speed_rpm * measured.RPM + 1e-9)
+    known = {} if drive is None else loss_fit.temperature_law(drive)
+    with _about(options.measurements[0]):
+        found = loss_fit.fit(rows, options.winding_temperature_c, **known)
+    files: dict[Path, bytes] = {}
+    if options.output is not None and drive is not None:
+        with _about(options.drive):
+            files[options.output] = loss_report.toml(found, drive).encode()
+    if options.json is not None:
+        content = json.dumps(loss_report.record(found), indent=1, allow_nan=False) + "\n"
+        files[options.json] = content.encode()
+    if options.picture is not None:
+        title = ", ".join(path.stem for path in options.measurements)
+        drawn = plotting.rendered({"": loss_report.figure(found, title)})
+        files[options.picture] = drawn[options.picture.suffix or ".svg"]
+    outputs.write_files(files)
+    print(loss_report.text(found))
     return 0
 
 

@@ -43,27 +43,38 @@ def read_text(path: Path, most_bytes: int, what: str) -> str:
 
 
 def read_table(path: Path, what: str, suits: Callable[[list[str]], bool]) -> dict[str, list[str]]:
-    """Return the columns of a CSV file by their headings, cells as text.
+    """Return the columns of a CSV file by their headings, cells as text."""
+    return read_numbered_table(path, what, suits)[0]
+
+
+def read_numbered_table(
+    path: Path, what: str, suits: Callable[[list[str]], bool]
+) -> tuple[dict[str, list[str]], list[int]]:
+    """Return the columns of a CSV file by their headings, and the line of the file of each row.
 
     Lines that begin with # are comments. Refused are headings that do not suit and a row that is
     too short or too long.
     """
     text = read_text(path, MAX_TABLE_BYTES, what)
-    lines = (line for line in text.splitlines() if line.strip() and not line.startswith("#"))
+    numbered = [
+        (number, line)
+        for number, line in enumerate(text.splitlines(), start=1)
+        if line.strip() and not line.startswith("#")
+    ]
     try:
-        rows = list(csv.reader(lines))
+        rows = list(csv.reader(line for _, line in numbered))
     except csv.Error as error:
         raise ConfigurationError(f"{path}: accepted: {what} ({error})") from error
     heading, body = (rows[0], rows[1:]) if rows else ([], [])
     names = [name.strip() for name in heading]
     if not suits(names):
         raise ConfigurationError(f"{path}: accepted: {what}")
-    for number, row in enumerate(body, start=1):
+    lines = [number for number, _ in numbered[1:]]
+    for number, row in zip(lines, body, strict=False):
         if len(row) != len(names):
             raise ConfigurationError(
-                f"{path}: row {number} has {len(row)} cells and the heading {len(names)}, accepted:"
+                f"{path}:{number}: {len(row)} cells and the heading has {len(names)}, accepted:"
                 f" {what}"
             )
-    return dict(
-        zip(names, map(list, zip(*body, strict=True)) if body else ([] for _ in names), strict=True)
-    )
+    columns: dict[str, list[str]] = {name: [row[k] for row in body] for k, name in enumerate(names)}
+    return columns, lines

@@ -65,6 +65,11 @@ def figure(
     return made, [axes for row in grid for axes in row]
 
 
+def speed_colours(count: int) -> list[tuple[float, ...]]:
+    """Return so many colours, from slow (blue) to fast (red)."""
+    return [mpl.colormaps["turbo"](0.05 + 0.9 * k / max(count - 1, 1)) for k in range(count)]
+
+
 def ticks(most: int) -> MaxNLocator:
     """Return at most so many intervals of 1, 2, 4, 5 or 10 times a power of ten."""
     return MaxNLocator(most, steps=[1, 2, 4, 5, 10])

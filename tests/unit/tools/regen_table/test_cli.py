@@ -197,7 +197,7 @@ def test_stop_inside_the_limits_returns_the_limiting_reason(
         ),
         (["check", str(PAPER), "-o", "/nowhere"], "/nowhere/lu2013.c: missing"),
         (["generate", str(PAPER), "-o", "/proc/nowhere"], "/proc/nowhere: cannot be written"),
-        (["paint"], "argument COMMAND: no 'paint', accepted: generate, check"),
+        (["juggle"], "argument COMMAND: no 'juggle', accepted: generate, check"),
         ([], "the following arguments are required: COMMAND"),
     ],
 )
@@ -349,7 +349,9 @@ def unreadable(tmp_path: Path, kind: str) -> Path:
     return path
 
 
-@pytest.mark.parametrize("command", ["solve", "check", "generate", "calibrate", "cycle", "figures"])
+@pytest.mark.parametrize(
+    "command", ["solve", "check", "generate", "calibrate", "cycle", "figures", "fit"]
+)
 @pytest.mark.parametrize(
     "kind",
     [
@@ -412,7 +414,7 @@ HEAVY = ("numpy", "scipy", "matplotlib", "pydantic", "cffi", "regen_table.comman
 
 @pytest.mark.parametrize(
     "command",
-    ["", "generate", "check", "solve", "evaluate", "stop", "cycle", "figures", "calibrate"],
+    ["", "generate", "check", "solve", "evaluate", "stop", "cycle", "figures", "calibrate", "fit"],
 )
 def test_help_imports_no_slow_library(command: str) -> None:
     code = (
