@@ -29,7 +29,7 @@ from regen_table.errors import ConfigurationError
 from rich.progress import Progress
 
 BEGINS, ENDS = "<!-- from {}.csv: {} -->\n", "<!-- end -->\n"
-FREE = ("workers", "date", "json", "refresh", "page")  # what goes with --refresh and --page
+FREE = ("workers", "date", "json", "refresh", "page", "data")  # what goes with --refresh and --page
 
 Case = TypeVar("Case")
 Outcome = TypeVar("Outcome", bound=DataclassInstance)

@@ -75,8 +75,8 @@ class Losses:
         """Count the points."""
         return len(self.speed_rad_s)
 
-    def where(self, chosen: npt.NDArray[np.bool_]) -> "Losses":
-        """Return some of the points."""
+    def where(self, chosen: npt.NDArray[np.bool_] | npt.NDArray[np.signedinteger]) -> "Losses":
+        """Return some of the points, or all in another order."""
         return Losses(*(getattr(self, field.name)[chosen] for field in fields(self)))
 
     @property
@@ -111,6 +111,13 @@ def load(path: Path, inertia_kg_m2: float | None = None) -> Losses:
         One line: file, line, what is accepted.
     """
     text, lines = inputs.read_numbered_table(path, WHAT, _suits)
+    return from_text(path, text, lines, inertia_kg_m2)
+
+
+def from_text(
+    path: Path, text: dict[str, list[str]], lines: list[int], inertia_kg_m2: float | None = None
+) -> Losses:
+    """Return the losses of columns whose headings are known, with the line of each row."""
     columns = _Columns(path, text, lines)
     if set(COAST_DOWN) == set(text):
         return _of_coast_down(columns, inertia_kg_m2)

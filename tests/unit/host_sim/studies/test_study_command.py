@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 
+import published_maps
 import pytest
 from hubsim.engine import ROOT
 from matplotlib.figure import Figure
@@ -27,6 +28,7 @@ REDUCED = {
     "envelope": (["--count", "4"], "lu2013: 1 of 1 runs with a good sensor"),
     "faults": (["bus_sensor_dead", "--reduced"], "of 1 fault:"),
     "healthy": (["--rides", "8:12"], "lu2013: 1 of 1 rides without"),
+    "measured": (["--data", "DATA"], "torque of most regenerated power at 155 r/min: error 0."),
     "stored_share": (["--count", "4"], "lu2013: 1 of 1 within the tolerance"),
     "total_torque": (["ebike36v", "--only-stops", "--count", "4"], "ebike36v: worst rms"),
 }
@@ -47,6 +49,9 @@ def test_a_study_in_a_reduced_form_holds_and_leaves_table_origin_and_picture(
     name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     options, printed = REDUCED[name]
+    if "DATA" in options:
+        published = published_maps.write_all(tmp_path / "data")
+        options = [str(published) if option == "DATA" else option for option in options]
     arguments = [*options, "--workers", "1", "--date", "2026-01-01", "-o", str(tmp_path / "out")]
     assert command.main([name, *arguments, "--json", str(tmp_path / "all.json")]) == 0
     assert printed in capsys.readouterr().out
