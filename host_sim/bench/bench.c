@@ -76,7 +76,10 @@ static void begin_accounts(bench_t *bench)
     bench->bus_peak_v = bench->bus.voltage_v;
     bench->bus_before_j = bus_stored_j(&bench->params.bus, &bench->bus);
     bench->driver = driver_init();
-    bench->demand_age_s = 0.0;
+    /* Controllers that booted before the run have had demands of a driver with his feet off. */
+    const bool never_sent =
+        bench->params.run.boots_rolling > 0.5 && bench->params.driver.silent > 0.5;
+    bench->demand_age_s = never_sent ? LOST_S : 0.0;
     bench->demand_due_s = 0.0;
     bench->demand_random = random_init((uint64_t)bench->params.run.seed, DEMAND_STREAM);
     bench->period = 0;

@@ -37,6 +37,8 @@ class WheelStatus:
     hydraulic_torque_nm: float | None  # commanded; None also while the wheel hands over
     brake_available_nm: float | None
     drive_available_nm: float | None
+    brake_ahead_nm: float | None  # expected 300 ms later, as the next
+    drive_ahead_nm: float | None
     bus_voltage_v: float | None
     bus_current_a: float | None
     winding_temperature_c: float | None
@@ -50,14 +52,26 @@ class Wheel:
     """One wheel as seen from the bus."""
 
     position: str
+    base: int = can_protocol.BASE
     receivers: dict[str, can_protocol.Receiver] = field(
         default_factory=lambda: {name: can_protocol.Receiver(name) for name in SENT_BY_WHEELS}
     )
     values: dict[str, Mapping[str, float]] = field(default_factory=dict)
 
-    def status(self) -> WheelStatus:
-        """Return what the wheel last said."""
-        now_ms = buses.now_ms()
+    def take(self, identifier: int, data: bytes, now_ms: int) -> None:
+        """Use a frame of this wheel if its protection lets it."""
+        name = can_protocol.message_of(identifier, self.base)
+        if (
+            name in self.receivers
+            and self.receivers[name].receive(identifier, data, now_ms) == "used"
+        ):
+            values = can_protocol.decode(name, data)
+            assert values is not None
+            self.values[name] = values
+
+    def status(self, now_ms: int | None = None) -> WheelStatus:
+        """Return what the wheel last said; ``now_ms`` of another clock than the wall's."""
+        now_ms = buses.now_ms() if now_ms is None else now_ms
         for receiver in self.receivers.values():
             receiver.timed_out(now_ms)
 
@@ -81,6 +95,8 @@ class Wheel:
             else None,
             brake_available_nm=latest("WheelBrake", "electric_brake_available_nm"),
             drive_available_nm=latest("WheelAvailable", "drive_available_nm"),
+            brake_ahead_nm=latest("WheelAhead", "electric_brake_ahead_nm"),
+            drive_ahead_nm=latest("WheelAhead", "drive_ahead_nm"),
             bus_voltage_v=latest("WheelPower", "bus_voltage_v"),
             bus_current_a=latest("WheelPower", "bus_current_a"),
             winding_temperature_c=latest("WheelHealth", "winding_temperature_c"),
@@ -110,7 +126,7 @@ class Vehicle:
     def __init__(self, channel: str = buses.MULTICAST, base: int = can_protocol.BASE) -> None:
         self._base = base
         self._bus = buses.join(channel)
-        self.wheels = [Wheel(position) for position in WHEELS]
+        self.wheels = [Wheel(position, base) for position in WHEELS]
         self.front_left, self.front_right, self.rear_left, self.rear_right = self.wheels
         self._demands: list[dict[str, float]] | None = None
         self._foreign_ms: int | None = None  # when somebody else's demand came last
@@ -196,7 +212,4 @@ class Vehicle:
             self._foreign_ms = buses.now_ms()
         elif name in SENT_BY_WHEELS:
             wheel = self.wheels[identifier & can_protocol.WHEEL_MASK]
-            if wheel.receivers[name].receive(identifier, data, buses.now_ms()) == "used":
-                values = can_protocol.decode(name, data)
-                assert values is not None
-                wheel.values[name] = values
+            wheel.take(identifier, data, buses.now_ms())

@@ -86,6 +86,10 @@ class SimulatedVehicle:
         """Type into a wheel's shell."""
         self._engine.serial_type(wheel, text)
 
+    def set(self, parameter: str, value: float) -> None:
+        """Change a parameter of the simulated world (``hubsim list --parameters``)."""
+        self._engine.set(parameter, value)
+
     def value(self, signal: str) -> float:
         """Return a signal of the simulation (``hubsim list --signals``)."""
         return self._engine.value(signal)
