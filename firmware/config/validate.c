@@ -8,6 +8,7 @@
 #include "config/derived.h"
 #include "config/fields.h"
 #include "core/sqrt3.h"
+#include "physics.h"
 
 _Static_assert(sizeof(config_t) % sizeof(int32_t) == 0, "no padding at the end");
 _Static_assert(offsetof(config_t, crc32) == sizeof(config_t) - sizeof(uint32_t),
@@ -140,15 +141,25 @@ static bool gains_fit(const config_t *c)
            integral_q24 * SQRT3_1E4 / 512 < lowest_unit(c) / 2;
 }
 
-/* And w L I_base at the highest speed below 16. */
+/* A constant per unit of speed at the highest speed, in modulation units at the lowest bus voltage,
+ * below a limit. Electrical speed over its base: 2 pi f / 16 = 392.7 mrad/s for each hertz. */
+static bool fits_at_max_speed(const config_t *c, int64_t constant_q16, int32_t limit)
+{
+    const int64_t speed_1e6 = (int64_t)c->motor.max_speed_mrad_s * c->motor.pole_pairs * 10000000 /
+                              (INT64_C(3927) * c->drive.pwm_frequency_Hz);
+    return constant_q16 * speed_1e6 / 1000000 * SQRT3_1E4 / 2 < limit * lowest_unit(c);
+}
+
+/* w L I_base below 16, w psi below 8. */
 static bool cross_coupling_fits(const config_t *c)
 {
     const config_current_loop_t *loop = &c->current_loop;
-    const int64_t inductance_q16 = larger(loop->inductance_d_pu_q16, loop->inductance_q_pu_q16);
-    /* Electrical speed over its base, 2 pi f / 16 = 392.7 mrad/s for each hertz. */
-    const int64_t speed_1e6 = (int64_t)c->motor.max_speed_mrad_s * c->motor.pole_pairs * 10000000 /
-                              (INT64_C(3927) * c->drive.pwm_frequency_Hz);
-    return inductance_q16 * speed_1e6 / 1000000 * SQRT3_1E4 / 2 < 16 * lowest_unit(c);
+    return fits_at_max_speed(c, larger(loop->inductance_d_pu_q16, loop->inductance_q_pu_q16), 16);
+}
+
+static bool back_emf_fits(const config_t *c)
+{
+    return fits_at_max_speed(c, c->current_loop.flux_pu_q16, 8);
 }
 
 /* k_i / k_p = R T / L of either axis below 1/4: the electrical time constant is longer than four
@@ -229,6 +240,31 @@ static bool flux_left_everywhere(const config_t *c)
     return good;
 }
 
+/* The torque axis reaches half of the largest torque at least, the speed axis half of the largest
+ * speed. */
+static bool map_reaches(const config_t *c)
+{
+    const config_current_map_t *map = &c->current_map;
+    const int64_t torque_mNm =
+        (int64_t)(map->torque_points / 2) * (int64_t)(UINT32_C(1) << map->torque_step_log2);
+    const int64_t speed_mrad_s =
+        (int64_t)(map->speed_points - 1) * (int64_t)(UINT32_C(1) << map->speed_step_log2);
+    return 2 * torque_mNm >= c->motor.max_torque_mNm &&
+           2 * speed_mrad_s >= c->motor.max_speed_mrad_s;
+}
+
+/* Seven eighths of the current at most demagnetise, so that a torque is left at every point. */
+static bool map_within_current(const config_t *c)
+{
+    const int64_t scale = (int64_t)(UINT32_C(1) << c->current_map.lsb_log2);
+    bool good = true;
+    for (int i = 0; i < CONFIG_CURRENT_MAP_POINTS_MAX; i++) {
+        const int64_t size_mA = (int64_t)q_abs(c->current_map.current_d_lsb[i]) * scale;
+        good = good && 8 * size_mA <= 7 * (int64_t)c->motor.max_phase_current_mA;
+    }
+    return good;
+}
+
 typedef struct {
     uint16_t lower_bytes; /* places in config_t */
     uint16_t upper_bytes;
@@ -291,6 +327,7 @@ static const char *broken_in_drive(const config_t *c)
     REQUIRE(gains_fit(c), "current_loop gains fit their formats at battery.undervoltage_trip_mV");
     REQUIRE(cross_coupling_fits(c),
             "current_loop inductances fit their formats at motor.max_speed_mrad_s");
+    REQUIRE(back_emf_fits(c), "current_loop.flux_pu_q16 fits its format at motor.max_speed_mrad_s");
     REQUIRE(time_constants_long_enough(&c->current_loop), "L / R longer than four PWM periods");
     REQUIRE(hall_sectors_in_order(&c->rotor),
             "rotor.edge_turn in forward order, 30 to 90 degrees apart");
@@ -344,6 +381,10 @@ static const char *broken_in_vehicle(const config_t *c)
                     c->current_map.temperature_points <=
                 CONFIG_CURRENT_MAP_POINTS_MAX,
             "current_map.torque_points * speed_points * temperature_points within the table");
+    REQUIRE(map_reaches(c),
+            "current_map reaches half of motor.max_torque_mNm and motor.max_speed_mrad_s");
+    REQUIRE(map_within_current(c),
+            "current_map.current_d_lsb within 7/8 of motor.max_phase_current_mA");
     REQUIRE(flux_left_everywhere(c),
             "current_map.current_d_lsb leaves a quarter of motor.flux_linkage_nWb");
     return NULL;
@@ -371,7 +412,8 @@ static bool derived_hold(const config_t *c, config_result_t *refusal)
 
 static bool relations_hold(const config_t *c, config_result_t *refusal)
 {
-    const char *relation = broken_in_drive(c);
+    const char *relation = physics_broken(c);
+    relation = relation == NULL ? broken_in_drive(c) : relation;
     relation = relation == NULL ? broken_in_battery(c) : relation;
     relation = relation == NULL ? broken_in_vehicle(c) : relation;
     if (relation != NULL) {

@@ -68,6 +68,16 @@ def observer_speed_rad_s(drive: Drive) -> float:
     return uncertain_v / (motor.flux_linkage_wb * motor.pole_pairs)
 
 
+def iron_drag_nm(drive: Drive) -> float:
+    """Torque in N m of the iron loss at the largest speed, without current."""
+    motor, omega = drive.motor, omega_max(drive)
+    if motor.iron_loss_resistance_ohm is None:
+        return 0.0
+    a0, a1 = motor.iron_loss_resistance_ohm
+    current_a = omega * motor.flux_linkage_wb / max(a0 + a1 * omega, 1e-9)
+    return 1.5 * motor.pole_pairs * motor.flux_linkage_wb * current_a
+
+
 def line_emf_v(drive: Drive) -> float:
     """Peak line-to-line back-EMF at the largest speed in V.
 

@@ -15,6 +15,11 @@ from regen_table import derived
 from regen_table.sections import Drive
 
 CAN_BASE_STEP = 32  # config.h: CONFIG_CAN_BASE_STEP
+# Beyond any real drive, and where the firmware's model of the motor leaves its number formats
+# (firmware/config/physics.h).
+SALIENCY_MAX = 16.0
+IRON_RESISTANCES_MAX = 2048.0
+BACK_EMF_PARTS = 32.0
 EMF_TOLERANCE = 0.01  # flux linkage and voltages are not known any better
 
 
@@ -150,6 +155,72 @@ def _iron(drive: Drive) -> Iterator[str]:
         yield (
             "motor.iron_loss_resistance_ohm: [0, 0] would short-circuit the motor, accepted: a0 +"
             " a1 > 0, or no such key for no iron loss"
+        )
+
+
+def _saliency(drive: Drive) -> Iterator[str]:
+    d, q = drive.motor.d_inductance_h, drive.motor.q_inductance_h
+    if not q / SALIENCY_MAX <= d <= q * SALIENCY_MAX:
+        yield (
+            f"motor.q_inductance_h: {q:g} H, accepted: {d / SALIENCY_MAX:.4g} to"
+            f" {d * SALIENCY_MAX:.4g} H, within {SALIENCY_MAX:g} times d_inductance_h = {d:g} H"
+        )
+
+
+def _iron_at_speed(drive: Drive) -> Iterator[str]:
+    """At the largest speed, where the iron branch takes most.
+
+    A part of the current only, and a resistance that the firmware's number format holds.
+    """
+    motor = drive.motor
+    if motor.iron_loss_resistance_ohm is None or sum(motor.iron_loss_resistance_ohm) == 0.0:
+        return
+    omega = derived.omega_max(drive)
+    a0, a1 = motor.iron_loss_resistance_ohm
+    found = a0 + a1 * omega
+    reactance = omega * max(motor.d_inductance_h, motor.q_inductance_h)
+    emf = omega * motor.flux_linkage_wb
+    lowest = max(2.0 * reactance, 2.0 * emf / motor.max_phase_current_a)
+    highest = IRON_RESISTANCES_MAX * drive.battery.max_voltage_v / motor.max_phase_current_a
+    if not lowest <= found <= highest:
+        yield (
+            f"motor.iron_loss_resistance_ohm: [{a0:g}, {a1:g}] make {found:.4g} ohm at"
+            f" max_speed_rpm = {motor.max_speed_rpm:g} r/min, accepted: {lowest:.4g} to"
+            f" {highest:.4g} ohm there, or no such key for no iron loss"
+        )
+
+
+def _drag(drive: Drive) -> Iterator[str]:
+    motor, shaft = drive.motor, drive.motor.max_speed_rpm * math.pi / 30.0
+    friction = motor.friction_torque_nm + motor.viscous_friction_nm_s * shaft
+    iron = derived.iron_drag_nm(drive)
+    made = min(motor.max_torque_nm, derived.largest_torque_nm(drive, motor.max_phase_current_a))
+    if 2.0 * (friction + iron) > made:
+        key = "friction_torque_nm" if friction >= iron else "iron_loss_resistance_ohm"
+        yield (
+            f"motor.{key}: friction of {friction:.4g} N m and iron loss of {iron:.4g} N m at"
+            f" max_speed_rpm = {motor.max_speed_rpm:g} r/min, accepted: together at most"
+            f" {made / 2.0:.4g} N m, half of what max_torque_nm and max_phase_current_a allow"
+        )
+
+
+def _emf_of_surface_magnets(drive: Drive) -> Iterator[str]:
+    motor, omega = drive.motor, derived.omega_max(drive)
+    if motor.type != "spmsm":
+        return
+    hot = 1.0 + (motor.flux_temperature_coefficient_per_k or 0.0) * (
+        motor.max_winding_temperature_c - motor.reference_temperature_c
+    )
+    impedance = max(omega * motor.d_inductance_h, motor.phase_resistance_ohm)
+    drop = impedance * motor.max_phase_current_a
+    most = max(drop, drive.battery.max_voltage_v)
+    found = omega * motor.flux_linkage_wb * hot
+    if BACK_EMF_PARTS * found < most:
+        yield (
+            f"motor.flux_linkage_wb: {motor.flux_linkage_wb:g} Wb make {found:.4g} V at"
+            f" max_speed_rpm = {motor.max_speed_rpm:g} r/min with hot magnets, accepted: at least"
+            f" {most / BACK_EMF_PARTS:.4g} V, 1/{BACK_EMF_PARTS:g} of battery.max_voltage_v and of"
+            f" the drop at max_phase_current_a"
         )
 
 
@@ -506,7 +577,8 @@ def _regeneration(drive: Drive) -> Iterator[str]:
 
 
 _CHECKS: tuple[Callable[[Drive], Iterator[str]], ...] = (
-    _inductances, _iron, _torques, _currents, _battery, _foldback, _derating, _stop_lamp, _hold,
-    _pedals, _trips, _devices, _torque_growth, _grid, _temperatures, _temperature_sensors,
+    _inductances, _saliency, _iron, _iron_at_speed, _drag, _emf_of_surface_magnets, _torques,
+    _currents, _battery, _foldback, _derating, _stop_lamp, _hold, _pedals, _trips, _devices,
+    _torque_growth, _grid, _temperatures, _temperature_sensors,
     _handover, _hall, _hall_hand_over, _encoder, _emf, _regeneration, _identifiers,
 )  # fmt: skip

@@ -101,15 +101,39 @@ void test_maps_must_fit_their_arrays(void)
     assert_relation("regen_map.speed_points * regen_map.temperature_points within the table");
 }
 
+void test_the_map_must_reach_half_of_torque_and_speed(void)
+{
+    config.motor.max_torque_mNm = 2 * 2 << config.current_map.torque_step_log2;
+    config.driver.largest_drive_mNm = config.motor.max_torque_mNm;
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
+    config.motor.max_torque_mNm++;
+    assert_relation("current_map reaches half");
+    config.current_map.speed_step_log2 = 12;
+    assert_relation("current_map reaches half");
+}
+
+/* 75 A: 65.6 A at most demagnetise. */
+void test_d_currents_of_the_map_must_leave_current_for_a_torque(void)
+{
+    config.current_map.lsb_log2 = 1;
+    config.current_map.current_d_lsb[0] = -32767;
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
+    config.current_map.lsb_log2 = 2;
+    config.current_map.current_d_lsb[0] = -16407;
+    assert_relation("current_map.current_d_lsb within 7/8 of motor.max_phase_current_mA");
+}
+
 void test_d_currents_of_the_map_must_leave_a_quarter_of_the_flux(void)
 {
-    /* psi = 20.4 mWb: with L_q - L_d = 0.1 mH, i_d = 153 A cancels three quarters of it. */
+    /* psi = 20.4 mWb: with L_q - L_d = 0.255 mH, i_d = 60 A cancels three quarters of it. */
     config.motor.type = CONFIG_MOTOR_IPMSM;
-    config.motor.q_inductance_nH = config.motor.d_inductance_nH + 100000;
+    config.motor.q_inductance_nH = config.motor.d_inductance_nH + 255000;
+    config.current_loop.bandwidth_Hz = 200; /* so that the gains fit */
     TEST_ASSERT_TRUE(derive(&config));
+    memset(config.current_map.current_d_lsb, 0, sizeof config.current_map.current_d_lsb);
     config.current_map.lsb_log2 = 3;
-    config.current_map.current_d_lsb[CONFIG_CURRENT_MAP_POINTS_MAX - 1] = 153000 / 8;
+    config.current_map.current_d_lsb[CONFIG_CURRENT_MAP_POINTS_MAX - 1] = 60000 / 8;
     TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
-    config.current_map.current_d_lsb[CONFIG_CURRENT_MAP_POINTS_MAX - 1] = 153000 / 8 + 1;
+    config.current_map.current_d_lsb[CONFIG_CURRENT_MAP_POINTS_MAX - 1] = 60000 / 8 + 1;
     assert_relation("current_map.current_d_lsb leaves a quarter of motor.flux_linkage_nWb");
 }

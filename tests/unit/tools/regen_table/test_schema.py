@@ -98,6 +98,45 @@ def test_an_integer_is_accepted_for_a_real_key(change: Change) -> None:
             "motor.iron_loss_resistance_ohm: [0, 0] would short-circuit",
         ),
         (
+            {"motor.type": "ipmsm", "motor.q_inductance_h": 1.3e-3},
+            (
+                "motor.q_inductance_h: 0.0013 H, accepted: 4.75e-06 to 0.001216 H, within 16 times"
+                " d_inductance_h = 7.6e-05 H"
+            ),
+        ),
+        (
+            {"motor.iron_loss_resistance_ohm": [0.0, 2.0]},
+            # 2 ohm s times 640 r/min of 23 pole pairs; 2048 times 58.4 V over 75 A.
+            (
+                "motor.iron_loss_resistance_ohm: [0, 2] make 3083 ohm at max_speed_rpm = 640 r/min,"
+                " accepted: 0.8386 to 1595 ohm there"
+            ),
+        ),
+        (
+            {"motor.iron_loss_resistance_ohm": [0.1, 0.0]},
+            # 31.45 V over half of 75 A.
+            (
+                "motor.iron_loss_resistance_ohm: [0.1, 0] make 0.1 ohm at max_speed_rpm = 640"
+                " r/min, accepted: 0.8386 to 1595 ohm there"
+            ),
+        ),
+        (
+            {"motor.friction_torque_nm": 19.0},
+            # 1.5 23 20.4 mWb 31.45 V / (1.5 + 9.249) ohm of iron loss.
+            (
+                "motor.friction_torque_nm: friction of 19 N m and iron loss of 2.059 N m at"
+                " max_speed_rpm = 640 r/min, accepted: together at most 20 N m"
+            ),
+        ),
+        (
+            {"motor.flux_linkage_wb": 1e-3, "motor.rated_torque_nm": 1.0},
+            # 58.4 V / 32.
+            (
+                "motor.flux_linkage_wb: 0.001 Wb make 1.541 V at max_speed_rpm = 640 r/min with hot"
+                " magnets, accepted: at least 1.825 V"
+            ),
+        ),
+        (
             {"inverter.pwm_frequency_hz": "20000"},
             "inverter.pwm_frequency_hz: '20000' is not accepted",
         ),
