@@ -3,19 +3,18 @@
 
 from functools import lru_cache
 
+from regen_table import installation
 from regen_table.schema import Drive
 
-from hubsim.engine import ROOT
 from hubsim.scenario import overrides
 
 DRIVES = ("lu2013", "ebike36v", "scooter48v", "ipm400v")
 
 
-@lru_cache(maxsize=len(DRIVES))
+@lru_cache(maxsize=16)
 def drive_named(name: str) -> Drive:
-    """Return a drive that comes along."""
-    path = ROOT / "tools" / "motors" / f"{name}.toml"
-    return overrides.load_drive(path, overrides.Overrides())
+    """Return a drive of tools/motors; besides DRIVES there are some more, in its folders."""
+    return overrides.load_drive(installation.drive_file(name), overrides.Overrides())
 
 
 def with_open_circuit_voltage(drive: Drive, open_circuit_v: float) -> Drive:
