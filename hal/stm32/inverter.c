@@ -23,6 +23,7 @@
 #include "registers/iwdg.h"
 #include "registers/rcc.h"
 #include "registers/tim.h"
+#include "stop_timer.h"
 #include "supply.h"
 #include "vectors.h"
 #include "wait.h"
@@ -102,6 +103,7 @@ COLD static void configure_timer(uint32_t dead_time_code)
     TIM1->BDTR = (dead_time_code << TIM_BDTR_DTG_Pos) |
                  (pin_is_wired(BOARD_BREAK) ? TIM_BDTR_BKE : 0U) | OVERCURRENT_BREAK |
                  TIM_BDTR_OSSI | TIM_BDTR_OSSR | ((uint32_t)LOCK_LEVEL_1 << TIM_BDTR_LOCK_Pos);
+    stop_timer_init(top_counts);
     TIM1->EGR = TIM_EGR_UG; /* loads every preload register */
     TIM1->SR = 0;
     DBGMCU->APB2_FZ |=
@@ -200,6 +202,7 @@ static inline bool fault(void)
 static void switch_off(void)
 {
     TIM1->BDTR &= ~(uint32_t)TIM_BDTR_MOE;
+    stop_timer_stop();
 }
 
 /* Compare beyond the top holds the high side on; equal to the top would switch it off for one count
@@ -244,6 +247,9 @@ static void write_equal(uint32_t value)
 /* Whatever is not the usual period of a bridge that is switching. */
 static void change_mode(inverter_mode_t mode, const uint16_t compare_counts[3])
 {
+    if (stop_timer_acted()) {
+        inverter_trip();
+    }
     if (mode < INVERTER_MODE_PWM || mode > INVERTER_MODE_SHORT_HIGH || fault()) {
         switch_off();
         armed = false;
@@ -255,14 +261,20 @@ static void change_mode(inverter_mode_t mode, const uint16_t compare_counts[3])
         write_equal(mode == INVERTER_MODE_SHORT_HIGH ? top_counts + 1U : 0U);
     }
     enable_outputs();
+    if (mode == INVERTER_MODE_PWM && (TIM1->BDTR & TIM_BDTR_MOE) != 0U) {
+        stop_timer_run();
+    } else {
+        stop_timer_stop();
+    }
 }
 
-/* Enabled outputs imply that neither a break nor inverter_trip() has come since, nor a fault of the
- * gate driver: all of them disable the outputs. */
+/* The stop timer runs while a bridge that is on follows compare values. inverter_trip() ends that,
+ * a fault of the gate driver, the timer itself; a break input takes the outputs, which nothing but
+ * change_mode() enables. */
 void inverter_set(inverter_mode_t mode, const uint16_t compare_counts[3])
 {
-    const bool enabled = (TIM1->BDTR & TIM_BDTR_MOE) != 0U;
-    if (mode == INVERTER_MODE_PWM && enabled) {
+    if (mode == INVERTER_MODE_PWM && stop_timer_runs()) {
+        stop_timer_renew();
         write_compare(compare_counts);
     } else {
         change_mode(mode, compare_counts);
@@ -309,6 +321,7 @@ void inverter_clear_fault(void)
     const bool break_released = !pin_is_wired(BOARD_BREAK) || gpio_read(BOARD_BREAK);
     if (driver_ready && break_released && !supply_low()) {
         TIM1->SR = ~BREAK_FLAGS;
+        stop_timer_stop(); /* that a break has left running */
         tripped = false;
         if (faults != driver_faults) { /* one has come since */
             inverter_trip();

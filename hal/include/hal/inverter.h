@@ -10,6 +10,11 @@
  *
  * The hardware break input switches all six switches off by itself, without software, and keeps
  * them off.
+ *
+ * Compare values that nobody renews are a voltage that stands still while the rotor turns on. Where
+ * INVERTER_MODE_PWM is not renewed by inverter_set() for 1.5 periods, a timer of its own switches
+ * all six switches off, without the core, and latches a fault. A short circuit needs no renewal.
+ * Port without such a timer: qemu_mps2; there the caller's own watch is what bounds it.
  */
 #ifndef HAL_INVERTER_H
 #define HAL_INVERTER_H

@@ -29,6 +29,8 @@ typedef struct {
 } tim_registers_t;
 
 #define TIM_CR1_CEN (1U << 0)
+#define TIM_CR1_URS (1U << 2) /* an overflow alone is an update that is requested */
+#define TIM_CR1_OPM (1U << 3) /* stops at an update */
 #define TIM_CR1_DIR (1U << 4)
 #define TIM_CR1_CMS_Pos 5
 #define TIM_CR1_CMS (0x3U << 5)
@@ -37,6 +39,7 @@ typedef struct {
 #define TIM_CR2_MMS (0x7U << 4)
 #define TIM_SMCR_SMS_Pos 0
 #define TIM_SMCR_SMS (0x7U << 0)
+#define TIM_DIER_UDE (1U << 8)
 #define TIM_SR_UIF (1U << 0)
 #define TIM_SR_CC3IF (1U << 3)
 #define TIM_SR_BIF (1U << 7)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* dma.h: DMA controller 1; RM0090 section 10.5. */
+/* dma.h: DMA controllers; RM0090 section 10.5. */
 #ifndef STM32F405_REGISTERS_DMA_H
 #define STM32F405_REGISTERS_DMA_H
 
@@ -23,6 +23,7 @@ typedef struct {
 } dma_registers_t;
 
 #define DMA1 ((dma_registers_t *)0x40026000U)
+#define DMA2 ((dma_registers_t *)0x40026400U)
 
 #define DMA_LIFCR_CFEIF3 (1U << 22)
 #define DMA_LIFCR_CDMEIF3 (1U << 24)
@@ -34,6 +35,10 @@ typedef struct {
 #define DMA_S0CR_DIR (0x3U << 6)
 #define DMA_S0CR_CIRC (1U << 8)
 #define DMA_S0CR_MINC (1U << 10)
+#define DMA_S0CR_PSIZE_Pos 11
+#define DMA_S0CR_PSIZE (0x3U << 11)
+#define DMA_S0CR_MSIZE_Pos 13
+#define DMA_S0CR_MSIZE (0x3U << 13)
 #define DMA_S0CR_CHSEL_Pos 25
 #define DMA_S0CR_CHSEL (0x7U << 25)
 

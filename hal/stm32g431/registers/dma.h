@@ -30,5 +30,9 @@ typedef struct {
 #define DMA_CCR1_DIR (1U << 4)
 #define DMA_CCR1_CIRC (1U << 5)
 #define DMA_CCR1_MINC (1U << 7)
+#define DMA_CCR1_PSIZE_Pos 8
+#define DMA_CCR1_PSIZE (0x3U << 8)
+#define DMA_CCR1_MSIZE_Pos 10
+#define DMA_CCR1_MSIZE (0x3U << 10)
 
 #endif

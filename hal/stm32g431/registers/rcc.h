@@ -90,6 +90,7 @@ typedef struct {
 #define RCC_APB1ENR1_PWREN (1U << 28)
 #define RCC_APB2ENR_SYSCFGEN (1U << 0)
 #define RCC_APB2ENR_TIM1EN (1U << 11)
+#define RCC_APB2ENR_TIM8EN (1U << 13)
 #define RCC_CCIPR_FDCANSEL (0x3U << 24)
 
 #define RCC_CSR_RMVF (1U << 23)

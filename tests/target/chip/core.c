@@ -213,6 +213,7 @@ void chip_reset_by(chip_t *chip, chip_reset_t cause)
     chip_mpu_reset(chip);
     chip_flash_reset(chip);
     chip_timer1_reset(chip);
+    chip_timer8_reset(chip);
     chip_adc_reset(chip);
     chip_can_reset(chip);
     chip_serial_reset(chip);
@@ -232,6 +233,7 @@ static chip_ticks_t next_event(chip_t *chip)
     next = least(next, chip_clocks_next(chip));
     next = least(next, chip_part_next(chip));
     next = least(next, chip_timer1_next(chip));
+    next = least(next, chip_timer8_next(chip));
     next = least(next, chip_adc_next(chip));
     next = least(next, chip_can_next(chip));
     return least(next, chip_serial_next(chip));
@@ -240,6 +242,7 @@ static chip_ticks_t next_event(chip_t *chip)
 static void events(chip_t *chip)
 {
     chip_timer1_events(chip);
+    chip_timer8_events(chip);
     chip_adc_events(chip);
     chip_can_events(chip);
     chip_serial_events(chip);

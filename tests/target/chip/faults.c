@@ -84,12 +84,13 @@ static void supply(chip_faults_t *fault)
 }
 
 /*
- * within_s: the converters' stop is seen after 3 ms without a fast step (app.c), and the
- * supervisor no longer feeds the watchdog; where the wheel's messages do not leave, the brake
- * system takes its own path after 50 ms, and the motor leaves after that path's dead time of at
- * most 50 ms with its lag, three to four of which are 0.3 s, whether a demand still comes or not;
- * the supply detector has the highest priority and ends in the watchdog's reset, as does a crystal
- * that stops.
+ * within_s: the converters' stop ends the renewal of the compare values, and the stop timer takes
+ * the gates 1.5 periods after the last one, within two of the first sample that is missing
+ * (hal/inverter.h); the supervisor no longer feeds the watchdog; where the wheel's messages do not
+ * leave, the brake system takes its own path after 50 ms, and the motor leaves after that path's
+ * dead time of at most 50 ms with its lag, three to four of which are 0.3 s, whether a demand still
+ * comes or not; the supply detector has the highest priority and ends in the watchdog's reset, as
+ * does a crystal that stops.
  *
  * After the watchdog's reset, 50 ms later at most, the fault is still there. Without a crystal the
  * program's sum takes 0.5 s.
@@ -101,7 +102,7 @@ static const fault_case_t FAULTS[] = {
      "clock fault: crystal or PLL did not start"},
     {"TIM1 without its clock at the start", AT_BOOT, timer, 0.0, 0.0, false, REASON_NONE,
      "self-test failed: the PWM timer does not update at the top of its count"},
-    {"converters stop", BRAKING, converter, 0.005, 0.15, true, REASON_PROGRAM_FLOW,
+    {"converters stop", BRAKING, converter, 0.0001, 0.15, true, REASON_PROGRAM_FLOW,
      "started by watchdog"},
     {"CAN bus held dominant", BRAKING, can_bus, 0.4, 0.6, false, REASON_NONE, NULL},
     {"wire from controller to CAN cut", BRAKING, can_wire, 0.4, 0.6, false, REASON_NONE, NULL},

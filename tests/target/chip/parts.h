@@ -164,6 +164,7 @@ struct chip {
     chip_nvic_t nvic;
     chip_mpu_t mpu;
     chip_timer1_t timer1;
+    chip_ticks_t timer8_zero; /* when its count was 0, if it counts */
     chip_converters_t adc;
     chip_can_t can;
     chip_serial_t serial;
@@ -359,6 +360,16 @@ void chip_timer1_events(chip_t *chip);
 /* The counter runs and its outputs are enabled. */
 bool chip_timer1_drives(const chip_t *chip);
 
+/* A clock of the timers at the second peripheral bus. */
+uint32_t chip_timer_ticks(const chip_t *chip);
+
+/* timer8.c */
+void chip_timer8_reset(chip_t *chip);
+bool chip_timer8_write(chip_t *chip, uint32_t address, uint32_t value);
+uint32_t chip_timer8_read(chip_t *chip, uint32_t address);
+chip_ticks_t chip_timer8_next(chip_t *chip);
+void chip_timer8_events(chip_t *chip);
+
 /* converters.c */
 void chip_adc_reset(chip_t *chip);
 bool chip_adc_write(chip_t *chip, uint32_t address, uint32_t value);
@@ -388,6 +399,10 @@ void chip_serial_events(chip_t *chip);
 
 /* dma.c, of both chips and of each */
 void chip_dma_move(chip_t *chip, uint32_t peripheral, uint32_t memory, bool to_memory);
+/* A word from memory. */
+void chip_dma_put_word(chip_t *chip, uint32_t peripheral, uint32_t memory);
+/* The request of TIM8's update. */
+void chip_dma_serve_timer8(chip_t *chip);
 bool chip_dma_write(chip_t *chip, uint32_t address, uint32_t value);
 uint32_t chip_dma_read(chip_t *chip, uint32_t address);
 void chip_dma_serve(chip_t *chip);

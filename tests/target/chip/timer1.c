@@ -6,12 +6,15 @@
 enum { PWM_1 = 6, PWM_2 = 7, TRGO_UPDATE = 2, TRGO_OC4REF = 7, LEGS = 3 };
 static const uint32_t COMPARE[4] = {CHIP_TIM1_CCR1, CHIP_TIM1_CCR2, CHIP_TIM1_CCR3, CHIP_TIM1_CCR4};
 
-static uint32_t clock_ticks(const chip_t *chip)
+uint32_t chip_timer_ticks(const chip_t *chip)
 {
     const uint32_t bus = chip_bus_ticks(chip, CHIP_RCC_CFGR_PPRE2);
-    const uint32_t counter =
-        chip_field(chip, CHIP_RCC_CFGR, CHIP_RCC_CFGR_PPRE2) < 4U ? bus : bus / 2U;
-    return counter * (chip_get(chip, CHIP_TIM1_PSC) + 1U);
+    return chip_field(chip, CHIP_RCC_CFGR, CHIP_RCC_CFGR_PPRE2) < 4U ? bus : bus / 2U;
+}
+
+static uint32_t clock_ticks(const chip_t *chip)
+{
+    return chip_timer_ticks(chip) * (chip_get(chip, CHIP_TIM1_PSC) + 1U);
 }
 
 static uint32_t compare_mode(const chip_t *chip, int channel)

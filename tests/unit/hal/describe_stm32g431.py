@@ -21,7 +21,7 @@ from pathlib import Path
 PERIPHERALS = (
     *("ADC1", "ADC2", "ADC12_COMMON", "COMP", "DAC3", "DBGMCU", "DMA1", "DMAMUX", "EXTI", "FDCAN1"),
     *("FLASH", "GPIOA", "GPIOB", "GPIOC", "GPIOF", "IWDG", "OPAMP", "PWR", "RCC", "SYSCFG", "TIM1"),
-    *("TIM4", "USART2"),
+    *("TIM4", "TIM8", "USART2"),
 )
 FIELD = re.compile(
     r'#\[doc = "Bits? (\d+)(?::(\d+))?[^"]*"\]\s*#\[inline\(always\)\]\s*'

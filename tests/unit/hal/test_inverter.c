@@ -353,6 +353,83 @@ void test_trip_switches_off_at_once_and_is_latched(void)
     TEST_ASSERT_TRUE(inverter_fault());
 }
 
+/* ---- the stop timer ---- */
+
+static void half_periods_without_renewal(int count)
+{
+    for (int n = 0; n < count; n++) {
+        timer1_half_period();
+    }
+}
+
+/* 1.5 periods after the last call, by the timer alone; a call that comes all the same finds a
+ * fault. */
+void test_compare_values_that_are_not_renewed_are_switched_off_and_that_is_latched(void)
+{
+    begin();
+    for (int n = 0; n < 100; n++) {
+        period(INVERTER_MODE_PWM, COMPARE);
+    }
+    assert_pwm(); /* two half periods since the last call */
+    half_periods_without_renewal(1);
+    assert_off();
+    half_periods_without_renewal(100);
+    assert_off();
+    period(INVERTER_MODE_PWM, COMPARE);
+    TEST_ASSERT_TRUE(inverter_fault());
+    period(INVERTER_MODE_PWM, COMPARE);
+    assert_off();
+    period(INVERTER_MODE_OFF, COMPARE);
+    inverter_clear_fault();
+    TEST_ASSERT_FALSE(inverter_fault());
+    period(INVERTER_MODE_PWM, COMPARE);
+    period(INVERTER_MODE_PWM, COMPARE);
+    assert_pwm();
+}
+
+void test_the_timer_runs_from_the_first_compare_values_on(void)
+{
+    begin();
+    period(INVERTER_MODE_PWM, COMPARE);
+    inverter_set(INVERTER_MODE_PWM, COMPARE);
+    half_periods_without_renewal(3);
+    assert_off();
+}
+
+/* Equal compare values are the state that a bridge is to be in without a program. */
+void test_a_short_circuit_is_not_switched_off(void)
+{
+    for (int high = 0; high <= 1; high++) {
+        setUp();
+        begin();
+        const inverter_mode_t mode = high == 1 ? INVERTER_MODE_SHORT_HIGH : INVERTER_MODE_SHORT;
+        period(INVERTER_MODE_PWM, COMPARE);
+        period(INVERTER_MODE_PWM, COMPARE);
+        period(mode, COMPARE);
+        half_periods_without_renewal(100);
+        TEST_ASSERT_BITS_HIGH(TIM_BDTR_MOE, TIM1->BDTR);
+        TEST_ASSERT_FALSE(inverter_fault());
+        period(INVERTER_MODE_PWM, COMPARE);
+        TEST_ASSERT_FALSE(inverter_fault());
+        half_periods_without_renewal(1);
+        assert_off();
+    }
+}
+
+/* While the flash is programmed the core stands still, with the bridge off. */
+void test_a_bridge_that_is_off_needs_no_renewal(void)
+{
+    begin();
+    period(INVERTER_MODE_PWM, COMPARE);
+    period(INVERTER_MODE_OFF, COMPARE);
+    half_periods_without_renewal(100);
+    TEST_ASSERT_FALSE(inverter_fault());
+    period(INVERTER_MODE_PWM, COMPARE);
+    period(INVERTER_MODE_PWM, COMPARE);
+    assert_pwm();
+    TEST_ASSERT_FALSE(inverter_fault());
+}
+
 /* Below 2.7 V the flash cannot be read at this speed; the chip's reset threshold is one volt lower.
  */
 void test_falling_supply_voltage_interrupts_as_a_fault(void)

@@ -7,6 +7,7 @@
 
 #include "board.h"
 #include "modelled_wait.h"
+#include "registers/dma.h"
 #include "registers/rcc.h"
 #include "registers/tim.h"
 
@@ -96,9 +97,37 @@ static void update(void)
     TIM1->SR = timer.flags;
 }
 
+/* Stream 1 writes words to BDTR at the request of TIM8's update, channel 7 (table 43). Which word
+ * is beyond what a pointer of the host could show. */
+static bool transfer_is_set(void)
+{
+    const uint32_t words = 7U << 25 | 2U << 13 | 2U << 11 | 1U << 8 | 1U << 6 | 1U;
+    const dma_stream_t *stream = &DMA2->stream[1];
+    return stream->CR == words && stream->NDTR == 1U &&
+           stream->PAR == (uint32_t)(uintptr_t)&TIM1->BDTR &&
+           (RCC->AHB1ENR & RCC_AHB1ENR_DMA2EN) != 0;
+}
+
+static void count_timer8(uint32_t counts)
+{
+    if ((TIM8->CR1 & TIM_CR1_CEN) == 0 || (RCC->APB2ENR & RCC_APB2ENR_TIM8EN) == 0) {
+        return;
+    }
+    TIM8->CNT += counts;
+    if (TIM8->CNT > TIM8->ARR) {
+        TIM8->CNT -= TIM8->ARR + 1U;
+        TIM8->CR1 &= (TIM8->CR1 & TIM_CR1_OPM) != 0 ? ~(uint32_t)TIM_CR1_CEN : UINT32_MAX;
+        TIM8->SR |= TIM_SR_UIF;
+        if ((TIM8->DIER & TIM_DIER_UDE) != 0 && transfer_is_set()) {
+            TIM1->BDTR &= ~(uint32_t)TIM_BDTR_MOE;
+        }
+    }
+}
+
 void timer1_half_period(void)
 {
     timer1_settle();
+    count_timer8(TIM1->ARR);
     if (timer.break_rises_after > 0) {
         timer.break_rises_after--;
         timer.break_high = timer.break_rises_after == 0;

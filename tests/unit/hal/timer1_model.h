@@ -11,6 +11,8 @@
  *     break      BKIN low with BKE = 1, BKP = 0 sets BIF and clears MOE for as long as it lasts
  *                (17.3.12)
  *     SR         a flag is cleared by writing 0; writing 1 leaves it
+ *     TIM8       counts up with TIM1's clock; its overflow sets UIF and, with UDE = 1 and DMA2's
+ *                stream 1 on for it, clears MOE as the transferred word does (17.4, 10.3)
  *
  * Steps are half periods. Memory does not detect a write, so timer1_settle() computes its effect on
  * SR and MOE.

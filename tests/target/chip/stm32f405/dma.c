@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* DMA1 (RM0090 section 10) with the requests of USART3: bytes, direct mode, one memory. */
+/* DMA1 (RM0090 section 10) with the requests of USART3: bytes, direct mode, one memory. DMA2 with
+ * that of TIM8's update: words, circular. */
 #include "parts.h"
 
 enum { STREAMS = 8, REGISTERS_OF_A_STREAM = 0x18, FLAGS_OF_A_STREAM = 0x3D };
@@ -132,4 +133,24 @@ void chip_dma_serve(chip_t *chip)
             moved = serve(chip, 3, 4) || serve(chip, 4, 7) || moved;
         }
     }
+}
+
+/* Table 43. */
+void chip_dma_serve_timer8(chip_t *chip)
+{
+    enum { CHANNEL = 7, TO_PERIPHERAL = 1, WORD = 2 };
+    const uint32_t control = chip_get(chip, CHIP_DMA2_S1CR);
+    if ((control & CHIP_DMA2_S1CR_EN) == 0 ||
+        chip_field(chip, CHIP_DMA2_S1CR, CHIP_DMA2_S1CR_CHSEL) != CHANNEL) {
+        return;
+    }
+    if (chip_field(chip, CHIP_DMA2_S1CR, CHIP_DMA2_S1CR_DIR) != TO_PERIPHERAL ||
+        chip_field(chip, CHIP_DMA2_S1CR, CHIP_DMA2_S1CR_PSIZE) != WORD ||
+        chip_field(chip, CHIP_DMA2_S1CR, CHIP_DMA2_S1CR_MSIZE) != WORD ||
+        (control & CHIP_DMA2_S1CR_CIRC) == 0 || chip_get(chip, CHIP_DMA2_S1NDTR) != 1U ||
+        chip_field(chip, CHIP_DMA2_S1FCR, CHIP_DMA2_S1FCR_DMDIS) != 0) {
+        chip_note(chip, "DMA2 stream 1: control 0x%08X is not modelled", control);
+        return;
+    }
+    chip_dma_put_word(chip, chip_get(chip, CHIP_DMA2_S1PAR), chip_get(chip, CHIP_DMA2_S1M0AR));
 }

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* DMA1 (RM0440 section 12) and the multiplexer of its requests (13) with those of USART2: bytes. */
+/* DMA1 (RM0440 section 12) and the multiplexer of its requests (13) with those of USART2, bytes,
+ * and with that of TIM8's update, words. */
 #include "parts.h"
 
 enum { CHANNELS = 8, REGISTERS_OF_A_CHANNEL = 0x14, FLAGS_OF_A_CHANNEL = 4 };
-enum { USART2_RX = 26, USART2_TX = 27 }; /* table 91 */
+enum { USART2_RX = 26, USART2_TX = 27, TIM8_UP = 53 }; /* table 91 */
+enum { WORDS = CHIP_DMA1_CCR1_MSIZE / 3 * 2 + CHIP_DMA1_CCR1_PSIZE / 3 * 2 };
 
 static uint32_t of(unsigned channel, uint32_t address_in_1)
 {
@@ -26,8 +28,10 @@ static void write_control(chip_t *chip, unsigned channel, uint32_t value)
         return;
     }
     if (!is_enabled(chip, channel) && (value & CHIP_DMA1_CCR1_EN) != 0) {
-        if ((value & (CHIP_DMA1_CCR1_MSIZE | CHIP_DMA1_CCR1_PSIZE | CHIP_DMA1_CCR1_PINC |
-                      CHIP_DMA1_CCR1_MEM2MEM)) != 0) {
+        const uint32_t sizes = value & (CHIP_DMA1_CCR1_MSIZE | CHIP_DMA1_CCR1_PSIZE);
+        const bool word = sizes == WORDS && (value & CHIP_DMA1_CCR1_DIR) != 0;
+        if ((sizes != 0 && !word) ||
+            (value & (CHIP_DMA1_CCR1_PINC | CHIP_DMA1_CCR1_MEM2MEM)) != 0) {
             chip_note(chip, "DMA1 channel %u: control 0x%08X is not modelled", channel + 1U, value);
         }
         chip->dma.size[channel] = chip_get(chip, of(channel, CHIP_DMA1_CNDTR1));
@@ -82,10 +86,14 @@ static bool serve(chip_t *chip, uint32_t request)
         return false;
     }
     const uint32_t done = chip->dma.size[channel] - *left;
-    chip_dma_move(chip, chip_get(chip, of(channel, CHIP_DMA1_CPAR1)),
-                  chip_get(chip, of(channel, CHIP_DMA1_CMAR1)) +
-                      ((control & CHIP_DMA1_CCR1_MINC) != 0 ? done : 0U),
-                  (control & CHIP_DMA1_CCR1_DIR) == 0);
+    const uint32_t peripheral = chip_get(chip, of(channel, CHIP_DMA1_CPAR1));
+    const uint32_t memory = chip_get(chip, of(channel, CHIP_DMA1_CMAR1)) +
+                            ((control & CHIP_DMA1_CCR1_MINC) != 0 ? done : 0U);
+    if ((control & CHIP_DMA1_CCR1_MSIZE) != 0) {
+        chip_dma_put_word(chip, peripheral, memory);
+    } else {
+        chip_dma_move(chip, peripheral, memory, (control & CHIP_DMA1_CCR1_DIR) == 0);
+    }
     *left -= 1U;
     if (*left == 0) {
         *chip_at(chip, CHIP_DMA1_ISR) |= (CHIP_DMA1_ISR_TCIF1 | CHIP_DMA1_ISR_GIF1)
@@ -107,4 +115,9 @@ void chip_dma_serve(chip_t *chip)
             moved = serve(chip, USART2_TX) || moved;
         }
     }
+}
+
+void chip_dma_serve_timer8(chip_t *chip)
+{
+    (void)serve(chip, TIM8_UP);
 }

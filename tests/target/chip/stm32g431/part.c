@@ -6,6 +6,7 @@
 const chip_route_t CHIP_ROUTES[] = {
     {CHIP_ADC1_ISR, chip_adc_read, chip_adc_write},
     {CHIP_TIM1_CR1, chip_timer1_read, chip_timer1_write},
+    {CHIP_TIM8_CR1, chip_timer8_read, chip_timer8_write},
     {CHIP_GPIOA_MODER, chip_pins_read, chip_pins_write},
     {CHIP_GPIOB_MODER, chip_pins_read, chip_pins_write},
     {CHIP_GPIOC_MODER, chip_pins_read, chip_pins_write},
