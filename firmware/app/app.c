@@ -254,8 +254,9 @@ static void fill_slow_input(slow_input_t *in, const node_command_t *command)
 }
 
 /* Without fast steps the timer repeats the last compare values: a constant voltage vector, in which
- * the turning rotor drives nearly its short-circuit current until the watchdog resets the core. The
- * bridge is therefore switched off here, as the reset would do. */
+ * the turning rotor drives nearly its short-circuit current until the watchdog resets the core. A
+ * port's stop timer ends that within two periods (hal/inverter.h); here the bridge is switched off
+ * whatever it does, as the reset would do, and for good. */
 static void watch_fast_loop(bool has_stepped)
 {
     if (has_stepped) {

@@ -12,7 +12,12 @@
 #include "host/port.h"
 
 /* The compare values are those of the STM32F405. */
-enum { TIMER_Hz = 168000000, DEAD_TIME_MAX_ns = 6000, MILLISECONDS_PER_SECOND = 1000 };
+enum {
+    TIMER_Hz = 168000000,
+    DEAD_TIME_MAX_ns = 6000,
+    MILLISECONDS_PER_SECOND = 1000,
+    STOP_PERIODS = 1
+};
 
 static struct {
     host_plant_t plant;
@@ -27,6 +32,7 @@ static struct {
     bool clock_broken;
     bool sensor_missing;
     bool tripped;
+    uint32_t stale_periods; /* since inverter_set() */
     bool pwm_started;
     bool tick_started;
     bool pwm_period_hangs, millisecond_hangs;
@@ -92,9 +98,20 @@ void host_millisecond(void)
     }
 }
 
+/* 1.5 periods after the last call: between the tops of the first and of the second period without
+ * one. Here it shows at the second. */
+static void watch_stop_timer(void)
+{
+    board.stale_periods++;
+    if (board.mode == INVERTER_MODE_PWM && board.stale_periods > STOP_PERIODS) {
+        inverter_trip();
+    }
+}
+
 void host_pwm_period(void)
 {
     if (board.pwm_started) {
+        watch_stop_timer();
         board.plant.drive(board.plant.context, board.mode, board.compare_counts);
         board.sample = board.plant.sample(board.plant.context);
         if (!board.pwm_period_hangs) {
@@ -149,6 +166,7 @@ void inverter_start(void)
 
 void inverter_set(inverter_mode_t mode, const uint16_t compare_counts[3])
 {
+    board.stale_periods = 0;
     board.mode = inverter_fault() ? INVERTER_MODE_OFF : mode;
     memcpy(board.compare_counts, compare_counts, sizeof board.compare_counts);
 }

@@ -174,21 +174,28 @@ static fast_output_t within_period(const config_t *config, fast_output_t out)
     return out;
 }
 
+/* Latched. */
+static bool is_stopped(const injection_t *state)
+{
+    return state->fast_missing >= INJECTION_STOPPED_PERIODS ||
+           state->fast_missing_ms >= INJECTION_FAST_STOPPED_MS;
+}
+
 void injection_fast(const fault_params_t *p, injection_t *state, const injection_target_t *target,
                     const fast_input_t *in, fast_output_t *next)
 {
     if (state->in_reset) {
         const fast_output_t off = {.compare_counts = {0, 0, 0}, .bridge = BRIDGE_OFF};
         *next = off;
+        state->fast_missing = 0;
         return;
     }
-    if (state->fast_missing_ms >= INJECTION_FAST_STOPPED_MS) {
-        next->bridge = BRIDGE_OFF;
+    if (p->fast_stopped > ON || is_stopped(state)) {
+        state->fast_missing += next->bridge == BRIDGE_PWM ? 1 : 0;
+        next->bridge = is_stopped(state) ? BRIDGE_OFF : next->bridge;
         return;
     }
-    if (p->fast_stopped > ON) {
-        return;
-    }
+    state->fast_missing = 0;
     controller_fast_t *fast = &target->controller->fast;
     fast_output_t newest = *controller_fast_step(fast, target->config, target->to_fast, in);
     if (p->fast_doubled > ON) {

@@ -159,6 +159,32 @@ void test_fault_keeps_the_bridge_off_until_cause_is_gone_and_fault_cleared(void)
     TEST_ASSERT_EQUAL_INT(INVERTER_MODE_OFF, plant.mode);
 }
 
+/* Two tops after the last call it is off, and stays so. */
+void test_a_bridge_whose_interrupt_hangs_is_off_two_periods_later(void)
+{
+    start(20000);
+    inverter_start();
+    for (int n = 0; n < 10; n++) {
+        host_step();
+        TEST_ASSERT_FALSE(inverter_fault());
+    }
+    TEST_ASSERT_EQUAL_INT(INVERTER_MODE_PWM, plant.mode);
+    host_hang(true, false);
+    host_step();
+    TEST_ASSERT_EQUAL_INT(INVERTER_MODE_PWM, plant.mode); /* what was computed for this period */
+    host_step();
+    TEST_ASSERT_EQUAL_INT(INVERTER_MODE_OFF, plant.mode);
+    host_hang(false, false);
+    host_step();
+    host_step();
+    TEST_ASSERT_EQUAL_INT(INVERTER_MODE_OFF, plant.mode);
+    TEST_ASSERT_TRUE(inverter_fault());
+    inverter_clear_fault();
+    host_step();
+    host_step();
+    TEST_ASSERT_EQUAL_INT(INVERTER_MODE_PWM, plant.mode);
+}
+
 void test_settings_outside_the_range_of_every_port_are_refused(void)
 {
     inverter_settings_t settings = {

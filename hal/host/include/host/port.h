@@ -75,7 +75,7 @@ void host_pwm_period(void);
 void host_millisecond(void);
 
 /* From now on the handler of an interrupt is not entered, the timers go on: the bridge keeps its
- * last compare values. */
+ * last compare values until the stop timer takes it. */
 void host_hang(bool pwm_period, bool millisecond);
 
 /* The vehicle's side of CAN. A frame whose identifier is not accepted, or for which the queue is

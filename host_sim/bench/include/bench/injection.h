@@ -26,7 +26,10 @@
 enum {
     INJECTION_WATCHDOG_MS = 25,
     INJECTION_SLOW_STOPPED_MS = 5, /* the application names a slow loop that stands still */
-    INJECTION_FAST_STOPPED_MS = 3, /* it switches a bridge off that no fast step serves */
+    /* Without a fast step a port's stop timer switches a switching bridge off, within a period
+     * less than this; the application any. */
+    INJECTION_STOPPED_PERIODS = 2,
+    INJECTION_FAST_STOPPED_MS = 3,
     INJECTION_MESSAGES_LOST_MS = 50,
     INJECTION_LATE_MS_MAX = 1000
 };
@@ -35,11 +38,12 @@ enum {
 typedef struct {
     bool has_restarted, has_flipped, has_late;
     bool in_reset;
-    int reset_ms;        /* left of a restart that takes its time */
-    bool memory_damaged; /* found by the background */
-    int unfed_ms;        /* since the watchdog was fed */
-    int silent_ms;       /* since the slow step made a message */
-    int fast_missing_ms; /* since a fast step; the bridge stays off until the restart */
+    int reset_ms;                      /* left of a restart that takes its time */
+    bool memory_damaged;               /* found by the background */
+    int unfed_ms;                      /* since the watchdog was fed */
+    int silent_ms;                     /* since the slow step made a message */
+    int fast_missing_ms, fast_missing; /* since a fast step, milliseconds and PWM periods; the
+                                          bridge stays off until the restart */
     fast_setpoint_t late_setpoint;
     fast_output_t late_output;
     double commands_nm[INJECTION_LATE_MS_MAX + 1]; /* to the hydraulic brake */
