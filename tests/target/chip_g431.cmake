@@ -44,6 +44,8 @@ function(planted_g431 name folder file old new finds program)
     set(source hal/stm32/serial.c)
   elseif(file STREQUAL "protected.h")
     set(source hal/stm32/startup.c)
+  elseif(file STREQUAL "stop_route.h")
+    set(source hal/stm32/stop_timer.c)
   endif()
   planted_image(${name} stm32g431 ${folder} ${file} "${old}" "${new}" ${source})
   chip_finds(chip_g431_finds_${name} "$<TARGET_FILE:planted_${name}>" "${finds}" target
@@ -94,6 +96,8 @@ function(chip_g431_planted_tests)
     "clock fault: crystal or PLL did not start" ${stop})
   planted_g431(full_frequency_at_once ${own} clock.c "<< RCC_CFGR_HPRE_Pos |" "* 0U |"
     "the core's clock steps from 16 to 170 MHz" ${stop})
+  planted_g431(a_stop_of_another_request ${own} stop_route.h "STOP_REQUEST = 53"
+    "STOP_REQUEST = 52" "the torque goes in time and stays away" chip_faults_g431)
   planted_g431(a_wrong_can_filter ${own} can.c "27 | first << 16" "27 | first << 15"
     "comes to RUN" ${stop})
   planted_g431(a_wrong_can_bit_rate ${own} can.c "(PRESCALER - 1)" "PRESCALER"

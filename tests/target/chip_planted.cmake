@@ -13,6 +13,8 @@ function(planted name file old new finds)
   set(source "")
   if(file STREQUAL "serial_line.h")
     set(source hal/stm32/serial.c)
+  elseif(file STREQUAL "stop_route.h")
+    set(source hal/stm32/stop_timer.c)
   elseif(file STREQUAL "can_places.h")
     set(source hal/stm32f405/can.c)
   endif()
@@ -20,7 +22,7 @@ function(planted name file old new finds)
   set(program chip_test stop)
   if(file STREQUAL "gate_driver.c" OR name STREQUAL "a_line_that_does_not_receive")
     set(program chip_test driver)
-  elseif(name MATCHES "crystal")
+  elseif(name MATCHES "crystal|stop")
     set(program chip_faults)
   elseif(name MATCHES "frames")
     set(program chip_load)
@@ -73,6 +75,10 @@ planted(too_few_wait_states clock.c "FLASH_WAIT_STATES = 5" "FLASH_WAIT_STATES =
   "flash read at 168 MHz with 2 of 5 wait states")
 planted(a_crystal_that_is_not_watched clock.c "RCC->CR |=
             RCC_CR_CSSON;" ""
+  "the torque goes in time and stays away" full)
+planted(a_stop_of_another_channel stop_route.h "STOP_CHANNEL = 7" "STOP_CHANNEL = 6"
+  "the torque goes in time and stays away")
+planted(a_stop_that_is_not_requested stop_timer.c "TIM8->DIER = TIM_DIER_UDE;" ""
   "the torque goes in time and stays away" full)
 planted(a_wrong_can_filter can.c "<< 5; /*" "<< 4; /*" "comes to RUN")
 planted(frames_in_the_order_of_their_requests can.c "CAN_MCR_ABOM;" "CAN_MCR_ABOM | (1U << 2);"

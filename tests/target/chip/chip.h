@@ -87,6 +87,7 @@ typedef struct {
     bool pll_does_not_lock;
     bool converter_stuck;   /* injected conversions never end */
     bool timer_stuck;       /* TIM1 has no clock */
+    bool core_stuck;        /* it executes nothing, until a reset and after it */
     bool can_silent;        /* the bus is held dominant: nothing is received or sent */
     bool can_mute;          /* the wire from the controller to the bus is cut: it only receives */
     bool gate_driver_fault; /* the driver's supply is low: it pulls its fault line, all gates low */

@@ -291,12 +291,14 @@ static void run_until(chip_t *chip, chip_ticks_t end, bool stops_at_sample)
         chip_part_watch(chip);
         chip_pins_watch(chip);
         const unsigned exception = chip_exception_due(chip);
-        if (exception != 0) {
+        if (exception != 0 && !chip->fault.core_stuck) {
             chip_exception_enter(chip, exception);
         }
         chip->needs_attention = chip_exception_waits(chip);
         chip->deadline = least(next_event(chip), end);
-        if (chip->now < chip->deadline) {
+        if (chip->fault.core_stuck) {
+            chip->now = chip->deadline > chip->now ? chip->deadline : chip->now;
+        } else if (chip->now < chip->deadline) {
             execute(chip);
         }
         events(chip);

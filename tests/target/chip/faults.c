@@ -57,6 +57,11 @@ static void converter(chip_faults_t *fault)
     fault->converter_stuck = true;
 }
 
+static void core(chip_faults_t *fault)
+{
+    fault->core_stuck = true;
+}
+
 static void can_bus(chip_faults_t *fault)
 {
     fault->can_silent = true;
@@ -86,7 +91,8 @@ static void supply(chip_faults_t *fault)
 /*
  * within_s: the converters' stop ends the renewal of the compare values, and the stop timer takes
  * the gates 1.5 periods after the last one, within two of the first sample that is missing
- * (hal/inverter.h); the supervisor no longer feeds the watchdog; where the wheel's messages do not
+ * (hal/inverter.h); the supervisor no longer feeds the watchdog; a core
+ * that executes nothing is the same to them; where the wheel's messages do not
  * leave, the brake system takes its own path after 50 ms, and the motor leaves after that path's
  * dead time of at most 50 ms with its lag, three to four of which are 0.3 s, whether a demand still
  * comes or not; the supply detector has the highest priority and ends in the watchdog's reset, as
@@ -104,6 +110,7 @@ static const fault_case_t FAULTS[] = {
      "self-test failed: the PWM timer does not update at the top of its count"},
     {"converters stop", BRAKING, converter, 0.0001, 0.15, true, REASON_PROGRAM_FLOW,
      "started by watchdog"},
+    {"core executes nothing", BRAKING, core, 0.0001, 0.15, true, REASON_NONE, NULL},
     {"CAN bus held dominant", BRAKING, can_bus, 0.4, 0.6, false, REASON_NONE, NULL},
     {"wire from controller to CAN cut", BRAKING, can_wire, 0.4, 0.6, false, REASON_NONE, NULL},
     {"a node babbles before all of the wheel's messages", BRAKING, babbling_node, 0.4, 0.6, false,
