@@ -396,7 +396,7 @@ def _covariance(solution: _Solution, points: Losses, rows: Rows, left: Array) ->
 
 def _confounded(found: Fit) -> list[CannotTell]:
     """Return the pairs whose estimates move together, and what is not determined at all."""
-    told = []
+    left_open = []
     deviations = found.deviations
     for one, other in combinations(found.fitted, 2):
         if deviations[one] > 0.0 and deviations[other] > 0.0:
@@ -404,27 +404,27 @@ def _confounded(found: Fit) -> list[CannotTell]:
             if abs(ratio) >= CORRELATED:
                 names = NAMES[one], NAMES[other]
                 text = f"{names[0]} and {names[1]} move together (correlation {ratio:+.2f})"
-                told.append(CannotTell(names, text))
+                left_open.append(CannotTell(names, text))
     for k in found.fitted:
         if deviations[k] > UNDETERMINED * found.values[k]:
             text = f"{NAMES[k]} is not determined: {found.values[k]:.3g} +- {deviations[k]:.2g}"
-            told.append(CannotTell((NAMES[k],), text))
-    return told
+            left_open.append(CannotTell((NAMES[k],), text))
+    return left_open
 
 
 def _by_nature(found: Fit) -> list[CannotTell]:
     """Return what no measurement of this kind can tell, however exact."""
-    told = []
+    left_open = []
     fitted, points = set(found.fitted), found.points
     if COPPER in fitted:
-        told.append(
+        left_open.append(
             CannotTell(
                 ("phase_resistance_ohm", "switch_resistance_ohm"),
                 "resistance of winding and of switches: both losses grow with the current's square",
             )
         )
         if found.torque_per_ampere is None:
-            told.append(
+            left_open.append(
                 CannotTell(
                     ("phase_resistance_ohm", "flux_linkage_wb"),
                     "resistance and flux linkage: without current_a only resistance over the"
@@ -432,7 +432,7 @@ def _by_nature(found: Fit) -> list[CannotTell]:
                 )
             )
         if not found.temperature_known:
-            told.append(
+            left_open.append(
                 CannotTell(
                     ("phase_resistance_ohm", "winding_temperature_c"),
                     "the winding's temperature: the copper loss holds for the unknown one of these"
@@ -440,7 +440,7 @@ def _by_nature(found: Fit) -> list[CannotTell]:
                 )
             )
         if not np.any(points.torque_nm < 0.0):
-            told.append(
+            left_open.append(
                 CannotTell(
                     (NAMES[COPPER],),
                     "no row brakes: that the winding is as warm while braking, and the torque per"
@@ -448,27 +448,27 @@ def _by_nature(found: Fit) -> list[CannotTell]:
                 )
             )
     if GROWTH in fitted:
-        told.append(
+        left_open.append(
             CannotTell(
                 ("torque_per_ampere", "winding_temperature_c"),
                 "why the copper loss grows faster than the torque's square: torque per ampere that"
                 " falls, or a winding that was warmer at large torque",
             )
         )
-    told.append(
+    left_open.append(
         CannotTell(
             ("hysteresis", "friction_torque_nm"),
             "hysteresis and Coulomb friction: both are a drag that does not depend on speed",
         )
     )
     if SLOPE in fitted:
-        told.append(
+        left_open.append(
             CannotTell(
                 ("iron_loss_resistance_ohm", "viscous_friction_nm_s"),
                 "eddy currents and viscous friction: both drags grow with speed",
             )
         )
-    return told
+    return left_open
 
 
 @dataclass(frozen=True)

@@ -64,7 +64,7 @@ def record(found: Fit) -> dict[str, Any]:
         "residual_of_shaft_power": _quantiles(residual_shaft_shares(found)),
         "winding_temperature_known": found.temperature_known,
         "best_braking": [asdict(best) for best in _optima(found)],
-        "cannot_tell": [asdict(told) for told in found.cannot_tell],
+        "cannot_tell": [asdict(point) for point in found.cannot_tell],
         "rows": [
             {
                 "speed_rpm": float(speed) / RPM,
@@ -139,7 +139,7 @@ def text(found: Fit) -> str:
         + ("" if best.torque_nm <= max(-least, most) else ", beyond the torques measured")
         for best in _optima(found)
     ]
-    return "\n".join([*lines, *(f"cannot tell: {told.text}" for told in found.cannot_tell)])
+    return "\n".join([*lines, *(f"cannot tell: {point.text}" for point in found.cannot_tell)])
 
 
 def toml(found: Fit, drive: Drive) -> str:
@@ -178,9 +178,9 @@ def toml(found: Fit, drive: Drive) -> str:
     motor += _drag_lines(found, per_ampere, pairs)
     if INVERTER in found.fitted:
         inverter = _switching_lines(found, drive, per_ampere)
-    told = [f"# cannot tell: {told.text}" for told in found.cannot_tell]
+    comments = [f"# cannot tell: {point.text}" for point in found.cannot_tell]
     sections = [["[motor]", *motor], ["[inverter]", *inverter] if inverter else []]
-    return "\n\n".join("\n".join(part) for part in (told, *sections) if part) + "\n"
+    return "\n\n".join("\n".join(part) for part in (comments, *sections) if part) + "\n"
 
 
 def _copper(found: Fit) -> tuple[float, float, str]:

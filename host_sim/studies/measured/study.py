@@ -104,8 +104,8 @@ COPPER = "copper loss while braking over driving"
 EQUAL_LOSS = "loss while braking over driving, equal torque"
 MIRRORED = "torque of most power, driving loss as measured"
 STEP = "torque of a step of current, last over first"
-HELD_OUT_MEDIAN = "error of the loss at the other speeds, median"
-HELD_OUT_PERCENTILE = "error of the loss at the other speeds, 90th percentile"
+CROSS_MEDIAN = "error of the loss at the other speeds, median"
+CROSS_PERCENTILE = "error of the loss at the other speeds, 90th percentile"
 FLUX_TORQUE = "torque of constant inductances at {:g} N m"
 RECIPROCITY = "difference of the cross inductances"
 RATED = "torque of 30 A rms"
@@ -244,7 +244,7 @@ def _step(case: Case) -> tuple[str, float, float, float]:
 
 
 @functools.cache
-def held_out(data: str) -> Rows:
+def cross_validation(data: str) -> Rows:
     """Return the errors at every second speed of the fit to the others, of the shaft power."""
     points = maps.efficiency_map(maps.OTHER_DRIVING.under(Path(data)), False, FASTEST_RPM)
     rpm = np.round(points.speed_rad_s / RPM)
@@ -255,12 +255,17 @@ def held_out(data: str) -> Rows:
     return np.abs((loss - rest.loss_w) / rest.shaft_power_w)
 
 
-def _held_out_median(case: Case) -> tuple[str, float, float, float]:
-    return "of shaft power", math.nan, math.nan, float(np.median(held_out(case.data)))
+def _cross_median(case: Case) -> tuple[str, float, float, float]:
+    return "of shaft power", math.nan, math.nan, float(np.median(cross_validation(case.data)))
 
 
-def _held_out_percentile(case: Case) -> tuple[str, float, float, float]:
-    return "of shaft power", math.nan, math.nan, float(np.percentile(held_out(case.data), 90.0))
+def _cross_percentile(case: Case) -> tuple[str, float, float, float]:
+    return (
+        "of shaft power",
+        math.nan,
+        math.nan,
+        float(np.percentile(cross_validation(case.data), 90.0)),
+    )
 
 
 def _flux_torque(wanted_nm: float) -> Callable[[Case], tuple[str, float, float, float]]:
@@ -310,8 +315,8 @@ COMPARISONS: dict[str, Callable[[Case], tuple[str, float, float, float]]] = {
     EQUAL_LOSS: _equal_loss,
     MIRRORED: _mirrored,
     STEP: _step,
-    HELD_OUT_MEDIAN: _held_out_median,
-    HELD_OUT_PERCENTILE: _held_out_percentile,
+    CROSS_MEDIAN: _cross_median,
+    CROSS_PERCENTILE: _cross_percentile,
     **{FLUX_TORQUE.format(torque): _flux_torque(torque) for torque in FLUX_TORQUES_NM},
     RECIPROCITY: _reciprocity,
     RATED: _rated,
@@ -343,7 +348,7 @@ def listed(data: str) -> list[Case]:
     found += [wheel("nothing", MIRRORED, rpm) for rpm in OPTIMUM_RPM]
     found.append(wheel("nothing", STEP, SPEEDS_RPM[0]))
     half = "every second speed"
-    found += [Case(data, OTHER, half, name) for name in (HELD_OUT_MEDIAN, HELD_OUT_PERCENTILE)]
+    found += [Case(data, OTHER, half, name) for name in (CROSS_MEDIAN, CROSS_PERCENTILE)]
     constants = "magnet flux and two inductances"
     found += [Case(data, FLUX, constants, FLUX_TORQUE.format(t)) for t in FLUX_TORQUES_NM]
     found.append(Case(data, FLUX, "nothing", RECIPROCITY))

@@ -79,11 +79,11 @@ def test_a_motor_of_the_model_s_own_form_is_predicted_but_for_its_warmer_winding
     factor = the(found, measured.COPPER, measured.ALONE)
     assert factor.measured == pytest.approx(published.WARMER, abs=0.005)
     for rpm in (80.0, 155.0):
-        reach = (RPM * rpm - published.INVERTER) / (2.0 * published.COPPER)
+        margin = (RPM * rpm - published.INVERTER) / (2.0 * published.COPPER)
         alone = the(found, measured.BEST_TORQUE, measured.ALONE, rpm)
         right = the(found, measured.BEST_TORQUE, measured.FACTOR, rpm)
-        assert alone.predicted == pytest.approx(reach + published.DRAG_NM, rel=5e-3)
-        warm = reach / published.WARMER + published.DRAG_NM
+        assert alone.predicted == pytest.approx(margin + published.DRAG_NM, rel=5e-3)
+        warm = margin / published.WARMER + published.DRAG_NM
         assert right.predicted == pytest.approx(warm, rel=5e-3)
         assert right.measured == pytest.approx(warm, rel=5e-3)
         assert 0.08 < alone.error < 0.13

@@ -83,7 +83,7 @@ def losses(
 
 
 def named(found: loss_fit.Fit) -> set[frozenset[str]]:
-    return {frozenset(told.parameters) for told in found.cannot_tell}
+    return {frozenset(point.parameters) for point in found.cannot_tell}
 
 
 def written(path: Path, heading: str, rows: Sequence[Sequence[float]]) -> Path:
@@ -195,7 +195,7 @@ def test_nearly_confounded_parameters_are_named_with_their_correlation() -> None
     noise = np.random.default_rng(2).normal(0.0, 0.01, 8 * 5)
     found = loss_fit.fit(losses(Truth(), torques_nm=(20.0, 21.0, 22.0, 23.0, 24.0), noise=noise))
     assert frozenset({"copper_w_per_nm2", "inverter_w_per_nm"}) in named(found)
-    assert any("correlation -" in told.text for told in found.cannot_tell)
+    assert any("correlation -" in point.text for point in found.cannot_tell)
 
 
 def test_a_no_load_curve_holds_the_drag_and_says_that_it_holds_no_copper(tmp_path: Path) -> None:
@@ -307,11 +307,11 @@ def test_best_braking_is_the_closed_form_of_a_quadratic_loss(rpm: float) -> None
     """x Omega - copper x^2 - inverter x is largest at x = (Omega - inverter)/(2 copper)."""
     truth = Truth()
     best = loss_fit.best_braking(loss_fit.fit(losses(truth)), rpm)
-    reach = RPM * rpm - truth.inverter
+    margin = RPM * rpm - truth.inverter
     assert best.torque_nm == pytest.approx(
-        reach / (2.0 * truth.copper) + truth.drag(RPM * rpm), rel=1e-4
+        margin / (2.0 * truth.copper) + truth.drag(RPM * rpm), rel=1e-4
     )
-    assert best.power_w == pytest.approx(reach**2 / (4.0 * truth.copper), rel=1e-4)
+    assert best.power_w == pytest.approx(margin**2 / (4.0 * truth.copper), rel=1e-4)
 
 
 def test_best_braking_of_a_growing_loss_is_its_minimum() -> None:
