@@ -285,6 +285,39 @@ def _add_fit(command: argparse.ArgumentParser) -> None:
     )
 
 
+def _add_flux(command: argparse.ArgumentParser) -> None:
+    """Add the arguments of the flux map."""
+    command.add_argument(
+        "map",
+        type=Path,
+        metavar="MAP",
+        help="CSV or Parquet with i_d_a, i_q_a, psi_d_wb, psi_q_wb, or NPZ, as motulator's",
+    )
+    command.add_argument(
+        "--pole-pairs", type=_number(1.0, 60.0, "(a whole number)"), required=True, metavar="N"
+    )
+    command.add_argument(
+        "--torque-nm",
+        type=_number(1e-3, 2e4, "N m"),
+        metavar="T",
+        help="where the constants make the torque exact; default: half the map's largest",
+    )
+    command.add_argument(
+        "--max-current-a",
+        type=_number(0.1, 3000.0, "A"),
+        metavar="I",
+        help="peak phase current that the map must hold in every direction",
+    )
+    command.add_argument(
+        "-o",
+        "--output",
+        type=output_file(".toml"),
+        metavar="FILE.toml",
+        help="flux linkage and inductances as keys of [motor]",
+    )
+    command.add_argument("--json", type=output_file(".json"), metavar="FILE.json")
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="regen_table",
@@ -414,10 +447,13 @@ def _parser() -> argparse.ArgumentParser:
     command = add("figures", "draw the figures of the paper for a configuration, SVG and PNG")
     command.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
 
-    text = "loss parameters from a measured map, no-load curve or coast-down"
-    command = commands.add_parser("fit", help=text, description=text[0].upper() + text[1:] + ".")
-    _add_fit(command)
-    command.set_defaults(command="fit")
+    for name, text, add_arguments in (
+        ("fit", "loss parameters from a measured map, no-load curve or coast-down", _add_fit),
+        ("flux", "check a flux map, and the constants that stand for it at a torque", _add_flux),
+    ):
+        command = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
+        add_arguments(command)
+        command.set_defaults(command=name)
 
     command = commands.add_parser(
         "calibrate",

@@ -9,6 +9,7 @@ import argparse
 import json
 import sys
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,8 @@ from regen_table import (
     DYNAMIC,
     STRATEGIES,
     calibrate,
+    flux_files,
+    flux_map,
     generate,
     ideal,
     ideal_cycles,
@@ -76,6 +79,32 @@ def run_fit(options: argparse.Namespace) -> int:
         files[options.picture] = drawn[options.picture.suffix or ".svg"]
     outputs.write_files(files)
     print(loss_report.text(found))
+    return 0
+
+
+def run_flux(options: argparse.Namespace) -> int:
+    """Check a flux map; print and write the constants that make a torque exact."""
+    pairs = round(options.pole_pairs)
+    for path in filter(None, (options.output, options.json)):
+        outputs.check_writable(path)
+    found, checks = flux_files.load(options.map)
+    with _about(options.map):
+        if options.max_current_a is not None:
+            flux_map.refuse_short(found, options.max_current_a)
+        chosen = flux_map.constants(found, pairs, options.torque_nm)
+    errors = flux_map.torque_errors(found, chosen, pairs)
+    files: dict[Path, bytes] = {}
+    if options.output is not None:
+        files[options.output] = flux_map.toml(chosen).encode()
+    if options.json is not None:
+        content = {
+            "checks": asdict(checks),
+            "constants": asdict(chosen),
+            "torque_errors": [asdict(error) for error in errors],
+        }
+        files[options.json] = (json.dumps(content, indent=1, allow_nan=False) + "\n").encode()
+    outputs.write_files(files)
+    print(flux_map.text(found, checks, chosen, errors))
     return 0
 
 

@@ -21,8 +21,9 @@ from hubsim.errors import HubsimError
 from hubsim.sweep.drives import drive_named
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from regen_table import loss_fit, measured, plotting
+from regen_table import flux_files, loss_fit, measured, plotting
 from regen_table.cli import Parser
+from regen_table.flux_map import Checks, FluxMap
 from regen_table.loss_fit import Fit
 from regen_table.measured import RPM, Losses
 from studies.common import Study, markdown, percent
@@ -268,23 +269,27 @@ def _cross_percentile(case: Case) -> tuple[str, float, float, float]:
     )
 
 
+@functools.cache
+def flux_map(data: str) -> tuple[FluxMap, Checks]:
+    """Return the flux map, and what its reading checked."""
+    return flux_files.load(maps.FLUX_MAP.under(Path(data)))
+
+
 def _flux_torque(wanted_nm: float) -> Callable[[Case], tuple[str, float, float, float]]:
     def compared(case: Case) -> tuple[str, float, float, float]:
         """Least current for the torque with constants; the map's torque at these currents."""
-        flux = maps.flux_map(maps.FLUX_MAP.under(Path(case.data)))
+        found = flux_map(case.data)[0]
         i_d = np.linspace(-18.0, 0.0, 3601)
         i_q = wanted_nm / (1.5 * PAIRS * (FLUX_WB + (D_H - Q_H) * i_d))
         k = int(np.argmin(i_d * i_d + i_q * i_q))
-        psi_d, psi_q = flux.flux(float(i_d[k]), float(i_q[k]))
-        torque = 1.5 * PAIRS * (psi_d * float(i_q[k]) - psi_q * float(i_d[k]))
-        return _pair("N m", wanted_nm, torque)
+        return _pair("N m", wanted_nm, float(found.torque_nm(PAIRS, i_d[k], i_q[k])))
 
     return compared
 
 
 def _reciprocity(case: Case) -> tuple[str, float, float, float]:
-    flux = maps.flux_map(maps.FLUX_MAP.under(Path(case.data)))
-    return "of the largest inductance", math.nan, math.nan, flux.reciprocity()
+    share = flux_map(case.data)[1].reciprocity_share
+    return "of the smallest inductance", math.nan, math.nan, share
 
 
 def _rated(_case: Case) -> tuple[str, float, float, float]:

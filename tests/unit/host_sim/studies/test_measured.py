@@ -113,14 +113,6 @@ def test_constant_inductances_make_the_torque_of_a_map_of_constants(
     assert the(found, measured.RECIPROCITY).error == pytest.approx(0.0, abs=1e-12)
 
 
-def test_cross_saturation_in_one_axis_alone_is_no_reciprocity() -> None:
-    """psi_d = L i_d + k i_q with psi_q = L i_q: difference k, of L."""
-    grid = np.linspace(-10.0, 10.0, 11)
-    i_d, i_q = np.meshgrid(grid, grid, indexing="ij")
-    flux = maps.FluxMap(grid, grid, 0.1 * i_d + 0.02 * i_q, 0.1 * i_q)
-    assert flux.reciprocity() == pytest.approx(0.2)
-
-
 def test_the_curve_between_points_is_exact_for_a_parabola() -> None:
     x = np.array([0.0, 1.0, 2.5, 3.0, 5.0])
     where = np.linspace(0.0, 5.0, 41)

@@ -414,7 +414,19 @@ HEAVY = ("numpy", "scipy", "matplotlib", "pydantic", "cffi", "regen_table.comman
 
 @pytest.mark.parametrize(
     "command",
-    ["", "generate", "check", "solve", "evaluate", "stop", "cycle", "figures", "calibrate", "fit"],
+    [
+        "",
+        "generate",
+        "check",
+        "solve",
+        "evaluate",
+        "stop",
+        "cycle",
+        "figures",
+        "calibrate",
+        "fit",
+        "flux",
+    ],
 )
 def test_help_imports_no_slow_library(command: str) -> None:
     code = (
