@@ -185,11 +185,14 @@ fmi3Status fmi3Reset(fmi3Instance instance)
         }                                                                                          \
         return fmi3OK;                                                                             \
     }
+/* A code is an Int32, or an Enumeration, whose values the standard passes as Int64. */
 GETTER(Float64, fmi3Float64, MODEL_REAL)
 GETTER(Int32, fmi3Int32, MODEL_CODE)
+GETTER(Int64, fmi3Int64, MODEL_CODE)
 GETTER(Boolean, fmi3Boolean, MODEL_FLAG)
 SETTER(Float64, fmi3Float64, MODEL_REAL)
 SETTER(Int32, fmi3Int32, MODEL_CODE)
+SETTER(Int64, fmi3Int64, MODEL_CODE)
 SETTER(Boolean, fmi3Boolean, MODEL_FLAG)
 
 fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *FMUState)

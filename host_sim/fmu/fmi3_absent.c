@@ -35,7 +35,6 @@ NO_VARIABLE(fmi3GetUInt8, "variables of this type", fmi3UInt8 values[], size_t n
 NO_VARIABLE(fmi3GetInt16, "variables of this type", fmi3Int16 values[], size_t nValues)
 NO_VARIABLE(fmi3GetUInt16, "variables of this type", fmi3UInt16 values[], size_t nValues)
 NO_VARIABLE(fmi3GetUInt32, "variables of this type", fmi3UInt32 values[], size_t nValues)
-NO_VARIABLE(fmi3GetInt64, "variables of this type", fmi3Int64 values[], size_t nValues)
 NO_VARIABLE(fmi3GetUInt64, "variables of this type", fmi3UInt64 values[], size_t nValues)
 NO_VARIABLE(fmi3GetString, "variables of this type", fmi3String values[], size_t nValues)
 NO_VARIABLE(fmi3GetBinary, "variables of this type", size_t valueSizes[], fmi3Binary values[],
@@ -47,7 +46,6 @@ NO_VARIABLE(fmi3SetUInt8, "variables of this type", const fmi3UInt8 values[], si
 NO_VARIABLE(fmi3SetInt16, "variables of this type", const fmi3Int16 values[], size_t nValues)
 NO_VARIABLE(fmi3SetUInt16, "variables of this type", const fmi3UInt16 values[], size_t nValues)
 NO_VARIABLE(fmi3SetUInt32, "variables of this type", const fmi3UInt32 values[], size_t nValues)
-NO_VARIABLE(fmi3SetInt64, "variables of this type", const fmi3Int64 values[], size_t nValues)
 NO_VARIABLE(fmi3SetUInt64, "variables of this type", const fmi3UInt64 values[], size_t nValues)
 NO_VARIABLE(fmi3SetString, "variables of this type", const fmi3String values[], size_t nValues)
 NO_VARIABLE(fmi3SetBinary, "variables of this type", const size_t valueSizes[],

@@ -8,17 +8,18 @@ divides by what follows up to the next one.
 """
 
 import hashlib
+import itertools
 import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from hubsim import configuration, run
+from hubsim import configuration, reasons, run
 from hubsim import variables as ports
 from hubsim.configuration import Configuration
 from hubsim.controller import Controller
-from hubsim.engine import parameters
+from hubsim.engine import mode_text, parameters, reason_text
 from hubsim.errors import HubsimError
 from hubsim.fmu import KINDS
 from hubsim.run import plant
@@ -26,6 +27,10 @@ from hubsim.scenario import Scenario
 from hubsim.words import counted
 
 REAL, FLAG, CODE = "REAL", "FLAG", "CODE"
+MODE, REASON = "mode", "reason"  # codes whose values have names
+UNKNOWN_MODE = "unknown mode"
+# Names of variables, after the last dot, whose codes are reasons although they are not called so.
+_REASONS = frozenset({"waits_for", "present_warning"})
 FIXED, TUNABLE, INPUT, OUTPUT = "FIXED", "TUNABLE", "INPUT", "OUTPUT"
 
 # Inputs for other models in a co-simulation; every other quantity of the plant is a
@@ -76,6 +81,36 @@ _TOKEN = re.compile(r"([A-Za-z]+)(\d*)")
 
 
 @dataclass(frozen=True)
+class Item:
+    """One value of an enumeration."""
+
+    name: str
+    value: int
+    text: str
+
+
+def enumerations() -> dict[str, tuple[Item, ...]]:
+    """Return the named values of modes and reasons, by the name of their type."""
+    modes = itertools.takewhile(
+        lambda item: item.name != UNKNOWN_MODE,
+        (Item(mode_text(k), k, "") for k in itertools.count()),
+    )
+    listed = sorted(reasons.codes().items(), key=lambda entry: entry[1])
+    return {
+        MODE: tuple(modes),
+        REASON: tuple(Item(name, code, reason_text(code)) for name, code in listed),
+    }
+
+
+def enumeration_of(name: str) -> str:
+    """Return the enumeration that the codes of a variable are, empty for none."""
+    last = name.rpartition(".")[2]
+    if last == MODE:
+        return MODE
+    return REASON if last.endswith(REASON) or last in _REASONS else ""
+
+
+@dataclass(frozen=True)
 class Variable:
     """One variable of a unit; ``unit`` is empty for a share, a flag or a code."""
 
@@ -87,6 +122,11 @@ class Variable:
     start: float = 0.0
     lowest: float | None = None
     highest: float | None = None
+
+    @property
+    def enumeration(self) -> str:
+        """The enumeration that its codes are, empty for none."""
+        return enumeration_of(self.name) if self.kind == CODE else ""
 
 
 @dataclass(frozen=True)

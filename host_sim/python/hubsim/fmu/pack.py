@@ -24,6 +24,7 @@ from hubsim.fmu.description import (
     Description,
     Variable,
     base_powers,
+    enumerations,
 )
 
 _STAMP = (1980, 1, 1, 0, 0, 0)  # the same content is the same package
@@ -108,6 +109,7 @@ def model_description(unit: Description, fmi: int, sources: Sequence[str]) -> st
     )
     _co_simulation(root, unit, fmi, sources)
     _units(root, unit, fmi)
+    _types(root, unit, fmi)
     ET.SubElement(
         root,
         "DefaultExperiment",
@@ -165,6 +167,23 @@ def _units(root: ET.Element, unit: Description, fmi: int) -> None:
         ET.SubElement(ET.SubElement(definitions, "Unit", {"name": name}), "BaseUnit", powers)
 
 
+def _types(root: ET.Element, unit: Description, fmi: int) -> None:
+    """Name the values of modes and reasons, where the unit has some."""
+    used = {v.enumeration for v in unit.variables}
+    definitions = ET.SubElement(root, "TypeDefinitions")
+    for name, items in enumerations().items():
+        if name not in used:
+            continue
+        if fmi == 2:
+            kind = ET.SubElement(definitions, "SimpleType", {"name": name})
+            listed = ET.SubElement(kind, "Enumeration")
+        else:
+            listed = ET.SubElement(definitions, "EnumerationType", {"name": name})
+        for item in items:
+            described = {"description": item.text} if item.text else {}
+            ET.SubElement(listed, "Item", {"name": item.name, "value": str(item.value)} | described)
+
+
 def _variable(listed: ET.Element, v: Variable, reference: int, fmi: int) -> None:
     common = {"name": v.name, "valueReference": str(reference), "description": v.text}
     common["causality"] = {INPUT: "input", OUTPUT: "output"}.get(v.role, "parameter")
@@ -178,17 +197,20 @@ def _variable(listed: ET.Element, v: Variable, reference: int, fmi: int) -> None
     own = {}
     if v.unit:
         own["unit"] = v.unit
-    if v.kind != FLAG and v.lowest is not None and v.highest is not None:
+    if v.enumeration:
+        own["declaredType"] = v.enumeration
+    elif v.kind != FLAG and v.lowest is not None and v.highest is not None:
         whole = v.kind == CODE
         own |= {"min": _value(v.lowest, whole), "max": _value(v.highest, whole)}
     if v.role != OUTPUT:
         own["start"] = (
             ("true" if v.start else "false") if v.kind == FLAG else _value(v.start, v.kind == CODE)
         )
+    kind = "Enumeration" if v.enumeration else _TYPE[fmi][v.kind]
     if fmi == 2:
-        ET.SubElement(ET.SubElement(listed, "ScalarVariable", common), _TYPE[2][v.kind], own)
+        ET.SubElement(ET.SubElement(listed, "ScalarVariable", common), kind, own)
     else:
-        ET.SubElement(listed, _TYPE[3][v.kind], common | own)
+        ET.SubElement(listed, kind, common | own)
 
 
 def _structure(root: ET.Element, unit: Description, fmi: int) -> None:

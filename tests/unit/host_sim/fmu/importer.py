@@ -23,6 +23,10 @@ def path_of(kind: str, fmi: int) -> Path:
 class Unit:
     """One instance that has been initialised with some start values."""
 
+    def _passed_as(self, kind: str) -> str:
+        """Return as what the standard passes values of a type."""
+        return ("Integer" if self.fmi == 2 else "Int64") if kind == "Enumeration" else kind
+
     def __init__(self, path: Path, starts: Mapping[str, float] | None = None) -> None:
         self.description: Any = fmpy.read_model_description(str(path))
         self.fmi = 2 if self.description.fmiVersion == "2.0" else 3
@@ -62,12 +66,12 @@ class Unit:
 
     def set(self, name: str, value: float) -> None:
         v = self.variables[name]
-        write = getattr(self.slave, f"set{v.type}")
+        write = getattr(self.slave, f"set{self._passed_as(v.type)}")
         write([v.valueReference], [value if v.type in {"Real", "Float64"} else int(value)])
 
     def get(self, name: str) -> float:
         v = self.variables[name]
-        return float(getattr(self.slave, f"get{v.type}")([v.valueReference])[0])
+        return float(getattr(self.slave, f"get{self._passed_as(v.type)}")([v.valueReference])[0])
 
     def get_all(self, names: Sequence[str]) -> list[float]:
         return [self.get(name) for name in names]

@@ -4,13 +4,16 @@
 Causality, units and start values come from the lists of the simulation.
 """
 
+import re
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import hubsim
 import pytest
+from hubsim import reasons
 from hubsim.engine import ROOT
 from hubsim.fmu.description import (
+    CODE,
     FIXED,
     INPUT,
     OUTPUT,
@@ -127,3 +130,47 @@ def test_the_token_depends_on_the_configuration(vehicle: Description, tmp_path: 
     assert {v.name: v.start for v in heavy.variables}["vehicle.mass_kg"] == 700.0
     with pytest.raises(hubsim.HubsimError, match="no such kind"):
         describe("wheel", LU2013)
+
+
+def modes_of_the_firmware() -> dict[str, int]:
+    """Return the modes by name, as the header lists them."""
+    path = ROOT / "firmware" / "core" / "include" / "core" / "operating_mode.h"
+    found = re.findall(r"MODE_(\w+) = (\d+)", path.read_text(encoding="utf-8"))
+    return {name: int(value) for name, value in found}
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_modes_and_reasons_are_enumerations_with_their_names(
+    fmi: int, vehicle: Description, controller: Description
+) -> None:
+    for unit, some in (
+        (vehicle, {"wheel0.mode", "wheel3.first_fault_reason", "wheel0.waits_for"}),
+        (controller, {"slow_output.mode", "slow_output.torque_reason", "slow_input.demand_reason"}),
+    ):
+        root = ET.fromstring(model_description(unit, fmi, ["table.c"]))
+        tag = "SimpleType" if fmi == 2 else "EnumerationType"
+        named = {
+            kind.get("name"): {
+                str(item.get("name")): int(str(item.get("value"))) for item in kind.iter("Item")
+            }
+            for kind in root.iter(tag)
+        }
+        assert named["mode"] == modes_of_the_firmware()
+        assert named["reason"]["NONE"] == 0
+        assert named["reason"] == reasons.codes()
+        for items in named.values():
+            assert len(set(items.values())) == len(items)
+        listed = root.find("ModelVariables")
+        assert listed is not None
+        typed = {
+            (one.get("name") or variable.get("name")): one.get("declaredType")
+            for variable in listed
+            for one in ([variable] if fmi == 3 else list(variable))
+            if one.tag == "Enumeration"
+        }
+        assert set(typed) >= some
+        assert set(typed.values()) == {"mode", "reason"}
+        assert all((kind == "mode") == str(name).endswith(".mode") for name, kind in typed.items())
+        # Every code that is called a reason or a mode is one, and nothing else.
+        codes = {v.name for v in unit.variables if v.kind == CODE}
+        assert {n for n in codes if n.endswith(("reason", ".mode"))} <= set(typed) <= codes

@@ -86,6 +86,7 @@ bool unit_get(void *unit, uint32_t reference, model_type_t type, double *value)
 {
     fmi3Float64 real = 0.0;
     fmi3Int32 code = 0;
+    fmi3Int64 enumerated = 0;
     fmi3Boolean flag = fmi3False;
     fmi3Status status = fmi3Error;
     switch (type) {
@@ -96,6 +97,11 @@ bool unit_get(void *unit, uint32_t reference, model_type_t type, double *value)
     case MODEL_CODE:
         status = fmi3GetInt32(unit, &reference, 1, &code, 1);
         *value = code;
+        /* As an enumeration it is the same value in 64 bits. */
+        if (fmi3GetInt64(unit, &reference, 1, &enumerated, 1) != status ||
+            (status == fmi3OK && enumerated != code)) {
+            status = fmi3Fatal;
+        }
         break;
     case MODEL_FLAG:
         status = fmi3GetBoolean(unit, &reference, 1, &flag, 1);
@@ -113,7 +119,9 @@ bool unit_set(void *unit, uint32_t reference, model_type_t type, double value)
         return fmi3SetFloat64(unit, &reference, 1, &real, 1) == fmi3OK;
     case MODEL_CODE: {
         const fmi3Int32 code = (fmi3Int32)value;
-        return fmi3SetInt32(unit, &reference, 1, &code, 1) == fmi3OK;
+        const fmi3Int64 enumerated = code;
+        return fmi3SetInt32(unit, &reference, 1, &code, 1) == fmi3OK &&
+               fmi3SetInt64(unit, &reference, 1, &enumerated, 1) == fmi3OK;
     }
     case MODEL_FLAG: {
         const fmi3Boolean flag = value != 0.0;
