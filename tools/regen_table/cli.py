@@ -181,6 +181,19 @@ def _number(lowest: float, highest: float, unit: str) -> Callable[[str], float]:
     return parse
 
 
+def _whole_number(lowest: int, highest: int) -> Callable[[str], int]:
+    """Return a parser of one whole number in a range."""
+
+    def parse(text: str) -> int:
+        if not (text.isdecimal() and lowest <= int(text) <= highest):
+            raise argparse.ArgumentTypeError(
+                f"{text!r}, accepted: a whole number from {lowest} to {highest}"
+            )
+        return int(text)
+
+    return parse
+
+
 _SPEEDS = _numbers(-1e5, 1e5, "r/min")
 _TEMPERATURES = _numbers(-100.0, 300.0, "degC")
 _TORQUES = _numbers(-1e5, 1e5, "N m")
@@ -293,9 +306,7 @@ def _add_flux(command: argparse.ArgumentParser) -> None:
         metavar="MAP",
         help="CSV or Parquet with i_d_a, i_q_a, psi_d_wb, psi_q_wb, or NPZ, as motulator's",
     )
-    command.add_argument(
-        "--pole-pairs", type=_number(1.0, 60.0, "(a whole number)"), required=True, metavar="N"
-    )
+    command.add_argument("--pole-pairs", type=_whole_number(1, 60), required=True, metavar="N")
     command.add_argument(
         "--torque-nm",
         type=_number(1e-3, 2e4, "N m"),

@@ -84,7 +84,7 @@ def run_fit(options: argparse.Namespace) -> int:
 
 def run_flux(options: argparse.Namespace) -> int:
     """Check a flux map; print and write the constants that make a torque exact."""
-    pairs = round(options.pole_pairs)
+    pairs = options.pole_pairs
     for path in filter(None, (options.output, options.json)):
         outputs.check_writable(path)
     found, checks = flux_files.load(options.map)

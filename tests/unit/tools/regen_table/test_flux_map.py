@@ -254,6 +254,16 @@ def test_a_torque_or_a_current_beyond_the_map_is_refused(
     )
 
 
+@pytest.mark.parametrize("pairs", ["2.5", "0", "61", "-1", "four"])
+def test_pole_pairs_are_a_whole_number(pairs: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as end:
+        cli.main(["flux", str(PUBLISHED), f"--pole-pairs={pairs}"])
+    assert end.value.code == 2
+    error = capsys.readouterr().err
+    assert f"{pairs!r}, accepted: a whole number from 1 to 60" in error
+    assert error.count("\n") == 1
+
+
 def test_the_command_writes_keys_and_json(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
