@@ -91,7 +91,8 @@
      battery_rises_hold(&(s)->limits) && road_holds(&(s)->road) &&                                 \
      is_within((s)->hold.torque_mNm, 0, (c)->driver.hold_torque_mNm) &&                            \
      is_within((s)->hold.release_ms, 0, (c)->driver.hold_release_ms) &&                            \
-     (s)->hold.begun_mrad_s >= 0 && (s)->lamp.speed_lp_q8_mrad_s >= 0 &&                           \
+     is_within((s)->hold.rolls_ms, 0, HILL_HOLD_CAUGHT_ms) && (s)->hold.begun_mrad_s >= 0 &&       \
+     (s)->lamp.speed_lp_q8_mrad_s >= 0 &&                                                          \
      is_within((s)->lamp.decel_lp_mm_s2.accumulator, -(1 << 30), 1 << 30) &&                       \
      is_within((s)->blending.hydraulic.next, 0, HYDRAULIC_MODEL_COMMANDS - 1) &&                   \
      is_within((s)->blending.feedback.between_ms, 1, HYDRAULIC_FEEDBACK_PAST_ms) &&                \

@@ -127,6 +127,11 @@ POST(hill_hold_step, old(state->holds) || demand->brake_torque_mNm + demand->lif
 POST(hill_hold_step, !old(state->holds) || old(state->resumed) || demand->engaged ==
      DRIVE_DIRECTION_NEUTRAL || (demand->drive_torque_mNm != 0 && wheel->may_drive) || result ==
      config->driver.hold_torque_mNm)
+POST(hill_hold_works, !result || (state->holds && state->torque_mNm > 0 && state->rolls_ms <
+     HILL_HOLD_CAUGHT_ms))
+POST(hill_hold_fails, result || !state->lost)
+POST(hill_hold_keep, result.direction == (state->holds || state->leaves ? engaged :
+     DRIVE_DIRECTION_NEUTRAL) && result.leaves == state->leaves)
 POST(hill_hold_resume, !(state->holds && state->leaves) && state->resumed == (state->holds ||
      state->leaves))
 
@@ -227,6 +232,13 @@ POST(stop_lamp_step, brake_demand_mNm <= 0 || result)
 /* torque/torque.h */
 POST(torque_init, torque_state_holds(state, config))
 POST(torque_init, state->demand.engaged == DRIVE_DIRECTION_NEUTRAL)
+
+POST(torque_held, result.direction == DRIVE_DIRECTION_NEUTRAL || result.direction ==
+     state->demand.engaged)
+
+POST(torque_start_held, state->demand.engaged == kept.direction && state->hold.torque_mNm ==
+     old(state->hold.torque_mNm) && state->hold.resumed == (kept.direction !=
+     DRIVE_DIRECTION_NEUTRAL))
 
 PRE(torque_step, battery_relations_hold(config) && derating_relations_hold(config) &&
      torque_state_holds(state, config) && findings_hold(findings))

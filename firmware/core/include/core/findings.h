@@ -129,8 +129,7 @@ typedef enum { FINDING_REACTION_LIST(FINDING_REACTION_ENUM) } finding_reaction_t
     X(BRAKE_LATE, HYDRAULIC_LATE, MEASURED, AT_ONCE, MS(10000), NONE, NONE)                        \
     X(BRAKE_REPORT, HYDRAULIC_FEEDBACK, MEASURED, OWN("brake.hydraulic_timeout_ms"),               \
       OWN("1000 ms"), NONE, NONE)                                                                  \
-    X(HOLD_FAILS, HOLD_FAILED, MEASURED, OWN("1000 ms, at once after a restart"), MS(1000), NONE,  \
-      NONE)                                                                                        \
+    X(HOLD_FAILS, HOLD_FAILED, MEASURED, OWN("1000 ms"), MS(1000), NONE, NONE)                     \
     X(ACCELERATOR, ACCELERATOR_SENSOR, MEASURED, OWN("pedals.fault_time_ms"),                      \
       OWN("pedals.fault_time_ms"), NONE, LIMIT)                                                    \
     X(BRAKE_PEDAL, BRAKE_PEDAL_SENSOR, MEASURED, OWN("pedals.fault_time_ms"),                      \
