@@ -3,11 +3,12 @@
  * demand.h: what of the demanded torques counts now: validity, priorities, drive direction. 1 kHz.
  *
  * A demand older than brake.demand_timeout is lost. Its driving torque is zero at once. Its braking
- * torque is kept for driver.lost_hold_ms, then the hydraulic command is no longer valid: the brake
- * system takes its own path, and after the hydraulic dead time the braking torque falls to zero
- * with the lag with which that path arrives. With driver.no_other_brake it is kept as long as no
- * demand arrives, also at standstill. One that is lost by the reason TRANSMIT_TIMEOUT is not kept:
- * the brake system, to which no message of this wheel comes, takes its own path already.
+ * torque is kept for driver.lost_hold_ms, then the hydraulic command is no longer valid, unless the
+ * vehicle is held at standstill (hill_hold.h): the brake system takes its own path, and after the
+ * hydraulic dead time the braking torque falls to zero with the lag with which that path arrives.
+ * With driver.no_other_brake it is kept as long as no demand arrives, also at standstill. One that
+ * is lost by the reason TRANSMIT_TIMEOUT is not kept: the brake system, to which no message of this
+ * wheel comes, takes its own path already.
  *
  * Braking has priority over driving. Driving torque acts only in the engaged direction; a driving
  * demand against it is lift-off braking, a magnitude. README, Demand; DERIVATIONS.md, Lost demand.
