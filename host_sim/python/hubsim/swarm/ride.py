@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from regen_table.schema import Drive
@@ -49,6 +50,15 @@ WHEEL_SIGNALS = (
 PATTERNS = (*VEHICLE_SIGNALS, *(f"wheel*.{name}" for name in WHEEL_SIGNALS))
 
 
+# Parameters that faults change and the judge needs: what the healthy brakes can still do, and when.
+LATER = (
+    "brake.torque_loss",
+    "fault.hydraulic_flicker_loss",
+    "fault.hydraulic_late_s",
+    "fault.can_delay_s",
+)
+
+
 class NotStartedError(HubsimError):
     """The controllers do not get to the speed at which a run begins."""
 
@@ -63,12 +73,14 @@ class Recording:
         Of the vehicle by their names, of the wheels as ``wheel0.name``; shape (rows,).
     parameters : mapping
         Of the simulated world when the run began.
+    most : mapping
+        What the parameters of LATER are at most, whenever.
     peak_current_a : tuple of float
         Of each wheel, active short circuits apart.
     bus_peak_v : float
         Highest voltage at the bridges.
-    residual : float
-        The simulation's own energy error over the energy turned over.
+    residual_j, turned_over_j : float
+        The simulation's own energy error, and the sum of all energies given.
     faults : tuple of str
         Names of the faults that the run has.
     """
@@ -77,9 +89,11 @@ class Recording:
     wheels: int
     signals: Mapping[str, Rows]
     parameters: Mapping[str, float]
+    most: Mapping[str, float]
     peak_current_a: tuple[float, ...]
     bus_peak_v: float
-    residual: float
+    residual_j: float
+    turned_over_j: float
     faults: tuple[str, ...] = ()
     duration_s: float = 0.0
 
@@ -119,10 +133,22 @@ def simulated(case: Case) -> Recording:
         )
     except HubsimError as error:
         raise NotStartedError(str(error)) from error
-    return recording_of(result, drive, case.faults)
+    return recording_of(result, drive, case)
 
 
-def recording_of(result: RunResult, drive: Drive, faults: tuple[str, ...]) -> Recording:
+def most_of(
+    parameters: Mapping[str, float], events: Mapping[str, Mapping[str, Any]]
+) -> dict[str, float]:
+    """Return what the parameters of LATER are at most."""
+    return {
+        name: max(
+            [parameters[name], *(e["set"][name] for e in events.values() if name in e["set"])]
+        )
+        for name in LATER
+    }
+
+
+def recording_of(result: RunResult, drive: Drive, case: Case) -> Recording:
     """Return what the judge looks at."""
     rows = {name: np.ascontiguousarray(result.rows[:, k]) for k, name in enumerate(result.names)}
     return Recording(
@@ -130,11 +156,13 @@ def recording_of(result: RunResult, drive: Drive, faults: tuple[str, ...]) -> Re
         wheels=result.wheels,
         signals=rows,
         parameters=result.parameters,
+        most=most_of(result.parameters, case.data["events"]),
         peak_current_a=tuple(
             float(rows[f"wheel{k}.peak_current_a"][-1]) for k in range(result.wheels)
         ),
         bus_peak_v=float(rows["bus.peak_v"][-1]),
-        residual=result.residual_relative,
-        faults=faults,
+        residual_j=result.energy_j("residual"),
+        turned_over_j=result.energy_j("turned_over"),
+        faults=case.faults,
         duration_s=result.duration_s,
     )

@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sixty seeds from 24 drives hold every invariant, and a planted error is found."""
+
+import json
+from pathlib import Path
+
+import pytest
+from hubsim.swarm import draw, work
+from hubsim_command import Hubsim
+
+SEEDS = "0:60"
+
+
+def test_sixty_seeds_hold_every_invariant(hubsim: Hubsim, tmp_path: Path) -> None:
+    done = hubsim("swarm", "--seeds", SEEDS, "--drives", "24", "--json", "all.json")
+    assert done.returncode == 0, done.stdout
+    found = json.loads((tmp_path / "all.json").read_bytes())
+    assert found["runs"] == 60
+    assert 20 <= found["healthy"]["runs"] <= 40
+    assert found["healthy"]["warnings"] == 0
+    assert 0.0 < found["healthy"]["worst_share_gap"] <= 0.05
+    assert found["coverage"]["seen"] > 100
+
+
+@pytest.mark.parametrize(
+    ("world", "invariant"),
+    [
+        ({"winding_sensor.open": 1.0}, "warning"),
+        ({"brake.torque_loss": -0.5}, "excess_braking"),
+        ({"fault.can_delay_s": 0.0, "fault.leg_low": 2.0}, "warning"),
+    ],
+)
+def test_what_is_planted_in_a_healthy_vehicle_is_found(
+    world: dict[str, float], invariant: str
+) -> None:
+    case = draw.case(0, 4, healthy=True)
+    data = {**case.data, "plant": {**case.data["plant"], **world}}
+    record = work.done({"seed": 0, "config": case.config, "data": data})
+    assert invariant in {violation["invariant"] for violation in record["violations"]}
