@@ -34,6 +34,8 @@ ADDITIONS: Mapping[str, Callable[[Drive], float]] = {
     "": lambda _drive: 0.0,
     "short_circuit": _short_circuit,
     "motor": lambda drive: drive.motor.max_torque_nm,
+    "short_current": lambda drive: 2.0 * drive.motor.flux_linkage_wb / drive.motor.d_inductance_h,
+    "no_bound": lambda _drive: float("inf"),
     "hydraulic_drag": lambda drive: DRAG_SHARE * drive.brake.max_hydraulic_torque_nm,
 }
 

@@ -33,6 +33,7 @@ GROWS_SHARE, GROWS_S = 0.2, (1.0, 20.0)
 COMES_AND_GOES_SHARE, PIECE_S, PIECES_MAX = 0.2, (0.005, 3.0), 12
 SCALE = (0.3, 1.5)  # of a fault's own amount
 BOOTS_SHARE = 0.9  # of the speed at which the EMF reaches an empty battery's voltage
+BITS, MOST_CONFIG_BYTES = ("fault.config_bit",), 4096  # amounts that are the number of a bit
 LAST_S = 1.0  # before the end: no fault comes later
 ACKNOWLEDGES_S = (0.0, 0.02, 1.0)
 ONE_WHEEL_SHARE = 0.7  # of the vehicles with several wheels, in which one has the faults
@@ -288,10 +289,12 @@ def _inject(lot: Lot, data: Data, fault: Fault, at_s: float) -> None:
     known = parameters()
     if fault.draws:
         values[fault.draws] = float(1 + lot.whole(int(known[fault.draws].highest)))
+    elif fault.amount in BITS:
+        values[fault.amount] = float(1 + lot.whole(8 * MOST_CONFIG_BYTES))
     elif fault.amount:
         values[fault.amount] = _scaled(lot, fault)
     data["plant"] |= fault.needs
-    name, may_vary = fault.name, not fault.at_start and not fault.draws
+    name, may_vary = fault.name, not (fault.at_start or fault.draws or fault.amount in BITS)
     events: dict[str, Data]
     if may_vary and fault.amount and lot.chance(GROWS_SHARE):
         amount = {fault.amount: values.pop(fault.amount)}

@@ -18,6 +18,7 @@ from regen_table import derived, loops
 
 from hubsim import reasons
 from hubsim.engine import Rows, mode_text
+from hubsim.scenario import faults
 from hubsim.swarm import motion
 from hubsim.swarm.allowances import limit as allowed
 from hubsim.swarm.ride import Recording
@@ -26,6 +27,7 @@ ROWS_PER_S = 1000
 VEHICLE = -1  # instead of a wheel's number
 MOVES_M_PER_S = 0.05
 PRESSED_NM = 0.1  # a brake pedal below it is none: the resolution of the message (hubfoc.dbc)
+TURNS_M_PER_S = 0.2  # nothing is acknowledged any more: ten times what counts as rest
 ROLLS_M_PER_S = 0.5  # a stop begins, or coasting is looked at
 WRONG_NM, WRONG_SHARE, WRONG_MS = 2.0, 0.05, 5.0
 EXCESS_NM, EXCESS_SHARE, EXCESS_ROWS = 5.0, 0.1, 100
@@ -35,7 +37,7 @@ CURRENT_SHARE = 1.3  # of the over-current trip
 HOTTER_K, HOTTER_SHARE = 10.0, 0.2  # above the end of derating; of the rise
 LONGER_SHARE, LONGER_S, LONGER_M = 0.1, 0.1, 0.3
 BRAKES_SHARE = 0.95  # of the demand or of the hydraulic brake's largest torque
-RESIDUAL, LEAST_J_PER_KG = 1e-4, 0.5  # of the energy turned over, at least that at 1 m/s
+RESIDUAL, LEAST_J_PER_KG = 1e-4, 2.0  # of the energy turned over, at least that at 2 m/s
 CHANGES = 5
 LEAST_CHARGE_A, CHARGE_SHARE = 0.2, 0.05  # beyond the limit; of the pack's own
 BMS_ROWS = 150  # the longest period of the battery's message, and half of it
@@ -43,6 +45,7 @@ LIMP_NAME = "LIMP"
 START = ("BOOT", "SELFTEST", "OFFSET_CAL", "READY")  # modes on the way to RUN
 NOT_STARTED = "not started"
 SETTLED_LAGS = 4.6  # time constants to a hundredth
+LINKS = "links"  # the group of faults of the messages to the wheels
 SLACK_S = 0.03  # steps of the controllers and of the bus
 
 
@@ -103,10 +106,16 @@ def _rows(seconds: float) -> int:
 
 
 def message_s(recording: Recording) -> float:
-    """Return how late a demand reaches the wheel at most."""
-    p = recording.parameters
-    late = ("driver.demand_period_s", "driver.demand_jitter_s")
-    return sum(p[name] for name in late) + recording.most["fault.can_delay_s"] + SLACK_S
+    """Return how late a demand reaches the brakes at most.
+
+    With a fault of the link: until it counts as lost, the held demand has ended and the brake
+    system takes its own path.
+    """
+    p, drive = recording.parameters, recording.drive
+    late_s = p["driver.demand_period_s"] + p["driver.demand_jitter_s"] + SLACK_S
+    if any(faults.table()[name].group == LINKS for name in recording.faults):
+        late_s += drive.control.demand_timeout_s + drive.driver.lost_demand_hold_s
+    return late_s + recording.most["fault.can_delay_s"]
 
 
 def brakes_s(recording: Recording) -> float:
@@ -144,7 +153,9 @@ def demanded_nm(recording: Recording) -> Rows:
 
 
 def _wrong_nm(recording: Recording) -> float:
-    return max(WRONG_NM, WRONG_SHARE * recording.drive.motor.rated_torque_nm)
+    """Return the torque of the wrong sign that counts, what cogging makes of it apart."""
+    cogging_nm = recording.parameters["motor.cogging_torque_nm"]
+    return max(WRONG_NM, WRONG_SHARE * recording.drive.motor.rated_torque_nm) + cogging_nm
 
 
 def driving_while_braking(recording: Recording) -> Iterator[Finding]:
@@ -293,7 +304,7 @@ def energy(recording: Recording) -> Iterator[Finding]:
 def healed(recording: Recording) -> Iterator[Finding]:
     """Count latched faults that go away by themselves, or on a turning wheel; restarts apart."""
     resets = recording.parameters["driver.fault_reset_every_s"] > 0.0
-    moves = np.abs(recording.speed[1:]) > MOVES_M_PER_S
+    moves = np.abs(recording.speed[1:]) > TURNS_M_PER_S
     boot = [code for code in range(8) if mode_text(code) == "BOOT"]
     latched = list(latched_codes())
     for k in range(recording.wheels):

@@ -47,6 +47,7 @@ WHEEL_SIGNALS = (
     "current_q_a",
     "direction",
 )
+COLLAPSED = "its voltage collapsed"  # what the engine says
 PATTERNS = (*VEHICLE_SIGNALS, *(f"wheel*.{name}" for name in WHEEL_SIGNALS))
 
 
@@ -57,6 +58,10 @@ LATER = (
     "fault.hydraulic_late_s",
     "fault.can_delay_s",
 )
+
+
+class CollapsedError(HubsimError):
+    """More power is drawn from the bus than the battery can give."""
 
 
 class NotStartedError(HubsimError):
@@ -122,6 +127,8 @@ def simulated(case: Case) -> Recording:
 
     Raises
     ------
+    CollapsedError
+        Where the simulated bus collapses: the run cannot go on.
     NotStartedError
         Where the controllers do not come as far as RUN before the run begins.
     """
@@ -132,7 +139,8 @@ def simulated(case: Case) -> Recording:
             name, drive, scenario, Path(), (*PATTERNS, "bus.peak_v", "wheel*.peak_current_a")
         )
     except HubsimError as error:
-        raise NotStartedError(str(error)) from error
+        collapsed = COLLAPSED in str(error)
+        raise (CollapsedError if collapsed else NotStartedError)(str(error)) from error
     return recording_of(result, drive, case)
 
 

@@ -11,11 +11,13 @@ from regen_table import installation
 
 from hubsim import configuration, reasons
 from hubsim.engine import mode_text
+from hubsim.scenario import faults
 from hubsim.swarm import draw, judge, ride, share
 from hubsim.swarm.draw import Case
 from hubsim.swarm.judge import Finding
 from hubsim.swarm.ride import Recording
 
+BRIDGE = "bridge"  # the group of faults
 DIMENSIONS = ("fault", "mode", "limit", "sensor")
 
 
@@ -67,6 +69,11 @@ def _findings(case: Case) -> tuple[list[Finding], list[str], list[float]]:
     """Return the findings, the pairs that were seen, and the speed in every second, km/h."""
     try:
         recording = ride.simulated(case)
+    except ride.CollapsedError as error:
+        # A leg that is closed on both sides shorts the battery: nothing is left to judge.
+        if any(faults.table()[name].group == BRIDGE for name in case.faults):
+            return [], [], []
+        return [Finding(judge.PROCESS, 0, 0.0, 1.0, 0.0, "1", str(error))], [], []
     except ride.NotStartedError as error:
         limit = Finding("warning", 0, 0.0, 1.0, 0.0, "ms", f"{judge.NOT_STARTED}: {error}")
         return [limit], [], []
@@ -118,12 +125,12 @@ def possible() -> int:
     modes = {mode_text(code) for code in range(7)}
     limits = reasons.limits()
     sensors = ("hall", "encoder", "angle")
-    faults = {sensor: {f.name for fs in draw.candidates(sensor).values() for f in fs}
-              for sensor in sensors}  # fmt: skip
-    every = set().union(*faults.values())
+    names = {sensor: {f.name for fs in draw.candidates(sensor).values() for f in fs}
+             for sensor in sensors}  # fmt: skip
+    every = set().union(*names.values())
     return (
         len(every) * (len(modes) + len(limits))
-        + sum(len(names) for names in faults.values())
+        + sum(len(each) for each in names.values())
         + len(modes) * len(limits)
         + len(sensors) * (len(modes) + len(limits))
     )
