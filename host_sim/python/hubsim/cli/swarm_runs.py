@@ -70,9 +70,9 @@ def _one(options: argparse.Namespace, task: Task) -> int:
     print(f"seed {record['seed']}: {record['drive']}, {record['kind'] or 'no fault'}, image "
           f"{record['image_crc32']}")  # fmt: skip
     for name, found in record["worst"].items():
-        value = "infinite" if found["value"] is None else f"{found['value']:.4g}"
+        limits = f"{summary.number(found['value'])} of {summary.number(found['limit'])}"
         where = "" if found["wheel"] is None else f", wheel {found['wheel']}"
-        print(f"  {name}: {value} of {found['limit']:.4g} {found['unit']} at "
+        print(f"  {name}: {limits} {found['unit']} at "
               f"{found['time_s']:.3f} s{where} {found['text']}".rstrip())  # fmt: skip
     return _concluded(options, [record], {})
 
@@ -150,9 +150,9 @@ def _text(options: argparse.Namespace, record: Record) -> str:
 
 
 def _description(seed: int, violation: dict[str, Any]) -> str:
-    value = "infinite" if violation["value"] is None else f"{violation['value']:.4g}"
+    value = summary.number(violation["value"])
     return (f"swarm seed {seed}: {violation['invariant']} {value}, right: at most "
-            f"{violation['limit']:.4g} {violation['unit']}")  # fmt: skip
+            f"{summary.number(violation['limit'])} {violation['unit']}")  # fmt: skip
 
 
 def _reduce(options: argparse.Namespace) -> int:

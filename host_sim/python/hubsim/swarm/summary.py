@@ -71,11 +71,16 @@ def _share(finding: Mapping[str, Any]) -> float:
 def described(violation: Mapping[str, Any]) -> str:
     """Return a violation of ``summed`` in a line."""
     wheel = "" if violation["wheel"] is None else f", wheel {violation['wheel']}"
-    value = "infinite" if violation["value"] is None else f"{violation['value']:.4g}"
     return (
         f"seed {violation['seed']}{wheel}, {violation['time_s']:.3f} s: {violation['invariant']} "
-        f"{value} of {violation['limit']:.4g} {violation['unit']} ({violation['kind']})"
+        f"{number(violation['value'])} of {number(violation['limit'])} {violation['unit']} "
+        f"({violation['kind']})"
     )
+
+
+def number(value: float | None) -> str:
+    """Return a number for people."""
+    return "infinite" if value is None else f"{value:.4g}"
 
 
 def lines(whole: Mapping[str, Any]) -> list[str]:

@@ -86,13 +86,15 @@ def _findings(case: Case) -> tuple[list[Finding], list[str], list[float]]:
 
 
 def _plain(finding: Finding) -> dict[str, Any]:
-    value = finding.value if math.isfinite(finding.value) else None
+    """Return a finding as JSON has it: null for what is infinite or no number."""
+    value, limit = (number if math.isfinite(number) else None
+                    for number in (finding.value, finding.limit))  # fmt: skip
     return {
         "invariant": finding.invariant,
         "wheel": None if finding.wheel == judge.VEHICLE else finding.wheel,
         "time_s": round(finding.time_s, 3),
         "value": value,
-        "limit": finding.limit,
+        "limit": limit,
         "unit": finding.unit,
         "text": finding.text,
         "share": finding.share if math.isfinite(finding.share) else None,
