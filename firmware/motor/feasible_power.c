@@ -115,7 +115,7 @@ static int32_t charging_b(const motor_model_t *m, motor_point_t at, int32_t i_q_
         return returned.power_b;
     }
     const int32_t beyond_b = uncertain_b(m, at, i_q_b) - returned.margin_b;
-    return returned.power_b - q_clamp(beyond_b, 0, returned.power_b);
+    return returned.power_b - q_clamp(beyond_b, 0, q_max(returned.power_b, 0));
 }
 
 int32_t feasible_excess_b(const feasible_set_t *set, motor_point_t at, feasible_returned_t returned)
@@ -215,7 +215,7 @@ int32_t feasible_by_returned_mNm(const feasible_side_t *side, feasible_returned_
         at.x_b = near_root_b(&p, -p.c, -1);
         at.d_b = clamped_b(p.offset_b + scaled_multiply(p.slope, at.x_b));
         if (last) {
-            const int32_t missing_b = m->constants->negligible_power_b - returned.power_b;
+            const int32_t missing_b = m->constants->negligible_power_b - q_max(returned.power_b, 0);
             const int32_t least_b = coefficient((int64_t)p.c + q_max(missing_b, 0));
             return p.b <= 0 || square(p.b) < 4 * (int64_t)p.a * least_b
                        ? FEASIBLE_UNBOUNDED

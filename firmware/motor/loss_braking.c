@@ -53,13 +53,17 @@ int32_t loss_braking_torque_mNm(const feasible_side_t *side, loss_braking_t *los
     if (losses->returned.power_b > loss_b) {
         return by_map_mNm;
     }
-    static const feasible_returned_t ZERO = {.power_b = 0, .margin_b = 0};
+    /* What the motor draws has been measured, with any angle. */
+    const feasible_returned_t none = {
+        .power_b = q_min(losses->returned.power_b, 0) + losses->returned.drawn_b,
+        .margin_b = INT32_MAX,
+    };
     motor_point_t at = {.d_b = -losses->current_b, .x_b = 0};
     for (int pass = 0; pass < CIRCLE_PASSES; pass++) {
         at.d_b = on_circle_d_b(m, losses->current_b, at);
         const int32_t slope_b =
             m->emf_b + scaled_multiply(m->reactance_d_b - m->reactance_q_b, at.d_b);
-        const int32_t change_b = scaled_ratio(feasible_excess_b(set, at, ZERO), q_max(slope_b, 1));
+        const int32_t change_b = scaled_ratio(feasible_excess_b(set, at, none), q_max(slope_b, 1));
         at.x_b = q_clamp(at.x_b - change_b, -losses->current_b, 0);
     }
     losses->torque_mNm = feasible_magnitude_mNm(side, motor_model_airgap_b(m, at));
@@ -71,10 +75,7 @@ current_setpoint_t loss_braking_setpoint(const feasible_set_t *set, const loss_b
 {
     const motor_model_t *m = set->model;
     const motor_constants_t *k = m->constants;
-    const int32_t shaft_mNm = q_abs(torque_mNm);
-    const bool by_map = shaft_mNm <= losses->by_map_mNm ||
-                        shaft_mNm - losses->by_map_mNm < m->config->motor.max_torque_mNm >> 8;
-    if (losses->current_b == 0 || by_map) {
+    if (losses->current_b == 0 || q_abs(torque_mNm) <= losses->by_map_mNm) {
         return current;
     }
     const int32_t airgap_b = motor_model_airgap_of_shaft_b(m, torque_mNm);
@@ -85,9 +86,11 @@ current_setpoint_t loss_braking_setpoint(const feasible_set_t *set, const loss_b
     motor_point_t at = motor_model_point(m, flowing);
     const int32_t highest_b = at.d_b;
     const int32_t twice_q = q_max(2 * set->power.c_dd, 1);
+    feasible_returned_t returned = losses->returned;
+    returned.power_b += returned.drawn_b;
     const int passes = k->hall_angle_b != 0 ? UNCERTAIN_PASSES : SETPOINT_PASSES;
     for (int pass = 0; pass < passes; pass++) {
-        const int32_t excess_b = feasible_excess_b(set, at, losses->returned);
+        const int32_t excess_b = feasible_excess_b(set, at, returned);
         if (pass == 0 && excess_b >= 0) {
             return current;
         }

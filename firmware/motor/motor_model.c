@@ -165,14 +165,28 @@ int32_t motor_model_torque_mNm(const motor_model_t *model, motor_point_t at)
     return motor_model_shaft_mNm(model, motor_model_airgap_b(model, at));
 }
 
+/* Three halves of a power, over the bus voltage. */
+static int32_t bus_current_mA(const motor_constants_t *k, int64_t power_b, int32_t bus_mV)
+{
+    const int32_t bus_b = q_max(scaled_shift(bus_mV, k->voltage_shift), 1);
+    return motor_model_current_mA(k, scaled_ratio(q_saturate64(power_b * 3 / 2), bus_b));
+}
+
 int32_t motor_model_bus_current_mA(const motor_model_t *model, motor_point_t at, int32_t bus_mV)
 {
     const motor_constants_t *k = model->constants;
     const int32_t i_q_b = motor_model_i_q_b(model, at);
-    const int64_t sum = (int64_t)motor_model_u_d_b(model, at) * at.d_b +
-                        (int64_t)motor_model_u_q_b(model, at) * i_q_b;
-    const int32_t loss_b = motor_model_bridge_loss_b(k, motor_model_magnitude_b(at.d_b, i_q_b));
-    const int32_t power_b = q_saturate64(((sum >> 24) + loss_b) * 3 / 2);
-    const int32_t bus_b = q_max(scaled_shift(bus_mV, k->voltage_shift), 1);
-    return motor_model_current_mA(k, scaled_ratio(power_b, bus_b));
+    const int32_t u_d_b =
+        motor_model_u_d_b(model, at) + scaled_multiply(k->loss_resistance_b, at.d_b);
+    const int32_t u_q_b =
+        motor_model_u_q_b(model, at) + scaled_multiply(k->loss_resistance_b, i_q_b);
+    return bus_current_mA(k, ((int64_t)u_d_b * at.d_b + (int64_t)u_q_b * i_q_b) >> 24, bus_mV);
+}
+
+int32_t motor_model_switching_current_mA(const motor_model_t *model, motor_point_t at,
+                                         int32_t bus_mV)
+{
+    const motor_constants_t *k = model->constants;
+    const int32_t magnitude_b = motor_model_magnitude_b(at.d_b, motor_model_i_q_b(model, at));
+    return bus_current_mA(k, scaled_multiply(k->loss_b, magnitude_b), bus_mV);
 }

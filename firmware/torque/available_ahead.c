@@ -99,8 +99,9 @@ static void expect_inputs(available_ahead_state_t *state, const motor_constants_
     state->expected.switch_temperature_cC =
         slope_sample(&state->switches, now->switch_temperature_cC, TEMPERATURE_STEP_cC);
     state->table = *limits;
-    state->table.losses.returned.power_b =
-        expected_magnitude(&state->returned, limits->losses.returned.power_b, power_step_b);
+    const int32_t returned_b = limits->losses.returned.power_b;
+    state->table.losses.returned.power_b = q_clamp(
+        slope_sample(&state->returned, returned_b, power_step_b), q_min(returned_b, 0), MOST_VALUE);
     state->table.drawn_b = expected_magnitude(&state->drawn, limits->drawn_b, power_step_b);
 }
 

@@ -12,6 +12,7 @@ void torque_init(torque_state_t *state, const config_t *config)
 {
     motor_constants_init(&state->motor, config);
     demand_init(&state->demand);
+    charge_trim_init(&state->trim, config);
     torque_limits_init(&state->limits, &state->table);
     brake_blending_init(&state->blending, config);
     road_init(&state->road, config);
@@ -182,7 +183,7 @@ static void step_limits(torque_state_t *state, const feasible_set_t *set, const 
         .brake_torque_mNm = demand->brake_torque_mNm,
         /* Behind an open contactor it limits what is zero already. */
         .battery_voltage_mV = contradicts ? now->battery->voltage_mV : 0,
-        .bus_current_mA = motor_model_bus_current_mA(set->model, flowing, now->bus_voltage_mV),
+        .charge_beyond_mA = charge_trim_step(&state->trim, set->model, now, flowing),
         .current_missing_q15 = current_missing_q15,
     };
     torque_limits_step(&state->limits, set, now, enable, &limited_by, &state->table);
@@ -268,6 +269,10 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
         current_setpoint_step(&set, limited.command_mNm, now->i_d_weakening_mA));
     /* The bounds are those of the present voltage; the command follows at the torque rate. */
     current.feasible = current.feasible || limited.falling;
+
+    charge_trim_commanded(&state->trim, &model, current,
+                          torque_command_is_against(limited.command_mNm, now->speed_mrad_s),
+                          now->bus_voltage_mV);
 
     const bool seen = road_is_seen(&state->table, now, enable) && demand.hydraulic_valid;
     const int32_t road_mNm = road_step(&state->road, config, now->speed_mrad_s, motor.achieved_mNm,

@@ -186,10 +186,11 @@ static int32_t by_management_mA(slow_rise_t *rise, const config_t *config, int32
     return config->driver.no_other_brake != 0 ? share_mA : slow_rise_step(rise, share_mA, most_mA);
 }
 
+/* beyond_mA: that flows beyond what the model says. */
 static battery_limit_t battery_limit(foldback_state_t *state, const config_battery_t *battery,
-                                     int32_t most_mA, int32_t by_bms_mA, int32_t pack_peak_mA,
-                                     int32_t width_mV, int32_t inside_mV, int32_t flowing_mA,
-                                     const reason_t reasons[2])
+                                     int32_t most_mA, int32_t share_mA, int32_t pack_peak_mA,
+                                     int32_t beyond_mA, int32_t width_mV, int32_t inside_mV,
+                                     int32_t flowing_mA, const reason_t reasons[2])
 {
     const int32_t span_mV = battery->max_voltage_mV - battery->min_voltage_mV;
     const foldback_t foldback = {
@@ -199,8 +200,10 @@ static battery_limit_t battery_limit(foldback_state_t *state, const config_batte
         .rise_mV = q_min(pack_rise_mV(battery, most_mA), 4 * span_mV),
     };
     const int32_t by_voltage_mA = foldback_step(state, &foldback, inside_mV, flowing_mA);
+    const int32_t by_bms_mA = share_mA - q_max(beyond_mA, 0);
     const int32_t by_peak_mA =
-        q_clamp(pack_peak_mA / battery->driven_wheels, by_bms_mA, q_max(most_mA, by_bms_mA));
+        q_clamp(pack_peak_mA / battery->driven_wheels, share_mA, q_max(most_mA, share_mA)) -
+        q_max(beyond_mA, 0);
     const battery_limit_t out = {
         .current_mA = q_min(by_voltage_mA, by_bms_mA),
         .peak_mA = q_min(by_voltage_mA, by_peak_mA),
@@ -254,12 +257,14 @@ static void set_both(torque_limits_t *table, torque_line_t line, limit_t limit)
     table->braking[line] = limit;
 }
 
+/* Below zero: the motor draws at least that. */
 static feasible_returned_t returned_at(const motor_model_t *model, int32_t current_mA,
                                        int32_t margin_mA, int32_t bus_mV)
 {
+    const int32_t power_b = feasible_power_b(model, q_abs(current_mA), bus_mV);
     const feasible_returned_t out = {
-        .power_b = feasible_power_b(model, current_mA, bus_mV),
-        .margin_b = feasible_power_b(model, margin_mA, bus_mV),
+        .power_b = current_mA < 0 ? -power_b : power_b,
+        .margin_b = margin_mA > 0 ? feasible_power_b(model, margin_mA, bus_mV) : 0,
     };
     return out;
 }
@@ -389,10 +394,13 @@ void torque_limits_returned(torque_limits_t *table, const feasible_side_t *side)
 
 /* What the battery permits, in the table, for the parts that follow. */
 static void permit(torque_limits_t *table, const motor_model_t *model,
-                   const battery_limit_t *discharge, const battery_limit_t *charge, int32_t bus_mV)
+                   const battery_limit_t *discharge, const battery_limit_t *charge,
+                   int32_t beyond_mA, int32_t bus_mV)
 {
     table->drawn_b = feasible_power_b(model, discharge->current_mA, bus_mV);
     table->losses.returned = returned_at(model, charge->current_mA, charge->margin_mA, bus_mV);
+    table->losses.returned.drawn_b =
+        beyond_mA < 0 ? feasible_power_b(model, -beyond_mA, bus_mV) : 0;
     table->driving[TORQUE_LINE_DRAWN].reason = discharge->reason;
     table->braking[TORQUE_LINE_DRAWN].reason = discharge->reason;
     table->braking[TORQUE_LINE_RETURNED].reason = charge->reason;
@@ -424,26 +432,26 @@ void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
     /* The lowest: least power for a current, first to be empty. */
     const int32_t bus_mV =
         in->battery_voltage_mV > 0 ? q_min(sensor_mV, in->battery_voltage_mV) : sensor_mV;
-    const int32_t drawn_mA = q_max(in->bus_current_mA, -INT32_MAX);
+    const int32_t drawn_mA = q_max(now->bus_current_mA, -INT32_MAX);
     const int32_t discharge_mA =
         by_management_mA(&state->discharge_rise, config, now->battery->discharge_current_mA,
                          battery->max_discharge_current_mA);
     const battery_limit_t discharge =
         battery_limit(&state->discharge, battery, battery->max_discharge_current_mA, discharge_mA,
-                      0, battery->discharge_foldback_voltage_mV - battery->min_voltage_mV,
+                      0, 0, battery->discharge_foldback_voltage_mV - battery->min_voltage_mV,
                       bus_mV - battery->min_voltage_mV, drawn_mA, DISCHARGE);
     const int32_t charge_mA =
         by_management_mA(&state->charge_rise, config, now->battery->charge_current_mA,
                          battery->max_charge_current_mA);
     const battery_limit_t charge =
         battery_limit(&state->charge, battery, battery->max_charge_current_mA, charge_mA,
-                      now->battery->charge_peak_current_mA,
+                      now->battery->charge_peak_current_mA, in->charge_beyond_mA,
                       battery->max_voltage_mV - battery->foldback_voltage_mV,
                       battery->max_voltage_mV - highest_mV, -drawn_mA, CHARGE);
 
     set_both(table, TORQUE_LINE_MAX_TORQUE,
              limit_init(config->motor.max_torque_mNm, REASON_MAX_TORQUE));
-    permit(table, model, &discharge, &charge, bus_mV);
+    permit(table, model, &discharge, &charge, in->charge_beyond_mA, bus_mV);
     table->least_winding_mNm = least_hot_mNm(model, now->winding_lasting_mA,
                                              torque_limits_winding(config, now->sensed.winding_cC));
     table->least_switch_mNm = least_hot_mNm(model, now->switch_lasting_mA,

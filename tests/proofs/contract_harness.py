@@ -35,7 +35,8 @@ GROUPS: dict[str, tuple[str, ...]] = {
                "torque/hydraulic_model", "torque/torque_limits", "torque/closing_voltage",
                "core/fade"),
     "torque_models": ("motor/motor_model", "torque/hydraulic_feedback", "torque/road",
-                      "torque/brake_blending", "torque/available_ahead", "motor/thermal_model"),
+                      "torque/brake_blending", "torque/available_ahead", "motor/thermal_model",
+                      "torque/charge_trim"),
 }  # fmt: skip
 # With `./tools/dev test --full` only: these groups, and one by one the functions of HEAVY.
 FULL = (
@@ -72,6 +73,7 @@ VALUES: dict[str, tuple[str, ...]] = {
     ),
     "motor_model": (
         "motor_model_torque_mNm", "motor_model_bus_current_mA",
+        "motor_model_switching_current_mA",
         "motor_model_airgap_b", "motor_model_x_of_airgap_b", "motor_model_airgap_per_x",
         "motor_model_airgap_per_d", "motor_model_x_per_d",
     ),
@@ -124,7 +126,11 @@ SOURCES = {
     "monitor/monitor": ("monitor_fast.c", "monitor.c"),
     "monitor/monitor_fast": (),
     "motor/motor_model": ("motor_constants.c", "motor_model.c"),
-    "motor/feasible_torque": ("feasible_torque.c", "feasible_circle.c", "feasible_power.c"),
+    "motor/feasible_torque": (
+        "feasible_torque.c",
+        "feasible_circle.c",
+        "feasible_power.c",
+    ),
 }
 # Of core, as they are, where they have no contract.
 CORE_SOURCES = ("angle", "drive_direction", "fault", "findings", "grid", "isqrt", "divide",
@@ -158,7 +164,9 @@ UNWIND_OF = {"finding_times": 65, "recorder_init": 401, "recorder_slow": 70,
              "thermal_model_init": 34, "thermal_model_step": 34,
              "loss_maps_row_d_mA": 131, "loss_maps_row_rise_mA": 131}  # fmt: skip
 OVERFLOW_CHECKS = ("--signed-overflow-check", "--undefined-shift-check")
-CORE_HEADERS = tuple(path.name for path in sorted(FIRMWARE.glob("core/include/core/*.h")))
+CORE_HEADERS = tuple(
+    path.name for path in sorted(FIRMWARE.glob("core/include/core/*.h"))
+)
 
 
 def only_values() -> list[str]:
@@ -193,7 +201,9 @@ def _include(header: Path) -> str:
 
 def _unwind(name: str) -> int:
     given = [parameter.type for parameter in contracts.known()[name].parameters]
-    return max(UNWIND_OF.get(name, UNWIND), *(UNWIND_OF_TYPE.get(kind, 0) for kind in given), 0)
+    return max(
+        UNWIND_OF.get(name, UNWIND), *(UNWIND_OF_TYPE.get(kind, 0) for kind in given), 0
+    )
 
 
 def _sources(part: str) -> list[Path]:
@@ -219,7 +229,11 @@ def _copied(one: Contract) -> list[Parameter]:
 
     The checker takes long to follow a pointer to a member of a large object.
     """
-    return [parameter for parameter in one.parameters if parameter.written and not parameter.count]
+    return [
+        parameter
+        for parameter in one.parameters
+        if parameter.written and not parameter.count
+    ]
 
 
 def _definition(one: Contract) -> list[str]:
@@ -241,7 +255,10 @@ class _Conditions:
 
     def __init__(self, post: Iterable[str]) -> None:
         self.olds: list[str] = []
-        self.post = [re.sub(r"\bold\(((?:[^()]|\([^()]*\))*)\)", self._kept, line) for line in post]
+        self.post = [
+            re.sub(r"\bold\(((?:[^()]|\([^()]*\))*)\)", self._kept, line)
+            for line in post
+        ]
 
     def _kept(self, match: re.Match[str]) -> str:
         self.olds.append(match[1])
@@ -302,7 +319,9 @@ def harness(one: Contract) -> str:
     lines += conditions.before()
     call = f"{one.name}({', '.join(parameter.name for parameter in one.parameters)});"
     lines.append(
-        f"    {call}" if one.result == "void" else f"    {one.result} const result = {call}"
+        f"    {call}"
+        if one.result == "void"
+        else f"    {one.result} const result = {call}"
     )
     lines += lemmas.assumed(one.name)
     lines += [f"    PROVE({line});" for line in conditions.post]
@@ -359,7 +378,10 @@ def substitute(one: Contract, values: bool = False) -> str:
         lines += [f"    {one.result} result;", *_same_pointers(one)]
     assumed = [line for line in conditions.post if "each(" not in line]
     lines += [f"    ASSUME({with_a_chosen_index(line)});" for line in assumed]
-    lines += [f"    *to_{parameter.name} = copy_{parameter.name};" for parameter in _copied(one)]
+    lines += [
+        f"    *to_{parameter.name} = copy_{parameter.name};"
+        for parameter in _copied(one)
+    ]
     if one.result != "void":
         lines.append("    return result;")
     return "\n".join([*lines, "}", ""])
@@ -396,18 +418,26 @@ def _included(
     return f'#include "{copy}"'
 
 
-def _unit(folder: Path, part: str, names: list[str], planted: PlantedError | None) -> str:
+def _unit(
+    folder: Path, part: str, names: list[str], planted: PlantedError | None
+) -> str:
     """Return the translation unit of a part: its sources and the proofs of its functions.
 
     Where only values are proved, calls of functions of the same sources are replaced as well.
     """
     values = names[0] in only_values()
     known = _replaceable(values)
-    others = [one for one in known.values() if values and one.part == part and not one.inline]
+    others = [
+        one for one in known.values() if values and one.part == part and not one.inline
+    ]
     elsewhere = [one for one in known.values() if one.part != part]
-    elsewhere = [one for one in elsewhere if not one.inline or one.part.startswith("core/")]
+    elsewhere = [
+        one for one in elsewhere if not one.inline or one.part.startswith("core/")
+    ]
     lines = _core_includes()
-    lines += [f"{_prototype(one)};" for one in elsewhere if one.part.startswith("core/")]
+    lines += [
+        f"{_prototype(one)};" for one in elsewhere if one.part.startswith("core/")
+    ]
     lines += [f"#define {one.name} {one.name}_by_contract" for one in elsewhere]
     header = next(one.header for one in known.values() if one.part == part)
     lines += [_include(header), *(f"{_prototype(one)};" for one in others)]
@@ -418,7 +448,9 @@ def _unit(folder: Path, part: str, names: list[str], planted: PlantedError | Non
 
 def _substitutes(names: Iterable[str], values: bool) -> str:
     known = _replaceable(values)
-    replaced = [one for one in known.values() if not one.inline or one.part.startswith("core/")]
+    replaced = [
+        one for one in known.values() if not one.inline or one.part.startswith("core/")
+    ]
     headers = {one.header: None for one in replaced}
     lines = [*_core_includes(), "config_t proof_config;",
              "int proof_any_index;", *map(_include, headers)]  # fmt: skip

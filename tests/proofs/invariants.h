@@ -82,6 +82,15 @@
      is_within((s)->torque_mNm, 1 - (1 << 23), (1 << 23) - 1) && (s)->speed_lp_q8_mrad_s >= 0 &&   \
      (s)->inertia_g_m2 >= 0)
 
+/* Of currents up to 2 kA. */
+#define charge_trim_holds(s)                                                                       \
+    (is_within((s)->most_mA, 0, 2000000) && is_within((s)->commanded_mA, -2000000, 2000000) &&     \
+     is_within((s)->terminals_q8_mA, -(1 << 29), 1 << 29) &&                                       \
+     is_within((s)->own.accumulator, -(1 << 23), 1 << 23) &&                                       \
+     is_within((s)->pack.accumulator, 0, 1 << 28) &&                                               \
+     is_within((s)->held_mA, -(1 << 23), 1 << 23) &&                                               \
+     is_within((s)->hold_ms, 0, CHARGE_TRIM_MESSAGE_ms))
+
 #define torque_state_holds(s, c)                                                                   \
     (motor_constants_hold(&(s)->motor) && is_within((s)->demand.lift_off_mNm, 0, 100000000) &&     \
      is_within((s)->demand.brake_torque_mNm, 0, 100000000) &&                                      \
@@ -89,6 +98,7 @@
      anti_lock_holds(&(s)->limits) && is_within((s)->limits.charge.allowed_q24, 0, SCALED_ONE) &&  \
      is_within((s)->limits.discharge.allowed_q24, 0, SCALED_ONE) && table_holds(&(s)->table) &&    \
      battery_rises_hold(&(s)->limits) && road_holds(&(s)->road) &&                                 \
+     charge_trim_holds(&(s)->trim) &&                                                              \
      is_within((s)->hold.torque_mNm, 0, (c)->driver.hold_torque_mNm) &&                            \
      is_within((s)->hold.release_ms, 0, (c)->driver.hold_release_ms) &&                            \
      is_within((s)->hold.rolls_ms, 0, HILL_HOLD_CAUGHT_ms) && (s)->hold.begun_mrad_s >= 0 &&       \

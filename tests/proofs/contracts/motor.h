@@ -169,6 +169,9 @@ POST(motor_model_torque_mNm, at.x_b > 0 || (at.x_b < 0 && model->saliency_b != 0
 
 PRE(motor_model_bus_current_mA, current_shift_holds(model->constants))
 POST(motor_model_bus_current_mA, is_within(result, -(1 << 30), 1 << 29))
+PRE(motor_model_switching_current_mA, current_shift_holds(model->constants))
+POST(motor_model_switching_current_mA, is_within(result, -(1 << 30), 1 << 29))
+
 POST(motor_model_bus_current_mA, at.d_b != 0 || at.x_b != 0 || model->iron_current_b != 0 || result
      == 0)
 

@@ -56,6 +56,19 @@ POST(brake_blending_step, result.electric_mNm <= limits->braking[TORQUE_LINE_ENA
 PRE(closing_voltage_mV, charging_mA >= 0)
 POST(closing_voltage_mV, phase_mV < 0 || is_within(result, 0, phase_mV))
 
+/* torque/charge_trim.h */
+PRE(charge_trim_init, config->battery.max_voltage_mV >= 1 && is_within(config->motor.max_phase_current_mA,
+     0, 2000000) && is_within(config->motor.phase_resistance_uOhm, 0, 100000000))
+POST(charge_trim_init, charge_trim_holds(state) && !state->braking && state->terminals_q8_mA == 0)
+
+PRE(charge_trim_step, charge_trim_holds(state) && motor_constants_hold(model->constants) &&
+     is_within(model->config->drive.current_full_scale_mA, 1000, 4000000))
+POST(charge_trim_step, charge_trim_holds(state) && is_within(result, -(1 << 22), 1 << 23))
+POST(charge_trim_step, now->battery->current_given || state->pack.accumulator == 0)
+
+PRE(charge_trim_commanded, charge_trim_holds(state) && motor_constants_hold(model->constants))
+POST(charge_trim_commanded, charge_trim_holds(state) && state->braking == braking)
+
 /* torque/demand.h */
 POST(demand_init, state->lost_ms == INT32_MAX && state->engaged == DRIVE_DIRECTION_NEUTRAL)
 POST(demand_init, state->lift_off_mNm == 0 && state->brake_torque_mNm == 0 &&

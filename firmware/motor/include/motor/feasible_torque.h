@@ -75,11 +75,12 @@ int32_t feasible_by_current_mNm(feasible_side_t *side, feasible_circle_t *circle
 /* Both, but only the one that bounds the torque is solved. */
 feasible_bounds_t feasible_by_voltage_and_current(feasible_side_t *side, feasible_circle_t *circle);
 
-/* What a battery takes, scale of feasible_power_b(), >= 0. The margin is what its management
- * permits beyond that where the bus voltage is the tighter limit: the fold-back regulates the
- * measured voltage, so that an uncertain angle counts only beyond the margin. */
+/* What a battery takes, scale of feasible_power_b(); below zero the motor draws at least that. The
+ * margin is what its management permits beyond that where the bus voltage is the tighter limit: the
+ * fold-back regulates the measured voltage, so that an uncertain angle counts only beyond the
+ * margin. drawn_b >= 0: what the motor draws beyond its model, for the torque of loss braking. */
 typedef struct {
-    int32_t power_b, margin_b;
+    int32_t power_b, margin_b, drawn_b;
 } feasible_returned_t;
 
 /* By how much less a point returns than the battery takes, the loss of the bridge and the uncertain

@@ -23,15 +23,17 @@ typedef struct {
     int32_t current_b;            /* up to which i_d may raise |i|; 0: no loss braking */
     feasible_returned_t returned; /* what the battery takes comes first */
     int32_t by_map_mNm;           /* the torque that returns it with the i_d of the map */
-    int32_t torque_mNm;           /* that returns nothing on the circle; 0: not computed */
+    int32_t torque_mNm;           /* that returns nothing on the circle, or draws what
+                                     `returned` demands; 0: not computed */
 } loss_braking_t;
 
 /* share_q15: derating of winding and switches, 32 767 = none. */
 loss_braking_t loss_braking_at(const motor_model_t *model, feasible_returned_t returned,
                                int32_t share_q15);
 
-/* Largest braking torque, mN m: the one that returns nothing on the current circle, or by_map_mNm,
- * what feasible_by_returned_mNm() gives for the i_d of the map, where that is larger. */
+/* Largest braking torque, mN m: the one that returns nothing on the current circle (less where
+ * returned.power_b is below zero, more with returned.drawn_b), or by_map_mNm, what
+ * feasible_by_returned_mNm() gives for the i_d of the map, where that is larger. */
 int32_t loss_braking_torque_mNm(const feasible_side_t *side, loss_braking_t *losses,
                                 int32_t by_map_mNm);
 

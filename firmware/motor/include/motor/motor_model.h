@@ -87,9 +87,12 @@ motor_point_t motor_model_point(const motor_model_t *model, motor_current_t i);
 /* Shaft torque of a point. */
 int32_t motor_model_torque_mNm(const motor_model_t *model, motor_point_t at);
 
-/* Direct current of a point at a bus voltage, positive out of the battery, with the inverter's
- * loss. */
+/* Direct current of a point at a bus voltage, positive out of the battery: of motor and resistance
+ * of the switches, which the applied voltage shows, and of what switching loses. */
 int32_t motor_model_bus_current_mA(const motor_model_t *model, motor_point_t at, int32_t bus_mV);
+
+int32_t motor_model_switching_current_mA(const motor_model_t *model, motor_point_t at,
+                                         int32_t bus_mV);
 
 /* ---- in binary scales ---- */
 

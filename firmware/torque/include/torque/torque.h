@@ -21,6 +21,7 @@
 #include "motor/current_setpoint.h"
 #include "torque/available_ahead.h"
 #include "torque/brake_blending.h"
+#include "torque/charge_trim.h"
 #include "torque/demand.h"
 #include "torque/hill_hold.h"
 #include "torque/lift_off.h"
@@ -54,6 +55,7 @@ typedef struct {
 typedef struct {
     motor_constants_t motor;
     demand_state_t demand;
+    charge_trim_state_t trim;
     torque_limits_state_t limits;
     torque_limits_t table; /* of the last step; output for shell and log only */
     brake_blending_state_t blending;

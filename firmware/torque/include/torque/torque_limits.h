@@ -51,7 +51,8 @@ typedef struct {
     int32_t brake_torque_mNm;    /* demanded, magnitude; a parallel brake takes a share of it */
     int32_t battery_voltage_mV;  /* where it contradicts the bus voltage: each limit takes the more
                                     dangerous of both; 0: it does not */
-    int32_t bus_current_mA;      /* of this motor by its model, positive out of the battery */
+    int32_t charge_beyond_mA;    /* charge_trim.h: by how much this motor charges the
+                                    battery beyond its model */
     int32_t current_missing_q15; /* share of the current that its sensors do not show, below
                                     32 768; the line CURRENT_GAIN */
 } torque_limits_input_t;

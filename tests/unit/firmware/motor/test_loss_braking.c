@@ -75,8 +75,8 @@ static double dc_power_w(const circuit_t *c, double d, double i_q)
     return power_w(c, d, x, &same) + bridge_w(d, i_q);
 }
 
-/* The braking torque at zero power on the current circle, by bisection over x. */
-static double torque_nm(const circuit_t *c, double current_a)
+/* The braking torque that returns a power on the current circle, by bisection over x. */
+static double returning_nm(const circuit_t *c, double current_a, double returned_w)
 {
     double low = -current_a;
     double high = 0.0;
@@ -88,13 +88,18 @@ static double torque_nm(const circuit_t *c, double current_a)
             (void)power_w(c, d, x, &i_q);
             d = -sqrt(fmax(current_a * current_a - i_q * i_q, 0.0));
         }
-        if (power_w(c, d, x, &i_q) + bridge_w(d, i_q) < 0.0) {
+        if (power_w(c, d, x, &i_q) + bridge_w(d, i_q) < -returned_w) {
             low = x;
         } else {
             high = x;
         }
     }
     return -1.5 * c->p * c->psi * low;
+}
+
+static double torque_nm(const circuit_t *c, double current_a)
+{
+    return returning_nm(c, current_a, 0.0);
 }
 
 static const feasible_returned_t NO_POWER = {.power_b = 0, .margin_b = 0};
@@ -143,6 +148,28 @@ void test_forty_km_h_are_braked_with_the_losses_of_motor_and_bridge(void)
                               1e-3 * bound_mNm(44444, Q15_ONE, NO_POWER, &losses));
 }
 
+/* A motor that returns or draws 80 W beyond its model: the torque is that at which it returns
+ * nothing. */
+void test_what_a_motor_returns_or_draws_beyond_its_model_moves_the_torque_on_the_circle(void)
+{
+    const double current_a = 1e-3 * config.motor.max_phase_current_mA * 255.0 / 256.0;
+    for (int rpm = 80; rpm <= 640; rpm += 40) {
+        const int32_t speed_mrad_s = (int32_t)lround(rpm * 1e3 * TURN / 60.0);
+        const circuit_t circuit = circuit_at(speed_mrad_s);
+        const motor_model_t model = model_at(&config, speed_mrad_s, 2500);
+        const int32_t power_b = feasible_power_b(&model, 1600, 50000);
+        const feasible_returned_t returns = {.power_b = -power_b};
+        const feasible_returned_t draws = {.drawn_b = power_b};
+        loss_braking_t losses;
+        const double less_nm = returning_nm(&circuit, current_a, -80.0) + friction_nm(speed_mrad_s);
+        const double more_nm = returning_nm(&circuit, current_a, 80.0) + friction_nm(speed_mrad_s);
+        TEST_ASSERT_DOUBLE_WITHIN(0.01 * less_nm + 0.05, less_nm,
+                                  1e-3 * bound_mNm(speed_mrad_s, Q15_ONE, returns, &losses));
+        TEST_ASSERT_DOUBLE_WITHIN(0.01 * more_nm + 0.05, more_nm,
+                                  1e-3 * bound_mNm(speed_mrad_s, Q15_ONE, draws, &losses));
+    }
+}
+
 /* A random state in which the torque exceeds what the i_d of the map returns at most. */
 typedef struct {
     int32_t speed_mrad_s, torque_mNm;
@@ -188,9 +215,7 @@ void test_a_setpoint_up_to_the_bound_returns_what_the_battery_takes_and_keeps_it
         const circuit_t circuit = circuit_at(q_abs(s.speed_mrad_s));
         const double along_a = 1e-3 * (s.speed_mrad_s > 0 ? s.out.i_q_mA : -s.out.i_q_mA);
         const double power_w = dc_power_w(&circuit, 1e-3 * s.out.i_d_mA, along_a);
-        /* 0.4 % of max_torque above the torque of the map its i_d stays: 40 N m / 256 w. */
-        const double band_w = 1e-3 * q_abs(s.speed_mrad_s) * 40.0 / 256.0;
-        TEST_ASSERT_TRUE(power_w > -s.returned_w - band_w - 6.0);
+        TEST_ASSERT_TRUE(power_w > -s.returned_w - 6.0);
         if (s.out.i_d_mA < s.map.i_d_mA) {
             beyond++;
             TEST_ASSERT_DOUBLE_WITHIN(6.0, -s.returned_w, power_w);

@@ -268,17 +268,19 @@ static motor_model_t model_of_voltages(void)
     return out;
 }
 
-/* i_d -2^20, i_q 2^20: u_d = -2^19, u_q = 5 2^18, the sum of products 7 2^14. |i| = (7/8 + 1/2)
- * 2^20 = 11 2^17, the bridge 2^16 + |i| / 16 = 19 2^13 V and 209 2^6 W. Three halves of the sum,
- * 192 096, over 48 V 2^4. */
-void test_bus_current_is_power_and_loss_of_the_bridge_over_the_bus_voltage(void)
+/* i_d -2^20, i_q 2^20: u_d = -2^19, u_q = 5 2^18, the sum of products 7 2^14; the switches, 1/16
+ * each way, 2^13 more. Three halves of the sum, 184 320, over 48 V 2^4. Switching: |i| = (7/8 +
+ * 1/2) 2^20 = 11 2^17 at 2^16 V are 11 2^9, three halves of it 8 448. */
+void test_bus_current_is_power_over_the_bus_voltage_and_switching_beside_it(void)
 {
     const motor_model_t m = model_of_voltages();
     constants.loss_b = 1 << 16;
     constants.loss_resistance_b = SCALED_ONE / 16;
     const motor_point_t at = {.d_b = -(1 << 20), .x_b = 1 << 20};
-    const double expected_mA = ldexp(192096.0 / (48000 << 4), 24 - 4);
-    TEST_ASSERT_EQUAL_INT32((int32_t)expected_mA, motor_model_bus_current_mA(&m, at, 48000));
+    const double motor_mA = ldexp(184320.0 / (48000 << 4), 24 - 4);
+    const double switching_mA = ldexp(8448.0 / (48000 << 4), 24 - 4);
+    TEST_ASSERT_EQUAL_INT32((int32_t)motor_mA, motor_model_bus_current_mA(&m, at, 48000));
+    TEST_ASSERT_EQUAL_INT32((int32_t)switching_mA, motor_model_switching_current_mA(&m, at, 48000));
 }
 
 /* 2^13 times 2^12 is 2, three halves of it 3; over one unit of voltage 3 2^24. */

@@ -13,6 +13,7 @@ typedef struct {
     int32_t bus_voltage_mV;
     int32_t battery_voltage_mV; /* where it contradicts the bus voltage; 0: it does not */
     int32_t bus_current_mA;
+    int32_t charge_beyond_mA;
     int32_t current_missing_q15;
     int32_t bms_charge_current_mA, bms_discharge_current_mA, bms_charge_peak_mA;
     int32_t switch_temperature_cC;
@@ -48,13 +49,14 @@ static inline void torque_limits_case_step(torque_limits_state_t *state, const f
                             .battery = &sent.bms,
                             .angle_valid = at->angle_valid,
                             .bus_voltage_mV = at->bus_voltage_mV,
+                            .bus_current_mA = at->bus_current_mA,
                             .switch_temperature_cC = at->switch_temperature_cC,
                             .sensed = sensed,
                             .winding_lasting_mA = at->lasting_mA,
                             .switch_lasting_mA = at->lasting_mA};
     const torque_limits_input_t in = {.brake_torque_mNm = at->brake_torque_mNm,
                                       .battery_voltage_mV = at->battery_voltage_mV,
-                                      .bus_current_mA = at->bus_current_mA,
+                                      .charge_beyond_mA = at->charge_beyond_mA,
                                       .current_missing_q15 = at->current_missing_q15};
     torque_limits_step(state, set, &now, &at->torque_enable, &in, table);
 }

@@ -105,6 +105,34 @@ static inline slow_input_t torque_case_slow_input(void)
     return out;
 }
 
+/* Terminal power at the measured current, W, from the circuit i = i_t + v(i_t) / R_i. Each
+ * iteration reduces the error by w L / R_i, a hundredth. */
+static inline reference_point_t torque_rig_point(void)
+{
+    const reference_motor_t m =
+        reference_motor(&config, in.speed_mrad_s, in.winding_temperature_cC);
+    double i_dt = in.current.d_mA * 1e-3;
+    double i_qt = in.current.q_mA * 1e-3;
+    for (int n = 0; n < 10; n++) {
+        const double v_d = -m.w_rad_s * m.l_q_h * i_qt;
+        const double v_q = m.w_rad_s * (m.l_d_h * i_dt + m.psi_wb);
+        i_dt = in.current.d_mA * 1e-3 - v_d * m.iron_siemens;
+        i_qt = in.current.q_mA * 1e-3 - v_q * m.iron_siemens;
+    }
+    return reference_point(&m, i_dt, i_qt);
+}
+
+/* Of the applied voltage, which shows motor and switches, but not what switching loses. */
+static inline int32_t torque_rig_bus_current_mA(void)
+{
+    const reference_point_t at = torque_rig_point();
+    const double current_a = hypot(at.i_d_a, at.i_q_a);
+    const double power_w =
+        at.power_w + 1.5e-6 * config.drive.loss_resistance_uOhm * current_a * current_a;
+    const double bus_v = 1e-3 * q_clamp(in.bus_voltage_mV, 1000, 1000000);
+    return (int32_t)lround(1e3 * fmax(fmin(power_w / bus_v, 1e5), -1e5));
+}
+
 /* A step with the currents of `in`. */
 static inline torque_output_t torque_case_step(void)
 {
@@ -126,6 +154,7 @@ static inline torque_output_t torque_case_step(void)
         .i_d_mA = in.current.d_mA,
         .i_q_mA = in.current.q_mA,
         .bus_voltage_mV = in.bus_voltage_mV,
+        .bus_current_mA = torque_rig_bus_current_mA(),
         .i_d_weakening_mA = in.i_d_weakening_mA,
         .phase_voltage_mV = in.phase_voltage_mV,
         .winding_temperature_cC = in.winding_temperature_cC,

@@ -283,7 +283,7 @@ void test_both_brakes_together_settle_on_the_braking_demand(void)
         const int32_t coasting_mNm =
             coasting_most_mNm(&config, in.speed_mrad_s, in.winding_temperature_cC);
         if (in.brake_torque_mNm >= 2 * coasting_mNm) {
-            TEST_ASSERT_EQUAL_INT32(in.brake_torque_mNm, sum_mNm);
+            TEST_ASSERT_INT32_WITHIN(2, in.brake_torque_mNm, sum_mNm); /* the trim settles */
         } else {
             TEST_ASSERT_GREATER_OR_EQUAL_INT32(in.brake_torque_mNm, sum_mNm);
             TEST_ASSERT_LESS_OR_EQUAL_INT32(coasting_mNm + in.brake_torque_mNm / 2, sum_mNm);
@@ -320,28 +320,17 @@ void test_outputs_are_bounded_for_any_input(void)
     }
 }
 
-/* Terminal power at the measured current, W, from the circuit i = i_t + v(i_t) / R_i. Each
- * iteration reduces the error by w L / R_i, a hundredth. */
 static double drawn_w(void)
 {
-    const reference_motor_t m =
-        reference_motor(&config, in.speed_mrad_s, in.winding_temperature_cC);
-    double i_dt = in.current.d_mA * 1e-3;
-    double i_qt = in.current.q_mA * 1e-3;
-    for (int n = 0; n < 10; n++) {
-        const double v_d = -m.w_rad_s * m.l_q_h * i_qt;
-        const double v_q = m.w_rad_s * (m.l_d_h * i_dt + m.psi_wb);
-        i_dt = in.current.d_mA * 1e-3 - v_d * m.iron_siemens;
-        i_qt = in.current.q_mA * 1e-3 - v_q * m.iron_siemens;
-    }
-    const reference_point_t at = reference_point(&m, i_dt, i_qt);
+    const reference_point_t at = torque_rig_point();
     return at.power_w + reference_bridge_w(&config, at);
 }
 
 /* Half of the fold-back's width inside the end of the voltage, half of the current is allowed.
  * Without a hydraulic brake, whose estimate would bound the motor. Tolerance: the integrator stops
- * below a step of 1 mA, 8 * 18.4 V * 1 mA/32 A = 4.6 mV or 0.8 % of the half width, and the torque
- * of a power is rounded to 1 mN m. */
+ * below a step of 1 mA, 8 * 18.4 V * 1 mA/32 A = 4.6 mV or 0.8 % of the half width, the torque of a
+ * power is rounded to 1 mN m, and 0.3 A of switching, which the applied voltage does not show,
+ * count as not flowing: 0.3 A 48 mOhm are 2.5 % of the half width. */
 void test_half_of_the_battery_current_is_allowed_at_half_of_the_foldback_width(void)
 {
     config.brake.max_hydraulic_torque_mNm = 0;
@@ -353,7 +342,7 @@ void test_half_of_the_battery_current_is_allowed_at_half_of_the_foldback_width(v
     (void)run(200);
     in.bus_voltage_mV = config.battery.max_voltage_mV - half_width_mV;
     TEST_ASSERT_EQUAL_INT(REASON_BUS_VOLTAGE_HIGH, run(4000).available.reason);
-    TEST_ASSERT_DOUBLE_WITHIN(0.02 * 1445.4, -25.0 * 1e-3 * in.bus_voltage_mV, drawn_w());
+    TEST_ASSERT_DOUBLE_WITHIN(0.03 * 1445.4, -25.0 * 1e-3 * in.bus_voltage_mV, drawn_w());
 
     torque_rig_start();
     in.brake_torque_mNm = 0;

@@ -339,3 +339,37 @@ void test_a_peak_has_no_less_torque_than_the_lasting_limit(void)
     TEST_ASSERT_GREATER_THAN_INT32(table.losses.by_map_mNm + 1000, lasting_mNm);
     TEST_ASSERT_EQUAL_INT32(lasting_mNm, table.braking[TORQUE_LINE_RETURNED_PEAK].torque_mNm);
 }
+
+/* What flows beyond the model comes off both limits of the management, at four wheels a quarter of
+ * the pack's. */
+void test_what_the_motor_charges_beyond_its_model_comes_off_the_limit(void)
+{
+    conditions.bms_charge_current_mA = 4 * 6000;
+    conditions.bms_charge_peak_mA = 4 * 8000;
+    conditions.charge_beyond_mA = 1000;
+    (void)folded_mA(&state.charge, CHARGE_mA);
+    const int32_t lasting_mNm = table.braking[TORQUE_LINE_RETURNED].torque_mNm;
+    const int32_t peak_mNm = table.braking[TORQUE_LINE_RETURNED_PEAK].torque_mNm;
+    conditions.bms_charge_current_mA = 4 * 5000;
+    conditions.bms_charge_peak_mA = 4 * 7000;
+    conditions.charge_beyond_mA = 0;
+    (void)folded_mA(&state.charge, CHARGE_mA);
+    TEST_ASSERT_EQUAL_INT32(lasting_mNm, table.braking[TORQUE_LINE_RETURNED].torque_mNm);
+    TEST_ASSERT_EQUAL_INT32(peak_mNm, table.braking[TORQUE_LINE_RETURNED_PEAK].torque_mNm);
+    TEST_ASSERT_EQUAL_INT32(0, table.losses.returned.drawn_b);
+}
+
+/* With a charge limit of zero it has to draw; what it draws beyond its model it brakes with. */
+void test_a_motor_draws_what_it_would_charge_and_brakes_with_what_it_would_draw(void)
+{
+    conditions.bms_charge_current_mA = 0;
+    const motor_model_t model = model_at(&config, SPEED_mrad_s, winding_temperature_cC);
+    const int32_t ampere_b = feasible_power_b(&model, 1000, conditions.bus_voltage_mV);
+    conditions.charge_beyond_mA = 1000;
+    (void)folded_mA(&state.charge, CHARGE_mA);
+    TEST_ASSERT_EQUAL_INT32(-ampere_b, table.losses.returned.power_b);
+    conditions.charge_beyond_mA = -1000;
+    (void)folded_mA(&state.charge, CHARGE_mA);
+    TEST_ASSERT_EQUAL_INT32(0, table.losses.returned.power_b);
+    TEST_ASSERT_EQUAL_INT32(ampere_b, table.losses.returned.drawn_b);
+}
