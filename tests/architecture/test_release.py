@@ -179,8 +179,10 @@ def test_every_python_package_has_its_licence_and_use() -> None:
 def test_licences_are_those_that_the_packages_state() -> None:
     """Where a package states an expression; older ones state words, which were translated."""
     compared = 0
-    for name, licence, _ in table("Python packages"):
+    for name, licence, sets in table("Python packages"):
         assert licence, name
+        if sets == "zig":
+            continue  # installed only when it is asked for
         stated = distribution(name).metadata.json.get("license_expression")
         if stated is not None:
             assert licence == stated, name

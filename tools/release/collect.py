@@ -33,7 +33,9 @@ class ReleaseError(ValueError):
     """A part of the release is missing or does not belong to the others; one line."""
 
 
-def parts(root: Path, build: Path, wheel: Path, version: str) -> dict[str, Path]:
+def parts(
+    root: Path, build: Path, wheel: Path, version: str, units: Path | None = None
+) -> dict[str, Path]:
     """Return every file of a release by its name in the folder.
 
     Parameters
@@ -44,6 +46,8 @@ def parts(root: Path, build: Path, wheel: Path, version: str) -> dict[str, Path]
         The Python distribution.
     version : str
         Of the project.
+    units : Path, optional
+        Where the co-simulation units are; absent: where the host preset makes them.
     """
     firmware = build / PORT / f"hubfoc_{PORT}"
     endings = (".bin", ".hex", ".elf")
@@ -53,7 +57,8 @@ def parts(root: Path, build: Path, wheel: Path, version: str) -> dict[str, Path]
     }
     for dbc in ("hubfoc.dbc", "hubfoc_four_wheels.dbc"):
         found[dbc] = root / "firmware" / "comms" / dbc
-    found |= {f"fmu/{name}": build / "host" / "host_sim" / "fmu" / name for name in UNITS}
+    units = units or build / "host" / "host_sim" / "fmu"
+    found |= {f"fmu/{name}": units / name for name in UNITS}
     found[wheel.name] = wheel
     found["LICENSE"] = root / "LICENSE"
     found["LICENSES.md"] = root / "tools" / "release" / "LICENSES.md"
@@ -117,11 +122,12 @@ def main() -> int:
     parser.add_argument("--build", type=Path, default=ROOT / "build")
     parser.add_argument("--wheel", type=Path, required=True)
     parser.add_argument("--config", default="lu2013", help="the configuration in the firmware")
+    parser.add_argument("--units", type=Path, help="folder of the co-simulation units")
     parser.add_argument("--output", type=Path, default=ROOT / "build" / "release")
     options = parser.parse_args()
     version, commit = installation.version(), installation.commit()
     try:
-        found = parts(ROOT, options.build, options.wheel, version)
+        found = parts(ROOT, options.build, options.wheel, version, options.units)
         check(found, version, commit, options.config)
         folder = collect(found, f"hubfoc-{version}", options.output)
     except (ReleaseError, OSError, zipfile.BadZipFile, KeyError) as error:

@@ -84,6 +84,15 @@ configure_host() {
     configure host "HUBFOC_TESTS=$tests" "$@"
 }
 
+# build_for_platforms: the units of the host preset with binaries for Linux, Windows and macOS, in
+# build/fmu. What the compiler keeps stays below .dev.
+build_for_platforms() {
+    export ZIG_GLOBAL_CACHE_DIR="$ROOT/.dev/zig" ZIG_LOCAL_CACHE_DIR="$ROOT/.dev/zig"
+    (cd "$ROOT" && run_logged "Compiling for five platforms" platforms \
+        "$VENV_PYTHON" -m hubsim.fmu platforms build/host/host_sim/fmu/*.fmu -o build/fmu) ||
+        fail "the units could not be compiled for other platforms"
+}
+
 # build_targets PRESET [TARGET...], in a configured directory; by default all but what only tests
 # labelled full need (tools/cmake/HubfocFull.cmake)
 build_targets() {

@@ -162,12 +162,16 @@ TEXT
 
 help_fmu() {
     cat <<'TEXT'
-Usage: tools/dev fmu [--config DRIVE]
+Usage: tools/dev fmu [--config DRIVE] [--platforms]
 
 Builds four units for co-simulation from one drive, a TOML file or the name of one in tools/motors
 (default: lu2013), and prints their paths: hubfoc_controller (one controller) and hubfoc_vehicle
 (controllers with motors, battery, brakes and road), each for FMI 2.0 and 3.0, with binary for this
 machine and complete source.
+
+  --platforms    units in build/fmu with binaries for Linux with a C library from 2.17 on (x86-64,
+                 ARM64), Windows (x86-64) and macOS (x86-64, ARM64), by the compiler in the Python
+                 package ziglang, which is installed then (411 MB); takes minutes the first time
 TEXT
 }
 
@@ -287,6 +291,8 @@ Sets of Python packages in .dev/venv (python means all of them):
   live      python-can                      fmi      fmpy
   examples  motulator, scipy                bench    unicorn
   test      pytest, cantools                dev      ruff, mypy, clang-format, gcovr
+Only if named, or for fmu --platforms and release --platforms:
+  zig       ziglang, a compiler for other platforms (411 MB)
 TEXT
 }
 

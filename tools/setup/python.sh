@@ -11,6 +11,9 @@ readonly VENV_PYTHON="$VENV/bin/python"
 readonly REQUIREMENTS="$ROOT/tools/setup/requirements"
 # shellcheck disable=SC2034  # read by tools/dev
 readonly PYTHON_SETS=(sim figures formats sweep live fmi examples bench test dev)
+# Not among all sets: 411 MB that one option of two commands needs.
+# shellcheck disable=SC2034
+readonly RARE_SETS=(zig)
 
 # find_interpreter [MODULE...]: a Python of at least 3.11 (tomllib) that has these modules. The
 # system's own first: version managers change which one is first on PATH.

@@ -5,7 +5,7 @@
 
 help_release() {
     cat <<'TEXT'
-Usage: tools/dev release [-o DIR] [--trial]
+Usage: tools/dev release [-o DIR] [--trial] [--platforms]
 
 Builds the firmware of the stm32f405's first board (BIN, HEX, ELF), the co-simulation units and the
 Python wheel, and puts them with the configurations, the CAN protocol (DBC) and the licences into
@@ -15,11 +15,13 @@ any folder.
 
   --trial        also with changed files and such that git does not know; with changed ones the
                  commit in every part ends in "+"
+  --platforms    co-simulation units with binaries for other platforms (tools/dev fmu --help)
 TEXT
 }
 
 cmd_release() {
-    local output=$ROOT/build/release trial='' wheels=$ROOT/build/wheel
+    local output=$ROOT/build/release trial='' platforms='' wheels=$ROOT/build/wheel
+    local units=$ROOT/build/host/host_sim/fmu
     while (($#)); do
         case $1 in
             -o | --output)
@@ -28,12 +30,13 @@ cmd_release() {
                 shift
                 ;;
             --trial) trial=yes ;;
+            --platforms) platforms=zig ;;
             *) usage_fail "release: no option '$1' (tools/dev release --help)" ;;
         esac
         shift
     done
     [[ -n $trial ]] || check_committed
-    ensure build host arm sim fmi test
+    ensure build host arm sim fmi test ${platforms:+"$platforms"}
     if [[ -z $trial ]] && ! is_a_commit; then
         usage_fail "release: not the files of a commit (tools/dev release --help)"
     fi
@@ -45,11 +48,16 @@ cmd_release() {
     build_targets stm32f405 hubfoc_stm32f405
     configure_host HUBFOC_FMU=ON "HUBFOC_FMU_CONFIG=$ROOT/tools/motors/$DEFAULT_CONFIG.toml"
     build_targets host fmu
+    if [[ -n $platforms ]]; then
+        rm -rf "$ROOT/build/fmu"
+        build_for_platforms
+        units=$ROOT/build/fmu
+    fi
     rm -rf "$wheels"
     run_logged "Building the Python wheel" wheel build_wheel "$wheels" ||
         fail "the wheel could not be built"
     "$VENV_PYTHON" "$ROOT/tools/release/collect.py" --config "$DEFAULT_CONFIG" \
-        --wheel "$wheels"/*.whl --output "$output"
+        --units "$units" --wheel "$wheels"/*.whl --output "$output"
 }
 
 # check_committed: refuses files that git does not know or that have changed: configurations, drives

@@ -34,14 +34,21 @@ def main() -> int:
                 "--sources", type=Path, required=True, help="a file with one C file a line"
             )
             command.add_argument("--table", type=Path, required=True)
+    command = commands.add_parser("platforms", help="units with binaries for other platforms")
+    command.add_argument("units", nargs="+", type=Path, metavar="UNIT")
+    command.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
     options = parser.parse_args()
     # What a help text does not need.
     from hubsim import files  # noqa: PLC0415
     from hubsim.engine import ROOT  # noqa: PLC0415
-    from hubsim.fmu import pack  # noqa: PLC0415
+    from hubsim.fmu import pack, platforms  # noqa: PLC0415
     from hubsim.fmu.description import describe  # noqa: PLC0415
 
     try:
+        if options.command == "platforms":
+            for path in platforms.add(options.units, options.output):
+                print(path)
+            return 0
         unit = describe(options.kind, options.config)
         if options.command == "table":
             files.write_text(options.output, pack.c_table(unit))

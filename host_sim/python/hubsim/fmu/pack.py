@@ -89,7 +89,7 @@ def write(
     where = "documentation/licenses" if fmi == 3 else "documentation"
     entries[f"{where}/license.txt"] = licence.read_bytes()
     entries["documentation/index.html"] = _page(unit).encode()
-    files.write_by_name(out, lambda temporary: _zip(entries, temporary))
+    files.write_by_name(out, lambda temporary: write_zip(entries, temporary))
 
 
 def model_description(unit: Description, fmi: int, sources: Sequence[str]) -> str:
@@ -241,7 +241,8 @@ def _text(root: ET.Element) -> str:
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
 
 
-def _zip(entries: Mapping[str, bytes], path: Path) -> None:
+def write_zip(entries: Mapping[str, bytes], path: Path) -> None:
+    """Write a package: the same content is the same bytes."""
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as package:
         for name, content in sorted(entries.items()):
             entry = zipfile.ZipInfo(name, _STAMP)
