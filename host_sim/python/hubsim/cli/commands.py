@@ -134,8 +134,8 @@ def _does_not_apply(stated: DoesNotApplyError, json: Path | None) -> int:
     """Say why a scenario is not for a drive; that is a result, not a failure."""
     print(stated)
     if json is not None:
-        said = {"cycle": stated.scenario, "vehicle": stated.drive, "applies": False}
-        files.write_text(json, as_json(said | {"needs": stated.needs}))
+        summary = {"cycle": stated.scenario, "vehicle": stated.drive, "applies": False}
+        files.write_text(json, as_json(summary | {"needs": stated.needs}))
     return 0
 
 

@@ -262,8 +262,8 @@ def _flows(runs: list[RunLike], identity: str, called: str) -> Markup:
             if flow is not None
             else element("p", "not known", class_="soft")
         )
-        told = _difference(place, runs, found)
-        figures.append(element("figure", element("figcaption", element("h3", title)), drawn, told))
+        apart = _difference(place, runs, found)
+        figures.append(element("figure", element("figcaption", element("h3", title)), drawn, apart))
     sentences = [
         "Along the upper lane energy goes from the battery to the wheels, along the lower lane it "
         "comes back. Widths are to one scale."

@@ -108,6 +108,7 @@ class Bench:
         if drive is None and isinstance(settings.get("drive"), Configuration | str | Path):
             drive = settings.pop("drive")
         if drive is None:
+            _scenario(scenario, settings, None)  # a wrong key is the more telling mistake
             raise HubsimError("drive: missing, accepted: a drive's .toml file or name")
         config = drive if isinstance(drive, Configuration) else configuration.load(drive)
         if config.drive is None:
@@ -230,7 +231,7 @@ class Bench:
 
 
 def _scenario(
-    name: str | Path | None, settings: dict[str, Any], drive: Drive
+    name: str | Path | None, settings: dict[str, Any], drive: Drive | None
 ) -> tuple[scenario.Scenario, Path]:
     if name is not None:
         try:

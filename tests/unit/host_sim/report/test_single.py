@@ -97,9 +97,9 @@ def test_a_flow_picture_says_how_it_differs_from_the_best() -> None:
     found = [flow_of(run) for run in runs]
     best = max((flow for flow in found if flow is not None), key=lambda flow: flow.returned_j)
     document = read(page.document(runs))
-    told = [node.words() for node in document.all("p", "difference")]
-    assert len(told) == len(runs)
-    for text, flow in zip(told, found, strict=True):
+    texts = [node.words() for node in document.all("p", "difference")]
+    assert len(texts) == len(runs)
+    for text, flow in zip(texts, found, strict=True):
         assert flow is not None
         if flow is best:
             assert text == "Returns the most of them."

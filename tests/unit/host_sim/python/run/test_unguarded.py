@@ -50,7 +50,9 @@ def test_the_longer_cycle_runs_meanwhile_and_ends_when_the_comparison_fails(
     """Sixty seconds of udds, one wheel of four."""
     load = scenario.load
     monkeypatch.setattr(
-        scenario, "load", lambda name, keys: load(name, keys | {"max_duration_s": 60.0})
+        scenario,
+        "load",
+        lambda name, keys, vehicle: load(name, keys | {"max_duration_s": 60.0}, vehicle),
     )
     waiting: dict[str, Future[float]]
     with kept.meanwhile([drive], "ece15", {}, Progress(disable=True)) as waiting:

@@ -101,6 +101,7 @@ def test_formulas_name_the_drive_with_the_scenario_s_changes(tmp_path: Path, dri
         stop_at_standstill = true
         [drive.motor]
         max_torque_nm = "0.875 * drive.motor.max_torque_nm"
+        rated_torque_nm = "0.875 * drive.motor.rated_torque_nm"
     """
     assert fitted(tmp_path, text, drive).demand_nm == 35.0
     path = tmp_path / "mine.toml"
