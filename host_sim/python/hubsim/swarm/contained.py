@@ -37,18 +37,18 @@ def record_of(
     """Return the record of a run that has its own process."""
     reader, writer = os.pipe()
     began_s = time.monotonic()
-    with tempfile.TemporaryFile() as said:
+    with tempfile.TemporaryFile() as printed:
         child = os.fork()
         if child == 0:
             os.close(reader)
-            _child(task, do, writer, said.fileno(), memory_bytes)
+            _child(task, do, writer, printed.fileno(), memory_bytes)
         os.close(writer)
         raw, late = _read(reader, began_s + seconds)
         if late:
             os.kill(child, signal.SIGKILL)
         _, status, used = os.wait4(child, 0)
-        said.seek(0)
-        lines = said.read().decode(errors="replace").splitlines()
+        printed.seek(0)
+        lines = printed.read().decode(errors="replace").splitlines()
     what = f"no end within {seconds:g} s" if late else _ended(status)
     if not what:
         found: Record = json.loads(raw)
@@ -89,12 +89,12 @@ def _read(reader: int, until_s: float) -> tuple[bytes, bool]:
 
 
 def _child(
-    task: Task, do: Callable[[Task], Record], writer: int, said: int, memory_bytes: int
+    task: Task, do: Callable[[Task], Record], writer: int, printed: int, memory_bytes: int
 ) -> None:
     """Do a task and end; never returns."""
     status = 1
     try:
-        os.dup2(said, 2)
+        os.dup2(printed, 2)
         resource.setrlimit(resource.RLIMIT_CPU, (CPU_SECONDS, CPU_SECONDS + 1))
         resource.setrlimit(resource.RLIMIT_AS, (memory_bytes, memory_bytes))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))

@@ -156,9 +156,22 @@ def most_of(
     }
 
 
+def pedals(time_s: Rows, case: Case) -> dict[str, Rows]:
+    """Return the pedals over time: the recorded demand is the last one that was sent."""
+    return {
+        signal: np.interp(time_s, *np.array(case.data[trace], dtype=np.float64).T)
+        for signal, trace in (
+            ("driver.drive_nm", "drive_trace_nm"),
+            ("driver.brake_nm", "demand_trace_nm"),
+        )
+        if case.data.get(trace)
+    }
+
+
 def recording_of(result: RunResult, drive: Drive, case: Case) -> Recording:
     """Return what the judge looks at."""
     rows = {name: np.ascontiguousarray(result.rows[:, k]) for k, name in enumerate(result.names)}
+    rows |= pedals(rows["time_s"], case)
     return Recording(
         drive=drive,
         wheels=result.wheels,

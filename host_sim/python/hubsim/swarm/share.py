@@ -111,10 +111,10 @@ def ideal_share(drive: Drive, true: Drive, stop: Stop) -> tuple[float, str] | No
     Share of the kinetic energy; None where the file's own voltage makes the stop impossible. Wheel
     speeds are those of the true vehicle; each step of speed lasts as long as the true torques take.
     """
-    told = drive.model_copy(update={"battery": true.battery})  # by its messages
+    limited = drive.model_copy(update={"battery": true.battery})  # by its messages
     radius, true_radius = drive.vehicle.wheel_radius_m, true.vehicle.wheel_radius_m
     begins = (stop.demand_nm, stop.speed_kmh * radius / true_radius, stop.winding_c, stop.soc)
-    trace = limited_stop.trace_of(told, STRATEGY, *begins)
+    trace = limited_stop.trace_of(limited, STRATEGY, *begins)
     if not np.all(trace.possible):
         return None
     machine = models.machine(true, stop.winding_c)

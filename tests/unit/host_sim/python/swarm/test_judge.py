@@ -181,8 +181,13 @@ def test_a_brake_that_is_dead_leaves_no_claim_to_a_distance() -> None:
 
 
 def test_energy_that_comes_from_nowhere() -> None:
-    assert violated(replace(quiet(), residual_j=0.9)) == set()
-    assert violated(replace(quiet(), residual_j=1.1 + 1e-4 * DRIVE.vehicle.mass_kg)) == {"energy"}
+    assert (
+        violated(replace(quiet(), residual_j=0.99e-4 * (1e4 + 12.5 * DRIVE.vehicle.mass_kg)))
+        == set()
+    )
+    assert violated(
+        replace(quiet(), residual_j=1.01e-4 * (1e4 + 12.5 * DRIVE.vehicle.mass_kg))
+    ) == {"energy"}
 
 
 def latched(ends: int, mode: float = FAULT) -> dict[str, Rows]:
