@@ -492,7 +492,14 @@ def test_help_and_usage_errors_import_only_the_standard_library(call: tuple[str,
     loaded = done.stdout.partition("modules:")[2]
     assert HEAVY & set(loaded.split()) == set()
     own = [
-        *("hubsim", "hubsim.cli", "hubsim.cli.arguments", "hubsim.cli.sweeps", "hubsim.errors"),
+        *(
+            "hubsim",
+            "hubsim.cli",
+            "hubsim.cli.arguments",
+            "hubsim.cli.swarms",
+            "hubsim.cli.sweeps",
+            "hubsim.errors",
+        ),
         "hubsim.moved",
     ]
     assert loaded.partition("own:")[2].split() == own
