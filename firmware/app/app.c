@@ -121,7 +121,7 @@ static void start_as_before(controller_slow_t *slow, retained_t *retained)
 {
     const hill_hold_kept_t hold = kept_hold_read(&retained->hold);
     controller_start_warm(slow, kept_temperature_read(&retained->temperature));
-    controller_start_held(slow, hold);
+    controller_start_hold(slow, hold);
     kept_hold_write(&retained->hold, hold);
 }
 
@@ -306,7 +306,7 @@ void app_millisecond_isr(void)
     if (app.retained != NULL) {
         kept_temperature_write(&app.retained->temperature,
                                controller_warmest_cC(&app.controller.slow));
-        kept_hold_follow(&app.retained->hold, controller_held(&app.controller.slow));
+        kept_hold_follow(&app.retained->hold, controller_hold(&app.controller.slow));
     }
     app.samples = app.recorder.takes_samples ? app.recorder.memory : NULL;
     double_buffer_swap(&app.to_fast);

@@ -60,14 +60,14 @@ void controller_start_warm(controller_slow_t *slow, int32_t warmest_cC)
     slow->measure.temperatures.kept_cC = warmest_cC;
 }
 
-void controller_start_held(controller_slow_t *slow, hill_hold_kept_t kept)
+void controller_start_hold(controller_slow_t *slow, hill_hold_kept_t kept)
 {
-    torque_start_held(&slow->torque, kept);
+    torque_start_hold(&slow->torque, kept);
 }
 
-hill_hold_kept_t controller_held(const controller_slow_t *slow)
+hill_hold_kept_t controller_hold(const controller_slow_t *slow)
 {
-    return torque_held(&slow->torque);
+    return torque_hold(&slow->torque);
 }
 
 int32_t controller_warmest_cC(const controller_slow_t *slow)

@@ -25,19 +25,20 @@ void charge_trim_init(charge_trim_state_t *state, const config_t *config)
 
 /* The largest charge that a message with any delay, behind any filter up to the configured one, may
  * show of the motor. */
-static int32_t held_mA(charge_trim_state_t *state, const config_battery_t *battery,
-                       int32_t charge_mA)
+static int32_t message_mA(charge_trim_state_t *state, const config_battery_t *battery,
+                          int32_t charge_mA)
 {
-    if (charge_mA >= state->held_mA) {
-        state->held_mA = charge_mA;
+    if (charge_mA >= state->message_mA) {
+        state->message_mA = charge_mA;
         state->hold_ms = CHARGE_TRIM_MESSAGE_ms;
     } else if (state->hold_ms > 0) {
         state->hold_ms--;
     } else {
-        const int32_t fall_mA = (state->held_mA - charge_mA) / q_max(battery->current_filter_ms, 1);
-        state->held_mA -= q_max(fall_mA, 1);
+        const int32_t fall_mA =
+            (state->message_mA - charge_mA) / q_max(battery->current_filter_ms, 1);
+        state->message_mA -= q_max(fall_mA, 1);
     }
-    return state->held_mA;
+    return state->message_mA;
 }
 
 /* What the battery's own current shows of the bridge: at most that it loses nothing. */
@@ -56,7 +57,7 @@ static int32_t by_pack_mA(charge_trim_state_t *state, const motor_model_t *model
     const int32_t own_mA =
         filter_step(&state->own, q_limit(now->bus_current_mA, MOST_mA), CHARGE_TRIM_OWN_LOG2);
     const int32_t charged_mA = -q_limit(now->battery->current_mA, MOST_mA);
-    const int32_t beyond_mA = charged_mA - held_mA(state, battery, -own_mA - lost_mA);
+    const int32_t beyond_mA = charged_mA - message_mA(state, battery, -own_mA - lost_mA);
     return filter_step(&state->pack, q_clamp(beyond_mA, 0, lost_mA), CHARGE_TRIM_PACK_LOG2);
 }
 

@@ -107,7 +107,7 @@ static void watch_resumed(hill_hold_state_t *state, const config_t *config, bool
 }
 
 /* Whether the wheel turns although it is held, or was to be. */
-static void watch_held(hill_hold_state_t *state, bool turns, bool drives, bool brakes)
+static void watch_hold(hill_hold_state_t *state, bool turns, bool drives, bool brakes)
 {
     const bool rolls = turns && state->holds && !drives && state->torque_mNm > 0;
     state->rolls_ms = rolls ? q_min(state->rolls_ms + 1, HILL_HOLD_CAUGHT_ms) : 0;
@@ -144,6 +144,6 @@ int32_t hill_hold_step(hill_hold_state_t *state, const config_t *config, const d
         state->release_ms = 0;
         state->caught = false;
     }
-    watch_held(state, turns, drives, braking_mNm > 0);
+    watch_hold(state, turns, drives, braking_mNm > 0);
     return state->torque_mNm;
 }

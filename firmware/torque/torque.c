@@ -22,12 +22,12 @@ void torque_init(torque_state_t *state, const config_t *config)
     available_ahead_init(&state->ahead);
 }
 
-hill_hold_kept_t torque_held(const torque_state_t *state)
+hill_hold_kept_t torque_hold(const torque_state_t *state)
 {
     return hill_hold_keep(&state->hold, state->demand.engaged);
 }
 
-void torque_start_held(torque_state_t *state, hill_hold_kept_t kept)
+void torque_start_hold(torque_state_t *state, hill_hold_kept_t kept)
 {
     state->demand.engaged = kept.direction;
     hill_hold_resume(&state->hold, &kept);
@@ -223,10 +223,11 @@ static brake_blending_out_t blend(torque_state_t *state, const config_t *config,
 
 /* A lost demand leaves a held vehicle with no less than it had: its driver may have pressed the
  * pedal harder. */
-static int32_t held_mNm(torque_state_t *state, const config_t *config, const measured_t *now,
-                        const monitored_t *watch, const torque_enable_t *enable,
-                        const demand_t *demand, const brake_blending_out_t *split, int32_t road_mNm,
-                        int32_t command_mNm)
+static int32_t hold_command_mNm(torque_state_t *state, const config_t *config,
+                                const measured_t *now, const monitored_t *watch,
+                                const torque_enable_t *enable, const demand_t *demand,
+                                const brake_blending_out_t *split, int32_t road_mNm,
+                                int32_t command_mNm)
 {
     /* An encoder counts before its index has shown the angle. */
     const bool counts = q_abs(now->sensor_mrad_s) > q_abs(now->speed_mrad_s);
@@ -277,8 +278,8 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
     const bool seen = road_is_seen(&state->table, now, enable) && demand.hydraulic_valid;
     const int32_t road_mNm = road_step(&state->road, config, now->speed_mrad_s, motor.achieved_mNm,
                                        split.made_mNm, seen);
-    const int32_t hold_mNm =
-        held_mNm(state, config, now, watch, enable, &demand, &split, road_mNm, limited.command_mNm);
+    const int32_t hold_mNm = hold_command_mNm(state, config, now, watch, enable, &demand, &split,
+                                              road_mNm, limited.command_mNm);
     findings_set(findings, FINDING_HOLD_FAILS, hill_hold_fails(&state->hold));
     const bool hydraulic_valid = demand.hydraulic_valid || hill_hold_works(&state->hold);
     const int32_t hydraulic_mNm = hydraulic_command_mNm(config, &split, &lift_off, hold_mNm);

@@ -69,10 +69,10 @@ static void restart(const injection_target_t *target, bool cold)
     controller_slow_t *slow = &target->controller->slow;
     const int32_t warmest_cC = cold ? TEMPERATURE_NONE_cC : controller_warmest_cC(slow);
     const hill_hold_kept_t none = {.direction = DRIVE_DIRECTION_NEUTRAL};
-    const hill_hold_kept_t held = cold ? none : controller_held(slow);
+    const hill_hold_kept_t kept = cold ? none : controller_hold(slow);
     controller_init(target->controller, target->config, BASES_MODEL_TIMER_Hz);
     controller_start_warm(slow, warmest_cC);
-    controller_start_held(slow, held);
+    controller_start_hold(slow, kept);
     *target->to_fast = controller_initial_setpoint(target->config, BASES_MODEL_TIMER_Hz);
 }
 

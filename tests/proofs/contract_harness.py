@@ -62,7 +62,7 @@ VALUES: dict[str, tuple[str, ...]] = {
         "brake_blending_report", "torque_step", "torque_limits_of",
     ),
     "monitor_whole": ("monitor_step",),
-    "torque_init": ("torque_init", "torque_held", "torque_start_held"),
+    "torque_init": ("torque_init", "torque_hold", "torque_start_hold"),
     "feasible_torque": (
         "torque_command_step", "motor_model_at", "motor_model_point",
         "feasible_set_at", "feasible_side_at",
@@ -99,8 +99,8 @@ VALUES: dict[str, tuple[str, ...]] = {
     "measure": ("measure_init", "measure_step", "measure_setpoint"),
     "controller_fast": (
         "controller_fast_step", "controller_limits", "controller_temperatures",
-        "controller_start_warm", "controller_warmest_cC", "controller_start_held",
-        "controller_held",
+        "controller_start_warm", "controller_warmest_cC", "controller_start_hold",
+        "controller_hold",
     ),
     "operating_point": (
         "operating_point_init", "operating_point_rotor",

@@ -76,9 +76,9 @@ POST(controller_start_warm, slow->measure.temperatures.kept_cC == warmest_cC)
 POST(controller_warmest_cC, result >= slow->last.temperature.winding_cC && result >=
      slow->last.temperature.switch_cC)
 
-POST(controller_start_held, slow->torque.demand.engaged == kept.direction)
+POST(controller_start_hold, slow->torque.demand.engaged == kept.direction)
 
-POST(controller_held, result.direction == DRIVE_DIRECTION_NEUTRAL || result.direction ==
+POST(controller_hold, result.direction == DRIVE_DIRECTION_NEUTRAL || result.direction ==
      slow->torque.demand.engaged)
 
 POST(controller_temperatures, result.winding_cC == slow->last.temperature.winding_cC)

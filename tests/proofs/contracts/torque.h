@@ -57,8 +57,9 @@ PRE(closing_voltage_mV, charging_mA >= 0)
 POST(closing_voltage_mV, phase_mV < 0 || is_within(result, 0, phase_mV))
 
 /* torque/charge_trim.h */
-PRE(charge_trim_init, config->battery.max_voltage_mV >= 1 && is_within(config->motor.max_phase_current_mA,
-     0, 2000000) && is_within(config->motor.phase_resistance_uOhm, 0, 100000000))
+PRE(charge_trim_init, config->battery.max_voltage_mV >= 1 &&
+     is_within(config->motor.max_phase_current_mA, 0, 2000000) &&
+     is_within(config->motor.phase_resistance_uOhm, 0, 100000000))
 POST(charge_trim_init, charge_trim_holds(state) && !state->braking && state->terminals_q8_mA == 0)
 
 PRE(charge_trim_step, charge_trim_holds(state) && motor_constants_hold(model->constants) &&
@@ -246,10 +247,10 @@ POST(stop_lamp_step, brake_demand_mNm <= 0 || result)
 POST(torque_init, torque_state_holds(state, config))
 POST(torque_init, state->demand.engaged == DRIVE_DIRECTION_NEUTRAL)
 
-POST(torque_held, result.direction == DRIVE_DIRECTION_NEUTRAL || result.direction ==
+POST(torque_hold, result.direction == DRIVE_DIRECTION_NEUTRAL || result.direction ==
      state->demand.engaged)
 
-POST(torque_start_held, state->demand.engaged == kept.direction && state->hold.torque_mNm ==
+POST(torque_start_hold, state->demand.engaged == kept.direction && state->hold.torque_mNm ==
      old(state->hold.torque_mNm) && state->hold.resumed == (kept.direction !=
      DRIVE_DIRECTION_NEUTRAL))
 

@@ -19,7 +19,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 PERIPHERALS = (
-    *("RCC", "FLASH", "PWR", "EXTI", "SYSCFG", "GPIOA", "GPIOB", "GPIOC", "GPIOD", "TIM1", "TIM3", "TIM8"),
+    *("RCC", "FLASH", "PWR", "EXTI", "SYSCFG", "GPIOA", "GPIOB", "GPIOC", "GPIOD"),
+    *("TIM1", "TIM3", "TIM8"),
     *("ADC1", "ADC2", "ADC3", "C_ADC", "CAN1", "USART3", "DMA1", "DMA2", "IWDG", "DBG"),
 )
 ACCESS = {"read-write": 3, "read-only": 1, "write-only": 2, None: 3, "rw": 3, "r": 1, "w": 2}

@@ -305,7 +305,8 @@
     X(lift_off_travel_q15,    328, 16384,    "1", \
       "share of the accelerator over which lift-off braking fades out; default 0.15") \
     X(brake_torque_mNm,       0,   3276600,  "mNm", \
-      "whole brake pedal, motor and hydraulic, wheel of share 1; default both limits' sum, within the range") \
+      "whole brake pedal, motor and hydraulic, wheel of share 1; default both limits' sum, " \
+      "within the range") \
     X(free_travel_q15,        328, 32440,    "1", \
       "share of the brake pedal that is the friction brake's free travel; default 0.3") \
     X(free_travel_torque_mNm, 0,   3276600,  "mNm", \

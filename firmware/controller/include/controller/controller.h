@@ -115,10 +115,10 @@ void controller_start_warm(controller_slow_t *slow, int32_t warmest_cC);
 int32_t controller_warmest_cC(const controller_slow_t *slow);
 
 /* Between controller_init() and the first slow step: how the vehicle was held before. */
-void controller_start_held(controller_slow_t *slow, hill_hold_kept_t kept);
+void controller_start_hold(controller_slow_t *slow, hill_hold_kept_t kept);
 
-/* How the vehicle is held at standstill, to be given to controller_start_held() after a reset. */
-hill_hold_kept_t controller_held(const controller_slow_t *slow);
+/* How the vehicle is held at standstill, to be given to controller_start_hold() after a reset. */
+hill_hold_kept_t controller_hold(const controller_slow_t *slow);
 
 /* The temperatures in use in the latest slow step; before the first the reference temperature. */
 wheel_temperatures_t controller_temperatures(const controller_slow_t *slow);

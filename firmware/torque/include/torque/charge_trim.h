@@ -25,7 +25,7 @@ typedef struct {
     bool braking;            /* that setpoint brakes */
     filter_t own;            /* measured, mA, negative while it returns power */
     filter_t pack;           /* how much less the bridge loses than its model, mA */
-    int32_t held_mA;         /* what the battery's message may still show of the motor's charge */
+    int32_t message_mA;      /* what the battery's message may still show of the motor's charge */
     int32_t hold_ms;         /* left until it falls */
 } charge_trim_state_t;
 

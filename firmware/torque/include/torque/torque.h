@@ -70,10 +70,10 @@ typedef struct {
 void torque_init(torque_state_t *state, const config_t *config);
 
 /* How the vehicle is held at standstill, to be retained over a restart. */
-hill_hold_kept_t torque_held(const torque_state_t *state);
+hill_hold_kept_t torque_hold(const torque_state_t *state);
 
-/* After torque_init(). kept: torque_held() of before the restart. */
-void torque_start_held(torque_state_t *state, hill_hold_kept_t kept);
+/* After torque_init(). kept: torque_hold() of before the restart. */
+void torque_start_hold(torque_state_t *state, hill_hold_kept_t kept);
 
 /* 1 kHz, after modes_step(); findings that are set here act in the next step.
  *

@@ -260,11 +260,11 @@ void test_a_lost_demand_leaves_a_held_vehicle_with_the_larger_of_hold_and_pedal(
         in.brake_torque_mNm = pedal_mNm;
         step();
         in.demand_age_ms = UINT32_MAX;
-        const int32_t held_mNm = pedal_mNm > HOLD ? pedal_mNm : HOLD;
+        const int32_t hold_mNm = pedal_mNm > HOLD ? pedal_mNm : HOLD;
         for (int ms = 0; ms < 5000; ms++) {
             const torque_output_t out = step();
             TEST_ASSERT_TRUE(out.hydraulic_valid);
-            TEST_ASSERT_EQUAL_INT32(held_mNm, out.hydraulic_mNm);
+            TEST_ASSERT_EQUAL_INT32(hold_mNm, out.hydraulic_mNm);
         }
         in.speed_mrad_s = config.monitor.standstill_mrad_s + 1;
         in.standstill = false;
@@ -291,7 +291,7 @@ void test_a_demand_that_is_lost_without_a_hold_is_handed_over_as_ever(void)
 static void restart(hill_hold_kept_t kept)
 {
     torque_rig_start();
-    torque_start_held(&state, kept);
+    torque_start_hold(&state, kept);
     in.brake_torque_mNm = 0;
     in.demand_age_ms = UINT32_MAX;
     in.torque_enable.drive_q15 = 0;
@@ -307,7 +307,7 @@ void test_a_hold_goes_on_after_a_restart_without_a_demand_in_its_direction(void)
         in.direction = DIRECTIONS[k];
         in.brake_torque_mNm = 10000;
         step();
-        const hill_hold_kept_t kept = torque_held(&state);
+        const hill_hold_kept_t kept = torque_hold(&state);
         TEST_ASSERT_EQUAL_INT(DIRECTIONS[k], kept.direction);
         restart(kept);
         torque_output_t out = step();
@@ -322,7 +322,7 @@ void test_a_hold_goes_on_after_a_restart_without_a_demand_in_its_direction(void)
     }
     torque_rig_reset();
     stand_still();
-    restart(torque_held(&state));
+    restart(torque_hold(&state));
     TEST_ASSERT_EQUAL_INT32(0, step().hydraulic_mNm);
 }
 

@@ -72,7 +72,7 @@ class OnSlope:
         return np.concatenate(parts)
 
 
-def held(config: str, sensor: str, slope_percent: float) -> OnSlope:
+def on_slope(config: str, sensor: str, slope_percent: float) -> OnSlope:
     """Return the vehicle at HAPPENS_S, its brake pedal released for a second."""
     drive = drive_of(config, sensor)
     pull = pull_nm(drive, slope_percent)
@@ -129,7 +129,7 @@ def rolls_m(vehicle: OnSlope, free_s: float) -> float:
 @pytest.mark.parametrize("slope", [-20.0, -4.0, 8.0, 20.0])
 @pytest.mark.parametrize(("config", "sensor"), DRIVES)
 def test_a_restart_interrupts_no_hold(config: str, sensor: str, slope: float) -> None:
-    vehicle = held(config, sensor, slope)
+    vehicle = on_slope(config, sensor, slope)
     limit_m_per_s = vehicle.drive.driver.direction_change_speed_m_per_s
     for duration_s in (0.0, 0.02, 0.05, 0.2, 0.35, 0.7, 2.0):
         rows = vehicle.happens(restart(0.0, duration_s), 13.0)
@@ -143,14 +143,14 @@ def test_a_restart_interrupts_no_hold(config: str, sensor: str, slope: float) ->
 
 
 def test_a_restart_during_a_restart_and_one_after_another_interrupt_no_hold() -> None:
-    vehicle = held("lu2013", "hall", 8.0)
+    vehicle = on_slope("lu2013", "hall", 8.0)
     again = [(0.1, "fault.restart", 0.0), *restart(0.102, 0.03)]
     third = [(1.0, "fault.restart", 0.0), *restart(1.002, 0.03)]
     assert moved_m(vehicle.happens([*restart(0.0, 0.03), *again, *third])) < STANDS_M
 
 
 def test_a_cold_start_holds_nothing() -> None:
-    vehicle = held("lu2013", "hall", 8.0)
+    vehicle = on_slope("lu2013", "hall", 8.0)
     assert moved_m(vehicle.happens(restart(0.0, 0.02, cold=True))) > 1.0
 
 
@@ -158,7 +158,7 @@ def test_a_cold_start_holds_nothing() -> None:
 @pytest.mark.parametrize("slope", [-20.0, 8.0, 20.0])
 def test_a_lost_link_interrupts_no_hold(slope: float, pedal_nm: float) -> None:
     """With the pedal pressed when it is lost, and released afterwards."""
-    vehicle = held("lu2013", "hall", slope)
+    vehicle = on_slope("lu2013", "hall", slope)
     rows = vehicle.happens(
         [
             (0.0, "driver.brake_demand_nm", pedal_nm),
@@ -188,7 +188,7 @@ def test_a_motor_that_is_lost_while_it_drives_off_leaves_a_held_vehicle(
 
     It rolls back free until halls, two edges of them after a restart, show standstill's speed.
     """
-    vehicle = held("lu2013", "hall", slope)
+    vehicle = on_slope("lu2013", "hall", slope)
     motor, radius_m = vehicle.drive.motor, vehicle.drive.vehicle.wheel_radius_m
     edges_m = 2.0 * 2.0 * np.pi * radius_m / (6.0 * motor.pole_pairs)
     pull_m_per_s2 = GRAVITY_M_PER_S2 * slope / 100.0
@@ -209,7 +209,7 @@ def test_a_motor_that_is_lost_while_it_drives_off_leaves_a_held_vehicle(
 def test_a_restart_on_a_rolling_vehicle_begins_no_hold(
     config: str, sensor: str
 ) -> None:
-    vehicle = held(config, sensor, 2.0)
+    vehicle = on_slope(config, sensor, 2.0)
     drive_nm = 3.0 * pull_nm(vehicle.drive, 2.0)
     rolling = vehicle.happens([(0.0, "driver.drive_demand_nm", drive_nm)], ROLLS_S)
     assert (
