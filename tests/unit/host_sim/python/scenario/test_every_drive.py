@@ -26,8 +26,7 @@ NOT_LONG = ("ece15", "descent_full")  # one drive each
 
 # What the firmware does not do yet: the criteria that fail, and no others.
 KNOWN = {
-    ("descent_full", "leaf"): ["charge_limit"],  # 3.5 A into a pack whose limit fades to zero
-    ("full_midstop", "qs273"): ["not_charged"],  # 0.33 A where none is allowed, 0.3 A are accepted
+    ("descent_full", "leaf"): ["charge_limit"],  # 3.0 A into a pack whose limit fades to zero
 }
 # Written for the tyres, masses or figures of the paper's vehicle alone.
 OF_THE_PAPER = {
