@@ -146,8 +146,11 @@ POST(hill_hold_works, !result || (state->holds && state->torque_mNm > 0 && state
 POST(hill_hold_fails, result || !state->lost)
 POST(hill_hold_keep, result.direction == (state->holds || state->leaves ? engaged :
      DRIVE_DIRECTION_NEUTRAL) && result.leaves == state->leaves)
-POST(hill_hold_resume, !(state->holds && state->leaves) && state->resumed == (state->holds ||
-     state->leaves))
+POST(hill_hold_resume, !(state->holds && state->leaves) && state->resumed == (kept->direction !=
+     DRIVE_DIRECTION_NEUTRAL))
+POST(hill_hold_resume, state->torque_mNm == old(state->torque_mNm) && state->rolls_ms ==
+     old(state->rolls_ms) && state->release_ms == old(state->release_ms) && state->begun_mrad_s ==
+     old(state->begun_mrad_s))
 
 /* torque/hydraulic_feedback.h */
 POST(hydraulic_feedback_init, state->gain_q15 == 32768 && is_within(state->least_q15, 16384, 32768)
