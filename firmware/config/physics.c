@@ -7,7 +7,9 @@
 #include "config/bases.h"
 
 enum {
-    SALIENCY_MOST = 16,       /* of the larger over the smaller inductance */
+    SALIENCY_MOST = 16,       /* L_q over L_d, of interior magnets and reluctance */
+    INVERSE_MOST = 4,         /* L_d over L_q */
+    RELUCTANCE_MOST = 16,     /* of the flux by saliency at the largest current over the magnets' */
     CROSS_COUPLING_PARTS = 2, /* w L / R_i at most one of these parts of one */
     DRAG_PARTS = 2,           /* of the largest torque */
     IRON_RESISTANCES_MOST = 2048,
@@ -42,7 +44,20 @@ static bool saliency_possible(const config_motor_t *motor)
 {
     const int64_t d = motor->d_inductance_nH;
     const int64_t q = motor->q_inductance_nH;
-    return d <= SALIENCY_MOST * q && q <= SALIENCY_MOST * d;
+    return q <= SALIENCY_MOST * d && d <= INVERSE_MOST * q;
+}
+
+static int64_t saliency_nWb(const config_motor_t *motor)
+{
+    const int64_t d_nH = motor->d_inductance_nH;
+    const int64_t q_nH = motor->q_inductance_nH;
+    return (d_nH > q_nH ? d_nH - q_nH : q_nH - d_nH) * motor->max_phase_current_mA / 1000;
+}
+
+/* Magnets that assist a reluctance motor. Without any, a zero torque has no definite current. */
+static bool magnets_strong_enough(const config_motor_t *motor)
+{
+    return saliency_nWb(motor) <= (int64_t)RELUCTANCE_MOST * motor->flux_linkage_nWb;
 }
 
 /* The iron branch takes a part of the torque-producing current only: w L / R_i, which grows with
@@ -83,11 +98,8 @@ static int64_t drag_mNm(const config_motor_t *motor)
  * makes. */
 static int64_t torque_of_current_mNm(const config_motor_t *motor)
 {
-    const int64_t d_nH = motor->d_inductance_nH;
-    const int64_t q_nH = motor->q_inductance_nH;
     const int64_t current_mA = motor->max_phase_current_mA;
-    const int64_t saliency_nWb = (d_nH > q_nH ? d_nH - q_nH : q_nH - d_nH) * current_mA / 2000;
-    const int64_t flux_uWb = (motor->flux_linkage_nWb + saliency_nWb) / 1000;
+    const int64_t flux_uWb = (motor->flux_linkage_nWb + saliency_nWb(motor) / 2) / 1000;
     return flux_uWb * motor->pole_pairs * 3 / 2 * current_mA / 1000000;
 }
 
@@ -143,7 +155,10 @@ const char *physics_broken(const config_t *config)
 {
     const config_motor_t *motor = &config->motor;
     REQUIRE(saliency_possible(motor),
-            "motor.d_inductance_nH and motor.q_inductance_nH within 16 times each other");
+            "motor.q_inductance_nH within a quarter of and 16 times motor.d_inductance_nH");
+    REQUIRE(magnets_strong_enough(motor),
+            "motor.flux_linkage_nWb at least 1/16 of the flux by saliency at "
+            "motor.max_phase_current_mA");
     REQUIRE(time_constants_short_enough(config), "L / R at most 16384 PWM periods");
     REQUIRE(iron_branch_weak(motor),
             "motor.iron_loss_resistance at least twice the reactance at motor.max_speed_mrad_s");

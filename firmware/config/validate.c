@@ -231,7 +231,9 @@ static bool flux_left_everywhere(const config_t *c)
 {
     const int64_t saliency_nH = (int64_t)c->motor.d_inductance_nH - c->motor.q_inductance_nH;
     const int64_t flux_pWb_lsb = saliency_nH * (int64_t)(UINT32_C(1) << c->current_map.lsb_log2);
-    bool good = true;
+    /* Where a negative i_d takes torque away, at every other one as well. */
+    const int64_t largest_mA = saliency_nH > 0 ? c->motor.max_phase_current_mA : 0;
+    bool good = 4 * saliency_nH * largest_mA / 1000 <= 3 * (int64_t)c->motor.flux_linkage_nWb;
     for (int i = 0; i < CONFIG_CURRENT_MAP_POINTS_MAX; i++) {
         const int64_t flux_nWb =
             c->motor.flux_linkage_nWb + flux_pWb_lsb * c->current_map.current_d_lsb[i] / 1000;
@@ -253,14 +255,22 @@ static bool map_reaches(const config_t *c)
            2 * speed_mrad_s >= c->motor.max_speed_mrad_s;
 }
 
-/* Seven eighths of the current at most demagnetise, so that a torque is left at every point. */
+/* Up to half of the largest torque at most 15/16 of the current demagnetises, so that some is left
+ * for the torque. Beyond, where the points may lie outside the current circle, at most twice of it.
+ */
 static bool map_within_current(const config_t *c)
 {
-    const int64_t scale = (int64_t)(UINT32_C(1) << c->current_map.lsb_log2);
+    const config_current_map_t *map = &c->current_map;
+    const int64_t most_mA = c->motor.max_phase_current_mA;
+    const int64_t scale = (int64_t)(UINT32_C(1) << map->lsb_log2);
+    const int64_t step_mNm = (int64_t)(UINT32_C(1) << map->torque_step_log2);
+    const int32_t used = map->torque_points * map->speed_points * map->temperature_points;
     bool good = true;
-    for (int i = 0; i < CONFIG_CURRENT_MAP_POINTS_MAX; i++) {
-        const int64_t size_mA = (int64_t)q_abs(c->current_map.current_d_lsb[i]) * scale;
-        good = good && 8 * size_mA <= 7 * (int64_t)c->motor.max_phase_current_mA;
+    for (int32_t i = 0; i < used; i++) {
+        const int64_t size_mA = q_abs(map->current_d_lsb[i]) * scale;
+        const int32_t column = i % map->torque_points - map->torque_points / 2;
+        const bool small = 2 * step_mNm * q_abs(column) <= c->motor.max_torque_mNm;
+        good = good && (small ? 16 * size_mA <= 15 * most_mA : size_mA <= 2 * most_mA);
     }
     return good;
 }
@@ -384,9 +394,11 @@ static const char *broken_in_vehicle(const config_t *c)
     REQUIRE(map_reaches(c),
             "current_map reaches half of motor.max_torque_mNm and motor.max_speed_mrad_s");
     REQUIRE(map_within_current(c),
-            "current_map.current_d_lsb within 7/8 of motor.max_phase_current_mA");
+            "current_map.current_d_lsb within 15/16 of motor.max_phase_current_mA for half of the "
+            "torque, within twice beyond");
     REQUIRE(flux_left_everywhere(c),
-            "current_map.current_d_lsb leaves a quarter of motor.flux_linkage_nWb");
+            "current_map.current_d_lsb, and any i_d where L_d > L_q, leaves a quarter of "
+            "motor.flux_linkage_nWb");
     return NULL;
 }
 

@@ -2,6 +2,7 @@
 /* Ratios that no drive has: the first value beyond each is refused, the last one within is not. */
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
 
 #include "derive.h"
 #include "refusal.h"
@@ -42,11 +43,33 @@ void test_one_inductance_is_at_most_sixteen_times_the_other(void)
     config.motor.q_inductance_nH = 76000;
     assert_accepted();
     config.motor.d_inductance_nH--;
-    assert_broken("motor.d_inductance_nH and motor.q_inductance_nH within 16 times");
+    assert_broken("motor.q_inductance_nH within a quarter of and 16 times");
     config.motor.type = CONFIG_MOTOR_IPMSM;
     config.motor.d_inductance_nH = 100;
     config.motor.q_inductance_nH = 700000;
-    assert_broken("motor.d_inductance_nH and motor.q_inductance_nH within 16 times");
+    assert_broken("motor.q_inductance_nH within a quarter of and 16 times");
+    config.motor.type = CONFIG_MOTOR_IPMSM;
+    config.current_loop.bandwidth_Hz = 100;
+    config.motor.max_phase_current_mA = 50000; /* leaves flux at any i_d */
+    config.motor.d_inductance_nH = 4 * config.motor.q_inductance_nH;
+    assert_accepted();
+    config.motor.d_inductance_nH++;
+    assert_broken("motor.q_inductance_nH within a quarter of and 16 times");
+}
+
+void test_magnets_make_a_sixteenth_of_the_flux_by_saliency(void)
+{
+    /* 0.2 mH at 75 A: 15 mWb. */
+    config.motor.type = CONFIG_MOTOR_IPMSM;
+    config.motor.q_inductance_nH = config.motor.d_inductance_nH + 200000;
+    config.motor.iron_loss_resistance_mOhm = 0;
+    config.motor.iron_loss_resistance_slope_nOhm_s = 0;
+    config.current_loop.bandwidth_Hz = 200;
+    memset(config.current_map.current_d_lsb, 0, sizeof config.current_map.current_d_lsb);
+    config.motor.flux_linkage_nWb = 937500;
+    assert_accepted();
+    config.motor.flux_linkage_nWb--;
+    assert_broken("motor.flux_linkage_nWb at least 1/16");
 }
 
 void test_the_winding_s_time_constant_is_at_most_16384_periods(void)

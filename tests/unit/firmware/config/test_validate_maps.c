@@ -112,15 +112,22 @@ void test_the_map_must_reach_half_of_torque_and_speed(void)
     assert_relation("current_map reaches half");
 }
 
-/* 75 A: 65.6 A at most demagnetise. */
+/* 75 A: 70.3 A at most demagnetise. */
 void test_d_currents_of_the_map_must_leave_current_for_a_torque(void)
 {
+    /* Five torques 32.8 N m apart: the middle one, zero, and the first, beyond the largest. */
     config.current_map.lsb_log2 = 1;
-    config.current_map.current_d_lsb[0] = -32767;
+    config.current_map.current_d_lsb[2] = -32767;
     TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
+    config.current_map.lsb_log2 = 3;
+    memset(config.current_map.current_d_lsb, 0, sizeof config.current_map.current_d_lsb);
+    config.current_map.current_d_lsb[0] = -150000 / 8;
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
+    config.current_map.current_d_lsb[0]--;
+    assert_relation("within twice beyond");
     config.current_map.lsb_log2 = 2;
-    config.current_map.current_d_lsb[0] = -16407;
-    assert_relation("current_map.current_d_lsb within 7/8 of motor.max_phase_current_mA");
+    config.current_map.current_d_lsb[2] = -17579;
+    assert_relation("current_map.current_d_lsb within 15/16 of motor.max_phase_current_mA");
 }
 
 void test_d_currents_of_the_map_must_leave_a_quarter_of_the_flux(void)
@@ -135,5 +142,5 @@ void test_d_currents_of_the_map_must_leave_a_quarter_of_the_flux(void)
     config.current_map.current_d_lsb[CONFIG_CURRENT_MAP_POINTS_MAX - 1] = 60000 / 8;
     TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
     config.current_map.current_d_lsb[CONFIG_CURRENT_MAP_POINTS_MAX - 1] = 60000 / 8 + 1;
-    assert_relation("current_map.current_d_lsb leaves a quarter of motor.flux_linkage_nWb");
+    assert_relation("leaves a quarter of motor.flux_linkage_nWb");
 }

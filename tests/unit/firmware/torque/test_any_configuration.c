@@ -223,8 +223,9 @@ static void ride(random_t *random, uint64_t seed)
     const int32_t coldest_cC = -2000;
     torque_rig_start();
     const torque_case_t rolling = {
-        .speed_mrad_s =
-            share_of(random, config.motor.max_speed_mrad_s) * (random_chance(random, 0.5) ? 1 : -1),
+        .speed_mrad_s = q_max(share_of(random, config.motor.max_speed_mrad_s),
+                              config.motor.max_speed_mrad_s / 100) *
+                        (random_chance(random, 0.5) ? 1 : -1),
         .bus_voltage_mV = random_between(random, battery->min_voltage_mV, battery->max_voltage_mV),
         .bms_charge_current_mA = INT32_MAX,
         .bms_discharge_current_mA = INT32_MAX,
