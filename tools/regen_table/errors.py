@@ -5,7 +5,7 @@
 class ConfigurationError(ValueError):
     """Something about the input is wrong.
 
-    ``str()`` is one line that names the file, the key and what is accepted.
+    ``str()`` is a line for everything that is wrong: the file, the key and what is accepted.
     """
 
 

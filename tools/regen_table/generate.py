@@ -27,6 +27,7 @@ from regen_table import (
     loops,
     margins,
     outputs,
+    refusals,
     relations,
 )
 from regen_table.errors import CheckFailedError
@@ -231,10 +232,10 @@ class Report:
 
 def make_report(drive: Drive) -> Report:
     """Compute the report of a drive; refuses what must not be generated."""
+    refusals.refuse(drive)
     stability = margins.current_loop(drive)
     margins.refuse_thin_margins(drive, stability)
     formats = envelope.proofs(drive)
-    envelope.refuse_overflow(formats)
     currents = current_audit.choose(drive)
     made = current_map.production(currents)
     table = current_audit.braking_table(drive)

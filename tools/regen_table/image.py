@@ -15,11 +15,11 @@ from regen_table import (
     __version__,
     current_audit,
     derived,
-    envelope,
     layout,
     loops,
     margins,
     models,
+    refusals,
 )
 from regen_table.errors import ConfigurationError
 from regen_table.loops import nearest
@@ -163,8 +163,8 @@ def fields(drive: Drive) -> Values:
 
 def _computed(drive: Drive) -> Values:
     """Return what is more than a key in another unit."""
+    refusals.refuse(drive)
     margins.refuse_thin_margins(drive, margins.current_loop(drive))
-    envelope.refuse_overflow(envelope.proofs(drive))
     currents = current_audit.choose(drive)
     table = current_audit.braking_table(drive)
     return {
@@ -247,18 +247,7 @@ def _battery(drive: Drive) -> dict[str, Any]:
         drive.vehicle.driven_wheels,
         derived.overvoltage_trip_v(drive),
     )
-    if trip <= battery.max_voltage_v:
-        raise ConfigurationError(
-            f"inverter.voltage_full_scale_v: {drive.inverter.voltage_full_scale_v:g} V, accepted:"
-            f" more than {battery.max_voltage_v / 0.98:.4g} V, so that the board can see"
-            " battery.max_voltage_v being exceeded"
-        )
     foldback = derived.foldback_voltage_v(drive)
-    if battery.min_voltage_v >= foldback:
-        raise ConfigurationError(
-            f"battery.min_voltage_v: {battery.min_voltage_v:g} V, accepted: less than"
-            f" {foldback:.4g} V, where charging starts to fold back"
-        )
     return {
         "driven_wheels": motors,
         "max_charge_current_mA": nearest(battery.max_charge_current_a / motors * 1e3),

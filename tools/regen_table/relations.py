@@ -12,23 +12,31 @@ import math
 from collections.abc import Callable, Iterator
 
 from regen_table import derived
+from regen_table.plant_sections import Section
 from regen_table.sections import Drive
 
 CAN_BASE_STEP = 32  # config.h: CONFIG_CAN_BASE_STEP
 # Beyond any real drive, and where the firmware's model of the motor leaves its number formats
 # (firmware/config/physics.h).
 SALIENCY_MAX = 16.0
+INVERSE_SALIENCY_MAX = 4.0
+RELUCTANCE_MAX = 16.0
 IRON_RESISTANCES_MAX = 2048.0
 BACK_EMF_PARTS = 32.0
+LEAST_TORQUE_NM = 0.01  # that a motor can have as its rated one
 EMF_TOLERANCE = 0.01  # flux linkage and voltages are not known any better
 
 
-def first_mistake(drive: Drive) -> str | None:
-    """Return one line "section.key: what, accepted", or None when the drive holds together."""
+def mistakes(drive: Drive) -> list[str]:
+    """Return one line "section.key: what, accepted" for everything that does not hold together."""
+    found: list[str] = []
     for check in _CHECKS:
-        for mistake in check(drive):
-            return mistake
-    return None
+        try:
+            found += check(drive)
+        except ArithmeticError:  # with values that a check before has refused
+            if not found:
+                raise
+    return found
 
 
 def warnings(drive: Drive) -> list[str]:
@@ -105,6 +113,17 @@ def absent_soc(drive: Drive) -> str | None:
     )
 
 
+def _at_most(keys: Section, section: str, lower: str, upper: str, unit: str) -> Iterator[str]:
+    """Of two keys of a section the one that the file gives is named; the lower if it gives both."""
+    low, high = getattr(keys, lower), getattr(keys, upper)
+    if low <= high:
+        return
+    if lower in keys.model_fields_set:
+        yield f"{section}.{lower}: {low:g} {unit}, accepted: at most {upper} = {high:g} {unit}"
+    else:
+        yield f"{section}.{upper}: {high:g} {unit}, accepted: at least {lower} = {low:g} {unit}"
+
+
 def _temperature_sensors(drive: Drive) -> Iterator[str]:
     monitor, thermal = drive.monitor, drive.thermal
     hottest = drive.inverter.max_switch_temperature_c
@@ -123,11 +142,7 @@ def _temperature_sensors(drive: Drive) -> Iterator[str]:
             " thermal.switch_heat_capacity_j_per_k and its kin, or no"
             " inverter.max_switch_temperature_c"
         )
-    if monitor.coldest_ambient_c > monitor.warmest_ambient_c:
-        yield (
-            f"monitor.coldest_ambient_c: {monitor.coldest_ambient_c:g} degC, accepted: at most"
-            f" warmest_ambient_c = {monitor.warmest_ambient_c:g} degC"
-        )
+    yield from _at_most(monitor, "monitor", "coldest_ambient_c", "warmest_ambient_c", "degC")
 
 
 def _identifiers(drive: Drive) -> Iterator[str]:
@@ -160,10 +175,35 @@ def _iron(drive: Drive) -> Iterator[str]:
 
 def _saliency(drive: Drive) -> Iterator[str]:
     d, q = drive.motor.d_inductance_h, drive.motor.q_inductance_h
-    if not q / SALIENCY_MAX <= d <= q * SALIENCY_MAX:
+    if not d / INVERSE_SALIENCY_MAX <= q <= d * SALIENCY_MAX:
         yield (
-            f"motor.q_inductance_h: {q:g} H, accepted: {d / SALIENCY_MAX:.4g} to"
-            f" {d * SALIENCY_MAX:.4g} H, within {SALIENCY_MAX:g} times d_inductance_h = {d:g} H"
+            f"motor.q_inductance_h: {q:g} H, accepted: {d / INVERSE_SALIENCY_MAX:.4g} to"
+            f" {d * SALIENCY_MAX:.4g} H, a quarter of to {SALIENCY_MAX:g} times d_inductance_h ="
+            f" {d:g} H"
+        )
+
+
+def _magnets(drive: Drive) -> Iterator[str]:
+    motor = drive.motor
+    saliency = abs(motor.q_inductance_h - motor.d_inductance_h) * motor.max_phase_current_a
+    if saliency > RELUCTANCE_MAX * motor.flux_linkage_wb:
+        yield (
+            f"motor.flux_linkage_wb: {motor.flux_linkage_wb:g} Wb, accepted: at least"
+            f" {saliency / RELUCTANCE_MAX:.6g} Wb, 1/{RELUCTANCE_MAX:g} of what the inductances"
+            f" add at max_phase_current_a = {motor.max_phase_current_a:g} A"
+        )
+
+
+def _inverse_saliency(drive: Drive) -> Iterator[str]:
+    """Where L_d exceeds L_q, a negative i_d takes torque away: a quarter of the flux stays."""
+    motor = drive.motor
+    inverse = motor.d_inductance_h - motor.q_inductance_h
+    if 4.0 * inverse * motor.max_phase_current_a > 3.0 * motor.flux_linkage_wb:
+        most = motor.q_inductance_h + 0.75 * motor.flux_linkage_wb / motor.max_phase_current_a
+        yield (
+            f"motor.d_inductance_h: {motor.d_inductance_h:g} H, accepted: at most {most:.6g} H,"
+            " with which a quarter of flux_linkage_wb is left for torque at any i_d up to"
+            f" max_phase_current_a = {motor.max_phase_current_a:g} A"
         )
 
 
@@ -211,16 +251,31 @@ def _emf_of_surface_magnets(drive: Drive) -> Iterator[str]:
     hot = 1.0 + (motor.flux_temperature_coefficient_per_k or 0.0) * (
         motor.max_winding_temperature_c - motor.reference_temperature_c
     )
-    impedance = max(omega * motor.d_inductance_h, motor.phase_resistance_ohm)
-    drop = impedance * motor.max_phase_current_a
-    most = max(drop, drive.battery.max_voltage_v)
-    found = omega * motor.flux_linkage_wb * hot
-    if BACK_EMF_PARTS * found < most:
+    if hot < 0.1:
         yield (
-            f"motor.flux_linkage_wb: {motor.flux_linkage_wb:g} Wb make {found:.4g} V at"
-            f" max_speed_rpm = {motor.max_speed_rpm:g} r/min with hot magnets, accepted: at least"
-            f" {most / BACK_EMF_PARTS:.4g} V, 1/{BACK_EMF_PARTS:g} of battery.max_voltage_v and of"
-            f" the drop at max_phase_current_a"
+            "motor.flux_temperature_coefficient_per_k:"
+            f" {motor.flux_temperature_coefficient_per_k:g} 1/K leaves {hot:.2g} of the flux at"
+            f" max_winding_temperature_c = {motor.max_winding_temperature_c:g} degC, accepted: one"
+            " that leaves 0.1"
+        )
+        return
+    impedance = max(omega * motor.d_inductance_h, motor.phase_resistance_ohm)
+    emf = omega * motor.flux_linkage_wb * hot
+    where = (
+        f"the back-EMF at max_speed_rpm = {motor.max_speed_rpm:g} r/min is {emf:.4g} V with hot"
+        " magnets"
+    )
+    if BACK_EMF_PARTS * emf < drive.battery.max_voltage_v:
+        needed = motor.flux_linkage_wb * drive.battery.max_voltage_v / (BACK_EMF_PARTS * emf)
+        yield (
+            f"motor.flux_linkage_wb: {motor.flux_linkage_wb:g} Wb, accepted: at least"
+            f" {needed:.6g} Wb: {where}, less than 1/{BACK_EMF_PARTS:g} of battery.max_voltage_v"
+        )
+    if BACK_EMF_PARTS * emf < impedance * motor.max_phase_current_a:
+        most = BACK_EMF_PARTS * emf / impedance
+        yield (
+            f"motor.max_phase_current_a: {motor.max_phase_current_a:g} A, accepted: at most"
+            f" {most:.6g} A: {where}, less than 1/{BACK_EMF_PARTS:g} of the drop at this current"
         )
 
 
@@ -232,7 +287,13 @@ def _torques(drive: Drive) -> Iterator[str]:
             f" = {motor.max_torque_nm:g} N m"
         )
     reachable = derived.largest_torque_nm(drive, motor.max_phase_current_a)
-    if motor.rated_torque_nm > reachable:
+    if motor.rated_torque_nm > reachable and reachable < LEAST_TORQUE_NM:
+        yield (
+            f"motor.flux_linkage_wb: {motor.flux_linkage_wb:g} Wb, accepted: enough for"
+            f" rated_torque_nm = {motor.rated_torque_nm:g} N m at max_phase_current_a ="
+            f" {motor.max_phase_current_a:g} A, which gives {reachable:.4g} N m"
+        )
+    elif motor.rated_torque_nm > reachable:
         yield (
             f"motor.rated_torque_nm: {motor.rated_torque_nm:g} N m, accepted: at most"
             f" {reachable:.4g} N m, which is what max_phase_current_a ="
@@ -330,12 +391,8 @@ def _derating(drive: Drive) -> Iterator[str]:
 
 
 def _stop_lamp(drive: Drive) -> Iterator[str]:
-    lit, dark = drive.brake.stop_lamp_on_m_per_s2, drive.brake.stop_lamp_off_m_per_s2
-    if dark > lit:
-        yield (
-            f"brake.stop_lamp_off_m_per_s2: {dark:g} m/s2, accepted: at most "
-            f"stop_lamp_on_m_per_s2 = {lit:g} m/s2"
-        )
+    lit, dark = "stop_lamp_on_m_per_s2", "stop_lamp_off_m_per_s2"
+    yield from _at_most(drive.brake, "brake", dark, lit, "m/s2")
 
 
 def _hold(drive: Drive) -> Iterator[str]:
@@ -384,11 +441,7 @@ def _trips(drive: Drive) -> Iterator[str]:
             f"monitor.undervoltage_v: {low:g} V, accepted: "
             f"less than battery.min_voltage_v = {battery.min_voltage_v:g} V"
         )
-    if monitor.coasting_m_per_s2 > monitor.tyre_grip_m_per_s2:
-        yield (
-            f"monitor.coasting_m_per_s2: {monitor.coasting_m_per_s2:g} m/s2, accepted: "
-            f"at most tyre_grip_m_per_s2 = {monitor.tyre_grip_m_per_s2:g} m/s2"
-        )
+    yield from _at_most(monitor, "monitor", "coasting_m_per_s2", "tyre_grip_m_per_s2", "m/s2")
 
 
 def _devices(drive: Drive) -> Iterator[str]:
@@ -416,7 +469,14 @@ def _torque_growth(drive: Drive) -> Iterator[str]:
             " none], at least 0.01 apart, the second at least 0.5"
         )
     target = drive.control.modulation_target
-    if end <= target**2 + 0.001:
+    given = "torque_growth_voltage_use" in drive.control.model_fields_set
+    if end <= target**2 + 0.001 and not given:
+        yield (
+            f"control.modulation_target: {target:g}, accepted: at most"
+            f" {math.sqrt(end - 0.001) - 1e-6:.5g}, below torque_growth_voltage_use = [{start:g},"
+            f" {end:g}]"
+        )
+    elif end <= target**2 + 0.001:
         yield (
             f"control.torque_growth_voltage_use: no growth from {end:g} on, accepted: beyond the "
             f"square {target**2:.4g} of modulation_target = {target:g}, which the voltage is "
@@ -474,11 +534,16 @@ def _hall(drive: Drive) -> Iterator[str]:
 
 def _hall_hand_over(drive: Drive) -> Iterator[str]:
     """Below a turn a second, halls take a sector of 90 deg (a quarter second) for standstill."""
-    slowest = 60.0 / drive.motor.pole_pairs
+    slowest, control = 60.0 / drive.motor.pole_pairs, drive.control
+    if drive.rotor.sensor == "hall" and control.handover_start_rpm <= slowest:
+        yield (
+            f"control.handover_start_rpm: {control.handover_start_rpm:g} r/min, accepted: more"
+            f" than {slowest:.6g} r/min, where electric braking ends at the latest with halls"
+        )
     if drive.rotor.sensor == "hall" and drive.control.handover_end_rpm < slowest:
         yield (
             f"control.handover_end_rpm: {drive.control.handover_end_rpm:g} r/min, accepted: at"
-            f" least {slowest:.4g} r/min, down to which hall sensors measure the speed of a motor"
+            f" least {slowest:.6g} r/min, down to which hall sensors measure the speed of a motor"
             f" with {drive.motor.pole_pairs} pole pairs"
         )
 
@@ -577,8 +642,8 @@ def _regeneration(drive: Drive) -> Iterator[str]:
 
 
 _CHECKS: tuple[Callable[[Drive], Iterator[str]], ...] = (
-    _inductances, _saliency, _iron, _iron_at_speed, _drag, _emf_of_surface_magnets, _torques,
-    _currents, _battery, _foldback, _derating, _stop_lamp, _hold, _pedals, _trips, _devices,
-    _torque_growth, _grid, _temperatures, _temperature_sensors,
+    _inductances, _saliency, _inverse_saliency, _magnets, _iron, _iron_at_speed, _drag,
+    _emf_of_surface_magnets, _torques, _currents, _battery, _foldback, _derating, _stop_lamp,
+    _hold, _pedals, _trips, _devices, _torque_growth, _grid, _temperatures, _temperature_sensors,
     _handover, _hall, _hall_hand_over, _encoder, _emf, _regeneration, _identifiers,
 )  # fmt: skip

