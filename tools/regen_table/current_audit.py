@@ -122,17 +122,22 @@ def braking_table(drive: Drive) -> torque_map.RegenMap:
 def smallest_grid(drive: Drive, free: bool = False) -> tuple[int, int] | None:
     """Return the least numbers of speeds and temperatures that suffice (audit), or None.
 
-    A number that the drive names is kept, unless ``free``.
+    For the energy of every manoeuvre and for the power at every speed; where no grid does both, for
+    the energy. A number that the drive names is kept, unless ``free``.
     """
     if free:
         auto = drive.table.model_copy(update={"speed_points": "auto", "temperature_points": "auto"})
         drive = drive.model_copy(update={"table": auto}).named(drive.name)
     currents = choose(drive)
     made = current_map.production(currents)
+    for_energy: tuple[int, int] | None = None
     for points in torque_map.grids(drive, _ends_of_optima(drive, currents)):
-        if audit.suffices(drive, current_map.regen_map(drive, currents, points), made):
-            return points
-    return None
+        table = current_map.regen_map(drive, currents, points)
+        if audit.suffices(drive, table, made):
+            for_energy = for_energy or points
+            if audit.worst_power_loss(drive, table, made) <= audit.POWER_LOSS_MAX:
+                return points
+    return for_energy
 
 
 def _ends_of_optima(drive: Drive, currents: CurrentMap) -> Iterator[int]:
