@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "app/boot.h"
 
+#include "app/board_check.h"
 #include "app/config_store.h"
 #include "app/selftest.h"
 #include "config/bases.h"
-#include "hal/analog.h"
 #include "hal/flash.h"
 #include "hal/memory.h"
 #include "hal/rotor_sensor.h"
@@ -43,47 +43,6 @@ static inverter_status_t start_inverter(const config_t *config)
     return inverter_init(&settings);
 }
 
-/* Shunts and dividers have a tolerance, and a configuration may hold what was measured. */
-enum { SCALE_TOLERANCE = 20 };
-
-static bool scale_fits(const char *field, int32_t value, int32_t of_board, config_result_t *result)
-{
-    const int32_t tolerance = of_board / SCALE_TOLERANCE;
-    if (of_board == 0 || (value >= of_board - tolerance && value <= of_board + tolerance)) {
-        return true;
-    }
-    *result = config_result_range("", field, value, of_board - tolerance, of_board + tolerance);
-    return false;
-}
-
-/* drive.min_pulse_ns is half of the shortest low pulse, in whose middle the currents are sampled;
- * with current into the board it is shorter by half the dead time on either side. */
-static bool window_fits(const config_drive_t *drive, int32_t least_ns, config_result_t *result)
-{
-    const int32_t half_ns = least_ns + drive->dead_time_ns / 2;
-    if (least_ns == 0 || drive->min_pulse_ns >= half_ns) {
-        return true;
-    }
-    *result = config_result_range("", "drive.min_pulse_ns on this board", drive->min_pulse_ns,
-                                  half_ns, 100000000 / drive->pwm_frequency_Hz);
-    return false;
-}
-
-/* A configuration for another board would control with wrong currents and voltages. */
-static config_result_t validate(const config_t *config, uint32_t size_bytes)
-{
-    config_result_t result = config_validate(config, size_bytes);
-    const analog_scale_t board = analog_scale();
-    if (result.code == CONFIG_RESULT_OK &&
-        scale_fits("drive.current_full_scale_mA on this board", config->drive.current_full_scale_mA,
-                   board.current_full_scale_mA, &result) &&
-        scale_fits("drive.voltage_full_scale_mV on this board", config->drive.voltage_full_scale_mV,
-                   board.voltage_full_scale_mV, &result)) {
-        (void)window_fits(&config->drive, board.low_side_least_ns, &result);
-    }
-    return result;
-}
-
 boot_report_t boot_run(void)
 {
     boot_report_t report = {.inverter = INVERTER_OK};
@@ -98,7 +57,7 @@ boot_report_t boot_run(void)
 
     const flash_image_t image = config_store_in_force().image;
     report.config = (const config_t *)image.begin;
-    report.config_result = validate(report.config, image.size_bytes);
+    report.config_result = board_check_config(report.config, image.size_bytes);
     if (report.clock_good && report.config_result.code == CONFIG_RESULT_OK) {
         report.rotor_sensor_missing =
             !rotor_sensor_init(rotor_sensor_kind(report.config->rotor.sensor));

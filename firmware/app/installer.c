@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "app/installer.h"
 
+#include "app/board_check.h"
 #include "app/config_store.h"
 #include "app/report.h"
 #include "hal/inverter.h"
@@ -25,7 +26,7 @@ static void validate(installer_t *installer)
     installer->state = INSTALLER_REFUSED;
     if (installer->hex.problem == INTEL_HEX_GOOD) {
         installer->config_result =
-            config_validate(&installer->image.config, installer->hex.size_bytes);
+            board_check_config(&installer->image.config, installer->hex.size_bytes);
         if (installer->config_result.code == CONFIG_RESULT_OK) {
             installer->state = INSTALLER_ACCEPTED;
         }

@@ -7,8 +7,8 @@
  *     installer_write()   bridge off, the other sector is written (config_store.h); the caller then
  *                         stops feeding the watchdog, which restarts the core
  *
- * Control continues unchanged until the last record has arrived and config_validate() has accepted
- * the whole image. Background context.
+ * Control continues unchanged until the last record has arrived and board_check_config() has
+ * accepted the whole image. Background context.
  */
 #ifndef APP_INSTALLER_H
 #define APP_INSTALLER_H

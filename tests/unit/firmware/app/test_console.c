@@ -5,6 +5,7 @@
 
 #include "app/console.h"
 #include "boot_fixture.h"
+#include "mock_analog.h"
 #include "mock_crash.h"
 #include "mock_flash.h"
 #include "mock_inverter.h"
@@ -52,6 +53,8 @@ static const crash_record_t *give_crash(int calls)
 
 void setUp(void)
 {
+    static const analog_scale_t ANY = {0, 0, 0};
+    analog_scale_IgnoreAndReturn(ANY);
     boot = successful_boot();
     output = output_in_ready();
     torque_limits_state_t state;

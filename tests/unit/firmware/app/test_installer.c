@@ -5,15 +5,26 @@
 
 #include "app/installer.h"
 #include "config_image.h"
+#include "mock_analog.h"
 #include "mock_flash.h"
 #include "mock_inverter.h"
 #include "unity.h"
 
 static installer_t installer;
 static text_t line;
+static analog_scale_t scale; /* of the board; 0: any */
+
+static analog_scale_t scale_of_board(int calls)
+{
+    (void)calls;
+    return scale;
+}
 
 void setUp(void)
 {
+    const analog_scale_t any = {0, 0, 0};
+    scale = any;
+    analog_scale_Stub(scale_of_board);
     text_clear(&line);
     installer_init(&installer);
 }
@@ -70,6 +81,17 @@ void test_complete_configuration_is_accepted_with_its_name(void)
     installer_text(&installer, &line);
     assert_says("accepted: configuration ");
     assert_says(CONFIG_IMAGE.name);
+}
+
+/* It would be refused at the next start, and nothing would drive. */
+void test_a_configuration_for_another_board_is_refused(void)
+{
+    scale.current_full_scale_mA = 2 * CONFIG_IMAGE.drive.current_full_scale_mA;
+    send(&CONFIG_IMAGE, sizeof CONFIG_IMAGE);
+    TEST_ASSERT_EQUAL_INT(INSTALLER_REFUSED, installer.state);
+    installer_text(&installer, &line);
+    assert_says("drive.current_full_scale_mA on this board");
+    assert_says("the configuration is as it was");
 }
 
 void test_a_configuration_that_the_validator_refuses_is_refused_with_its_field(void)
