@@ -21,6 +21,7 @@ CAN_BASE_STEP = 32  # config.h: CONFIG_CAN_BASE_STEP
 SALIENCY_MAX = 16.0
 INVERSE_SALIENCY_MAX = 4.0
 RELUCTANCE_MAX = 16.0
+LARGEST_FLUX_WB = 2.0  # as in sections
 IRON_RESISTANCES_MAX = 2048.0
 BACK_EMF_PARTS = 32.0
 LEAST_TORQUE_NM = 0.01  # that a motor can have as its rated one
@@ -186,7 +187,16 @@ def _saliency(drive: Drive) -> Iterator[str]:
 def _magnets(drive: Drive) -> Iterator[str]:
     motor = drive.motor
     saliency = abs(motor.q_inductance_h - motor.d_inductance_h) * motor.max_phase_current_a
-    if saliency > RELUCTANCE_MAX * motor.flux_linkage_wb:
+    if motor.type == "spmsm" or any(_saliency(drive)):
+        return
+    if saliency > RELUCTANCE_MAX * LARGEST_FLUX_WB:
+        most = motor.max_phase_current_a * RELUCTANCE_MAX * motor.flux_linkage_wb / saliency
+        yield (
+            f"motor.max_phase_current_a: {motor.max_phase_current_a:g} A, accepted: at most"
+            f" {most:.6g} A, with which the inductances add {RELUCTANCE_MAX:g} times"
+            f" flux_linkage_wb = {motor.flux_linkage_wb:g} Wb"
+        )
+    elif saliency > RELUCTANCE_MAX * motor.flux_linkage_wb:
         yield (
             f"motor.flux_linkage_wb: {motor.flux_linkage_wb:g} Wb, accepted: at least"
             f" {saliency / RELUCTANCE_MAX:.6g} Wb, 1/{RELUCTANCE_MAX:g} of what the inductances"
@@ -222,7 +232,13 @@ def _iron_at_speed(drive: Drive) -> Iterator[str]:
     emf = omega * motor.flux_linkage_wb
     lowest = max(2.0 * reactance, 2.0 * emf / motor.max_phase_current_a)
     highest = IRON_RESISTANCES_MAX * drive.battery.max_voltage_v / motor.max_phase_current_a
-    if not lowest <= found <= highest:
+    if lowest > highest:
+        yield (
+            f"motor.iron_loss_resistance_ohm: [{a0:g}, {a1:g}], accepted: no such key, for no iron"
+            f" loss: with reactances of up to {reactance:.4g} ohm and a back-EMF of {emf:.4g} V at"
+            f" max_speed_rpm = {motor.max_speed_rpm:g} r/min no resistance is possible"
+        )
+    elif not lowest <= found <= highest:
         yield (
             f"motor.iron_loss_resistance_ohm: [{a0:g}, {a1:g}] make {found:.4g} ohm at"
             f" max_speed_rpm = {motor.max_speed_rpm:g} r/min, accepted: {lowest:.4g} to"
