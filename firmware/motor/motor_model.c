@@ -169,7 +169,7 @@ int32_t motor_model_torque_mNm(const motor_model_t *model, motor_point_t at)
 static int32_t bus_current_mA(const motor_constants_t *k, int64_t power_b, int32_t bus_mV)
 {
     const int32_t bus_b = q_max(scaled_shift(bus_mV, k->voltage_shift), 1);
-    return motor_model_current_mA(k, scaled_ratio(q_saturate64(power_b * 3 / 2), bus_b));
+    return motor_model_current_mA(k, scaled_ratio(q_saturate64((power_b * 3) >> 1), bus_b));
 }
 
 int32_t motor_model_bus_current_mA(const motor_model_t *model, motor_point_t at, int32_t bus_mV)
