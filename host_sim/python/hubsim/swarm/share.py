@@ -38,10 +38,11 @@ from hubsim.swarm.vehicles import Lot, top_m_per_s
 
 TOLERANCE, TOLERANCE_SLOW = 0.01, 0.02  # of the kinetic energy; of slow or limited stops
 PARTS_SHARE = 0.06  # of what is stored, where a limit decides
+CHARGE_SHARE = 0.8  # of the battery's limit: what losses that are wrong can leave of it
 BY_THE_BATTERY = ("charge_current", "fold_back")
 BY_THE_TABLE = ("", "loss_optimum", "blend_out", "torque_rate")
 STRATEGY = "series_optimal"
-SLOW_SHARE = 0.3  # of the largest speed
+SLOW_SHARE, SLOW_HANDOVER = 0.3, 4.0  # of the largest speed; of where the blend-out begins
 RATED_SHARE = (0.25, 1.1)
 SOC = (0.2, 0.8)
 SPEED_SHARE = (0.3, 0.95)
@@ -108,14 +109,16 @@ def braked(case: Case) -> Drive:
 def ideal_share(drive: Drive, true: Drive, stop: Stop) -> tuple[float, str] | None:
     """Return what the ideal of a drive's file stores in another vehicle, and what bounds it.
 
-    Share of the kinetic energy; None where the file's own voltage makes the stop impossible. Wheel
+    Share of the kinetic energy; None where the voltage makes the stop impossible, and near the
+    battery's limit. Wheel
     speeds are those of the true vehicle; each step of speed lasts as long as the true torques take.
     """
     limited = drive.model_copy(update={"battery": true.battery})  # by its messages
     radius, true_radius = drive.vehicle.wheel_radius_m, true.vehicle.wheel_radius_m
     begins = (stop.demand_nm, stop.speed_kmh * radius / true_radius, stop.winding_c, stop.soc)
     trace = limited_stop.trace_of(limited, STRATEGY, *begins)
-    if not np.all(trace.possible):
+    most_a = CHARGE_SHARE * limited.battery.max_charge_current_a
+    if not np.all(trace.possible) or np.max(trace.charge_a) > most_a:
         return None
     machine = models.machine(true, stop.winding_c)
     currents = (trace.state.current_d_a, trace.state.current_q_a)
@@ -142,6 +145,14 @@ def _friction_nm(drive: Drive, speed_rad_s: Rows) -> Rows:
     return out
 
 
+def slow_m_per_s(drive: Drive) -> float:
+    """Return the speed below which a stop is slow: the blend-out has a part of its energy."""
+    rad_s = drive.control.handover_start_rpm * math.pi / 30.0
+    return max(
+        SLOW_SHARE * top_m_per_s(drive), SLOW_HANDOVER * rad_s * drive.vehicle.wheel_radius_m
+    )
+
+
 def gap(case: Case) -> Finding | None:
     """Return how far what a stop stores is beside the ideal; None where there is no ideal."""
     drive, stop = braked(case), drawn(case)
@@ -158,7 +169,7 @@ def gap(case: Case) -> Finding | None:
         stored = _stored(case, stop)
     except HubsimError:
         return Finding(judge.STORED_SHARE, 0, 0.0, math.inf, TOLERANCE, "1", judge.NOT_STARTED)
-    slow = stop.speed_kmh < SLOW_SHARE * 3.6 * top_m_per_s(drive)
+    slow = stop.speed_kmh < 3.6 * slow_m_per_s(drive)
     limit = TOLERANCE_SLOW if slow or main not in BY_THE_TABLE else TOLERANCE
     if main not in BY_THE_TABLE:
         limit += PARTS_SHARE * abs(share)
