@@ -4,8 +4,9 @@
 A drawn drive begins with a vehicle: a scooter, a bicycle, a motorcycle, a car with hub motors or
 with a gear. Its speed, acceleration and battery decide the motor in shares that do not depend on
 its size: back-EMF at the largest speed over the battery's voltage, L_d I / psi, L_q / L_d, losses
-over power. What the generator of configurations refuses is drawn again, so every drive here has an
-image. Once found, a drive is kept on disk by the content of what made it (regen_table/stored.py).
+over power. What the generator of configurations or the firmware refuses is drawn again, so every
+drive here has an image. Once found, a drive is kept on disk by the content of what made it
+(regen_table/stored.py).
 """
 
 import json
@@ -22,6 +23,8 @@ from regen_table.errors import ConfigurationError
 from regen_table.schema import Drive
 
 from hubsim import configuration
+from hubsim.engine import Engine
+from hubsim.errors import HubsimError
 from hubsim.scenario import overrides
 from hubsim.swarm.vehicles import Lot
 from hubsim.sweep import drives, faults_sweep
@@ -133,7 +136,7 @@ def _base_file() -> bytes:
 
 
 def _accepted(number: int) -> Data:
-    """Return the first draw that the generator accepts."""
+    """Return the first draw that generator and firmware accept."""
     for attempt in range(ATTEMPTS_MAX):
         data = drawn(Lot(SEED, number * ATTEMPTS_MAX + attempt))
         try:
@@ -141,9 +144,10 @@ def _accepted(number: int) -> Data:
             data["inverter"]["bus_capacitance_f"] = _capacitance_f(plain)
             drive = Chosen(number, BASE, data).drive
             if bus_capacitor.warning(drive) is None:
-                configuration.image_of(drive)
+                with Engine() as engine:  # the firmware's own validator
+                    engine.load_config(configuration.image_of(drive))
                 return data
-        except ConfigurationError:
+        except (ConfigurationError, HubsimError):
             continue
     raise AssertionError(f"drive {number}: {ATTEMPTS_MAX} draws were refused")
 
