@@ -92,7 +92,7 @@ function(planted_vesc4 name folder file old new finds program mode configuration
     "target;full" ${program} ${mode} vesc4_10 "${configuration}")
   set_tests_properties(chip_vesc4_finds_${name} PROPERTIES FIXTURES_REQUIRED vesc4_configuration)
 endfunction()
-planted_vesc4(short_pulses_that_are_accepted firmware/app boot.c "if (least_ns == 0 ||"
+planted_vesc4(short_pulses_that_are_accepted firmware/app board_check.c "if (least_ns == 0 ||"
   "if (least_ns >= 0 ||" "samples while the low sides conduct" chip_window fast
   "${boards_shipped}")
 planted_vesc4(a_trigger_at_the_bottom hal/stm32 inverter.c ": top_counts + trigger_counts" ": 1"

@@ -57,6 +57,7 @@ void test_fields_of_the_configuration_are_times_in_milliseconds(void)
     assert_times(250, 1000, FINDING_BRAKE_STUCK);
     assert_times(250, 1000, FINDING_BRAKE_STRONG);
     assert_times(1, 10000, FINDING_BRAKE_LATE);
+    assert_times(1, 1000, FINDING_HOLD_FAILS);
 }
 
 /* Without a valid angle the torque leaves in its ramp, which must not be cut off in the middle. */
@@ -76,6 +77,7 @@ void test_every_other_row_has_a_filter_of_its_own_and_counts_at_once(void)
         FINDING_ROTOR_GLITCH,      FINDING_ROTOR_STOPS,   FINDING_OBSERVER_IN_USE,
         FINDING_SWITCH_THERMISTOR, FINDING_BRAKE_DEAD,    FINDING_BRAKE_WEAK,
         FINDING_BRAKE_STUCK,       FINDING_BRAKE_STRONG,  FINDING_BRAKE_LATE,
+        FINDING_HOLD_FAILS,
     };
     for (int row = 0; row < FINDING_COUNT; row++) {
         bool timed = false;
