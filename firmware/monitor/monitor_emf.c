@@ -6,7 +6,12 @@
 #include "core/q15.h"
 
 /* At 4 U the error of e turns it by less than 15 degrees: DERIVATIONS.md, Angle check. */
-enum { MARGIN = 4, MOST_CURRENT_mA = 10000000, MOST_MISSING_Q20 = 1 << 19 };
+enum {
+    MARGIN = 4,
+    MOST_CURRENT_mA = 10000000,
+    MOST_MISSING_Q20 = 1 << 19,
+    TURN_urad = 6283186 /* of mrad/s in a millisecond */
+};
 
 static const int64_t NV_PER_MV = 1000000;
 
@@ -94,6 +99,23 @@ static int32_t missing_q20(int64_t apart_nV, int64_t expected_nV)
     return q_clamp(q_saturate64(lacking_mV * (1 << 20) / expected_mV), 0, MOST_MISSING_Q20);
 }
 
+/* Halls measure the mean of up to an electrical turn. While that changes by more than an eighth
+ * within a turn, as at the end of a hard stop, it is not the rotor's speed, and no EMF can be
+ * expected of it. */
+static bool is_steady(monitor_emf_state_t *state, const config_t *config, int32_t speed_mrad_s)
+{
+    const int32_t speed_abs_mrad_s = q_abs(speed_mrad_s);
+    const int64_t moved_mrad_s = (int64_t)speed_abs_mrad_s - state->steady_mrad_s;
+    if (magnitude(moved_mrad_s) > speed_abs_mrad_s / 8) {
+        state->steady_mrad_s = speed_abs_mrad_s;
+        state->steady_steps = 0;
+    } else if (state->steady_steps < UINT16_MAX) {
+        state->steady_steps++;
+    }
+    return (int64_t)state->steady_steps * bases_electrical_mrad_s(config, speed_abs_mrad_s) >=
+           TURN_urad;
+}
+
 /* Steps beyond the tolerance less steps within it; below 0 weak, above strong. */
 static void watch_flux(monitor_emf_state_t *state, const config_t *config, const measured_t *now,
                        const view_t *view)
@@ -156,9 +178,10 @@ bool monitor_emf_step(monitor_emf_state_t *state, const config_t *config, const 
         return false;
     }
     const view_t view = view_of(config, now);
+    const bool steady = is_steady(state, config, now->speed_mrad_s);
     const bool judged = view.emf_nV >= MARGIN * view.uncertain_nV || opposite(&view, config, now);
     const bool wrong = magnitude(view.across_nV) >= view.along_nV;
-    if (judged && !wrong) {
+    if (judged && !wrong && steady) {
         watch_flux(state, config, now, &view);
     }
     const bool counts = judged && wrong && !now->report->voltage_limited;

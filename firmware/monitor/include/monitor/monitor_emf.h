@@ -39,6 +39,8 @@ typedef struct {
     uint16_t level; /* in 1/32 steps */
     int16_t flux_level;
     monitor_emf_flux_t flux; /* qualified; stays where it cannot be judged */
+    int32_t steady_mrad_s;   /* speed, magnitude, from which it has not moved by an eighth ... */
+    uint16_t steady_steps;   /* ... for so many steps, saturating */
     int32_t missing_q20; /* share of the flux, 64 ms mean, 1 048 576 = 1.0; 0 unless FLUX_WEAK */
 } monitor_emf_state_t;
 

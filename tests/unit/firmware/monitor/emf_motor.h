@@ -50,6 +50,13 @@ static inline monitor_case_t emf_measured(const config_t *config, double rpm, do
     return out;
 }
 
+/* The state at a speed that has long not moved. */
+static inline monitor_emf_state_t emf_steady_at(int32_t speed_mrad_s)
+{
+    const monitor_emf_state_t out = {.steady_mrad_s = speed_mrad_s, .steady_steps = UINT16_MAX};
+    return out;
+}
+
 static config_t config;
 static monitor_emf_state_t state;
 

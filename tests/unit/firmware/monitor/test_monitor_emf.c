@@ -342,8 +342,7 @@ void test_strong_flux_has_the_same_times(void)
     strong.now.winding_temperature_cC = config.motor.reference_temperature_cC;
     const monitor_case_t right = strong;
     strong.now.latest_u_q_mV += strong.now.latest_u_q_mV / 4;
-    const monitor_emf_state_t fresh = {.level = 0};
-    state = fresh;
+    state = emf_steady_at(strong.now.speed_mrad_s);
     for (int n = 1; n <= MONITOR_EMF_FLUX_STEPS; n++) {
         TEST_ASSERT_EQUAL_INT(MONITOR_EMF_FLUX_PLAUSIBLE, state.flux);
         monitor_emf_step(&state, &config, measured_of(&strong));
@@ -359,6 +358,35 @@ void test_strong_flux_has_the_same_times(void)
     TEST_ASSERT_EQUAL_INT16(0, state.flux_level);
 }
 
+/* Halls at the end of a hard stop show the mean of a turn, several times the rotor's speed: a speed
+ * that falls by a seventh in half a turn. Then it stays, and a turn later the flux is judged. */
+void test_flux_is_not_judged_while_the_speed_moves_by_an_eighth_within_a_turn(void)
+{
+    config.monitor.flux_tolerance_permille = 150;
+    plant_t weak = AS_CONFIGURED;
+    weak.flux = 0.3;
+    double rpm = 600.0;
+    state = emf_steady_at(mrad_s_of_rpm(rpm));
+    monitor_case_t in;
+    for (double turns = 0.5; rpm > 300.0; turns += rpm / 60e3 * config.motor.pole_pairs) {
+        while (turns >= 0.5) {
+            rpm *= 6.0 / 7.0;
+            turns -= 0.5;
+        }
+        in = measured(rpm, 0.0, 0.0, 0.0, &weak);
+        in.now.winding_temperature_cC = config.motor.reference_temperature_cC;
+        monitor_emf_step(&state, &config, measured_of(&in));
+        TEST_ASSERT_EQUAL_INT16(0, state.flux_level);
+    }
+    const int turn_ms = (int)ceil(60e3 / (rpm * config.motor.pole_pairs));
+    for (int n = 1; n < turn_ms; n++) {
+        monitor_emf_step(&state, &config, measured_of(&in));
+        TEST_ASSERT_EQUAL_INT16(0, state.flux_level);
+    }
+    monitor_emf_step(&state, &config, measured_of(&in));
+    TEST_ASSERT_EQUAL_INT16(-1, state.flux_level);
+}
+
 /* Without PWM, with an invalid angle, below the least EMF, and with an angle that is wrong itself.
  */
 void test_flux_is_not_judged_where_the_angle_is_not(void)
@@ -367,9 +395,8 @@ void test_flux_is_not_judged_where_the_angle_is_not(void)
     plant_t weak = AS_CONFIGURED;
     weak.flux = 0.05;
     for (int k = 0; k < 5; k++) {
-        const monitor_emf_state_t fresh = {.level = 0};
-        state = fresh;
         monitor_case_t in = measured(k == 3 ? 50.0 : 500.0, 0.0, 0.0, k == 4 ? 90.0 : 0.0, &weak);
+        state = emf_steady_at(in.now.speed_mrad_s);
         in.now.winding_temperature_cC = config.motor.reference_temperature_cC;
         in.report.bridge = pwm_if(k != 1);
         in.now.angle_valid = k != 2;
@@ -390,7 +417,7 @@ void test_thresholds_of_emf_and_flux_are_exact(void)
     config.motor.flux_linkage_nWb = 4000000;
     config.motor.flux_coefficient_ppm_K = 0;
     config.monitor.flux_tolerance_permille = 150;
-    const monitor_emf_state_t fresh = {.level = 0};
+    const monitor_emf_state_t fresh = emf_steady_at(1000000);
     monitor_case_t in = {.report = {.bridge = BRIDGE_PWM},
                          .now = {.latest_u_d_mV = 4000,
                                  .bus_voltage_mV = 50000,

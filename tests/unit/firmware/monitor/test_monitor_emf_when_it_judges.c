@@ -18,7 +18,7 @@ static monitor_case_t in;
 
 void setUp(void)
 {
-    const monitor_emf_state_t fresh = {.level = 0};
+    const monitor_emf_state_t fresh = {.steady_mrad_s = 1000000, .steady_steps = UINT16_MAX};
     const monitor_case_t turning = {.report = {.bridge = BRIDGE_PWM},
                                     .now = {.angle_valid = true,
                                             .speed_mrad_s = 1000000,
