@@ -131,7 +131,7 @@ function(chip_g431_planted_tests)
     "PROTECTED_NOT_EIGHTHS 0x80U" "the application writes its sectors" chip_protect_g431)
   planted_g431(an_erase_of_another_page ${shared} flash.c "(uintptr_t)whole.begin, i)"
     "(uintptr_t)whole.begin, i + 1U)"
-    "double word at 0x0801A000 programmed twice" ${cut})
+    "double word at 0x0801B000 programmed twice" ${cut})
   planted_g431(an_unreadable_word_that_is_a_fault ${own} flash_error.c "is_of_a_sector(FLASH->ECCR)"
     "FLASH->ECCR == 0"
     "last cell of the mark: none" ${cut})

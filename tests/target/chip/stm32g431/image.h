@@ -24,13 +24,13 @@
 #define IMAGE_OPTION_BYTES_RESET true
 #define IMAGE_RAM_BYTES 0x8000U
 #define IMAGE_BEGINS 0x08000000U /* of the program, hal/stm32g431/link.ld */
-#define IMAGE_BYTES 0x1A000U
+#define IMAGE_BYTES 0x1B000U
 #define IMAGE_STACK_BYTES 2816U /* reserved, with the guard: hal/stm32g431/CMakeLists.txt */
 /* Flash without a sector of the application that the protection unit's eighths leave writable: the
  * end of the program. */
 #define IMAGE_OPEN_BEGINS 0x08018000U
-#define IMAGE_OPEN_ENDS 0x0801A000U
-#define IMAGE_CONFIGURATION_BEGINS 0x0801A000U
+#define IMAGE_OPEN_ENDS 0x0801B000U
+#define IMAGE_CONFIGURATION_BEGINS 0x0801B000U
 #define IMAGE_JOURNAL_A 0x0801F000U
 #define IMAGE_JOURNAL_B 0x0801F800U
 #define IMAGE_JOURNAL_ENDS 0x08020000U
