@@ -68,19 +68,13 @@ static void note_plausible_edge(hall_t *hall)
     hall->edge_speed_q32 = hall->speed_q32;
 }
 
-static void forget_times(hall_t *hall)
-{
-    hall->sectors_timed = 0;
-    hall->timed_turn = 0;
-    hall->timed_periods = 0;
-}
-
 /* Unknown movement: speed zero, the middle of the sector. */
 static void reset_movement(hall_t *hall)
 {
-    forget_times(hall);
     hall->speed_q32 = 0;
-    hall->last_periods = 0;
+    hall->sectors_timed = 0;
+    hall->timed_turn = 0;
+    hall->timed_periods = 0;
     hall->direction = 0;
     hall->theta_q32 = middle_q32(hall);
     hall->overdue_periods = hall->standstill_periods;
@@ -123,6 +117,9 @@ static void decay_overdue_speed(hall_t *hall)
 {
     if (hall->periods_since_edge > hall->overdue_periods) {
         hall->speed_q32 -= hall->speed_q32 / (1 << HALL_DECAY_LOG2);
+        if (hall->speed_q32 == 0) {
+            hall->theta_q32 = middle_q32(hall);
+        }
         if (hall->periods_since_edge > hall->standstill_periods) {
             reset_movement(hall);
         }
@@ -156,7 +153,9 @@ static void follow_plausible_edge(hall_t *hall, const config_t *config, uint8_t 
     const uint32_t edge_q32 = sector_start_q32(config, hall->direction > 0 ? sector : left);
     hall->plausible_edges++;
     if (hall->plausible_edges > 1) {
-        forget_times(hall);
+        hall->sectors_timed = 0;
+        hall->timed_turn = 0;
+        hall->timed_periods = 0;
         time_sector(hall, config, left, hall->periods_since_edge);
         hall->bounce_periods = hall->periods_since_edge / HALL_BOUNCE_DIVISOR;
         hall->overdue_periods =
@@ -283,16 +282,6 @@ static void follow_unobserved_edge(hall_t *hall, uint32_t edge_q32, unsigned log
     }
 }
 
-/* True where a slow rotor may turn round in the sector that begins: the last one took an eighth
- * longer than the one before (with a constant deceleration it takes 1.3 times as long or more), or
- * so long that a driver's torque suffices (DERIVATIONS.md, Hall sensors). */
-static bool may_turn_round(const hall_t *hall, int32_t periods)
-{
-    const bool slow = periods / 2 >= hall->reversal_periods;
-    const bool slows = hall->last_periods > 0 && periods - hall->last_periods > periods / 8;
-    return slow && (slows || periods > hall->standstill_periods / 2);
-}
-
 /* An edge in the direction of the last one: a sector was crossed from end to end. */
 static void follow_edge(hall_t *hall, const config_t *config, uint8_t sector,
                         hall_observed_t observed)
@@ -302,16 +291,8 @@ static void follow_edge(hall_t *hall, const config_t *config, uint8_t sector,
     uint32_t edge_q32 = hall->begin_q32; /* of the sector left */
     enter_sector(hall, config, sector);
     edge_q32 = hall->direction > 0 ? hall->begin_q32 : edge_q32;
-    /* Then the angle goes to the middle of the sector with the speed of the last one, and stays
-     * there: never further off than at a start from standstill. */
-    const bool turns = may_turn_round(hall, periods);
-    if (turns) {
-        forget_times(hall);
-    }
     time_sector(hall, config, left, periods);
-    hall->overdue_periods =
-        q_min(turns ? periods / 2 : periods * HALL_OVERDUE_FACTOR, hall->standstill_periods);
-    hall->last_periods = periods;
+    hall->overdue_periods = q_min(periods * HALL_OVERDUE_FACTOR, hall->standstill_periods);
     hall->bounce_periods = (int32_t)((uint32_t)periods / HALL_BOUNCE_DIVISOR);
     const unsigned log2 = smoothing_log2(hall, periods);
     if (log2 > 0 && observed.known) {
@@ -323,14 +304,12 @@ static void follow_edge(hall_t *hall, const config_t *config, uint8_t sector,
     note_plausible_edge(hall);
 }
 
-/* The first edge after a standstill, or a reversal. A reversal may also be a dead sensor: where the
- * rotor was fast the angle stays at the edge until one more sector's time has passed, which halves
- * the error in that case. A ride-through that starts later continues as if the rotor had not
- * reversed. */
+/* The first edge after a standstill, or a reversal. A reversal may also be a dead sensor: until one
+ * more sector's time has passed the angle stays at the edge, which halves the error in that case,
+ * and a ride-through that starts later continues as if the rotor had not reversed. */
 static void process_reversal(hall_t *hall, const config_t *config, uint8_t sector, int32_t step)
 {
     const bool moved = hall->sectors_timed > 0;
-    const bool slow = hall->last_periods / 2 >= hall->reversal_periods;
     const int32_t overdue_periods = hall->overdue_periods;
     const int32_t speed_q32 = hall->speed_q32;
     const uint32_t edge_q32 = sector_start_q32(config, step > 0 ? sector : hall->sector);
@@ -338,19 +317,11 @@ static void process_reversal(hall_t *hall, const config_t *config, uint8_t secto
     reset_movement(hall);
     hall->direction = (int8_t)step;
     if (moved) {
-        hall->theta_q32 = slow ? hall->theta_q32 : edge_q32;
+        hall->theta_q32 = edge_q32;
         hall->overdue_periods = overdue_periods;
         hall->edge_theta_q32 = edge_q32;
         hall->edge_speed_q32 = speed_q32;
     }
-}
-
-/* Where a late edge may as well come from behind, nothing is nearer than the middle. */
-static void return_to_middle(hall_t *hall)
-{
-    const uint32_t away_q32 = middle_q32(hall) - hall->theta_q32;
-    const uint32_t sign = 0U - (away_q32 >> 31);
-    hall->theta_q32 += ((away_q32 ^ sign) >> HALL_DECAY_LOG2) ^ sign;
 }
 
 /* A period inside the same sector. */
@@ -358,10 +329,7 @@ static void extrapolate(hall_t *hall)
 {
     hall->theta_q32 += (uint32_t)hall->speed_q32;
     clamp_to_sector(hall);
-    if (hall->periods_since_edge > hall->overdue_periods) {
-        return_to_middle(hall);
-        decay_overdue_speed(hall);
-    }
+    decay_overdue_speed(hall);
 }
 
 /* Back into the sector left so soon after the last edge: no rotor can reverse so fast. */
@@ -475,7 +443,6 @@ static void copy_movement(hall_t *to, const hall_t *from)
     to->theta_q32 = from->theta_q32;
     to->periods_since_edge = from->periods_since_edge;
     to->overdue_periods = from->overdue_periods;
-    to->last_periods = from->last_periods;
     to->begin_q32 = from->begin_q32;
     to->span_q32 = from->span_q32;
     to->bounce_periods = from->bounce_periods;

@@ -45,10 +45,9 @@ static bool hall_invariant(const hall_t *hall, const config_t *config)
            hall->periods_since_edge >= 0 && hall->periods_since_edge <= 65535 &&
            hall->invalid_periods >= 0 && hall->invalid_periods < HALL_INVALID_PERIODS &&
            hall->overdue_periods >= 0 && hall->overdue_periods <= hall->standstill_periods &&
-           hall->last_periods >= 0 && hall->last_periods <= 65535 && hall->bounce_periods >= 0 &&
-           hall->bounce_periods <= 65535 && within_quarter_turn(hall->speed_q32) &&
-           within_quarter_turn(hall->edge_speed_q32) && hall->plausible_edges <= 6 &&
-           (hall->valid || hall->plausible_edges < 6) &&
+           hall->bounce_periods >= 0 && hall->bounce_periods <= 65535 &&
+           within_quarter_turn(hall->speed_q32) && within_quarter_turn(hall->edge_speed_q32) &&
+           hall->plausible_edges <= 6 && (hall->valid || hall->plausible_edges < 6) &&
            hall->reversal_periods == config->drive.pwm_frequency_Hz / HALL_REVERSAL_DIVISOR &&
            hall->standstill_periods == config->drive.pwm_frequency_Hz / HALL_STANDSTILL_PER_S;
 }
@@ -65,7 +64,6 @@ static hall_t any_hall(const config_t *config)
     hall.steady_sensors = nondet_uint8();
     hall.periods_since_edge = nondet_int32();
     hall.overdue_periods = nondet_int32();
-    hall.last_periods = nondet_int32();
     hall.bounce_periods = nondet_int32();
     hall.standstill_periods = nondet_int32();
     hall.invalid_periods = nondet_int32();

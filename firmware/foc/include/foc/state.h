@@ -31,7 +31,6 @@ typedef struct {
     uint32_t theta_q32;
     int32_t periods_since_edge;   /* 0 .. 65 535 */
     int32_t overdue_periods;      /* periods_since_edge beyond which the speed decays */
-    int32_t last_periods;         /* that the last sector took */
     uint32_t begin_q32, span_q32; /* the sector: begin .. begin + span */
     int32_t bounce_periods;       /* a reversal within these is a bounce; 0: speed unknown */
     int32_t standstill_periods;   /* 1/4 s */

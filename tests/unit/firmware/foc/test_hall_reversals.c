@@ -127,7 +127,7 @@ void test_stop_is_impossible_beyond_one_and_a_half_fast_sectors(void)
     TEST_ASSERT_FALSE(stop_is_impossible(14401, 2 * 65536 - 1, fast, 0));
 }
 
-void test_angle_inside_the_same_sector_stops_at_its_end_and_returns_when_overdue(void)
+void test_angle_inside_the_same_sector_stops_at_its_end_and_decays_when_overdue(void)
 {
     hall.overdue_periods = 400;
     hall.periods_since_edge = 399;
@@ -140,8 +140,7 @@ void test_angle_inside_the_same_sector_stops_at_its_end_and_returns_when_overdue
     hall.theta_q32 = angle_q32(EDGE_3 - 1);
     expected = hall;
     event(2);
-    const uint32_t middle_q32 = angle_q32(EDGE_2 + (EDGE_3 - EDGE_2) / 2);
-    expected.theta_q32 -= (angle_q32(EDGE_3 - 1) - middle_q32) / 64;
+    expected.theta_q32 = angle_q32(EDGE_3 - 1);
     expected.periods_since_edge = 401;
     expected.speed_q32 = SPEED_q32 - SPEED_q32 / 64;
     assert_expected_state();
