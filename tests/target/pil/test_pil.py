@@ -175,7 +175,7 @@ def test_the_shared_file_is_deleted_and_saving_is_refused(
     with engine, emulator.attached(engine, emulator.command()):
         engine.start()
         assert len(list(emulator.SHARED_MEMORY.glob(own))) == 1
-        with pytest.raises(HubsimError, match="another processor"):
+        with pytest.raises(HubsimError, match="without hubsim_processor"):
             engine.save()
     assert not list(emulator.SHARED_MEMORY.glob(own))
     with pytest.raises(HubsimError, match="not the memory of an emulated core"):

@@ -107,7 +107,9 @@ def test_currents_of_a_motor_that_hardly_turns_leave_their_energy_in_the_capacit
 
 def test_capacitor_settles_at_the_emf_without_currents(change: Change) -> None:
     """With 2 ohm in the phases the current does not swing: sqrt(3) E - 2 V_f."""
-    drive = change({"motor.phase_resistance_ohm": 2.0})
+    drive = change({})
+    motor = drive.motor.model_copy(update={"phase_resistance_ohm": 2.0})  # no file may have it
+    drive = drive.model_copy(update={"motor": motor})
     w = derived.omega_max(drive)
     starts = Starts(np.array([w]), np.array([-1e-3]), np.array([-1.0]), np.array([40.0]))
     (settled,) = bus_capacitor.highest_bus_v(drive, 2e-4, starts)

@@ -12,7 +12,8 @@ from typing import Any
 import pytest
 from regen_table import schema
 from regen_table.errors import ConfigurationError
-from regen_table.sections import Drive, Section, bounds
+from regen_table.plant_sections import Section
+from regen_table.sections import Drive, bounds
 
 MOTORS = Path(__file__).resolve().parents[4] / "tools" / "motors"
 NAMES = ("lu2013", "ipm400v")
@@ -33,7 +34,11 @@ def numbers() -> list[tuple[str, float, float]]:
         assert isinstance(kind, type) and issubclass(kind, Section)
         for key, info in kind.model_fields.items():
             lowest, highest = bounds(info.metadata)
-            if isinstance(lowest, int | float) and "unit" in (info.json_schema_extra or {}):
+            if (
+                isinstance(lowest, int | float)
+                and isinstance(info.json_schema_extra, dict)
+                and "unit" in info.json_schema_extra
+            ):
                 found.append((f"{section}.{key}", lowest, highest))
     return found
 

@@ -353,7 +353,7 @@ def test_a_drive_refused_by_the_firmware_is_reported_with_the_field(
     )
     assert done.returncode == 2
     assert "inductance" in done.stderr
-    assert done.stderr.count("\n") == 1
+    assert done.stderr.count("\n") == 2  # one a key
     assert list(tmp_path.iterdir()) == []
 
 
