@@ -13,6 +13,7 @@ enum {
     CROSS_COUPLING_PARTS = 2, /* w L / R_i at most one of these parts of one */
     DRAG_PARTS = 2,           /* of the largest torque */
     IRON_RESISTANCES_MOST = 2048,
+    IRON_CONDUCTANCE_PARTS = 2,
     TIME_CONSTANT_PERIODS = 16384,
     BACK_EMF_PARTS = 32
 };
@@ -74,6 +75,19 @@ static bool iron_resistance_fits(const config_t *c)
 {
     return iron_mOhm(&c->motor) * c->motor.max_phase_current_mA <=
            INT64_C(1000) * IRON_RESISTANCES_MOST * c->battery.max_voltage_mV;
+}
+
+/* Its conductance in the same scale, from a hundredth of the largest speed on: a resistance that
+ * vanishes with the speed would leave the format while the wheel still turns. */
+static bool iron_conductance_fits(const config_t *c)
+{
+    const config_motor_t *motor = &c->motor;
+    const int64_t slow_mOhm =
+        motor->iron_loss_resistance_mOhm +
+        motor->iron_loss_resistance_slope_nOhm_s * (w_mrad_s(motor) / 100) / 1000000000;
+    return !has_iron_loss(motor) ||
+           IRON_CONDUCTANCE_PARTS * slow_mOhm * motor->max_phase_current_mA >=
+               INT64_C(1000) * c->battery.max_voltage_mV;
 }
 
 /* w psi / R_i. */
@@ -165,6 +179,9 @@ const char *physics_broken(const config_t *config)
     REQUIRE(iron_resistance_fits(config),
             "motor.iron_loss_resistance at most 2048 times battery.max_voltage_mV over "
             "motor.max_phase_current_mA");
+    REQUIRE(iron_conductance_fits(config),
+            "motor.iron_loss_resistance at a hundredth of motor.max_speed_mrad_s at least half of "
+            "battery.max_voltage_mV over motor.max_phase_current_mA");
     REQUIRE(drag_below_torque(motor),
             "motor friction and iron loss at motor.max_speed_mrad_s within half of "
             "motor.max_torque_mNm and of what motor.max_phase_current_mA makes");

@@ -246,6 +246,22 @@ def _iron_at_speed(drive: Drive) -> Iterator[str]:
         )
 
 
+def _iron_when_slow(drive: Drive) -> Iterator[str]:
+    """At a hundredth of the largest speed: a resistance that vanishes leaves its number format."""
+    motor = drive.motor
+    if motor.iron_loss_resistance_ohm is None or any(_iron_at_speed(drive)):
+        return
+    a0, a1 = motor.iron_loss_resistance_ohm
+    slow = a1 * derived.omega_max(drive) / 100.0
+    needed = drive.battery.max_voltage_v / motor.max_phase_current_a / 2.0
+    if a0 + slow < needed:
+        yield (
+            f"motor.iron_loss_resistance_ohm: [{a0:g}, {a1:g}] make {a0 + slow:.4g} ohm at a"
+            f" hundredth of max_speed_rpm = {motor.max_speed_rpm:g} r/min, accepted: {needed:.4g}"
+            f" ohm there, such as [{needed:.4g}, {a1:g}]"
+        )
+
+
 def _drag(drive: Drive) -> Iterator[str]:
     motor, shaft = drive.motor, drive.motor.max_speed_rpm * math.pi / 30.0
     friction = motor.friction_torque_nm + motor.viscous_friction_nm_s * shaft
@@ -658,8 +674,8 @@ def _regeneration(drive: Drive) -> Iterator[str]:
 
 
 _CHECKS: tuple[Callable[[Drive], Iterator[str]], ...] = (
-    _inductances, _saliency, _inverse_saliency, _magnets, _iron, _iron_at_speed, _drag,
-    _emf_of_surface_magnets, _torques, _currents, _battery, _foldback, _derating, _stop_lamp,
+    _inductances, _saliency, _inverse_saliency, _magnets, _iron, _iron_at_speed, _iron_when_slow,
+    _drag, _emf_of_surface_magnets, _torques, _currents, _battery, _foldback, _derating, _stop_lamp,
     _hold, _pedals, _trips, _devices, _torque_growth, _grid, _temperatures, _temperature_sensors,
     _handover, _hall, _hall_hand_over, _encoder, _emf, _regeneration, _identifiers,
 )  # fmt: skip

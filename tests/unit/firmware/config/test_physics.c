@@ -83,20 +83,25 @@ void test_the_winding_s_time_constant_is_at_most_16384_periods(void)
     assert_broken("L / R at most 16384 PWM periods");
 }
 
+/* Four times the inductance, and weak magnets, so that drag and current are no matter. */
+static void weak_magnets_and_iron(int32_t iron_mOhm)
+{
+    config.motor.flux_linkage_nWb = 2500000;
+    config.motor.d_inductance_nH *= 4;
+    config.motor.q_inductance_nH *= 4;
+    config.current_loop.bandwidth_Hz = 200;
+    config.motor.iron_loss_resistance_slope_nOhm_s = 0;
+    config.motor.iron_loss_resistance_mOhm = iron_mOhm;
+}
+
 void test_the_iron_branch_takes_at_most_half_at_top_speed(void)
 {
-    const double reactance_ohm = top_w_rad_s() * config.motor.d_inductance_nH * 1e-9;
-    const double emf_v = top_w_rad_s() * config.motor.flux_linkage_nWb * 1e-9;
-    /* Weak magnets, so that drag and current are no matter. */
-    config.motor.flux_linkage_nWb = 2500000;
-    config.motor.iron_loss_resistance_slope_nOhm_s = 0;
-    config.motor.iron_loss_resistance_mOhm = (int32_t)ceil(2000.0 * reactance_ohm) + 1;
+    const double twice_mOhm = 2000.0 * top_w_rad_s() * 4.0 * config.motor.d_inductance_nH * 1e-9;
+    weak_magnets_and_iron((int32_t)ceil(twice_mOhm) + 1);
     assert_accepted();
-    config.motor.flux_linkage_nWb = 2500000;
-    config.motor.iron_loss_resistance_slope_nOhm_s = 0;
-    config.motor.iron_loss_resistance_mOhm = (int32_t)floor(2000.0 * reactance_ohm) - 1;
+    config = CONFIG_LU2013;
+    weak_magnets_and_iron((int32_t)floor(twice_mOhm) - 1);
     assert_broken("motor.iron_loss_resistance at least twice the reactance");
-    TEST_ASSERT_TRUE(emf_v > 0.0);
 }
 
 /* A slope whose constant left its format drove with 19 % too much. */
@@ -113,6 +118,20 @@ void test_the_iron_resistance_has_a_largest_value(void)
     config.motor.iron_loss_resistance_mOhm = 0;
     config.motor.iron_loss_resistance_slope_nOhm_s = 2000000000;
     assert_broken("motor.iron_loss_resistance at most 2048 times");
+}
+
+/* Half of 58.4 V over 75 A: 389 mOhm, also without a constant part. */
+void test_the_iron_resistance_does_not_vanish_at_a_hundredth_of_the_top_speed(void)
+{
+    const double slow_rad_s = top_w_rad_s() / 100.0;
+    config.motor.flux_linkage_nWb = 2500000; /* so that drag is no matter */
+    config.motor.iron_loss_resistance_mOhm = 0;
+    config.motor.iron_loss_resistance_slope_nOhm_s = (int32_t)(0.392 / slow_rad_s * 1e9);
+    assert_accepted();
+    config.motor.flux_linkage_nWb = 2500000;
+    config.motor.iron_loss_resistance_mOhm = 0;
+    config.motor.iron_loss_resistance_slope_nOhm_s = (int32_t)(0.387 / slow_rad_s * 1e9);
+    assert_broken("motor.iron_loss_resistance at a hundredth");
 }
 
 void test_drag_is_at_most_half_of_the_largest_torque(void)
