@@ -127,7 +127,7 @@ static int64_t proportional_q16(const config_t *c, int64_t gain_q30, int32_t ind
     const int64_t nanoohm_q16 = product(gain_q30, nanoohm, 14);
     const int64_t first_q16 = product(nanoohm_q16, admittance_q30(c), 30) / 1000000000;
     const int64_t square_q48 = (int64_t)integral * integral;
-    const int64_t rest_q24 = first_q16 > 0 ? square_q48 / (12 * 256) / first_q16 : 0;
+    const int64_t rest_q24 = first_q16 > 0 ? square_q48 / (INT64_C(12) * 256) / first_q16 : 0;
     return first_q16 + (integral / 2 + rest_q24) / 256;
 }
 
@@ -135,7 +135,7 @@ static config_derived_range_t proportional_range(const config_t *c, int32_t indu
                                                  int32_t integral)
 {
     const int64_t twice_Hz = (int64_t)c->current_loop.bandwidth_Hz * 2;
-    const int64_t ppm = bases_ppm(c) + half_unit_ppm(inductance_nH) + 4 * CONSTANT_ppm;
+    const int64_t ppm = bases_ppm(c) + half_unit_ppm(inductance_nH) + INT64_C(4) * CONSTANT_ppm;
     const derived_t low = within_ppm(
         proportional_q16(c, loop_gain_q30(c, twice_Hz - 1), inductance_nH, integral), ppm);
     const derived_t high = within_ppm(

@@ -16,8 +16,6 @@ static volatile uint32_t outputs_off;
 COLD void stop_timer_init(uint32_t top_counts)
 {
     outputs_off = TIM1->BDTR & ~(uint32_t)TIM_BDTR_MOE;
-    RCC->APB2ENR |= RCC_APB2ENR_TIM8EN;
-    (void)RCC->APB2ENR;
     stop_timer_stop();
     TIM8->ARR = HALF_PERIODS * top_counts - 1U;
     TIM8->SR = 0;

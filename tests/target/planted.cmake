@@ -49,9 +49,13 @@ function(planted_image name chip folder file old new)
   target_compile_definitions(${target} PRIVATE "HUBFOC_BOARD_HEADER=\"${board_header}\"")
   target_link_libraries(${target} PRIVATE hubfoc_app_main hubfoc_app hubfoc_hal
     hubfoc_config_image)
+  set(stack 2816)
+  if(port MATCHES "stm32g431$")
+    set(stack 3072)
+  endif()
   target_link_options(${target} PRIVATE -fno-lto -nostartfiles --specs=nano.specs
     "-T${port}/link.ld" "-L${PROJECT_SOURCE_DIR}/hal/stm32"
-    "-Wl,--defsym=link_stack_size=2816")
+    "-Wl,--defsym=link_stack_size=${stack}")
   set_target_properties(${target} PROPERTIES SUFFIX .elf LINK_DEPENDS "${port}/link.ld")
   add_custom_command(TARGET ${target} POST_BUILD
     COMMAND "${HUBFOC_PYTHON}" "${PROJECT_SOURCE_DIR}/tests/target/chip/seal.py"
