@@ -152,7 +152,8 @@ COLD inverter_status_t inverter_init(const inverter_settings_t *settings)
         dead_time_clocks(dead_time_code) >= settings->pwm_period_counts) {
         return INVERTER_DEAD_TIME_UNSUPPORTED;
     }
-    RCC->APB2ENR |= RCC_APB2ENR_TIM1EN | RCC_APB2ENR_TIM8EN; /* and the stop timer's */
+    RCC->APB2ENR |= RCC_APB2ENR_TIM1EN;
+    RCC->APB2ENR |= RCC_APB2ENR_TIM8EN; /* of the stop timer */
     (void)RCC->APB2ENR;
     gpio_init();
     top_counts = (uint16_t)settings->pwm_period_counts;
