@@ -16,7 +16,7 @@ static volatile uint32_t outputs_off;
 COLD void stop_timer_init(uint32_t top_counts)
 {
     outputs_off = TIM1->BDTR & ~(uint32_t)TIM_BDTR_MOE;
-    stop_timer_stop();
+    TIM8->CR1 = TIM_CR1_OPM | TIM_CR1_URS;
     TIM8->ARR = HALF_PERIODS * top_counts - 1U;
     TIM8->SR = 0;
     stop_route_start(&outputs_off, &TIM1->BDTR);

@@ -31,16 +31,18 @@ static inline void stop_timer_run(void)
     TIM8->CR1 = TIM_CR1_OPM | TIM_CR1_URS | TIM_CR1_CEN;
 }
 
-/* They are off, or need no renewal. */
-static inline void stop_timer_stop(void)
-{
-    TIM8->CR1 = TIM_CR1_OPM | TIM_CR1_URS;
-}
-
 /* False after its end, as after stop_timer_stop(). */
 static inline bool stop_timer_runs(void)
 {
     return (TIM8->CR1 & TIM_CR1_CEN) != 0;
+}
+
+/* They are off, or need no renewal. Of a core whose clock has failed the timer has none, too. */
+static inline void stop_timer_stop(void)
+{
+    if (stop_timer_runs()) {
+        TIM8->CR1 = TIM_CR1_OPM | TIM_CR1_URS;
+    }
 }
 
 /* The compare values are renewed. One store. */
