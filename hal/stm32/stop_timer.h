@@ -18,6 +18,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "registers/rcc.h"
 #include "registers/tim.h"
 
 /* Background context, once, after TIM1's BDTR is written and locked. top_counts: of a PWM period,
@@ -37,10 +38,10 @@ static inline bool stop_timer_runs(void)
     return (TIM8->CR1 & TIM_CR1_CEN) != 0;
 }
 
-/* They are off, or need no renewal. Of a core whose clock has failed the timer has none, too. */
+/* They are off, or need no renewal. Before inverter_init() the timer has no clock. */
 static inline void stop_timer_stop(void)
 {
-    if (stop_timer_runs()) {
+    if ((RCC->APB2ENR & RCC_APB2ENR_TIM8EN) != 0U) {
         TIM8->CR1 = TIM_CR1_OPM | TIM_CR1_URS;
     }
 }
