@@ -242,7 +242,7 @@ static bool flux_left_everywhere(const config_t *c)
     return good;
 }
 
-/* The torque axis reaches half of the largest torque at least, the speed axis half of the largest
+/* The torque axis covers half of the largest torque at least, the speed axis half of the largest
  * speed. */
 static bool map_reaches(const config_t *c)
 {
@@ -392,7 +392,7 @@ static const char *broken_in_vehicle(const config_t *c)
                 CONFIG_CURRENT_MAP_POINTS_MAX,
             "current_map.torque_points * speed_points * temperature_points within the table");
     REQUIRE(map_reaches(c),
-            "current_map reaches half of motor.max_torque_mNm and motor.max_speed_mrad_s");
+            "current_map covers half of motor.max_torque_mNm and motor.max_speed_mrad_s");
     REQUIRE(map_within_current(c),
             "current_map.current_d_lsb within 15/16 of motor.max_phase_current_mA for half of the "
             "torque, within twice beyond");

@@ -4,8 +4,8 @@
  *
  *     inverter_set() --count = 0--> TIM8 --overflow, 1.5 PWM periods--> DMA --> TIM1_BDTR, MOE = 0
  *
- * No timer can reach TIM1's break input inside of these chips (RM0090 section 17.3.12: pin and
- * clock failure; RM0440 section 28.3.16: pins, comparators and failures of the chip), and an
+ * No timer is connected to TIM1's break input in these chips (RM0090 section 17.3.12: pin and clock
+ * failure; RM0440 section 28.3.16: pins, comparators and failures of the chip), and an
  * interrupt needs a core that is not stuck. So a transfer writes what switch_off() of inverter.c
  * writes: the outputs take their idle levels, all gates low. It needs TIM8, the DMA controller and
  * their bus, and one word of RAM; stop_route.h of the chip has the way.

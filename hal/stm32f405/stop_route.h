@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* stop_route.h: from an update of TIM8 to a register, for stop_timer.c: DMA2 (RM0090 section 10.3),
- * the only one of the two controllers that reaches TIM1's bus (2.1.4). */
+ * the only one of the two controllers connected to TIM1's bus (2.1.4). */
 #ifndef STM32F405_STOP_ROUTE_H
 #define STM32F405_STOP_ROUTE_H
 

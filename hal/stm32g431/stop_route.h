@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* stop_route.h: from an update of TIM8 to a register, for stop_timer.c: a channel of DMA1 (RM0440
- * section 12.4), which reaches every bus. */
+ * section 12.4), connected to every bus. */
 #ifndef STM32G431_STOP_ROUTE_H
 #define STM32G431_STOP_ROUTE_H
 
