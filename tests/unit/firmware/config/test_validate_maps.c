@@ -107,9 +107,9 @@ void test_the_map_must_reach_half_of_torque_and_speed(void)
     config.driver.largest_drive_mNm = config.motor.max_torque_mNm;
     TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
     config.motor.max_torque_mNm++;
-    assert_relation("current_map reaches half");
+    assert_relation("current_map covers half");
     config.current_map.speed_step_log2 = 12;
-    assert_relation("current_map reaches half");
+    assert_relation("current_map covers half");
 }
 
 /* 75 A: 70.3 A at most demagnetise. */
