@@ -164,9 +164,7 @@ UNWIND_OF = {"finding_times": 65, "recorder_init": 401, "recorder_slow": 70,
              "thermal_model_init": 34, "thermal_model_step": 34,
              "loss_maps_row_d_mA": 131, "loss_maps_row_rise_mA": 131}  # fmt: skip
 OVERFLOW_CHECKS = ("--signed-overflow-check", "--undefined-shift-check")
-CORE_HEADERS = tuple(
-    path.name for path in sorted(FIRMWARE.glob("core/include/core/*.h"))
-)
+CORE_HEADERS = tuple(path.name for path in sorted(FIRMWARE.glob("core/include/core/*.h")))
 
 
 def only_values() -> list[str]:
@@ -201,9 +199,7 @@ def _include(header: Path) -> str:
 
 def _unwind(name: str) -> int:
     given = [parameter.type for parameter in contracts.known()[name].parameters]
-    return max(
-        UNWIND_OF.get(name, UNWIND), *(UNWIND_OF_TYPE.get(kind, 0) for kind in given), 0
-    )
+    return max(UNWIND_OF.get(name, UNWIND), *(UNWIND_OF_TYPE.get(kind, 0) for kind in given), 0)
 
 
 def _sources(part: str) -> list[Path]:
@@ -229,11 +225,7 @@ def _copied(one: Contract) -> list[Parameter]:
 
     The checker takes long to follow a pointer to a member of a large object.
     """
-    return [
-        parameter
-        for parameter in one.parameters
-        if parameter.written and not parameter.count
-    ]
+    return [parameter for parameter in one.parameters if parameter.written and not parameter.count]
 
 
 def _definition(one: Contract) -> list[str]:
@@ -255,10 +247,7 @@ class _Conditions:
 
     def __init__(self, post: Iterable[str]) -> None:
         self.olds: list[str] = []
-        self.post = [
-            re.sub(r"\bold\(((?:[^()]|\([^()]*\))*)\)", self._kept, line)
-            for line in post
-        ]
+        self.post = [re.sub(r"\bold\(((?:[^()]|\([^()]*\))*)\)", self._kept, line) for line in post]
 
     def _kept(self, match: re.Match[str]) -> str:
         self.olds.append(match[1])
@@ -319,9 +308,7 @@ def harness(one: Contract) -> str:
     lines += conditions.before()
     call = f"{one.name}({', '.join(parameter.name for parameter in one.parameters)});"
     lines.append(
-        f"    {call}"
-        if one.result == "void"
-        else f"    {one.result} const result = {call}"
+        f"    {call}" if one.result == "void" else f"    {one.result} const result = {call}"
     )
     lines += lemmas.assumed(one.name)
     lines += [f"    PROVE({line});" for line in conditions.post]
@@ -378,10 +365,7 @@ def substitute(one: Contract, values: bool = False) -> str:
         lines += [f"    {one.result} result;", *_same_pointers(one)]
     assumed = [line for line in conditions.post if "each(" not in line]
     lines += [f"    ASSUME({with_a_chosen_index(line)});" for line in assumed]
-    lines += [
-        f"    *to_{parameter.name} = copy_{parameter.name};"
-        for parameter in _copied(one)
-    ]
+    lines += [f"    *to_{parameter.name} = copy_{parameter.name};" for parameter in _copied(one)]
     if one.result != "void":
         lines.append("    return result;")
     return "\n".join([*lines, "}", ""])
@@ -418,26 +402,18 @@ def _included(
     return f'#include "{copy}"'
 
 
-def _unit(
-    folder: Path, part: str, names: list[str], planted: PlantedError | None
-) -> str:
+def _unit(folder: Path, part: str, names: list[str], planted: PlantedError | None) -> str:
     """Return the translation unit of a part: its sources and the proofs of its functions.
 
     Where only values are proved, calls of functions of the same sources are replaced as well.
     """
     values = names[0] in only_values()
     known = _replaceable(values)
-    others = [
-        one for one in known.values() if values and one.part == part and not one.inline
-    ]
+    others = [one for one in known.values() if values and one.part == part and not one.inline]
     elsewhere = [one for one in known.values() if one.part != part]
-    elsewhere = [
-        one for one in elsewhere if not one.inline or one.part.startswith("core/")
-    ]
+    elsewhere = [one for one in elsewhere if not one.inline or one.part.startswith("core/")]
     lines = _core_includes()
-    lines += [
-        f"{_prototype(one)};" for one in elsewhere if one.part.startswith("core/")
-    ]
+    lines += [f"{_prototype(one)};" for one in elsewhere if one.part.startswith("core/")]
     lines += [f"#define {one.name} {one.name}_by_contract" for one in elsewhere]
     header = next(one.header for one in known.values() if one.part == part)
     lines += [_include(header), *(f"{_prototype(one)};" for one in others)]
@@ -448,9 +424,7 @@ def _unit(
 
 def _substitutes(names: Iterable[str], values: bool) -> str:
     known = _replaceable(values)
-    replaced = [
-        one for one in known.values() if not one.inline or one.part.startswith("core/")
-    ]
+    replaced = [one for one in known.values() if not one.inline or one.part.startswith("core/")]
     headers = {one.header: None for one in replaced}
     lines = [*_core_includes(), "config_t proof_config;",
              "int proof_any_index;", *map(_include, headers)]  # fmt: skip

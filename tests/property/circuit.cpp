@@ -293,9 +293,10 @@ std::optional<Minimum> minimum(const Form &objective, const std::vector<Form> &a
             active.push_back(&atMost[index]);
         }
         for (int k = 0; k < starts; k++) {
-            // A spiral of starting points over the circle of that size, no two in one direction.
+            // A spiral of starting points over the circle of that size, no two in one direction;
+            // every second one close to zero current, where the switching loss has its kink.
             const double angle = 2.399963 * k + 0.1;
-            const double length = scale * std::sqrt((k + 0.5) / starts);
+            const double length = scale * std::pow((k + 0.5) / starts, k % 2 == 0 ? 0.5 : 3.0);
             const auto found = stationary(
                 objective, active, length * Vector2d(std::cos(angle), std::sin(angle)), scale);
             if (found) {

@@ -33,17 +33,13 @@ def read(name: str) -> Drive:
     return schema.load(ROOT / "tools" / "motors" / f"{name}.toml")
 
 
-def means(
-    name: str, speed_share: float, plant: dict[str, Any]
-) -> tuple[np.ndarray, np.ndarray]:
+def means(name: str, speed_share: float, plant: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
     """Return the ends of windows of 100 ms, s, and the battery's mean current in each, A.
 
     The vehicle weighs as much as a bench permits, so that its speed is constant.
     """
     drive = read(name)
-    top_kmh = (
-        3.6 * drive.motor.max_speed_rpm * np.pi / 30.0 * drive.vehicle.wheel_radius_m
-    )
+    top_kmh = 3.6 * drive.motor.max_speed_rpm * np.pi / 30.0 * drive.vehicle.wheel_radius_m
     with hubsim.Bench(
         hubsim.load_configuration(ROOT / "tools" / "motors" / f"{name}.toml"),
         record=SIGNALS,
@@ -76,15 +72,10 @@ def test_a_battery_that_takes_nothing_is_not_charged(name: str) -> None:
 
 @pytest.mark.parametrize("name", DRIVES)
 @pytest.mark.parametrize("wrong", MOTORS)
-def test_nor_by_a_motor_that_is_not_as_configured(
-    name: str, wrong: dict[str, float]
-) -> None:
+def test_nor_by_a_motor_that_is_not_as_configured(name: str, wrong: dict[str, float]) -> None:
     """The power at its terminals shows it, without a message of the battery."""
     motor = read(name).motor
-    plant = {
-        key: getattr(motor, key.removeprefix("motor.")) * by
-        for key, by in wrong.items()
-    }
+    plant = {key: getattr(motor, key.removeprefix("motor.")) * by for key, by in wrong.items()}
     for speed in (0.3, 0.6, 0.9):
         time_s, mean_a = means(name, speed, {**plant, "bms.current_silent": 1.0})
         assert np.min(mean_a[time_s > TRIMMED_S]) > -MOST_CHARGE_A, speed

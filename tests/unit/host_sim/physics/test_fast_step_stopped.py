@@ -38,9 +38,7 @@ def test_the_current_stays_below_half_more_than_the_trip(
         record_interval_s=0.01,
     )
     capacitance_f = drive.inverter.bus_capacitance_f * drive.vehicle.driven_wheels
-    engine, _ = run.prepare(
-        drive, scenario, Path(), {"bus.capacitance_f": capacitance_f}
-    )
+    engine, _ = run.prepare(drive, scenario, Path(), {"bus.capacitance_f": capacitance_f})
     stops.as_one_wheel(engine, drive)
     engine.start()
     started = engine.save()

@@ -41,12 +41,7 @@ Event = tuple[float, str, float]
 def pull_nm(drive: Drive, slope_percent: float) -> float:
     """Return what the slope pulls with at each wheel."""
     vehicle = drive.vehicle
-    weight_nm = (
-        vehicle.mass_kg
-        * GRAVITY_M_PER_S2
-        * vehicle.wheel_radius_m
-        / vehicle.driven_wheels
-    )
+    weight_nm = vehicle.mass_kg * GRAVITY_M_PER_S2 * vehicle.wheel_radius_m / vehicle.driven_wheels
     return float(weight_nm * abs(slope_percent) / 100.0)
 
 
@@ -76,9 +71,7 @@ def on_slope(config: str, sensor: str, slope_percent: float) -> OnSlope:
     """Return the vehicle at HAPPENS_S, its brake pedal released for a second."""
     drive = drive_of(config, sensor)
     pull = pull_nm(drive, slope_percent)
-    drive = overrides.changed(
-        drive, {("driver", "hold_torque_nm"): HOLD * pull}, "the test"
-    )
+    drive = overrides.changed(drive, {("driver", "hold_torque_nm"): HOLD * pull}, "the test")
     scenario = Scenario(
         initial_speed_kmh=5.0,
         stop_at_standstill=False,
@@ -87,9 +80,7 @@ def on_slope(config: str, sensor: str, slope_percent: float) -> OnSlope:
         record_interval_s=0.001,
     )
     capacitance_f = drive.inverter.bus_capacitance_f * drive.vehicle.driven_wheels
-    engine, _ = run.prepare(
-        drive, scenario, Path(), {"bus.capacitance_f": capacitance_f}
-    )
+    engine, _ = run.prepare(drive, scenario, Path(), {"bus.capacitance_f": capacitance_f})
     stops.as_one_wheel(engine, drive)
     engine.start()
     engine.choose(SIGNALS)
@@ -195,26 +186,18 @@ def test_a_motor_that_is_lost_while_it_drives_off_leaves_a_held_vehicle(
     seen_s = np.sqrt(2.0 * edges_m / pull_m_per_s2) + STANDSTILL_M_PER_S / pull_m_per_s2
     drive_nm = 1.2 * pull_nm(vehicle.drive, slope)
     for after_s in (0.005, 0.025, 0.1, 0.3):
-        rows = vehicle.happens(
-            [(0.0, "driver.drive_demand_nm", drive_nm), (after_s, *lost)]
-        )
-        back_m = float(
-            np.max(np.maximum.accumulate(rows[:, DISTANCE]) - rows[:, DISTANCE])
-        )
+        rows = vehicle.happens([(0.0, "driver.drive_demand_nm", drive_nm), (after_s, *lost)])
+        back_m = float(np.max(np.maximum.accumulate(rows[:, DISTANCE]) - rows[:, DISTANCE]))
         assert back_m < rolls_m(vehicle, seen_s), (lost, after_s)
         assert abs(rows[-1, SPEED]) < 1e-3, (lost, after_s)
 
 
 @pytest.mark.parametrize(("config", "sensor"), DRIVES)
-def test_a_restart_on_a_rolling_vehicle_begins_no_hold(
-    config: str, sensor: str
-) -> None:
+def test_a_restart_on_a_rolling_vehicle_begins_no_hold(config: str, sensor: str) -> None:
     vehicle = on_slope(config, sensor, 2.0)
     drive_nm = 3.0 * pull_nm(vehicle.drive, 2.0)
     rolling = vehicle.happens([(0.0, "driver.drive_demand_nm", drive_nm)], ROLLS_S)
-    assert (
-        rolling[-1, SPEED] > 1.2 * vehicle.drive.driver.direction_change_speed_m_per_s
-    )
+    assert rolling[-1, SPEED] > 1.2 * vehicle.drive.driver.direction_change_speed_m_per_s
     rows = vehicle.happens(
         [
             (0.0, "driver.drive_demand_nm", drive_nm),
