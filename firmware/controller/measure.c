@@ -53,7 +53,7 @@ measured_t measure_step(measure_t *state, const config_t *config, const fast_rep
     now.sensor_mrad_s = rotor.sensor_mrad_s;
     report_angle(findings, &angle, report->bridge == BRIDGE_PWM);
     operating_point_of(&state->operating_point, config, speed, last->temperature.winding_cC, &now);
-    temperatures_step(&state->temperatures, config, last->current_missing_q15, &now, findings);
+    temperatures_step(&state->temperatures, config, last, &now, findings);
     return now;
 }
 

@@ -74,13 +74,24 @@ static void start(temperatures_t *state, const config_t *config, const sensor_t 
         q_max(q_max(by_winding_cC, by_switches_cC), q_max(state->kept_cC, unknown_cC)));
 }
 
+/* That of resistance and magnets: the sensor's, else the model's, else as it was. It changes no
+ * faster than a winding can while there is PWM: the current controllers would have to follow a
+ * broken wire's step of the magnets. */
+static int32_t of_parameters_cC(const thermal_lumps_t *row, const sensor_t *sensor,
+                                int32_t hotter_cC, int32_t last_cC, bool follows)
+{
+    const bool lost = sensor->expected && !sensor->shows && !row->known;
+    const int32_t now_cC = sensor->shows ? sensor->shown_cC : lost ? last_cC : hotter_cC;
+    return follows ? now_cC : last_cC + q_limit(now_cC - last_cC, TEMPERATURES_STEP_cC);
+}
+
 /* What flows where that share of it is not shown. */
 static int32_t flowing_mA(int32_t shown_mA, int32_t missing_q15)
 {
     return missing_q15 > 0 ? q_scale(shown_mA, 1 << 15, (1 << 15) - missing_q15) : shown_mA;
 }
 
-void temperatures_step(temperatures_t *state, const config_t *config, int32_t current_missing_q15,
+void temperatures_step(temperatures_t *state, const config_t *config, const last_t *last,
                        measured_t *now, findings_t *findings)
 {
     const wheel_temperatures_t *const shown = &now->in->temperature;
@@ -89,22 +100,24 @@ void temperatures_step(temperatures_t *state, const config_t *config, int32_t cu
                                        config->motor.max_winding_temperature_cC, shown->winding_cC);
     const sensor_t switches = sensor_of(config, config->monitor.switch_sensor_fitted != 0,
                                         config->drive.max_switch_temperature_cC, shown->switch_cC);
+    const bool follows = !model->started || !measured_switching(now);
     if (!model->started) {
         start(state, config, &winding, &switches);
     }
     const int32_t unknown_cC = config->motor.reference_temperature_cC;
     const int32_t hotter =
         hotter_cC(&state->winding_offset_q16, &model->winding, &winding, unknown_cC);
-    now->winding_temperature_cC = winding.shows ? winding.shown_cC : hotter;
+    now->winding_temperature_cC =
+        of_parameters_cC(&model->winding, &winding, hotter, last->temperature.winding_cC, follows);
     now->winding_hotter_cC = hotter - now->winding_temperature_cC;
     now->switch_temperature_cC =
         hotter_cC(&state->switch_offset_q16, &model->switches, &switches, unknown_cC);
-    now->sensed.winding_cC = sensed_cC(&model->winding, &winding, now->winding_temperature_cC);
+    now->sensed.winding_cC = sensed_cC(&model->winding, &winding, hotter);
     now->sensed.switch_cC = sensed_cC(&model->switches, &switches, now->switch_temperature_cC);
     now->winding_lasting_mA = model->winding_lasting_mA;
     now->switch_lasting_mA = model->switch_lasting_mA;
     findings_set(findings, FINDING_WINDING_THERMISTOR, winding.expected && !winding.shows);
     findings_set(findings, FINDING_SWITCH_THERMISTOR, switches.expected && !switches.shows);
-    thermal_model_step(model, config, flowing_mA(now->i_d_mA, current_missing_q15),
-                       flowing_mA(now->i_q_mA, current_missing_q15), now->speed_mrad_s);
+    thermal_model_step(model, config, flowing_mA(now->i_d_mA, last->current_missing_q15),
+                       flowing_mA(now->i_q_mA, last->current_missing_q15), now->speed_mrad_s);
 }

@@ -54,7 +54,7 @@
 
 #define table_holds(t)                                                                             \
     (is_within((t)->current_missing_q15, 0, 16384) &&                                              \
-     is_within((t)->winding_hotter_cC, 0, 69400) &&                                                \
+     is_within((t)->winding_hotter_cC, -69400, 69400) &&                                           \
      every(i, TORQUE_LINE_COUNT,                                                                   \
            (t)->driving[i].torque_mNm >= 0 && (t)->braking[i].torque_mNm >= 0))
 
@@ -72,9 +72,9 @@
      every(k, TORQUE_LINE_COUNT, k >= (line) || (lines)[k].torque_mNm > (most_mNm)))
 
 #define ahead_holds(s)                                                                             \
-    (lines_hold((s)->table.driving) && lines_hold((s)->table.braking) &&                           \
-     (s)->now.driving.torque_mNm >= 0 && (s)->now.braking.torque_mNm >= 0 &&                       \
-     (s)->ahead.driving.torque_mNm >= 0 && (s)->ahead.braking.torque_mNm >= 0)
+    (table_holds(&(s)->table) && (s)->now.driving.torque_mNm >= 0 &&                               \
+     (s)->now.braking.torque_mNm >= 0 && (s)->ahead.driving.torque_mNm >= 0 &&                     \
+     (s)->ahead.braking.torque_mNm >= 0)
 
 /* A low-pass of values below 2^23, and a magnitude. */
 #define road_holds(s)                                                                              \
@@ -254,7 +254,8 @@ enum { MOST_ROW_POINTS = 65 };
             ((s)->modes.mode != MODE_FAULT || (s)->modes.fault != REASON_NONE) &&                  \
             is_within((s)->last.torque_command_mNm, -400000000, 400000000) &&                      \
             (s)->last.hydraulic_added_mNm >= 0 && vector_holds((s)->last.reference_pu) &&          \
-            is_within((s)->last.current_missing_q15, 0, MONITOR_GAIN_MOST_MISSING_Q15);            \
+            is_within((s)->last.current_missing_q15, 0, MONITOR_GAIN_MOST_MISSING_Q15) &&          \
+            is_within((s)->last.temperature.winding_cC, -34700, 34700);                            \
     })
 
 #endif

@@ -126,12 +126,14 @@ POST(measure_init, measure_holds(state, config))
 
 PRE(measure_step, measure_holds(state, config) && findings_hold(findings))
 PRE(measure_step, vector_holds(dq_of(report->observer.flux_q14)))
-PRE(measure_step, is_within(last->current_missing_q15, 0, 16384))
+PRE(measure_step, is_within(last->current_missing_q15, 0, 16384) &&
+     is_within(last->temperature.winding_cC, -34700, 34700))
 PRE(measure_step, is_within(in->temperature.winding_cC, -100000, 100000) &&
      is_within(in->temperature.switch_cC, -100000, 100000))
 POST(measure_step, measure_holds(state, config) && findings_hold(findings))
 POST(measure_step, result.winding_lasting_mA >= 0 && result.switch_lasting_mA >= 0 &&
-     is_within(result.winding_hotter_cC, 0, 69400))
+     is_within(result.winding_hotter_cC, -69400, 69400) && is_within(result.winding_temperature_cC,
+     -34700, 34700))
 POST(measure_step, result.report == report && result.in == in && result.battery == &in->bms)
 POST(measure_step, result.trip == REASON_NONE || result.trip == report->trip || result.trip ==
      REASON_MEMORY)
@@ -192,17 +194,19 @@ POST(temperatures_init, temperatures_hold(state))
 PRE(temperatures_step, is_within(now->in->temperature.winding_cC, -100000, 100000) &&
      is_within(now->in->temperature.switch_cC, -100000, 100000))
 PRE(temperatures_step, temperatures_hold(state) && findings_hold(findings) &&
-     is_within(current_missing_q15, 0, 16384))
+     is_within(last->current_missing_q15, 0, 16384) &&
+     is_within(last->temperature.winding_cC, -34700, 34700))
 POST(temperatures_step, temperatures_hold(state) && state->model.started)
 POST(temperatures_step, config->monitor.winding_sensor_fitted == 0 ||
      !is_within(now->in->temperature.winding_cC, config->monitor.lowest_temperature_cC,
-     config->monitor.highest_temperature_cC) || (now->winding_temperature_cC ==
-     now->in->temperature.winding_cC && now->sensed.winding_cC == now->winding_temperature_cC))
+     config->monitor.highest_temperature_cC) || (now->winding_temperature_cC +
+     now->winding_hotter_cC >= now->in->temperature.winding_cC && now->sensed.winding_cC ==
+     now->in->temperature.winding_cC))
 POST(temperatures_step, config->monitor.switch_sensor_fitted == 0 ||
      !is_within(now->in->temperature.switch_cC, config->monitor.lowest_temperature_cC,
      config->monitor.highest_temperature_cC) || (now->switch_temperature_cC >=
      now->in->temperature.switch_cC && now->sensed.switch_cC == now->in->temperature.switch_cC))
-POST(temperatures_step, is_within(now->winding_hotter_cC, 0, 69400))
+POST(temperatures_step, is_within(now->winding_hotter_cC, -69400, 69400))
 POST(temperatures_step, is_within(now->winding_temperature_cC, -34700, 34700) &&
      is_within(now->switch_temperature_cC, -34700, 34700))
 POST(temperatures_step, now->winding_lasting_mA >= 0 && now->switch_lasting_mA >= 0)

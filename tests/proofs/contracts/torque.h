@@ -15,8 +15,7 @@ POST(available_ahead_init, state->step == 0 && !state->speed.known && !state->vo
      !state->returned.known && !state->drawn.known)
 
 PRE(available_ahead_step, motor_constants_hold(motor) && derating_relations_hold(config))
-PRE(available_ahead_step, lines_hold(limits->driving) && lines_hold(limits->braking) &&
-     ahead_holds(state))
+PRE(available_ahead_step, table_holds(limits) && ahead_holds(state))
 POST(available_ahead_step, ahead_holds(state))
 POST(available_ahead_step, state->step == (old(state->step) + 1U) % AVAILABLE_AHEAD_ROUND_steps)
 POST(available_ahead_step, old(state->step) / 2 >= 7 || (state->now.driving.torque_mNm ==
@@ -263,7 +262,7 @@ PRE(torque_step, is_within(last->torque_command_mNm, -400000000, 400000000) &&
      last->hydraulic_added_mNm >= 0)
 PRE(torque_step, is_within(watch->current_missing_q15, 0, 16384))
 PRE(torque_step, now->winding_lasting_mA >= 0 && now->switch_lasting_mA >= 0 &&
-     is_within(now->winding_hotter_cC, 0, 69400))
+     is_within(now->winding_hotter_cC, -69400, 69400))
 POST(torque_step, torque_state_holds(state, config) && findings_hold(findings))
 POST(torque_step, is_within(result.command_mNm, -400000000, 400000000) && result.hydraulic_added_mNm
      >= 0)
@@ -335,7 +334,7 @@ PRE(torque_limits_step, motor_constants_hold(set->model->constants) &&
      is_within(set->model->flux_b, 0, 1 << 26) && is_within(set->model->friction_b, 0, 1 << 26) &&
      derating_relations_hold(set->model->config))
 PRE(torque_limits_step, now->winding_lasting_mA >= 0 && now->switch_lasting_mA >= 0 &&
-     is_within(now->winding_hotter_cC, 0, 69400))
+     is_within(now->winding_hotter_cC, -69400, 69400))
 PRE(torque_limits_step, table_holds(table) && is_within(in->current_missing_q15, 0, 16384))
 POST(torque_limits_step, is_within(state->charge.allowed_q24, 0, SCALED_ONE) &&
      is_within(state->discharge.allowed_q24, 0, SCALED_ONE))

@@ -16,6 +16,7 @@
 
 #include "config/config.h"
 #include "core/findings.h"
+#include "core/last.h"
 #include "core/measured.h"
 #include "core/slow_messages.h"
 #include "motor/thermal_model.h"
@@ -26,7 +27,9 @@ enum {
     /* By how much a sensor corrects the model, over 2^14 ms. */
     TEMPERATURES_COLDER_cC = -500,
     TEMPERATURES_HOTTER_cC = 2000,
-    TEMPERATURES_OFFSET_LOG2 = 14
+    TEMPERATURES_OFFSET_LOG2 = 14,
+    /* A millisecond: 20 K/s, faster than any winding heats. */
+    TEMPERATURES_STEP_cC = 2
 };
 
 typedef struct {
@@ -39,10 +42,11 @@ typedef struct {
 void temperatures_init(temperatures_t *state, const config_t *config);
 
 /* Writes the temperatures of now and sets the findings of the sensors; now has this millisecond's
- * currents, speed and input already, of which the temperatures are -1000 .. 1000 degC.
- * current_missing_q15: share of the current that heats unseen, 0 .. 16 384. The first step starts
- * the model with the warmest of both sensors and state->kept_cC. */
-void temperatures_step(temperatures_t *state, const config_t *config, int32_t current_missing_q15,
+ * currents, speed, report and input already, of which the temperatures are -1000 .. 1000 degC.
+ * last: winding temperature, -347 .. 347 degC, and share of the current that heats unseen,
+ * 0 .. 16 384. The first step starts the model with the warmest of both sensors and state->kept_cC.
+ */
+void temperatures_step(temperatures_t *state, const config_t *config, const last_t *last,
                        measured_t *now, findings_t *findings);
 
 #endif

@@ -52,7 +52,8 @@ typedef struct {
     /* Temperatures */
     const wheel_temperatures_t *shown; /* by the sensors, of any value */
     int32_t winding_temperature_cC; /* of resistance and magnets: the sensor's, else the model's */
-    int32_t winding_hotter_cC;      /* how much more the model says, >= 0: for the limit */
+    int32_t winding_hotter_cC;      /* how much hotter it is for the limit: of sensor and model the
+                                       hotter one */
     int32_t switch_temperature_cC;  /* the hotter of sensor and model: for the limit */
     wheel_temperatures_t sensed;    /* by a sensor alone; TEMPERATURE_NONE_cC: only a model says how
                                        hot it is, and braking torque keeps to these currents, peak

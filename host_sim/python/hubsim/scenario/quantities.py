@@ -123,10 +123,6 @@ FIGURES: Mapping[str, Figure] = {
     "drive.drag_nm": Figure(_drag_nm, "iron's drag of the open bridge at the top speed"),
     "drive.hall_sensor": Figure(lambda d: float(d.rotor.sensor == "hall"), "1 with hall sensors"),
     "drive.angle_sensor": Figure(lambda d: float(d.rotor.sensor == "angle"), "1 with an angle"),
-    "drive.models_heat": Figure(
-        lambda d: float(d.thermal.winding_heat_capacity_j_per_k > 0.0),
-        "1 where the windings' heat capacity is given",
-    ),
 }
 
 

@@ -336,6 +336,7 @@ void test_an_acknowledgement_at_rest_makes_a_wrong_sensor_right(void)
 
 void test_the_hotter_of_sensor_and_model_is_used(void)
 {
+    report.bridge = BRIDGE_OFF;
     in.temperature.winding_cC = 4321;
     in.temperature.switch_cC = 3210;
     run(100);

@@ -310,7 +310,8 @@ static void check_driving(bool lost)
 /* What a braking demand adds to. */
 static int32_t coasting_mNm(void)
 {
-    return coasting_most_mNm(&rig.config, rig.out.speed_mrad_s, rig.in.temperature.winding_cC);
+    return coasting_most_mNm(&rig.config, rig.out.speed_mrad_s,
+                             controller_temperatures(&rig.controller.slow).winding_cC);
 }
 
 static void check_lost(void)

@@ -12,7 +12,8 @@ static slow_input_t in;
 static wheel_temperatures_t *const shown = &in.temperature;
 static findings_t findings;
 static measured_t now;
-static int32_t missing_q15;
+static last_t last;
+static fast_report_t report;
 
 void setUp(void)
 {
@@ -27,7 +28,9 @@ void setUp(void)
     const wheel_temperatures_t as_ambient = {.winding_cC = 2500, .switch_cC = 2500};
     in.temperature = as_ambient;
     now.in = &in;
-    missing_q15 = 0;
+    now.report = &report;
+    report.bridge = BRIDGE_OFF;
+    last.current_missing_q15 = 0;
 }
 
 void tearDown(void) {}
@@ -37,7 +40,8 @@ static void run(int milliseconds, int32_t i_q_mA)
     now.i_q_mA = i_q_mA;
     now.speed_mrad_s = 20000;
     for (int n = 0; n < milliseconds; n++) {
-        temperatures_step(&state, &config, missing_q15, &now, &findings);
+        temperatures_step(&state, &config, &last, &now, &findings);
+        last.temperature.winding_cC = now.winding_temperature_cC;
     }
 }
 
@@ -144,8 +148,30 @@ void test_without_a_model_the_sensor_is_used_as_it_is_and_a_broken_one_leaves_no
     TEST_ASSERT_EQUAL_INT(2500, now.winding_temperature_cC);
     shown->winding_cC = 29001;
     run(1, 0);
-    TEST_ASSERT_EQUAL_INT(TEMPERATURES_BROKEN_cC, now.winding_temperature_cC);
+    TEST_ASSERT_EQUAL_INT(TEMPERATURES_BROKEN_cC, hot_cC());
     TEST_ASSERT_EQUAL_INT(TEMPERATURES_BROKEN_cC, now.sensed.winding_cC);
+    TEST_ASSERT_EQUAL_INT(2500, now.winding_temperature_cC); /* of the magnets: as it was */
+}
+
+/* 20 K/s from one reading to the next, whatever it is; the limit follows at once. */
+void test_resistance_and_magnets_change_no_faster_than_a_winding_while_there_is_pwm(void)
+{
+    static const int32_t READING_cC[] = {20000, -5000, 29999, -20000};
+    for (int k = 0; k < 4; k++) {
+        setUp();
+        run(10, 0);
+        report.bridge = BRIDGE_PWM;
+        shown->winding_cC = READING_cC[k];
+        int32_t before_cC = now.winding_temperature_cC;
+        for (int n = 0; n < 2000; n++) {
+            run(1, 0);
+            TEST_ASSERT_INT_WITHIN(2, before_cC, now.winding_temperature_cC);
+            before_cC = now.winding_temperature_cC;
+            TEST_ASSERT_TRUE(hot_cC() >= now.sensed.winding_cC);
+        }
+        const int32_t expected_cC = k == 0 ? 2500 + 2 * 2000 : k == 1 ? 2500 - 2 * 2000 : 2500;
+        TEST_ASSERT_INT_WITHIN(20, expected_cC, now.winding_temperature_cC);
+    }
 }
 
 void test_without_a_sensor_the_model_stands_alone(void)
@@ -200,7 +226,7 @@ void test_current_that_the_sensors_do_not_show_heats_as_well(void)
     const int32_t winding_cC = now.winding_temperature_cC;
     const int32_t switch_cC = now.switch_temperature_cC;
     setUp();
-    missing_q15 = 6554; /* 0.2 */
+    last.current_missing_q15 = 6554; /* 0.2 */
     shown->winding_cC = 29999;
     shown->switch_cC = -20000;
     run(10000, 60000);
