@@ -233,7 +233,8 @@ static int32_t hold_command_mNm(torque_state_t *state, const config_t *config,
     const bool counts = q_abs(now->sensor_mrad_s) > q_abs(now->speed_mrad_s);
     const hill_hold_wheel_t wheel = {
         .speed_mrad_s = counts ? now->sensor_mrad_s : now->speed_mrad_s,
-        .standstill = watch->standstill,
+        /* A wheel that turns while the controller starts has shown it by then. */
+        .standstill = watch->standstill && now->report->offsets_done,
         .road_mNm = road_mNm,
         .command_mNm = command_mNm,
         .seen = now->angle_valid,

@@ -9,6 +9,7 @@
 /* torque/available_ahead.h */
 POST(available_ahead_init, state->now.driving.torque_mNm == 0 && state->now.braking.torque_mNm == 0
      && state->ahead.driving.torque_mNm == 0 && state->ahead.braking.torque_mNm == 0)
+POST(available_ahead_init, table_holds(&state->table))
 POST(available_ahead_init, every(i, TORQUE_LINE_COUNT, state->table.driving[i].torque_mNm ==
      FEASIBLE_UNBOUNDED && state->table.braking[i].torque_mNm == FEASIBLE_UNBOUNDED))
 POST(available_ahead_init, state->step == 0 && !state->speed.known && !state->voltage.known &&
@@ -57,7 +58,7 @@ POST(closing_voltage_mV, phase_mV < 0 || is_within(result, 0, phase_mV))
 
 /* torque/charge_trim.h */
 PRE(charge_trim_init, config->battery.max_voltage_mV >= 1 &&
-     is_within(config->motor.max_phase_current_mA, 0, 2000000) &&
+     is_within(config->motor.max_phase_current_mA, 0, 3000000) &&
      is_within(config->motor.phase_resistance_uOhm, 0, 100000000))
 POST(charge_trim_init, charge_trim_holds(state) && !state->braking && state->terminals_q8_mA == 0)
 

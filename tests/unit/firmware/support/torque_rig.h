@@ -27,6 +27,7 @@ typedef struct {
     motor_current_t current;
     int32_t i_d_weakening_mA;
     bool voltage_limited;
+    bool starts; /* the current sensors' offsets are not known yet */
     int32_t voltage_use_q15;
     bridge_mode_t bridge;
     bool angle_valid, sensor_wrong;
@@ -140,6 +141,7 @@ static inline torque_output_t torque_case_step(void)
     const fast_report_t report = {
         .voltage_use_q15 = in.voltage_use_q15,
         .voltage_limited = in.voltage_limited,
+        .offsets_done = !in.starts,
         .bridge = in.bridge,
     };
     const measured_t now = {

@@ -250,6 +250,25 @@ void test_the_hold_counts_for_braking_and_lift_off_at_standstill(void)
     TEST_ASSERT_EQUAL_INT32(HOLD, step().hydraulic_mNm);
 }
 
+/* While the controller starts, no edge of a hall sensor shows yet that the wheel turns. */
+void test_no_hold_begins_before_a_turning_wheel_has_shown_its_speed(void)
+{
+    stand_still();
+    in.brake_torque_mNm = 10000;
+    in.starts = true;
+    TEST_ASSERT_EQUAL_INT32(10000, run(50).hydraulic_mNm);
+    in.speed_mrad_s = 40000;
+    in.standstill = false;
+    in.starts = false;
+    in.brake_torque_mNm = 0;
+    TEST_ASSERT_EQUAL_INT32(0, run(5000).hydraulic_mNm);
+    TEST_ASSERT_FALSE(findings_present(&findings, FINDING_HOLD_FAILS));
+    in.brake_torque_mNm = 10000;
+    in.speed_mrad_s = 0;
+    in.standstill = true;
+    TEST_ASSERT_EQUAL_INT32(HOLD, step().hydraulic_mNm);
+}
+
 /* The driver holds the pedal with less or more than the hold, and the link is lost: the command
  * stays, and stays valid, until the wheel turns. */
 void test_a_lost_demand_leaves_a_held_vehicle_with_the_larger_of_hold_and_pedal(void)
