@@ -5,8 +5,9 @@
  *     u_d = PI(i_d* - i_d) - w L_q i_q            u_q = PI(i_q* - i_q) + w L_d i_d + w psi
  *
  * Voltages are in modulation units: the voltage limit is the unit circle. The d axis has priority
- * (field weakening needs it); q gets the remaining voltage. Gains for the present bus voltage and
- * speed come from tuning.h.
+ * where its voltage weakens the field, and beside what holds the q current where its voltage
+ * strengthens it; q gets the remaining voltage. Gains for the present bus voltage and speed come
+ * from tuning.h.
  *
  * Anti-windup by back-calculation: when u was limited, the integrator advances with the error that
  * would just have produced the applied voltage (self-conditioning, Hanus 1987), e_applied = e +
@@ -28,7 +29,12 @@
 #include "core/q15.h"
 #include "foc/state.h"
 
-enum { CURRENT_CONTROLLER_D_LIMIT_Q15 = 32256 /* 98 % of the circle: leaves 18 % for q */ };
+enum {
+    CURRENT_CONTROLLER_RESERVE_Q15 = 5898,    /* 18 % of the circle: leaves 98 % for d */
+    CURRENT_CONTROLLER_CORRECTION_Q15 = 3277, /* a tenth */
+    CURRENT_CONTROLLER_FREE_Q15 = 16384,      /* a half of the circle leaves 87 % for q */
+    CURRENT_CONTROLLER_MOST_RESERVE_Q15 = 28377
+};
 
 /* Bridge off. */
 static inline void current_controller_reset(current_controller_t *state)
@@ -58,6 +64,19 @@ static inline current_gains_t current_gains_of(const current_tuning_t *tuning, i
     return out;
 }
 
+/* The largest u_d > 0, which is that of a braking motor: held_q holds the q current, and a tenth of
+ * the circle corrects it, if it is wanted. Without this reserve a braking current escapes control
+ * at the voltage limit; with less of u_d i_d falls, which weakens the field. DERIVATIONS.md, d-axis
+ * voltage reserve. */
+Q_TARGET_INLINE int32_t current_controller_most_d(int32_t held_q_q25, int32_t wanted_q_q25)
+{
+    const int32_t held = q_abs(held_q_q25 >> 10);
+    const int32_t wanted =
+        q_min(q_abs(wanted_q_q25 >> 10), held + CURRENT_CONTROLLER_CORRECTION_Q15);
+    return circle_other_q15(
+        q_clamp(wanted, CURRENT_CONTROLLER_RESERVE_Q15, CURRENT_CONTROLLER_MOST_RESERVE_Q15));
+}
+
 /* One period. reference: inside the unit circle. */
 Q_TARGET_INLINE void current_controller_step(current_controller_t *restrict state,
                                              const current_gains_t *restrict gains,
@@ -66,14 +85,24 @@ Q_TARGET_INLINE void current_controller_step(current_controller_t *restrict stat
 {
     const q_pair_t error = q_pair_subtract(reference.v, i.v);
 
+    const int32_t integral_q_q30 = state->q.integrator_q30;
+    const int32_t base_q_q25 = gains->forward_q_q25 + (integral_q_q30 >> 5);
+    const q_pair_t q_gain_q10 = q_pair_load(&gains->q_gain_q10);
+    const int32_t held_q_q25 = q_pair_mac_x(base_q_q25, q_gain_q10, i.v);
+    const int32_t u_q_q25 = q_pair_mac_y(held_q_q25, q_gain_q10, error);
+    out->unsaturated_q_q25 = u_q_q25;
+
     const int32_t integral_d_q30 = state->d.integrator_q30;
     const int32_t base_d_q25 = gains->forward_d_q25 + (integral_d_q30 >> 5);
     const q_pair_t d_gain_q10 = q_pair_load(&gains->d_gain_q10);
     const int32_t p_d_q25 = q_pair_mac_x(base_d_q25, d_gain_q10, error);
     const int32_t u_d_q25 = q_pair_mac_y(p_d_q25, d_gain_q10, i.v);
     const int32_t u_d = u_d_q25 >> 10;
-    const int32_t applied_d = q_saturate16(u_d);
+    int32_t applied_d = q_saturate16(u_d);
     out->unsaturated_d_q25 = u_d_q25;
+    if (u_d > CURRENT_CONTROLLER_FREE_Q15) {
+        applied_d = q_min(applied_d, current_controller_most_d(held_q_q25, u_q_q25));
+    }
     const q_pair_t integral_q15 = q_pair_load(&gains->integral_q15);
     int32_t next_d_q30 = q_pair_mac_x(integral_d_q30, integral_q15, error);
     if (applied_d != u_d) {
@@ -81,14 +110,8 @@ Q_TARGET_INLINE void current_controller_step(current_controller_t *restrict stat
     }
     state->d.integrator_q30 = q_saturate31(next_d_q30);
 
-    const int32_t integral_q_q30 = state->q.integrator_q30;
-    const int32_t base_q_q25 = gains->forward_q_q25 + (integral_q_q30 >> 5);
-    const q_pair_t q_gain_q10 = q_pair_load(&gains->q_gain_q10);
-    const int32_t p_q_q25 = q_pair_mac_y(base_q_q25, q_gain_q10, error);
-    const int32_t u_q_q25 = q_pair_mac_x(p_q_q25, q_gain_q10, i.v);
     const int32_t limit_q = circle_other_q15(applied_d);
     int32_t applied_q_q25 = u_q_q25;
-    out->unsaturated_q_q25 = u_q_q25;
     int32_t next_q_q30 = q_pair_mac_y(integral_q_q30, integral_q15, error);
     /* Outside -limit .. limit, as one unsigned comparison in Q25. */
     if ((uint32_t)u_q_q25 + ((uint32_t)limit_q << 10) > (uint32_t)limit_q << 11) {
@@ -107,20 +130,6 @@ static inline dq_t voltage_unsaturated(const voltage_out_t *voltage)
 {
     const dq_t out = {.d = voltage->unsaturated_d_q25 >> 10, .q = voltage->unsaturated_q_q25 >> 10};
     return out;
-}
-
-/*
- * Once in four periods while the voltage is short: reduces the d integrator by what the d axis
- * takes beyond 98 % of the circle, so that 18 % remain for q. Without this reserve a braking
- * current can escape control at high speed (DERIVATIONS.md, Current controller).
- */
-static inline void current_controller_keep_reserve(current_controller_t *state,
-                                                   const voltage_out_t *last)
-{
-    const int32_t u_d = voltage_unsaturated(last).d;
-    const int32_t excess = u_d - q_limit(u_d, CURRENT_CONTROLLER_D_LIMIT_Q15);
-    /* Both within 31 bits. */
-    state->d.integrator_q30 = q_saturate31(state->d.integrator_q30 - q_saturate16(excess) * 32768);
 }
 
 #endif

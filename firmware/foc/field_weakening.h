@@ -9,6 +9,7 @@
 
 #include <stdint.h>
 
+#include "core/frames.h"
 #include "core/q15.h"
 #include "foc/state.h"
 #include "modulation_index.h"
@@ -26,12 +27,10 @@ static inline void field_weakening_init(field_weakening_t *state, const config_t
     state->target_square_q15 = (target_q15 * target_q15 + (1 << 14)) >> 15;
 }
 
-/* Remaining squared voltage, below the target's: -1.75 .. 0.96. d: applied; q: unsaturated;
- * modulation units. */
-static inline int32_t field_weakening_margin_q15(const field_weakening_t *state, int32_t d,
-                                                 int32_t q)
+/* Remaining squared voltage, below the target's: -1.75 .. 0.96. */
+static inline int32_t field_weakening_margin_q15(const field_weakening_t *state, dq_t unsaturated)
 {
-    return state->target_square_q15 - modulation_index_square_q15(d, q);
+    return state->target_square_q15 - modulation_index_square_q15(unsaturated);
 }
 
 /* Four periods. gain_q15: current per unit of missing squared voltage and period, 0 .. 32 767; the

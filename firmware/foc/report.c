@@ -53,7 +53,7 @@ void foc_report_complete(fast_report_t *report)
     const ab_t i_ab = transforms_inverse_park(report->i_pu, angle_rotation(sample->theta_turn));
     const dq_t applied = dq_of(voltage.applied);
     const dq_t unsaturated = voltage_unsaturated(&voltage);
-    report->voltage_use_q15 = modulation_index_square_q15(applied.d, unsaturated.q);
+    report->voltage_use_q15 = modulation_index_square_q15(unsaturated);
     report->voltage_limited = unsaturated.q != applied.q || unsaturated.d != applied.d;
     report->adc_saturated = sense_adc_saturated(report->offset_q4, transforms_inverse_clarke(i_ab));
     report->observer.flux_q14 =

@@ -11,12 +11,8 @@
  * has just returned to zero. */
 static void weaken_field(foc_state_t *state, const config_t *config)
 {
-    const voltage_out_t *voltage = &state->period.voltage;
-    const int32_t margin_q15 = field_weakening_margin_q15(
-        &state->weakening, q_pair_x(voltage->applied.v), voltage_unsaturated(voltage).q);
-    if (margin_q15 < 0) {
-        current_controller_keep_reserve(&state->current.controller, voltage);
-    }
+    const dq_t voltage = voltage_unsaturated(&state->period.voltage);
+    const int32_t margin_q15 = field_weakening_margin_q15(&state->weakening, voltage);
     if (margin_q15 < 0 || state->weakening.current_q28 != 0) {
         field_weakening_step(&state->weakening, margin_q15,
                              config->current_loop.field_weakening_gain_pu_q15,

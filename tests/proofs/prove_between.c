@@ -13,7 +13,7 @@
  * them by any values possible, so that the checker need neither read the table nor multiply: a
  * square is at most 2^30 (prove_square), the sum of two, shifted right by 15, at most 65 536. */
 #define angle_rotation(theta_turn) ((void)(theta_turn), any_rotation())
-#define modulation_index_square_q15(d, q) ((void)(d), (void)(q), any_within(0, 65536))
+#define modulation_index_square_q15(unsaturated) ((void)(unsaturated), any_within(0, 65536))
 #include "foc.c"
 #include "report.c"
 #undef modulation_index_square_q15

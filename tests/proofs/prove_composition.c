@@ -185,16 +185,6 @@ static void modulation_step_by_contract(const modulation_t *modulation, ab_t u, 
 }
 #define modulation_step modulation_step_by_contract
 
-/* prove_d_axis_reserve */
-static void keep_reserve_by_contract(current_controller_t *state, const voltage_out_t *last)
-{
-    current_controller_t any_state;
-    PROVE(controller_holds(state) && voltage_holds(last));
-    ASSUME(controller_holds(&any_state));
-    *state = any_state;
-}
-#define current_controller_keep_reserve keep_reserve_by_contract
-
 /* prove_current_gains */
 static current_gains_t current_gains_of_by_contract(const current_tuning_t *tuning,
                                                     int32_t weight_q15, dq_t target)
@@ -208,10 +198,10 @@ static current_gains_t current_gains_of_by_contract(const current_tuning_t *tuni
 #define current_gains_of current_gains_of_by_contract
 
 /* prove_field_weakening */
-static int32_t weakening_margin_by_contract(const field_weakening_t *state, int32_t d, int32_t q)
+static int32_t weakening_margin_by_contract(const field_weakening_t *state, dq_t unsaturated)
 {
-    (void)q;
-    PROVE(weakening_holds(state) && within(d, -32768, 32768));
+    (void)unsaturated;
+    PROVE(weakening_holds(state));
     return any_within(-65536, 32767);
 }
 #define field_weakening_margin_q15 weakening_margin_by_contract

@@ -17,7 +17,7 @@
 #include "vectors.h"
 
 /* A square is at most 2^30 (prove_square), the sum of two, shifted right by 15, at most 65 536. */
-#define modulation_index_square_q15(d, q) ((void)(d), (void)(q), any_within(0, 65536))
+#define modulation_index_square_q15(unsaturated) ((void)(unsaturated), any_within(0, 65536))
 #include "field_weakening.h"
 #undef modulation_index_square_q15
 
@@ -149,30 +149,14 @@ void prove_current_controller(void)
     PROOF_END();
 }
 
-/* unsaturated_d_q25 as far as current_controller_step() makes it, see README.md: below 50 units. */
-void prove_d_axis_reserve(void)
-{
-    current_controller_t state = {
-        .d = {.integrator_q30 = any_within(-(1 << 30), (1 << 30) - 1)},
-        .q = {.integrator_q30 = 0},
-    };
-    const int32_t before_q30 = state.d.integrator_q30;
-    const voltage_out_t last = {.unsaturated_d_q25 = any_within(-50 * (1 << 25), 50 * (1 << 25))};
-    current_controller_keep_reserve(&state, &last);
-    PROVE(state.d.integrator_q30 >= -(1 << 30) && state.d.integrator_q30 <= (1 << 30) - 1);
-    PROVE(last.unsaturated_d_q25 >= 0 ? state.d.integrator_q30 <= before_q30
-                                      : state.d.integrator_q30 >= before_q30);
-    PROOF_END();
-}
-
 void prove_field_weakening(void)
 {
     const int32_t most = any_within(0, 32767);
     field_weakening_t state;
     ASSUME(weakening_holds(&state));
     const bool within_limit = state.current_q28 >= -most * 8192;
-    const int32_t margin_q15 =
-        field_weakening_margin_q15(&state, any_within(-32768, 32768), nondet_int32());
+    const dq_t unsaturated = {.d = nondet_int32(), .q = nondet_int32()};
+    const int32_t margin_q15 = field_weakening_margin_q15(&state, unsaturated);
     PROVE(within(margin_q15, -65536, 32767));
     field_weakening_step(&state, margin_q15, any_within(0, 32767), most);
     PROVE(weakening_holds(&state));

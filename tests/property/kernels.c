@@ -283,7 +283,8 @@ int32_t kernel_field_weakening(int32_t current_q28, pair_t wanted, int32_t gain_
 {
     /* The index as generated, 0.9689. */
     field_weakening_t state = {.current_q28 = current_q28, .target_square_q15 = 30760};
-    const int32_t margin_q15 = field_weakening_margin_q15(&state, q_saturate16(wanted.x), wanted.y);
+    const dq_t unsaturated = {.d = wanted.x, .q = wanted.y};
+    const int32_t margin_q15 = field_weakening_margin_q15(&state, unsaturated);
     field_weakening_step(&state, margin_q15, gain_q15, most_q15);
     return state.current_q28;
 }

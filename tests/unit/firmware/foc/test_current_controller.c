@@ -82,7 +82,7 @@ void test_d_axis_has_priority_and_q_has_the_remaining_voltage(void)
     current_tuning_t tuning = plain_tuning();
     tuning.d.proportional_q10 = 1024;
     tuning.q.proportional_q10 = 1024;
-    for (int32_t d = 0; d <= 32767; d += 111) {
+    for (int32_t d = 0; d <= 32110; d += 111) {
         current_controller_reset(&state);
         const voltages_t out = step(&tuning, d, -32768, 0, 0);
         TEST_ASSERT_INT32_WITHIN(1, d, out.applied.d);
@@ -101,10 +101,10 @@ void test_the_unsaturated_voltage_is_reported(void)
     current_tuning_t tuning = plain_tuning();
     tuning.d.proportional_q10 = 2048;
     tuning.q.proportional_q10 = 4096;
-    const voltages_t out = step(&tuning, 20000, -20000, 0, 0);
-    TEST_ASSERT_EQUAL_INT32(40000, out.unsaturated.d);
+    const voltages_t out = step(&tuning, -20000, -20000, 0, 0);
+    TEST_ASSERT_EQUAL_INT32(-40000, out.unsaturated.d);
     TEST_ASSERT_EQUAL_INT32(-80000, out.unsaturated.q);
-    TEST_ASSERT_EQUAL_INT32(32767, out.applied.d);
+    TEST_ASSERT_EQUAL_INT32(-32768, out.applied.d);
 }
 
 void test_each_integrator_is_updated_with_the_applied_voltage(void)
@@ -118,8 +118,8 @@ void test_each_integrator_is_updated_with_the_applied_voltage(void)
     tuning.q.proportional_q10 = 2 * 1024;
     tuning.q.integral_q15 = 400;
     tuning.q.anti_windup_q15 = 200;
-    step(&tuning, 16384, 0, 0, 0);
-    TEST_ASSERT_DOUBLE_WITHIN(0.1, 300.0 * 0.5 + 100.0 * (1.0 - 1.5),
+    step(&tuning, -16384, 0, 0, 0);
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, 300.0 * -0.5 + 100.0 * (1.5 - 1.0),
                               state.d.integrator_q30 / 32768.0);
     current_controller_reset(&state);
     step(&tuning, 0, -24576, 0, 0);
@@ -150,7 +150,7 @@ void test_an_integrator_settles_at_what_the_circle_leaves(void)
     static const struct {
         double proportional;
         int32_t error, applied_d;
-    } CASES[] = {{2.0, 16000, 31727}, {2.0, -16000, 31727}, {4.0, 32767, 14283}};
+    } CASES[] = {{2.0, 16000, -31727}, {2.0, -16000, -31727}, {4.0, 32767, -14283}};
     const double integral = 1600.0 / 32768.0; /* of which a half and a quarter are exact as well */
     for (int c = 0; c < 3; c++) {
         current_tuning_t tuning = tuning_with_gains(CASES[c].proportional, integral);
@@ -172,7 +172,7 @@ void test_an_integrator_settles_at_what_the_circle_leaves(void)
 void test_a_voltage_leaves_its_limit_in_the_first_step_after_the_error_changes_sign(void)
 {
     current_tuning_t tuning = tuning_with_gains(2.0, 0.05);
-    tuning.forward_d_q25 = 28377 * 1024; /* leaves one half */
+    tuning.forward_d_q25 = -28377 * 1024; /* leaves one half */
     for (int n = 0; n < 10000; n++) {
         step(&tuning, 0, 20000, 0, 0);
     }
@@ -247,34 +247,31 @@ void test_currents_at_the_ends_of_their_formats_do_not_overflow(void)
     }
 }
 
-void test_voltage_reserve_reduces_the_d_integrator_by_the_excess_over_98_percent(void)
+/* Less than half of the circle leaves q enough whatever it wants. */
+void test_braking_d_voltage_leaves_q_what_holds_its_current(void)
 {
-    static const int32_t WANTED[] = {-40000, -33000, -32257, -32256, -1000, 0,
-                                     5000,   32256,  32257,  33000,  60000};
-    static const int32_t BEYOND[] = {-7744, -744, -1, 0, 0, 0, 0, 0, 1, 744, 27744};
-    for (int n = 0; n < 11; n++) {
-        const voltage_out_t last = {.unsaturated_d_q25 = WANTED[n] * 1024,
-                                    .applied = {.v = q_pair(0, 0)}};
-        state.d.integrator_q30 = 12345;
-        state.q.integrator_q30 = -777;
-        current_controller_keep_reserve(&state, &last);
-        TEST_ASSERT_EQUAL_INT32(12345 - BEYOND[n] * 32768, state.d.integrator_q30);
-        TEST_ASSERT_EQUAL_INT32(-777, state.q.integrator_q30);
+    const current_tuning_t tuning = tuning_with_gains(1.0, 0.0);
+    for (int32_t held = -32000; held <= 32000; held += 500) {
+        for (int32_t error = -20000; error <= 20000; error += 4000) {
+            current_controller_reset(&state);
+            current_tuning_t at = tuning;
+            at.forward_d_q25 = 2 << 25; /* twice the circle */
+            at.forward_q_q25 = held * 1024;
+            const voltages_t out = step(&at, 0, error, 0, 0);
+            const double wanted = fabs((double)held + error);
+            const double reserve = fmin(fmax(fmin(wanted, abs(held) + 3277.0), 5898.0), 28377.0);
+            const double left = sqrt(fmax(32768.0 * 32768.0 - reserve * reserve, 0.0));
+            TEST_ASSERT_TRUE(out.applied.d <= left + 1.0);
+            TEST_ASSERT_TRUE(out.applied.d >= 0.99 * left - 2.0);
+            /* What is left beside an axis is up to 0.8 % short. */
+            TEST_ASSERT_TRUE(fabs((double)out.applied.q) >= 0.99 * fmin(wanted, reserve) - 2.0);
+            TEST_ASSERT_TRUE(hypot(out.applied.d, out.applied.q) <= 32769.0);
+            at.forward_d_q25 = -(2 << 25); /* the field is weakened by it */
+            TEST_ASSERT_EQUAL_INT32(-32768, step(&at, 0, error, 0, 0).applied.d);
+            at.forward_d_q25 = 16384 * 1024;
+            TEST_ASSERT_EQUAL_INT32(16384, step(&at, 0, error, 0, 0).applied.d);
+        }
     }
-}
-
-void test_voltage_reserve_leaves_at_least_17_percent_for_q(void)
-{
-    const current_tuning_t tuning = plain_tuning();
-    state.d.integrator_q30 = 1 << 29;
-    voltages_t out = step(&tuning, 30000, 20000, 0, 0); /* far more than there is */
-    TEST_ASSERT_EQUAL_INT32(32767, out.applied.d);
-    TEST_ASSERT_LESS_THAN_INT32(300, out.applied.q);
-    for (int n = 0; n < 10 && out.unsaturated.d > CURRENT_CONTROLLER_D_LIMIT_Q15; n++) {
-        current_controller_keep_reserve(&state, &period);
-        out = step(&tuning, 1000, 20000, 0, 0);
-    }
-    TEST_ASSERT_GREATER_OR_EQUAL_INT32((int32_t)(0.17 * 32768), out.applied.q);
 }
 
 /* ---- in whole numbers ---- */
@@ -327,11 +324,11 @@ void test_a_voltage_far_beyond_the_circle_is_applied_as_what_d_leaves(void)
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         for (int32_t d = 0; d < 20000; d += 777) {
             current_tuning_t tuning = plain_tuning();
-            tuning.forward_d_q25 = d * 1024;
+            tuning.forward_d_q25 = -d * 1024;
             tuning.forward_q_q25 = sign * 1200000000;
             current_controller_reset(&state);
             const voltages_t out = step(&tuning, 0, 0, 0, 0);
-            TEST_ASSERT_EQUAL_INT32(d, out.applied.d);
+            TEST_ASSERT_EQUAL_INT32(-d, out.applied.d);
             TEST_ASSERT_EQUAL_INT32(sign * circle_other_q15(d), out.applied.q);
         }
     }

@@ -17,7 +17,8 @@ void tearDown(void) {}
 /* With the voltage before its limit. */
 static void step(field_weakening_t *state, int32_t d, int32_t q, int32_t gain, int32_t most)
 {
-    field_weakening_step(state, field_weakening_margin_q15(state, q_saturate16(d), q), gain, most);
+    const dq_t unsaturated = {.d = d, .q = q};
+    field_weakening_step(state, field_weakening_margin_q15(state, unsaturated), gain, most);
 }
 
 static int32_t after(field_weakening_t *state, int steps, int32_t d, int32_t q, int32_t gain,
@@ -114,7 +115,8 @@ void test_voltage_is_regulated_to_the_configured_target(void)
     field_weakening_init(&state, &config);
     TEST_ASSERT_EQUAL_INT32(0, after(&state, 10, 0, 25887, 500, 8000));
     TEST_ASSERT_TRUE(after(&state, 10, 0, 26542, 500, 8000) < 0);
-    TEST_ASSERT_INT32_WITHIN(1, 0, field_weakening_margin_q15(&state, 26214, 0));
+    const dq_t at_target = {.d = 26214, .q = 0};
+    TEST_ASSERT_INT32_WITHIN(1, 0, field_weakening_margin_q15(&state, at_target));
 }
 
 void test_square_of_the_target_is_rounded_to_nearest(void)

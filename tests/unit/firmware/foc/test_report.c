@@ -193,14 +193,14 @@ void test_adc_saturation_is_reported_at_every_angle(void)
     }
 }
 
-void test_voltage_use_is_the_squared_magnitude_with_unsaturated_q(void)
+void test_voltage_use_is_the_squared_magnitude_before_the_circle(void)
 {
-    set_applied(16384, 28377);                           /* a half, sqrt 3 / 2 */
+    foc.period.voltage.unsaturated_d_q25 = 16384 * 1024; /* a half */
     foc.period.voltage.unsaturated_q_q25 = 28377 * 1024; /* sqrt 3 / 2 */
     TEST_ASSERT_INT32_WITHIN(2, 32768, reported().voltage_use_q15);
     foc.period.voltage.unsaturated_q_q25 = 100000 * 1024; /* counts as one */
     TEST_ASSERT_INT32_WITHIN(4, 8192 + 32766, reported().voltage_use_q15);
-    set_applied(0, 28377);
-    foc.period.voltage.unsaturated_q_q25 = 0 * 1024;
+    foc.period.voltage.unsaturated_d_q25 = 0;
+    foc.period.voltage.unsaturated_q_q25 = 0;
     TEST_ASSERT_EQUAL_INT32(0, reported().voltage_use_q15);
 }
