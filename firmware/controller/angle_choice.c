@@ -64,7 +64,7 @@ static void watch_direction(angle_choice_state_t *state, const rotor_view_t *in)
 static int32_t linked_permille(const config_t *config, int32_t inductance_nH, int32_t current_pu)
 {
     const int64_t linked_pWb = (int64_t)inductance_nH * bases_current_mA(config, current_pu);
-    return q_saturate16(q_saturate64(linked_pWb / config->motor.flux_linkage_nWb));
+    return q_saturate16(q_saturate64(linked_pWb / q_divisor(config->motor.flux_linkage_nWb)));
 }
 
 /* The active flux psi - (L_q - L_d) i_d, of the magnets'. Divides. */

@@ -20,7 +20,7 @@ static int64_t larger(int64_t a, int64_t b)
 /* What a vehicle loses in a millisecond, at the wheel. */
 static int64_t fall_urad_s(const config_t *config, int32_t deceleration_mm_s2)
 {
-    return (int64_t)(deceleration_mm_s2 * 100000 / config->vehicle.wheel_radius_um) * 10;
+    return (int64_t)(deceleration_mm_s2 * 100000 / q_divisor(config->vehicle.wheel_radius_um)) * 10;
 }
 
 /* More than the current sensors' errors can make together. */
@@ -44,7 +44,7 @@ static int64_t square_mA2(const measured_t *now)
 static int32_t speed_of_mrad_s(const config_t *config, int32_t quarters, int32_t periods)
 {
     const int64_t turned = INT64_C(15708) * quarters * config->drive.pwm_frequency_Hz;
-    return q_saturate64(turned / (INT64_C(10) * periods * config->motor.pole_pairs));
+    return q_saturate64(turned / (INT64_C(10) * periods * q_divisor(config->motor.pole_pairs)));
 }
 
 /* Is a short's current no more than twice what this speed drives? Twice, because a decaying direct
@@ -146,8 +146,9 @@ static bool emf_shows(monitor_speed_state_t *state, const config_t *config, cons
  * roundings. */
 static int64_t speed_of_bus_urad_s(const config_t *config, int32_t bus_voltage_mV)
 {
-    const int64_t w_mrad_s = INT64_C(588897275) * bus_voltage_mV / config->motor.flux_linkage_nWb;
-    return w_mrad_s * 1000 / config->motor.pole_pairs;
+    const int64_t w_mrad_s =
+        INT64_C(588897275) * bus_voltage_mV / q_divisor(config->motor.flux_linkage_nWb);
+    return w_mrad_s * 1000 / q_divisor(config->motor.pole_pairs);
 }
 
 /* A speed that halls show until a wheel braked by tyre grip stands inside a sector: below

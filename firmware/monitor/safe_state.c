@@ -38,7 +38,7 @@ static machine_t machine_at(const config_t *config, int32_t speed_mrad_s)
 static int32_t infinite_mA(const config_motor_t *motor)
 {
     const uint32_t flux_nWb = (uint32_t)motor->flux_linkage_nWb;
-    const uint32_t l_nH = (uint32_t)motor->d_inductance_nH;
+    const uint32_t l_nH = (uint32_t)q_divisor(motor->d_inductance_nH);
     const uint64_t rest = (uint64_t)(flux_nWb % l_nH) * 1000U;
     const uint32_t part_mA = rest <= UINT32_MAX ? (uint32_t)rest / l_nH : (uint32_t)(rest / l_nH);
     return q_saturate64((int64_t)(flux_nWb / l_nH) * 1000 + part_mA);
@@ -207,7 +207,8 @@ static bool may_open(const config_t *config, const measured_t *now)
 /* Current that the battery takes from this wheel. */
 static int32_t charge_current_mA(const config_t *config, const measured_t *now)
 {
-    return q_min(q_max(now->battery->charge_current_mA, 0) / config->battery.driven_wheels,
+    return q_min(q_max(now->battery->charge_current_mA, 0) /
+                     q_divisor(config->battery.driven_wheels),
                  config->battery.max_charge_current_mA);
 }
 

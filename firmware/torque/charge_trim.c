@@ -14,7 +14,7 @@ static int32_t copper_mA(const config_t *config)
     const config_motor_t *motor = &config->motor;
     const int64_t squared = (int64_t)motor->max_phase_current_mA * motor->max_phase_current_mA;
     const int64_t copper_uW = squared / 1000 * motor->phase_resistance_uOhm / 1000 / 2 * 3;
-    return q_min(q_saturate64(copper_uW / config->battery.max_voltage_mV), MOST_mA);
+    return q_min(q_saturate64(copper_uW / q_divisor(config->battery.max_voltage_mV)), MOST_mA);
 }
 
 void charge_trim_init(charge_trim_state_t *state, const config_t *config)
@@ -35,7 +35,7 @@ static int32_t message_mA(charge_trim_state_t *state, const config_battery_t *ba
         state->hold_ms--;
     } else {
         const int32_t fall_mA =
-            (state->message_mA - charge_mA) / q_max(battery->current_filter_ms, 1);
+            (state->message_mA - charge_mA) / q_divisor(battery->current_filter_ms);
         state->message_mA -= q_max(fall_mA, 1);
     }
     return state->message_mA;

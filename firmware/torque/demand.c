@@ -33,7 +33,7 @@ int32_t demand_handed_over_mNm(const config_t *config, int32_t left_mNm)
 {
     const config_brake_t *brake = &config->brake;
     const int32_t most_mNm = q_max(brake->hydraulic_rate_mNm_s / SLOW_STEPS_PER_S, 1);
-    return q_min(left_mNm / (brake->hydraulic_time_constant_ms + 1), most_mNm - 1) + 1;
+    return q_min(left_mNm / q_divisor(brake->hydraulic_time_constant_ms + 1), most_mNm - 1) + 1;
 }
 
 /* Lift-off braking falls first, then what the pedal demands. */

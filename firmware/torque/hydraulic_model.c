@@ -24,7 +24,7 @@ static int32_t lag_step_q6(int32_t torque_q6, int32_t target_mNm, int32_t lag_ms
 {
     const int32_t left_q6 = target_mNm * ONE_Q6 - torque_q6;
     const int32_t last_q6 = (left_q6 > 0) - (left_q6 < 0); /* of what the division leaves */
-    const int32_t share_q6 = left_q6 / (lag_ms + 1);
+    const int32_t share_q6 = left_q6 / q_divisor(lag_ms + 1);
     const int32_t change_q6 = share_q6 != 0 ? share_q6 : last_q6;
     return torque_q6 + q_limit(change_q6, largest_q6);
 }

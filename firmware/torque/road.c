@@ -12,7 +12,7 @@ enum {
 /* m r^2; of the largest share and radius 4 * 10^8, by way of 2 * 10^11 g mm and 4 * 10^17. */
 static int32_t inertia_g_m2(const config_t *config)
 {
-    const int32_t share_g = config->vehicle.mass_g / config->battery.driven_wheels;
+    const int32_t share_g = config->vehicle.mass_g / q_divisor(config->battery.driven_wheels);
     const int64_t radius_um = config->vehicle.wheel_radius_um;
     return (int32_t)divide_by_billion(divide_by_thousand(share_g * radius_um) * radius_um);
 }

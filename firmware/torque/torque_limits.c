@@ -182,7 +182,8 @@ static int32_t pack_rise_mV(const config_battery_t *battery, int32_t current_mA)
 static int32_t by_management_mA(slow_rise_t *rise, const config_t *config, int32_t pack_mA,
                                 int32_t most_mA)
 {
-    const int32_t share_mA = q_min(q_max(pack_mA, 0) / config->battery.driven_wheels, most_mA);
+    const int32_t share_mA =
+        q_min(q_max(pack_mA, 0) / q_divisor(config->battery.driven_wheels), most_mA);
     return config->driver.no_other_brake != 0 ? share_mA : slow_rise_step(rise, share_mA, most_mA);
 }
 
@@ -201,9 +202,9 @@ static battery_limit_t battery_limit(foldback_state_t *state, const config_batte
     };
     const int32_t by_voltage_mA = foldback_step(state, &foldback, inside_mV, flowing_mA);
     const int32_t by_bms_mA = share_mA - q_max(beyond_mA, 0);
-    const int32_t by_peak_mA =
-        q_clamp(pack_peak_mA / battery->driven_wheels, share_mA, q_max(most_mA, share_mA)) -
-        q_max(beyond_mA, 0);
+    const int32_t by_peak_mA = q_clamp(pack_peak_mA / q_divisor(battery->driven_wheels), share_mA,
+                                       q_max(most_mA, share_mA)) -
+                               q_max(beyond_mA, 0);
     const battery_limit_t out = {
         .current_mA = q_min(by_voltage_mA, by_bms_mA),
         .peak_mA = q_min(by_voltage_mA, by_peak_mA),

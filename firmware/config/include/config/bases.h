@@ -69,7 +69,7 @@ static inline int32_t bases_speed_mrad_s(const config_t *config, int32_t speed_t
     const int64_t turns_per_s_q16 =
         ((int64_t)speed_turn_q32 * config->drive.pwm_frequency_Hz) / 65536;
     const int64_t electrical_mrad_s = turns_per_s_q16 * 6433982 / (1 << 26);
-    return (int32_t)electrical_mrad_s / config->motor.pole_pairs;
+    return (int32_t)electrical_mrad_s / q_divisor(config->motor.pole_pairs);
 }
 
 /* Mechanical mrad/s to electrical mrad/s; saturates. */

@@ -50,6 +50,13 @@ static inline int32_t q_max(int32_t a, int32_t b)
     return a > b ? a : b;
 }
 
+/* A field of the configuration as a divisor, at least 1. Every accepted one is; a bit that flips in
+ * its memory may make it zero until the background's check of the image finds that. */
+static inline int32_t q_divisor(int32_t field)
+{
+    return q_max(field, 1);
+}
+
 /* max(x, 0) and min(x, 0) without a condition; a port may supply the first as one instruction. */
 #ifndef Q_TARGET_POSITIVE
 #define Q_TARGET_POSITIVE(x) ((x) & ~((x) >> 31))
