@@ -6,15 +6,21 @@
 
 /* Geometry: the observer's error is below 10 degrees, a hall sensor's below 5. */
 enum {
-    OPPOSED_TURN = 10923, /* 60 degrees */
-    SLIPPED_TURN = 2913,  /* 16 degrees */
-    ASKEW_TURN = 5461,    /* 30 degrees */
-    AGREED_TURN = 2185,   /* 12 degrees */
+    OPPOSED_TURN = 10923,  /* 60 degrees */
+    STANDING_TURN = 16384, /* 90 degrees: a sector that halls do not see, and the observer's 30 */
+    SLIPPED_TURN = 2913,   /* 16 degrees */
+    ASKEW_TURN = 5461,     /* 30 degrees */
+    AGREED_TURN = 2185,    /* 12 degrees */
     OPPOSED_STEPS = 2,
-    OPPOSED_SLOW_STEPS = 12, /* below the observer's speed */
-    LACKING_STEPS = 5,       /* without its flux */
-    LEAST_PU = 2048,         /* a sixteenth of the current's full scale */
-    NAME_STEPS = 10,         /* until a sensor's speed has followed its angle */
+    OPPOSED_SLOW_STEPS = 12,  /* below the observer's speed */
+    LACKING_STEPS = 5,        /* without its flux */
+    REST_STEPS = 50,          /* until a sensor is not one that just stopped counting */
+    OPPOSED_REST_STEPS = 100, /* against a sensor that shows a rotor near rest */
+    OPPOSED_SPEEDS = 2,       /* the observer's least speed, from where it is right in 2 ms */
+    SLIPPED_SPEEDS = 4,       /* likewise, within 14 degrees whatever dead time there is */
+    LEAST_PU = 2048,          /* a sixteenth of the current's full scale */
+    CURRENT_STEPS = 40,       /* with it, until the observer has forgotten its dead time */
+    NAME_STEPS = 10,          /* until a sensor's speed has followed its angle */
     SLIPPED_STEPS = 12,
     SALIENT_PERMILLE = 1500,
     CONFIRM_STEPS = 2,
@@ -114,6 +120,12 @@ static bool watches(const angle_choice_state_t *state, const config_t *config,
             q_abs(in->observer_mrad_s) >= config->rotor.observer_speed_mrad_s / 2);
 }
 
+/* Is the EMF so many times what is not known of the voltage? */
+static bool emf_exceeds(const config_t *config, const rotor_view_t *in, int32_t times)
+{
+    return q_abs(in->observer_mrad_s) / times >= config->rotor.observer_speed_mrad_s;
+}
+
 /* The angle tells a slip where the sensor turns as fast as the observer. Halls do not while they
  * know of an acceleration at their next edge only; halls that stand are 60 degrees off soon. Below
  * its speed an observer does not for a moment where the current changes, and with little current is
@@ -126,7 +138,40 @@ static bool slips(const angle_choice_state_t *state, const config_t *config, con
     const int32_t slow_turn = hall ? OPPOSED_TURN : ASKEW_TURN;
     return q_abs(in->difference_turn) >= (state->confirmed ? SLIPPED_TURN : slow_turn) &&
            (as_fast || (state->confirmed && !hall)) &&
-           (state->confirmed || q_abs(in->i_pu.q) >= LEAST_PU);
+           (q_abs(state->current_steps) >= CURRENT_STEPS ||
+            (state->confirmed && emf_exceeds(config, in, SLIPPED_SPEEDS)));
+}
+
+/* Consecutive steps with a current of one direction, counted with its sign, and with a sensor below
+ * half of the observer's speed. */
+static void count_steps(angle_choice_state_t *state, const config_t *config, const rotor_view_t *in)
+{
+    const int32_t sign = (in->i_pu.q >= LEAST_PU) - (in->i_pu.q <= -LEAST_PU);
+    const int32_t before = sign * state->current_steps > 0 ? state->current_steps : 0;
+    state->current_steps = (int8_t)q_limit(before + sign, CURRENT_STEPS);
+    const int32_t half_mrad_s = q_abs(in->sensor_mrad_s / 2);
+    state->rest_steps =
+        counted(state->rest_steps, half_mrad_s < config->rotor.observer_speed_mrad_s / 4);
+}
+
+/* Halls that have turned round, or are at rest, show no more than their sector. */
+static int32_t opposed_turn(const config_t *config, const rotor_view_t *in)
+{
+    const bool stands = config->rotor.sensor == CONFIG_ROTOR_HALL && in->sensor_mrad_s == 0;
+    return stands ? STANDING_TURN : OPPOSED_TURN;
+}
+
+/* Where the sensor has shown a rotor near rest for a while, a current that changes may leave the
+ * observer with the flux of one that turns. */
+static int32_t opposed_steps(const angle_choice_state_t *state, const config_t *config,
+                             const rotor_view_t *in, bool lacks)
+{
+    const bool rests = state->rest_steps >= REST_STEPS;
+    if (state->confirmed && (!rests || emf_exceeds(config, in, OPPOSED_SPEEDS))) {
+        return OPPOSED_STEPS;
+    }
+    const int32_t slow = rests ? OPPOSED_REST_STEPS : OPPOSED_SLOW_STEPS;
+    return lacks ? LACKING_STEPS : slow;
 }
 
 /* A sensor that is wrong agrees with the observer in passing: it has to for a long time. */
@@ -141,7 +186,8 @@ static void compare(angle_choice_state_t *state, const config_t *config, const r
         return;
     }
     const int32_t size_turn = q_abs(in->difference_turn);
-    state->opposed_steps = counted(state->opposed_steps, lacks || size_turn >= OPPOSED_TURN);
+    state->opposed_steps =
+        counted(state->opposed_steps, lacks || size_turn >= opposed_turn(config, in));
     if (slips(state, config, in)) {
         state->slipped = (uint8_t)q_min(state->slipped + (state->confirmed ? 1 : 2), SLIPPED_STEPS);
     } else if (state->slipped > 0) {
@@ -151,9 +197,8 @@ static void compare(angle_choice_state_t *state, const config_t *config, const r
         size_turn < AGREED_TURN && state->confirmed
             ? q_min(state->agreed_steps + 1, config->monitor.rotor_warning_time_ms)
             : 0;
-    const int32_t opposed_slow = lacks ? LACKING_STEPS : OPPOSED_SLOW_STEPS;
-    const int32_t opposed = state->confirmed ? OPPOSED_STEPS : opposed_slow;
-    if (state->opposed_steps >= opposed || state->slipped >= SLIPPED_STEPS) {
+    if (state->opposed_steps >= opposed_steps(state, config, in, lacks) ||
+        state->slipped >= SLIPPED_STEPS) {
         state->sensor_wrong = true;
     } else if (state->agreed_steps >= config->monitor.rotor_warning_time_ms) {
         state->sensor_wrong = false;
@@ -226,6 +271,7 @@ angle_choice_t angle_choice_step(angle_choice_state_t *state, const config_t *co
         return sensor_alone;
     }
     confirm(state, config, in);
+    count_steps(state, config, in);
     compare(state, config, in);
     watch_return(state, config, in);
     state->sensor_wrong = state->sensor_wrong && !(cleared && !in->switching);

@@ -9,8 +9,10 @@
  * direction is that of before or 11 ms old. It then watches the sensor: 60 degrees for 2 ms, or 16
  * degrees for 12 ms, make the sensor wrong, until they have agreed for monitor.rotor_warning_time.
  * From half that speed on 60 degrees for 12 ms do; 30 degrees (halls: 60) for 6 ms of a sensor that
- * turns as fast as the observer, with a sixteenth of the current's full scale as i_q; and a salient
- * motor's flux below a third of what its current should make of it, for 5 ms.
+ * turns as fast as the observer; and a salient motor's flux below a third of what its current
+ * should make of it, for 5 ms. Below four times that speed a slip needs i_q of one sign, a
+ * sixteenth of the current's full scale, for 40 ms; below twice, a sensor that has been below half
+ * of it for 50 ms is wrong after 100 ms. Halls without a speed show their sector: 90 degrees.
  * While the sensor is wrong or invalid the observer's angle is used. Above 15/16 of its speed
  * torque is permitted with it; below, the angle is still there for the torque to ramp out.
  *
@@ -44,6 +46,8 @@ typedef struct {
     uint8_t plausible;     /* consecutive steps, saturating */
     uint8_t implausible;   /* likewise */
     uint8_t against;       /* consecutive steps against the direction */
+    int8_t current_steps;  /* with enough of it, by its sign */
+    uint8_t rest_steps;    /* with a sensor below half of the observer's speed, saturating */
     int8_t direction;      /* of the observer, +-1; 0 until it has acquired the rotor */
     uint8_t opposed_steps; /* at 60 degrees and more, or without its flux */
     uint8_t slipped;       /* steps apart as above, twice if not confirmed, less steps without */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "angle_choice_rig.h"
 
-enum { DEGREES_60 = 10923, DEGREES_20 = 3641, DEGREES_10 = 1820 };
+enum { DEGREES_90 = 16384, DEGREES_60 = 10923, DEGREES_20 = 3641, DEGREES_10 = 1820 };
 
 void setUp(void)
 {
@@ -179,7 +179,7 @@ void test_slip_freeze_and_reversal_are_named_forwards_and_backwards(void)
         reason_t name;
     } wrong[] = {{20000, DEGREES_20, REASON_ROTOR_SLIPPED},
                  {20000, DEGREES_60, REASON_ROTOR_SLIPPED},
-                 {0, DEGREES_60, REASON_ROTOR_FROZEN},
+                 {0, DEGREES_90, REASON_ROTOR_FROZEN},
                  {-20000, DEGREES_60, REASON_ROTOR_REVERSED}};
     for (int k = 0; k < 4; k++) {
         for (int sign = -1; sign <= 1; sign += 2) {
@@ -272,6 +272,7 @@ void test_an_observer_that_turns_round_takes_no_torque_away(void)
         setUp();
         at.observer_mrad_s = share * least_mrad_s / 4;
         at.sensor_mrad_s = at.observer_mrad_s;
+        at.i_pu.q = 0;
         run(100);
         at.observer_mrad_s = -at.observer_mrad_s;
         at.difference_turn = INT16_MIN;

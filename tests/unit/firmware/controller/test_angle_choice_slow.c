@@ -73,6 +73,9 @@ void test_a_slow_slip_has_a_current_and_the_observer_s_speed(void)
             run_at(100, ASKEW);
             TEST_ASSERT_FALSE(seen.sensor_wrong);
         }
+        at.sensor_mrad_s = at.observer_mrad_s;
+        run(1);
+        at.sensor_mrad_s = 0;
         run_at(SLOW_ms - 1, OPPOSED);
         TEST_ASSERT_FALSE(seen.sensor_wrong);
         run(1);
@@ -83,5 +86,73 @@ void test_a_slow_slip_has_a_current_and_the_observer_s_speed(void)
             run_at(SLOW_SLIP_ms, ASKEW);
             TEST_ASSERT_TRUE(seen.sensor_wrong);
         }
+    }
+}
+
+/* A current changes the flux of a salient motor as a rotor that turns does: what has shown a rotor
+ * near rest for 50 ms is judged where the EMF is twice what is not known of it, else after 100 ms.
+ * A sensor that was turning just before has stopped counting. */
+void test_a_sensor_that_shows_rest_is_judged_from_twice_the_observer_s_speed(void)
+{
+    enum { REST_ms = 50, LONG_ms = 100 };
+    for (int sign = -1; sign <= 1; sign += 2) {
+        for (int twice = 0; twice <= 1; twice++) {
+            setUp();
+            config.rotor.sensor = CONFIG_ROTOR_HALL;
+            at.sensor_mrad_s = sign * (FROM_mrad_s / 2 - 4);
+            at.observer_mrad_s = sign * (2 * FROM_mrad_s - 1 + twice);
+            run(REST_ms);
+            run_at((twice == 1 ? 2 : LONG_ms) - 1, OPPOSED);
+            TEST_ASSERT_FALSE(seen.sensor_wrong);
+            run(1);
+            TEST_ASSERT_TRUE(seen.sensor_wrong);
+        }
+        setUp();
+        run(100);
+        at.sensor_mrad_s = 1;
+        run(REST_ms - 3);
+        run_at(2, OPPOSED);
+        TEST_ASSERT_TRUE(seen.sensor_wrong);
+    }
+}
+
+/* They show their sector of 60 degrees, and the observer is up to 30 off. */
+void test_halls_without_a_speed_are_wrong_from_90_degrees(void)
+{
+    for (int hall = 0; hall <= 1; hall++) {
+        setUp();
+        config.rotor.sensor = hall == 1 ? CONFIG_ROTOR_HALL : CONFIG_ROTOR_ANGLE;
+        at.observer_mrad_s = 2 * FROM_mrad_s;
+        at.sensor_mrad_s = 0;
+        run(100);
+        run_at(100, 16383);
+        TEST_ASSERT_EQUAL(hall == 0, seen.sensor_wrong);
+        run_at(2, 16384);
+        TEST_ASSERT_TRUE(seen.sensor_wrong);
+    }
+}
+
+/* The sign of the dead time's voltage is the current's, and the observer remembers the one before.
+ * From four times its speed it is within 14 degrees all the same. */
+void test_a_slip_is_seen_with_40_ms_of_current_or_at_four_times_the_observer_s_speed(void)
+{
+    enum { CURRENT_ms = 40, SLIP_ms = 12, SLIPPED = 2913 };
+    for (int sign = -1; sign <= 1; sign += 2) {
+        setUp();
+        at.observer_mrad_s = at.sensor_mrad_s = 4 * FROM_mrad_s - 1;
+        at.i_pu.q = sign * LEAST_PU;
+        run(100);
+        at.i_pu.q = -at.i_pu.q;
+        run_at(CURRENT_ms - 1, SLIPPED);
+        run(SLIP_ms - 1);
+        TEST_ASSERT_FALSE(seen.sensor_wrong);
+        at.i_pu.q = 0;
+        run(1000);
+        TEST_ASSERT_FALSE(seen.sensor_wrong);
+        at.observer_mrad_s = at.sensor_mrad_s = 4 * FROM_mrad_s;
+        run(SLIP_ms - 1);
+        TEST_ASSERT_FALSE(seen.sensor_wrong);
+        run(1);
+        TEST_ASSERT_TRUE(seen.sensor_wrong);
     }
 }

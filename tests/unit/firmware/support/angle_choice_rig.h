@@ -19,6 +19,7 @@ static const rotor_view_t ROLLING = {
     .flux_q14 = 4000,
     .across_q14 = 100,
     .expected_q14 = 4000,
+    .i_pu = {.q = 2048},
     .acquired = true,
     .sensor_valid = true,
     .switching = true,
