@@ -163,8 +163,9 @@ typedef struct {
 /* A named warning that comes and goes heals more slowly at every return within FINDING_QUIET_STEPS
  * of its last presence: twice as slowly as before, at least FINDING_RETURN_STEPS, at most
  * FINDING_QUIET_STEPS, after which it is forgotten. So a loose contact makes no more than five
- * changes a second. */
-enum { FINDING_WORDS = 2, FINDING_RETURN_STEPS = 100, FINDING_QUIET_STEPS = 10000 };
+ * changes a second: the sixth is the third time that it comes, 334 + 668 ms after the first at
+ * least. */
+enum { FINDING_WORDS = 2, FINDING_RETURN_STEPS = 334, FINDING_QUIET_STEPS = 10000 };
 
 /* How a row comes and goes. */
 typedef struct {

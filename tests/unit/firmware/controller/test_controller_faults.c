@@ -168,7 +168,7 @@ void test_an_opened_contactor_is_a_warning_and_the_brake_returns_by_itself(void)
     TEST_ASSERT_EQUAL_INT32(20000, rig.out.hydraulic_torque_mNm);
     rig.slow_in.bms.contactor = CONTACTOR_CLOSED;
     rig.fast_in.bus_voltage_code = rig_bus_code(&rig, 53.0);
-    rig_run(&rig, 210); /* it has left and come back before, at the start */
+    rig_run(&rig, 440); /* it has left and come back before, at the start */
     TEST_ASSERT_EQUAL_INT(MODE_RUN, rig.out.mode);
     TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, rig.pwm.bridge);
     rig_run(&rig, 2000); /* the braking torque rises as slowly */
