@@ -51,6 +51,7 @@ enum {
     BOARD_CHANNEL_ACCELERATOR_B = 6,
     BOARD_ENCODER_WIRED = 0,
     BOARD_CURRENT_MOST_A = 150, /* HW_LIM_CURRENT_ABS */
+    BOARD_VOLTAGE_MOST_V = 60,  /* the DRV8302's supply, SLES267 */
     BOARD_DRIVER_V_DS_CODE = 0  /* set by resistors */
 };
 

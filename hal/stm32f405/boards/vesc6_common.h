@@ -31,6 +31,7 @@ enum {
     BOARD_CHANNEL_ACCELERATOR_B = 6,
     BOARD_ENCODER_WIRED = 1,
     BOARD_CURRENT_MOST_A = 160, /* HW_LIM_CURRENT_ABS */
+    BOARD_VOLTAGE_MOST_V = 60,  /* the DRV8301's supply, SLOS719 */
     /* Switches of 1 to 1.5 mOhm, 1.6 times that when hot: an estimate, no part is named. The code
      * is the lowest above 160 A through them; it is VESC's own default as well. */
     BOARD_SWITCH_HOT_uOhm = 2400,

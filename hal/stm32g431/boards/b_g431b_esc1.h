@@ -53,6 +53,8 @@ enum {
     /* The amplifiers' output without current lies between half of the reference and 16 times that
      * level, 2 553: README, Zero current. */
     BOARD_CURRENT_ZERO_CODE = 2304,
+    /* For monitor.offset_tolerance_codes: the third current is minus the sum of two (README). */
+    BOARD_OFFSET_TOLERANCE_codes = 800,
     /* In a shunt to ground: a quarter above the board's 40 A, within full scale. */
     BOARD_TRIP_A = 50,
     BOARD_REFERENCE_mV = 3300,

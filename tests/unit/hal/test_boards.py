@@ -6,10 +6,11 @@ from __future__ import annotations
 import os
 import re
 import subprocess
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
-from regen_table import loops, schema
+from regen_table import boards, loops, schema
 from regen_table.schema import Drive
 
 SOURCE = Path(os.environ["HUBFOC_SOURCE_DIR"])
@@ -32,6 +33,8 @@ FACTS = (
     "BOARD_CURRENT_ZERO_CODE",
 )
 
+READ = FACTS[:8]
+
 AMPLIFIER_GAIN, CODES = 16.0, 4096.0
 RESISTORS, AMPLIFIER_OFFSET_MV, AMPLIFIER_GAIN_ERROR = 0.01, 3.0, 0.01
 """Tolerances: of the network's parts, and of the amplifier (DS12589, 5.3.22)."""
@@ -39,19 +42,47 @@ COMPARATOR_MV = 10.0
 """Its offset and the converter's that makes the threshold."""
 
 
-@pytest.fixture(scope="module")
-def board(tmp_path_factory: pytest.TempPathFactory) -> dict[str, int]:
-    """What a C compiler makes of the header of the B-G431B-ESC1."""
-    folder = tmp_path_factory.mktemp("board")
+def compiled(folder: Path, port: str, header: str, facts: Sequence[str]) -> dict[str, int]:
+    """Return what a C compiler makes of a board's header."""
     lines = ['#include "board.h"', '#include "analog_start.h"', '#include "clock.h"']
     lines += ["#include <stdio.h>", "int main(void) {"]
-    lines += [f'printf("{name} %lld\\n", (long long){name});' for name in FACTS]
+    lines += [f'printf("{name} %lld\\n", (long long){name});' for name in facts]
     (folder / "facts.c").write_text("\n".join([*lines, "return 0; }"]))
-    options = [f"-I{HAL / name}" for name in ("stm32g431", "stm32")]
+    options = [f"-I{HAL / name}" for name in (port, "stm32")]
+    options.append(f'-DHUBFOC_BOARD_HEADER="boards/{header}.h"')
     command = ["cc", "-std=c11", "-Wno-int-to-pointer-cast", *options]
     subprocess.run([*command, "-o", folder / "facts", folder / "facts.c"], check=True)
     output = subprocess.run([folder / "facts"], check=True, capture_output=True, text=True).stdout
     return {name: int(value) for name, value in (line.split() for line in output.splitlines())}
+
+
+@pytest.fixture(scope="module")
+def board(tmp_path_factory: pytest.TempPathFactory) -> dict[str, int]:
+    """What a C compiler makes of the header of the B-G431B-ESC1."""
+    return compiled(tmp_path_factory.mktemp("board"), "stm32g431", "b_g431b_esc1", FACTS)
+
+
+@pytest.mark.parametrize("name", boards.known())
+def test_the_tools_read_from_a_header_what_a_compiler_makes_of_it(
+    name: str, tmp_path: Path
+) -> None:
+    read = boards.known()[name]
+    found = compiled(tmp_path, read.port, name, READ)
+    assert 1e3 * read.current_full_scale_a == pytest.approx(
+        found["BOARD_CURRENT_FULL_SCALE_mA"], abs=1.0
+    )
+    assert 1e3 * read.voltage_full_scale_v == pytest.approx(
+        found["BOARD_VOLTAGE_FULL_SCALE_mV"], abs=1.0
+    )
+    assert read.current_most_a == found["BOARD_CURRENT_MOST_A"]
+    assert read.voltage_most_v == found["BOARD_VOLTAGE_MOST_V"]
+    assert 1e9 * read.dead_time_s == pytest.approx(found["BOARD_DEAD_TIME_LEAST_ns"])
+    assert read.timer_clock_hz == found["CLOCK_TIMER1_Hz"]
+    settling_ns = found["BOARD_AMPLIFIER_SETTLING_ns"]
+    assert (read.min_pulse_s is None) == (settling_ns == 0)
+    if read.min_pulse_s is not None:
+        window_ns = settling_ns + found["ANALOG_SAMPLING_ns"] + 5e8 * read.dead_time_s
+        assert window_ns < 1e9 * read.min_pulse_s < window_ns + 50.0
 
 
 @pytest.fixture(scope="module")

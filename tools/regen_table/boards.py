@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Facts of the boards that the firmware has a header for (hal/PORT/boards/NAME.h).
+
+The header is the only place where they stand; this module reads its constants and computes from
+them what a drive's keys need, as the port's ``board.h`` does for the firmware. Standard library
+only.
+"""
+
+import re
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from regen_table import installation
+
+TIMER_CLOCK_HZ = {"stm32f405": 168_000_000, "stm32g431": 170_000_000}  # CLOCK_TIMER1_Hz
+SAMPLING_S = {"stm32f405": 714e-9, "stm32g431": 302e-9}  # ANALOG_SAMPLING_ns
+HOT_OVER_COLD = 1.6  # resistance of a silicon MOSFET at 125 degC over that at 25 degC
+WINDOW_MARGIN_S = 10e-9  # a count of the timer and the rounding to it
+
+_CONSTANT = re.compile(r"\bBOARD_(\w+) = (-?\d+)\b")
+_INCLUDED = re.compile(r'#include "boards/(\w+)\.h"')
+
+
+@dataclass(frozen=True)
+class Board:
+    """What a drive's keys follow from.
+
+    Attributes
+    ----------
+    current_full_scale_a, voltage_full_scale_v : float
+        What half, and the whole, of the converter's range stands for.
+    current_most_a : float
+        Largest phase current that the board may carry (peak).
+    voltage_most_v : float
+        Largest bus voltage that it may have; the converter's range where the header names none.
+    dead_time_s : float
+        The least that its switches permit.
+    min_pulse_s : float or None
+        What low-side shunts need to settle and be sampled; None: shunts in the phases, which need
+        no window.
+    switch_resistance_ohm : float or None
+        Of a cold switch; None where the header names no switch.
+    offset_tolerance_codes : int or None
+        Where the header states that zero current lies beside the middle of the range.
+    """
+
+    name: str
+    port: str
+    current_full_scale_a: float
+    voltage_full_scale_v: float
+    current_most_a: float
+    voltage_most_v: float
+    dead_time_s: float
+    timer_clock_hz: int
+    min_pulse_s: float | None
+    switch_resistance_ohm: float | None
+    offset_tolerance_codes: int | None
+
+
+@cache
+def known() -> dict[str, Board]:
+    """Return all boards by name, those of the stm32f405 first."""
+    folders = [installation.ROOT / "hal" / port / "boards" for port in TIMER_CLOCK_HZ]
+    headers = [path for folder in folders for path in sorted(folder.glob("*.h"))]
+    found = [_read(path) for path in headers if not path.stem.endswith("_common")]
+    return {board.name: board for board in found}
+
+
+def _read(path: Path) -> Board:
+    facts, port = _constants(path), path.parent.parent.name
+    gain = facts.get("AMPLIFIER_GAIN") or (
+        facts["AMPLIFIER_GAIN_NUMERATOR"] / facts["AMPLIFIER_GAIN_DENOMINATOR"]
+    )
+    reference_v, upper, lower = (
+        facts["REFERENCE_mV"] * 1e-3,
+        facts["DIVIDER_UPPER_Ohm"],
+        facts["DIVIDER_LOWER_Ohm"],
+    )
+    full_scale_v = reference_v * (upper + lower) / lower
+    dead_time_s, settling_s = (
+        facts["DEAD_TIME_LEAST_ns"] * 1e-9,
+        facts["AMPLIFIER_SETTLING_ns"] * 1e-9,
+    )
+    window_s = settling_s + SAMPLING_S[port] + dead_time_s / 2.0 + WINDOW_MARGIN_S
+    hot = facts.get("SWITCH_HOT_uOhm")
+    return Board(
+        name=path.stem,
+        port=port,
+        current_full_scale_a=reference_v / 2.0 / (facts["SHUNT_uOhm"] * 1e-6 * gain),
+        voltage_full_scale_v=full_scale_v,
+        current_most_a=float(facts["CURRENT_MOST_A"]),
+        voltage_most_v=float(facts.get("VOLTAGE_MOST_V", full_scale_v)),
+        dead_time_s=dead_time_s,
+        timer_clock_hz=TIMER_CLOCK_HZ[port],
+        min_pulse_s=window_s if settling_s > 0.0 else None,
+        switch_resistance_ohm=None if hot is None else hot * 1e-6 / HOT_OVER_COLD,
+        offset_tolerance_codes=facts.get("OFFSET_TOLERANCE_codes"),
+    )
+
+
+def _constants(path: Path) -> dict[str, int]:
+    """Return the constants of a header and of the ones that it includes from its folder."""
+    text = path.read_text(encoding="utf-8")
+    found: dict[str, int] = {}
+    for name in _INCLUDED.findall(text):
+        found |= _constants(path.with_name(f"{name}.h"))
+    return found | {name: int(value) for name, value in _CONSTANT.findall(text)}
