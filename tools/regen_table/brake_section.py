@@ -5,6 +5,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from regen_table import defaults
+from regen_table.assumed import Assumed
 from regen_table.plant_sections import COMMANDED_HYDRAULIC_NM, Section, number
 
 
@@ -14,16 +16,33 @@ class Brake(Section):
     strategy: Annotated[
         Literal["parallel_ratio", "parallel_free_travel", "series_optimal"],
         Field(description="what the vehicle is shipped with"),
+        Assumed(defaults.strategy, "another share of the same demand"),
     ]
     parallel_electric_share: Annotated[
-        float, number(0.0, 1.0, "1", "electric part of the whole demand (parallel_ratio)")
+        float,
+        number(0.0, 1.0, "1", "electric part of the whole demand (parallel_ratio)"),
+        Assumed(defaults.electric_share, "nothing with series_optimal"),
     ]
     electric_rated_torque_nm: Annotated[
-        float, number(0.0, 20e3, "N m", "electric torque before the hydraulic brake adds")
+        float,
+        number(0.0, 20e3, "N m", "electric torque before the hydraulic brake adds"),
+        Assumed(defaults.electric_rated_torque, "nothing with series_optimal"),
     ]
-    hydraulic_dead_time_s: Annotated[float, number(0.0, 1.0, "s", "")]
-    hydraulic_time_constant_s: Annotated[float, number(1e-3, 2.0, "s", "")]
-    hydraulic_rate_nm_per_s: Annotated[float, number(0.1, 1e6, "N m/s", "")]
+    hydraulic_dead_time_s: Annotated[
+        float,
+        number(0.0, 1.0, "s", ""),
+        Assumed(defaults.hydraulic_dead_time, "a jerk where torque is handed over"),
+    ]
+    hydraulic_time_constant_s: Annotated[
+        float,
+        number(1e-3, 2.0, "s", ""),
+        Assumed(defaults.hydraulic_time_constant, "a jerk where torque is handed over"),
+    ]
+    hydraulic_rate_nm_per_s: Annotated[
+        float,
+        number(0.1, 1e6, "N m/s", ""),
+        Assumed(defaults.hydraulic_rate, "a jerk where torque is handed over"),
+    ]
     max_hydraulic_torque_nm: Annotated[
         float,
         number(
@@ -33,6 +52,7 @@ class Brake(Section):
             "per driven wheel; 0: none",
             "WheelBrake.hydraulic_torque_nm",
         ),
+        Assumed(defaults.no_hydraulic, "a brake that is there is not used"),
     ]
     hydraulic_knee_torque_nm: Annotated[
         float,

@@ -17,6 +17,7 @@ from regen_table import (
     DYNAMIC,
     STRATEGIES,
     calibrate,
+    filling,
     flux_files,
     flux_map,
     generate,
@@ -129,9 +130,15 @@ def run_generate(options: argparse.Namespace) -> int:
     for warning in generate.warnings(drive, found):  # last: an error is one line
         print(f"{options.config}: warning: {warning}", file=sys.stderr)
     print(generate.report_text(found))
+    _print_assumptions(drive)
     for path in paths:
         print(path)
     return 0
+
+
+def _print_assumptions(drive: schema.Drive) -> None:
+    for assumption in filling.assumptions(drive):
+        print(f"assumed: {assumption}")
 
 
 def run_check(options: argparse.Namespace) -> int:

@@ -7,6 +7,7 @@ Plain scalar arithmetic, so that the simulator, which reads the same files, load
 import itertools
 import math
 
+from regen_table import defaults
 from regen_table.plant_sections import DEMANDED_BRAKE_NM
 from regen_table.sections import Drive
 
@@ -168,18 +169,12 @@ def initial_open_circuit_v(drive: Drive) -> float:
 
 
 def largest_torque_nm(drive: Drive, current_a: float) -> float:
-    """Largest torque in N m of a peak phase current at standstill, without iron loss.
-
-    T = 1.5 p (psi + (L_d - L_q) i_d) i_q on the circle i_d^2 + i_q^2 = I^2. With d = L_q - L_d the
-    best i_d solves 2 d i_d^2 - psi i_d - d I^2 = 0; the root below is the one with the larger
-    torque for either sign of d.
-    """
+    """Largest torque in N m of a peak phase current at standstill, without iron loss."""
     motor = drive.motor
-    saliency = motor.q_inductance_h - motor.d_inductance_h
-    psi = motor.flux_linkage_wb
-    i_d = 0.0
-    if saliency != 0.0:
-        root = math.sqrt(psi * psi + 8.0 * (saliency * current_a) ** 2)
-        i_d = -2.0 * saliency * current_a * current_a / (psi + root)
-    i_q = math.sqrt(max(current_a * current_a - i_d * i_d, 0.0))
-    return 1.5 * motor.pole_pairs * (psi - saliency * i_d) * i_q
+    return defaults.largest_torque_nm(
+        motor.pole_pairs,
+        motor.flux_linkage_wb,
+        motor.d_inductance_h,
+        motor.q_inductance_h,
+        current_a,
+    )

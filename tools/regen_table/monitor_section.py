@@ -5,6 +5,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from regen_table import defaults
+from regen_table.assumed import Assumed
 from regen_table.plant_sections import Section, number
 
 
@@ -67,7 +69,9 @@ class Monitor(Section):
         ),
     ] = None
     offset_tolerance_codes: Annotated[
-        int, number(1, 1024, "1", "a current sensor's zero from the middle of its range")
+        int,
+        number(1, 1024, "1", "a current sensor's zero from the middle of its range"),
+        Assumed(defaults.offset_tolerance, "a start that is refused"),
     ] = 200
     torque_tolerance_nm: Annotated[
         float | None,

@@ -6,6 +6,9 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field
 from pydantic.fields import FieldInfo
 
+from regen_table import defaults
+from regen_table.assumed import Assumed
+
 DEMANDED_DRIVE_NM = 1638.2  # end of Demand.drive_torque_nm on CAN
 DEMANDED_BRAKE_NM = 3276.6  # end of Demand.brake_torque_nm
 COMMANDED_HYDRAULIC_NM = 3276.7  # end of WheelBrake.hydraulic_torque_nm
@@ -84,15 +87,25 @@ class Thermal(Section):
     temperatures beside their sensors.
     """
 
-    winding_heat_capacity_j_per_k: Annotated[float, number(0.0, 2e6, "J/K", "copper")] = 0.0
+    winding_heat_capacity_j_per_k: Annotated[
+        float,
+        number(0.0, 2e6, "J/K", "copper"),
+        Assumed(defaults.winding_heat_capacity, "a warm-up that is estimated too fast or slow"),
+    ] = 0.0
     winding_thermal_resistance_k_per_w: Annotated[
-        float, number(0.0, 1e3, "K/W", "winding to housing; 0: insulated")
+        float,
+        number(0.0, 1e3, "K/W", "winding to housing; 0: insulated"),
+        Assumed(defaults.winding_thermal_resistance, "derating early or late"),
     ] = 0.0
     housing_heat_capacity_j_per_k: Annotated[
-        float, number(0.0, 2e6, "J/K", "iron and housing; 0: none")
+        float,
+        number(0.0, 2e6, "J/K", "iron and housing; 0: none"),
+        Assumed(defaults.housing_heat_capacity, "a warm-up that is estimated too fast or slow"),
     ] = 0.0
     housing_thermal_resistance_k_per_w: Annotated[
-        float, number(0.0, 1e3, "K/W", "housing to ambient; 0: insulated")
+        float,
+        number(0.0, 1e3, "K/W", "housing to ambient; 0: insulated"),
+        Assumed(defaults.housing_thermal_resistance, "derating early or late"),
     ] = 0.0
     switch_heat_capacity_j_per_k: Annotated[float, number(0.0, 2e6, "J/K", "all six switches")] = (
         0.0

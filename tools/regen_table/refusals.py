@@ -117,6 +117,15 @@ def _voltages(drive: Drive) -> Iterator[str]:
 # ---- number formats ----
 
 
+def with_fitting_bandwidth(drive: Drive) -> Drive:
+    """Return a drive whose current loop was not given with one that fits its number formats."""
+    name = "control.current_bandwidth_hz"
+    if relations.mistakes(drive) or _fits(drive):
+        return drive
+    enough = _nearest_good(drive, name, range_of(name)[1], _fits)
+    return drive if enough is None else with_value(drive, name, enough)
+
+
 def _formats(drive: Drive) -> list[str]:
     """Return one line where one key mends all quantities beyond their formats.
 

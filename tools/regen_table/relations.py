@@ -11,9 +11,10 @@ import itertools
 import math
 from collections.abc import Callable, Iterator
 
-from regen_table import derived
+from regen_table import boards, derived
 from regen_table.plant_sections import Section
 from regen_table.sections import Drive
+from regen_table.suggest import suggestion
 
 CAN_BASE_STEP = 32  # config.h: CONFIG_CAN_BASE_STEP
 # Beyond any real drive, and where the firmware's model of the motor leaves its number formats
@@ -25,6 +26,7 @@ LARGEST_FLUX_WB = 2.0  # as in sections
 IRON_RESISTANCES_MAX = 2048.0
 BACK_EMF_PARTS = 32.0
 LEAST_TORQUE_NM = 0.01  # that a motor can have as its rated one
+FULL_SCALE_TOLERANCE = 0.05  # as boot.c
 EMF_TOLERANCE = 0.01  # flux linkage and voltages are not known any better
 
 
@@ -150,6 +152,39 @@ def _identifiers(drive: Drive) -> Iterator[str]:
     base = drive.vehicle.can_base
     if base % CAN_BASE_STEP:
         yield f"vehicle.can_base: {base}, accepted: a multiple of {CAN_BASE_STEP}"
+
+
+def _board(drive: Drive) -> Iterator[str]:
+    """Refuse another board's full scales, as the start of its firmware does."""
+    inverter, named = drive.inverter, drive.inverter.board
+    if named is None:
+        return
+    board = boards.known().get(named)
+    if board is None:
+        yield f"inverter.board: no {named!r}, {suggestion(named, boards.known())}"
+        return
+    for key, unit in (("current_full_scale_a", "A"), ("voltage_full_scale_v", "V")):
+        value, of_board = getattr(inverter, key), getattr(board, key)
+        if abs(value - of_board) > FULL_SCALE_TOLERANCE * of_board:
+            yield (
+                f"inverter.{key}: {value:g} {unit}, accepted: {of_board:.4g} {unit} within 5 %,"
+                f" which is what {named} measures"
+            )
+    if inverter.dead_time_s < board.dead_time_s * (1.0 - 1e-9):
+        yield (
+            f"inverter.dead_time_s: {inverter.dead_time_s:g} s, accepted: at least"
+            f" {board.dead_time_s:g} s, the least of {named}"
+        )
+    if drive.battery.max_voltage_v > board.voltage_most_v:
+        yield (
+            f"battery.max_voltage_v: {drive.battery.max_voltage_v:g} V, accepted: at most"
+            f" {board.voltage_most_v:g} V, which {named} stands"
+        )
+    if drive.motor.max_phase_current_a > board.current_most_a:
+        yield (
+            f"motor.max_phase_current_a: {drive.motor.max_phase_current_a:g} A, accepted: at most"
+            f" {board.current_most_a:g} A, which {named} carries"
+        )
 
 
 def _inductances(drive: Drive) -> Iterator[str]:
@@ -674,7 +709,8 @@ def _regeneration(drive: Drive) -> Iterator[str]:
 
 
 _CHECKS: tuple[Callable[[Drive], Iterator[str]], ...] = (
-    _inductances, _saliency, _inverse_saliency, _magnets, _iron, _iron_at_speed, _iron_when_slow,
+    _board, _inductances, _saliency, _inverse_saliency, _magnets, _iron, _iron_at_speed,
+    _iron_when_slow,
     _drag, _emf_of_surface_magnets, _torques, _currents, _battery, _foldback, _derating, _stop_lamp,
     _hold, _pedals, _trips, _devices, _torque_growth, _grid, _temperatures, _temperature_sensors,
     _handover, _hall, _hall_hand_over, _encoder, _emf, _regeneration, _identifiers,

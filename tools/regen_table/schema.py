@@ -5,6 +5,7 @@ Light to import (pydantic and the standard library): the simulator reads the sam
 module.
 """
 
+import re
 import tomllib
 import types
 from collections.abc import Mapping
@@ -15,7 +16,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from regen_table import inputs, installation, refusals
+from regen_table import filling, inputs, installation, refusals
 from regen_table.errors import ConfigurationError
 from regen_table.sections import Drive, bounds, range_of
 from regen_table.suggest import suggestion
@@ -57,16 +58,19 @@ def parse(data: Mapping[str, Any], name: str, source: str) -> Drive:
 
     ``source`` begins every error line; there is one for everything that is wrong.
     """
-    tree = dict(data)
+    filled = filling.fill(data, name)
     try:
-        drive = Drive.model_validate(tree).named(name)
+        drive = Drive.model_validate(filled.tree).named(name)
     except ValidationError as error:
-        raise _refusal(source, _single_mistakes(tree, error, name)) from error
+        raise _refusal(source, _single_mistakes(data, filled, error, name)) from error
     except ConfigurationError as error:
         raise _refusal(source, [str(error)]) from error
+    if "control.current_bandwidth_hz" in filled.assumed:
+        drive = refusals.with_fitting_bandwidth(drive)
+    filling.forget(drive, filled.assumed)
     mistakes = refusals.mistakes(drive)
     if mistakes:
-        raise _refusal(source, mistakes)
+        raise _refusal(source, [_with_origin(line, filled.assumed) for line in mistakes])
     return drive
 
 
@@ -74,15 +78,29 @@ def _refusal(source: str, lines: list[str]) -> ConfigurationError:
     return ConfigurationError("\n".join(f"{source}: {line}" for line in lines))
 
 
+def _with_origin(line: str, assumed: set[str]) -> str:
+    """Say of the keys in a line that the file does not give how they came about."""
+    words = set(re.findall(r"[\w.]+", line))
+    origins = []
+    for key in sorted(assumed & words | {k for k in assumed if k.partition(".")[2] in words}):
+        rule = filling.rule_of(filling.declared()[key])
+        assert rule is not None
+        origins.append(f"{key} was assumed: {rule.how}")
+    return f"{line} ({'; '.join(origins)})" if origins else line
+
+
 # A misspelt key shows up twice, as an unknown one and as a missing one: unknown keys come first.
 _ORDER = {"extra_forbidden": 0, "missing": 1}
 
 
-def _single_mistakes(tree: dict[str, Any], error: ValidationError, name: str) -> list[str]:
+def _single_mistakes(
+    data: Mapping[str, Any], filled: filling.Filled, error: ValidationError, name: str
+) -> list[str]:
     """Return a line for each key that is wrong by itself, then for what else does not fit.
 
     The rest is looked at with those keys anywhere in their ranges; what does not depend on them
-    is wrong as well.
+    is wrong as well. Of keys that were to be assumed only those count that are the file's own
+    mistake: what follows from a wrong key is wrong because of it.
     """
     found = sorted(error.errors(include_url=False), key=lambda d: _ORDER.get(d["type"], 2))
     lines: dict[str, str] = {}
@@ -90,12 +108,14 @@ def _single_mistakes(tree: dict[str, Any], error: ValidationError, name: str) ->
         keys = [str(part) for part in details["loc"][:2]]
         lines.setdefault(".".join(keys), f"{'.'.join(keys)}: {_explain(details, keys)}")
     misspelt = _meant_by_unknown(found)
-    answers = [line for key, line in lines.items() if key not in misspelt]
+    own = {key: line for key, line in lines.items() if key not in filled.assumed | filled.open}
+    answers = [
+        _with_origin(line, filled.assumed)
+        for key, line in (own or lines).items()
+        if key not in misspelt and key.partition(".")[0] not in misspelt
+    ]
     try:
-        low, middle, high = (
-            refusals.mistakes(Drive.model_validate(_repaired(tree, found, share)).named(name))
-            for share in (0.0, 0.5, 1.0)
-        )
+        low, middle, high = (_of_the_rest(data, found, name, share) for share in (0.0, 0.5, 1.0))
     except (ValidationError, ConfigurationError, KeyError, TypeError):
         return answers
     wrong = [key.rpartition(".")[2] for key in lines]
@@ -104,29 +124,42 @@ def _single_mistakes(tree: dict[str, Any], error: ValidationError, name: str) ->
     return answers + [
         line
         for line in middle
-        if line.partition(":")[0] in always and not any(key in line for key in wrong)
+        if line.partition(":")[0] in always - filled.assumed
+        and not any(key in line for key in wrong)
     ]
 
 
+def _of_the_rest(
+    data: Mapping[str, Any], found: list[ErrorDetails], name: str, share: float
+) -> list[str]:
+    """Return what else is wrong, with the wrong keys somewhere in their ranges."""
+    again = filling.fill(_repaired(data, found, share), name)
+    return refusals.mistakes(Drive.model_validate(again.tree).named(name))
+
+
 def _meant_by_unknown(found: list[ErrorDetails]) -> set[str]:
-    """Return the missing keys that unknown ones of their section were meant to be."""
+    """Return the missing keys and sections that unknown ones were meant to be."""
     meant = set()
     for details in found:
         keys = [str(part) for part in details["loc"][:2]]
-        if details["type"] == "extra_forbidden" and len(keys) == 2:
-            guess = suggestion(keys[1], _section(keys[0]).model_fields)
-            meant.add(f"{keys[0]}.{guess.removeprefix('did you mean ').rstrip('?')}")
+        if details["type"] == "extra_forbidden":
+            known = Drive.model_fields if len(keys) == 1 else _section(keys[0]).model_fields
+            guess = suggestion(keys[-1], known).removeprefix("did you mean ").rstrip("?")
+            meant.add(".".join([*keys[:-1], guess]))
     missing = {".".join(map(str, d["loc"][:2])) for d in found if d["type"] == "missing"}
-    return meant & missing
+    absent_sections = {key.partition(".")[0] for key in missing}
+    return meant & (missing | absent_sections)
 
 
-def _repaired(tree: dict[str, Any], found: list[ErrorDetails], share: float) -> dict[str, Any]:
+def _repaired(data: Mapping[str, Any], found: list[ErrorDetails], share: float) -> dict[str, Any]:
     """Return the tree without unknown keys, and with numbers out of range somewhere within."""
     tree = {
-        section: dict(keys) if isinstance(keys, Mapping) else keys for section, keys in tree.items()
+        section: dict(keys) if isinstance(keys, Mapping) else keys for section, keys in data.items()
     }
     for details in found:
-        section, *rest = (str(part) for part in details["loc"][:2])
+        section, *rest = (str(part) for part in details["loc"])
+        if len(rest) > 1 or section not in tree or (rest and rest[0] not in tree[section]):
+            continue
         if details["type"] == "extra_forbidden":
             (tree[section] if rest else tree).pop(rest[0] if rest else section, None)
         elif details["type"] in {"less_than_equal", "greater_than_equal"} and rest:
@@ -149,18 +182,13 @@ def _explain(details: ErrorDetails, keys: list[str]) -> str:
         what = "section" if parent is Drive and isinstance(value, Mapping) else "key"
         return f"unknown {what}, {suggestion(keys[-1], parent.model_fields)}"
     if parent is Drive:
-        return (
-            "this section is missing"
-            if kind == "missing"
-            else f"must be a section, found {_show(value)}"
-        )
-    accepted = _accepted(parent.model_fields[keys[1]])
-    absent = kind == "missing" and len(details["loc"]) == 2
-    return (
-        f"missing, accepted: {accepted}"
-        if absent
-        else f"{_show(value)} is not accepted, accepted: {accepted}"
-    )
+        return f"must be a section, found {_show(value)}"
+    info = parent.model_fields[keys[1]]
+    accepted, rule = accepted_values(info), filling.rule_of(info)
+    if kind != "missing" or len(details["loc"]) != 2:
+        return f"{_show(value)} is not accepted, accepted: {accepted}"
+    instead = "" if rule is None else f", or what it is assumed from: {rule.how}"
+    return f"missing, accepted: {accepted}{instead}"
 
 
 def _show(value: object) -> str:
@@ -175,7 +203,7 @@ def _section(name: str) -> type[BaseModel]:
     return section
 
 
-def _accepted(info: FieldInfo) -> str:
+def accepted_values(info: FieldInfo) -> str:
     """Describe what a key takes: kind, range and unit."""
     extra = info.json_schema_extra if isinstance(info.json_schema_extra, dict) else {}
     unit = str(extra.get("unit", "1"))
@@ -210,8 +238,8 @@ def _accepted_kind(kind: object, metadata: list[Any], unit: str) -> str:
             f"{texts[0]} each" if len(set(texts)) == 1 else ", ".join(texts)
         )
     lowest, highest = bounds(metadata)
-    if kind is str:
-        return f"text of {lowest} to {highest} characters"
+    if kind in {bool, str}:
+        return f"text of {lowest} to {highest} characters" if kind is str else "true or false"
     return f"{'a whole number' if kind is int else 'a number'} from {lowest:g} to {highest:g}" + (
         f" {unit}" if unit != "1" else ""
     )

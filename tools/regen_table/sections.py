@@ -5,7 +5,8 @@ One class a section, one line a key; [brake] is in ``brake_section``, [driver] i
 ``driver_section``, [pedals] in ``pedals_section``, [monitor] in ``monitor_section``, what only the
 simulated plant reads in ``plant_sections``. All classes are strict (no text taken for a number),
 frozen, and refuse unknown keys and non-finite numbers. An optional key that is absent switches its
-feature off or has the default given in its line; no key is ever guessed.
+feature off or has the default given in its line. A key with a rule (``Assumed``) is derived from
+what the file gives, and reported as assumed.
 """
 
 import re
@@ -14,6 +15,8 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field
 
+from regen_table import defaults
+from regen_table.assumed import Assumed
 from regen_table.brake_section import Brake
 from regen_table.driver_section import Driver
 from regen_table.errors import ConfigurationError
@@ -55,22 +58,36 @@ TemperaturePoints = Annotated[int, number(2, 17, "1", "grid points")] | Literal[
 class Motor(Section):
     """A permanent-magnet synchronous machine and its limits."""
 
-    name: Annotated[str, Field(min_length=1, max_length=80, description="for people")]
+    name: Annotated[
+        str,
+        Field(min_length=1, max_length=80, description="for people"),
+        Assumed(defaults.name, "nothing: it is for people"),
+    ]
     type: Annotated[
-        Literal["spmsm", "ipmsm"], Field(description="surface (L_d = L_q) or interior magnets")
+        Literal["spmsm", "ipmsm"],
+        Field(description="surface (L_d = L_q) or interior magnets"),
+        Assumed(defaults.motor_type, "the reluctance torque of interior magnets"),
     ]
     pole_pairs: Annotated[int, number(1, 60, "1", "electrical turns in a mechanical turn")]
     phase_resistance_ohm: Annotated[
         float, number(1e-5, 100.0, "ohm", "one phase, at reference_temperature_c")
     ]
     reference_temperature_c: Annotated[
-        float, number(-50.0, 150.0, "degC", "where phase_resistance_ohm holds")
+        float,
+        number(-50.0, 150.0, "degC", "where phase_resistance_ohm holds"),
+        Assumed(defaults.room_temperature, "25 K are 10 % of the resistance: 0.1 to 1.4 %"),
     ]
     resistance_temperature_coefficient_per_k: Annotated[
-        float, number(0.0, 0.01, "1/K", "copper 0.00393")
+        float,
+        number(0.0, 0.01, "1/K", "copper 0.00393"),
+        Assumed(defaults.copper, "windings are copper"),
     ]
     d_inductance_h: Annotated[float, number(1e-7, 1.0, "H", "direct axis")]
-    q_inductance_h: Annotated[float, number(1e-7, 1.0, "H", "quadrature axis")]
+    q_inductance_h: Annotated[
+        float,
+        number(1e-7, 1.0, "H", "quadrature axis"),
+        Assumed(defaults.q_inductance, "currents that answer slower or faster; no energy"),
+    ]
     flux_linkage_wb: Annotated[
         float, number(1e-6, 2.0, "Wb", "PEAK PHASE flux linkage of the magnets")
     ]
@@ -94,22 +111,45 @@ class Motor(Section):
     rated_torque_nm: Annotated[
         float,
         number(0.01, DEMANDED_DRIVE_NM, "N m", "continuous", "Demand.drive_torque_nm"),
+        Assumed(defaults.rated_torque, "a motor that overheats, or is used too little"),
     ]
     max_torque_nm: Annotated[
         float,
         number(0.01, DEMANDED_DRIVE_NM, "N m", "either direction", "Demand.drive_torque_nm"),
+        Assumed(defaults.max_torque, "more demand for the friction brake, or a hot winding"),
     ]
     max_power_w: Annotated[
-        float, number(1.0, 1e6, "W", "electromagnetic, either direction (P_en of the paper)")
+        float,
+        number(1.0, 1e6, "W", "electromagnetic, either direction (P_en of the paper)"),
+        Assumed(defaults.max_power, "nothing: other limits come first"),
     ]
-    max_phase_current_a: Annotated[float, number(0.1, 3000.0, "A", "peak")]
-    max_speed_rpm: Annotated[float, number(10.0, 47e3, "r/min", "mechanical")]
+    max_phase_current_a: Annotated[
+        float,
+        number(0.1, 3000.0, "A", "peak"),
+        Assumed(defaults.max_phase_current, "demagnetised magnets where they stand less"),
+    ]
+    max_speed_rpm: Annotated[
+        float,
+        number(10.0, 47e3, "r/min", "mechanical"),
+        Assumed(defaults.max_speed, "no driving torque beyond"),
+    ]
     max_winding_temperature_c: Annotated[
-        float, number(40.0, 300.0, "degC", "no torque beyond, below it derating")
+        float,
+        number(40.0, 300.0, "degC", "no torque beyond, below it derating"),
+        Assumed(defaults.max_winding_temperature, "a burnt winding where it stands less"),
     ]
     derate_winding_temperature_c: Annotated[
         float | None,
         number(0.0, 300.0, "degC", "derating starts; absent: 20 K below max_winding_temperature_c"),
+    ] = None
+    mass_kg: Annotated[
+        float | None,
+        number(
+            0.05,
+            1000.0,
+            "kg",
+            "of the motor alone: what [thermal] is assumed from; absent: nothing",
+        ),
     ] = None
     speed_fade_share: Annotated[
         float,
@@ -120,21 +160,66 @@ class Motor(Section):
 class Inverter(Section):
     """A two-level bridge of MOSFETs (or resistive switches) and its measuring ranges."""
 
-    switch_resistance_ohm: Annotated[float, number(0.0, 10.0, "ohm", "one switch, conducting")]
-    diode_forward_voltage_v: Annotated[float, number(0.0, 10.0, "V", "diode drop at zero current")]
-    diode_resistance_ohm: Annotated[float, number(0.0, 10.0, "ohm", "slope of the diode drop")]
-    dead_time_s: Annotated[float, number(0.0, 1e-5, "s", "between the two switches of a leg")]
-    pwm_frequency_hz: Annotated[float, number(4e3, 1e5, "Hz", "rate of the current loop")]
-    turn_on_loss_j_per_a: Annotated[float, number(0.0, 0.1, "J/A", "k_on of the paper's (12)")]
-    turn_off_loss_j_per_a: Annotated[float, number(0.0, 0.1, "J/A", "k_off of the paper's (12)")]
+    board: Annotated[
+        str | None,
+        Field(
+            min_length=1,
+            max_length=40,
+            description="one with a header in hal/PORT/boards: what its keys are assumed from;"
+            " absent: a board of one's own",
+        ),
+    ] = None
+    switch_resistance_ohm: Annotated[
+        float,
+        number(0.0, 10.0, "ohm", "one switch, conducting"),
+        Assumed(defaults.switch_resistance, "adds to the winding's: 10 % of both, 0.1 to 1.4 %"),
+    ]
+    diode_forward_voltage_v: Annotated[
+        float,
+        number(0.0, 10.0, "V", "diode drop at zero current"),
+        Assumed(defaults.diode_forward_voltage, "acts in the dead times alone"),
+    ]
+    diode_resistance_ohm: Annotated[
+        float,
+        number(0.0, 10.0, "ohm", "slope of the diode drop"),
+        Assumed(defaults.diode_resistance, "acts in the dead times alone"),
+    ]
+    dead_time_s: Annotated[
+        float,
+        number(0.0, 1e-5, "s", "between the two switches of a leg"),
+        Assumed(
+            defaults.dead_time, "twice: 0.14 %, but 8 % where it takes the voltage (3 us at 12 kHz)"
+        ),
+    ]
+    pwm_frequency_hz: Annotated[
+        float,
+        number(4e3, 1e5, "Hz", "rate of the current loop"),
+        Assumed(defaults.pwm_frequency, "switching losses in proportion: twice, up to 0.8 %"),
+    ]
+    turn_on_loss_j_per_a: Annotated[
+        float,
+        number(0.0, 0.1, "J/A", "k_on of the paper's (12)"),
+        Assumed(defaults.switching_loss, "twice: up to 0.8 %"),
+    ]
+    turn_off_loss_j_per_a: Annotated[
+        float,
+        number(0.0, 0.1, "J/A", "k_off of the paper's (12)"),
+        Assumed(defaults.switching_loss, "twice: up to 0.8 %"),
+    ]
     current_full_scale_a: Annotated[
-        float, number(1.0, 4000.0, "A", "what half the converter's range stands for")
+        float,
+        number(1.0, 4000.0, "A", "what half the converter's range stands for"),
+        Assumed(defaults.current_full_scale, "every torque in proportion: measure it"),
     ]
     voltage_full_scale_v: Annotated[
-        float, number(5.0, 2000.0, "V", "what the converter's whole range stands for")
+        float,
+        number(5.0, 2000.0, "V", "what the converter's whole range stands for"),
+        Assumed(defaults.voltage_full_scale, "every voltage in proportion: measure it"),
     ]
     pwm_timer_clock_hz: Annotated[
-        int, number(1_000_000, 1_000_000_000, "Hz", "to its counts the voltage limit is rounded")
+        int,
+        number(1_000_000, 1_000_000_000, "Hz", "to its counts the voltage limit is rounded"),
+        Assumed(defaults.timer_clock, "the board's start refuses another"),
     ] = 168_000_000
     min_pulse_s: Annotated[
         float | None,
@@ -145,10 +230,12 @@ class Inverter(Section):
             "what the low side conducts at least before the top of the count; absent: max(1 us, 2"
             " dead times)",
         ),
+        Assumed(defaults.min_pulse, "wrong currents at full voltage"),
     ] = None
     max_switch_temperature_c: Annotated[
         float | None,
         number(40.0, 250.0, "degC", "no torque beyond, below it derating; absent: not watched"),
+        Assumed(defaults.max_switch_temperature, "torque lost early, or a hot bridge"),
     ] = None
     derate_switch_temperature_c: Annotated[
         float | None,
@@ -192,22 +279,70 @@ class Battery(Section):
     Limits are those of the whole pack.
     """
 
+    cells: Annotated[
+        int | None,
+        number(
+            1, 400, "1", "lithium-ion cells in series: what voltages are assumed from; absent: none"
+        ),
+    ] = None
     open_circuit_voltage_v: Annotated[
-        Volts | SocCurve, Field(description="V, or [[soc, V], ...] with rising soc")
+        Volts | SocCurve,
+        Field(description="V, or [[soc, V], ...] with rising soc"),
+        Assumed(
+            defaults.open_circuit_voltage,
+            "other cells, such as LiFePO4: fold-back at another charge",
+        ),
     ]
-    series_resistance_ohm: Annotated[float, number(0.0, 10.0, "ohm", "R_s")]
-    polarisation_resistance_ohm: Annotated[float, number(0.0, 10.0, "ohm", "R_t")]
-    polarisation_capacitance_f: Annotated[float, number(1e-3, 1e7, "F", "C_t")]
-    capacity_ah: Annotated[float, number(0.01, 1e5, "A h", "")]
+    series_resistance_ohm: Annotated[
+        float,
+        number(0.0, 10.0, "ohm", "R_s"),
+        Assumed(
+            defaults.series_resistance, "simulated packs alone: twice, 2.7 % of the power at 1 C"
+        ),
+    ]
+    polarisation_resistance_ohm: Annotated[
+        float,
+        number(0.0, 10.0, "ohm", "R_t"),
+        Assumed(
+            defaults.polarisation_resistance,
+            "simulated packs alone: twice, 1.4 % of the power at 1 C",
+        ),
+    ]
+    polarisation_capacitance_f: Annotated[
+        float,
+        number(1e-3, 1e7, "F", "C_t"),
+        Assumed(defaults.polarisation_capacitance, "simulated packs alone"),
+    ]
+    capacity_ah: Annotated[
+        float,
+        number(0.01, 1e5, "A h", ""),
+        Assumed(defaults.capacity, "both current limits in proportion: give it"),
+    ]
     initial_soc: Annotated[
         float, number(0.0, 1.0, "1", "state of charge where work begins; absent: 0.7")
     ] = 0.7
     max_charge_current_a: Annotated[
-        float, number(0.0, 2e4, "A", "0: no regeneration into the battery")
+        float,
+        number(0.0, 2e4, "A", "0: no regeneration into the battery"),
+        Assumed(
+            defaults.max_charge_current, "too low: hard stops by friction; too high: aged cells"
+        ),
     ]
-    max_discharge_current_a: Annotated[float, number(0.1, 2e4, "A", "")]
-    max_voltage_v: Annotated[float, number(1.0, 1900.0, "V", "end of charge")]
-    min_voltage_v: Annotated[float, number(1.0, 1900.0, "V", "end of discharge")]
+    max_discharge_current_a: Annotated[
+        float,
+        number(0.1, 2e4, "A", ""),
+        Assumed(defaults.max_discharge_current, "driving power alone"),
+    ]
+    max_voltage_v: Annotated[
+        float,
+        number(1.0, 1900.0, "V", "end of charge"),
+        Assumed(defaults.max_voltage, "an over-charged pack of other cells: LiFePO4 has 3.65 V"),
+    ]
+    min_voltage_v: Annotated[
+        float,
+        number(1.0, 1900.0, "V", "end of discharge"),
+        Assumed(defaults.min_voltage, "an exhausted pack of other cells: LiFePO4 has 2.5 V"),
+    ]
     charge_foldback_voltage_v: Annotated[
         float | None,
         number(
@@ -244,10 +379,26 @@ class Vehicle(Section):
         float,
         number(0.01, 2.0, "m", "rolling radius, divided by the gear ratio where there is a gear"),
     ]
-    frontal_area_m2: Annotated[float, number(0.0, 20.0, "m2", "")]
-    drag_coefficient: Annotated[float, number(0.0, 2.0, "1", "")]
-    rolling_resistance: Annotated[float, number(0.0, 0.2, "1", "")]
-    driven_wheels: Annotated[int, number(1, 16, "1", "motors on one battery")]
+    frontal_area_m2: Annotated[
+        float,
+        number(0.0, 20.0, "m2", ""),
+        Assumed(defaults.frontal_area, "simulated vehicles and ideal stops alone"),
+    ]
+    drag_coefficient: Annotated[
+        float,
+        number(0.0, 2.0, "1", ""),
+        Assumed(defaults.drag, "simulated vehicles and ideal stops alone"),
+    ]
+    rolling_resistance: Annotated[
+        float,
+        number(0.0, 0.2, "1", ""),
+        Assumed(defaults.rolling, "simulated vehicles and ideal stops alone"),
+    ]
+    driven_wheels: Annotated[
+        int,
+        number(1, 16, "1", "motors on one battery"),
+        Assumed(defaults.one_wheel, "pack limits are shared by this number"),
+    ]
     wheel_position: Annotated[
         Literal["front_left", "front_right", "rear_left", "rear_right"],
         Field(description="this controller's address on CAN"),
@@ -261,16 +412,30 @@ class Vehicle(Section):
 class Control(Section):
     """Requirements of the control loops."""
 
-    current_bandwidth_hz: Annotated[float, number(10.0, 1e4, "Hz", "closed current loop")]
+    current_bandwidth_hz: Annotated[
+        float,
+        number(10.0, 1e4, "Hz", "closed current loop"),
+        Assumed(defaults.current_bandwidth, "slower or faster currents; no energy"),
+    ]
     torque_rate_nm_per_s: Annotated[
-        float, number(0.1, 2e6, "N m/s", "fastest change of motor torque")
+        float,
+        number(0.1, 2e6, "N m/s", "fastest change of motor torque"),
+        Assumed(defaults.torque_rate, "a jerk, or a late brake"),
     ]
     handover_start_rpm: Annotated[
-        float, number(0.0, 9500.0, "r/min", "blend-out of regenerative torque begins below")
+        float,
+        number(0.0, 9500.0, "r/min", "blend-out of regenerative torque begins below"),
+        Assumed(defaults.handover_start, "the last metre: 1 % of the kinetic energy from 25 km/h"),
     ]
-    handover_end_rpm: Annotated[float, number(0.0, 9500.0, "r/min", "no regenerative torque below")]
+    handover_end_rpm: Annotated[
+        float,
+        number(0.0, 9500.0, "r/min", "no regenerative torque below"),
+        Assumed(defaults.handover_end, "the last metre: 1 % of the kinetic energy from 25 km/h"),
+    ]
     field_weakening_current_a: Annotated[
-        float | None, number(0.0, 3000.0, "A", "largest demagnetising current; absent: off")
+        float | None,
+        number(0.0, 3000.0, "A", "largest demagnetising current; absent: off"),
+        Assumed(defaults.field_weakening_current, "no control of torque at top speed when empty"),
     ] = None
     dead_time_zone_a: Annotated[
         float | None,
@@ -332,14 +497,19 @@ class Table(Section):
     """The grid of the stored optimum."""
 
     speed_points: Annotated[
-        Points, Field(description="from standstill; auto: the smallest grid that suffices")
+        Points,
+        Field(description="from standstill; auto: the smallest grid that suffices"),
+        Assumed(defaults.smallest_grid, "nothing"),
     ]
     temperature_points: Annotated[
-        TemperaturePoints, Field(description="auto: the smallest grid that suffices")
+        TemperaturePoints,
+        Field(description="auto: the smallest grid that suffices"),
+        Assumed(defaults.smallest_grid, "nothing"),
     ]
     temperature_range_c: Annotated[
         tuple[Temperature, Temperature],
         Field(strict=False, description="winding [lowest, highest]"),
+        Assumed(defaults.temperature_range, "outside, the nearest edge is used"),
     ]
 
 

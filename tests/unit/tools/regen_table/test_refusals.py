@@ -181,14 +181,14 @@ def test_a_mistake_of_every_kind_is_in_one_answer() -> None:
         tree_of("lu2013"),
         {"motor.pole_pairs": 0, "motor.frictoin_torque_nm": 1.0, "control.handover_end_rpm": 30.0},
     )
-    del tree["battery"]["capacity_ah"]
+    del tree["vehicle"]["mass_kg"]
     lines = lines_of(tree)
     assert [blamed(line) for line in lines] == [
         "motor.frictoin_torque_nm",
-        "battery.capacity_ah",
+        "vehicle.mass_kg",
         "motor.pole_pairs",
     ]
-    tree["battery"]["capacity_ah"] = 100.0
+    tree["vehicle"]["mass_kg"] = 660.0
     lines = lines_of(tree)
     assert [blamed(line) for line in lines] == [
         "motor.frictoin_torque_nm",

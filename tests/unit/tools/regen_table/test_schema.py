@@ -342,9 +342,9 @@ def test_a_drive_that_cannot_return_energy_is_refused(change: Change) -> None:
         (b"[motor]\nname = '\xff\xfe'", "not UTF-8 text (byte 16)"),
         (bytes(range(256)) * 64, "not UTF-8 text (byte 128)"),
         (PAPER.read_bytes().partition(b"_torque_nm = ")[0], "not valid TOML: "),
-        (PAPER.read_bytes().partition(b"[battery]")[0], "battery: this section is missing"),
+        (PAPER.read_bytes().partition(b"[battery]")[0], "battery.open_circuit_voltage_v: missing"),
         (b"#" * (1 << 20) + b"\n", "larger than 1048576 bytes"),
-        (b"", "motor: this section is missing"),
+        (b"", "motor.pole_pairs: missing"),
         (b"x = " + b"[" * 5000, "not valid TOML: "),
     ],
     ids=[
