@@ -329,6 +329,16 @@ def _add_flux(command: argparse.ArgumentParser) -> None:
     command.add_argument("--json", type=output_file(".json"), metavar="FILE.json")
 
 
+def _add_explain(command: argparse.ArgumentParser) -> None:
+    """Add the keys to explain."""
+    command.add_argument(
+        "keys",
+        nargs="+",
+        metavar="KEY",
+        help="section.key, a key alone, or a section for all of it",
+    )
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="regen_table",
@@ -461,6 +471,13 @@ def _parser() -> argparse.ArgumentParser:
     for name, text, add_arguments in (
         ("fit", "loss parameters from a measured map, no-load curve or coast-down", _add_fit),
         ("flux", "check a flux map, and the constants that stand for it at a torque", _add_flux),
+    ):
+        command = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
+        add_arguments(command)
+        command.set_defaults(command=name)
+
+    for name, text, add_arguments in (
+        ("explain", "what a key means, its default, and where it is used", _add_explain),
     ):
         command = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
         add_arguments(command)

@@ -17,6 +17,7 @@ from regen_table import (
     DYNAMIC,
     STRATEGIES,
     calibrate,
+    explain,
     filling,
     flux_files,
     flux_map,
@@ -33,6 +34,18 @@ from regen_table import (
     schema,
 )
 from regen_table.errors import ConfigurationError
+
+
+def run_explain(options: argparse.Namespace) -> int:
+    """Print what keys mean."""
+    for key in [key for word in options.keys for key in explain.matching(word)]:
+        print(explain.text(key))
+    return 0
+
+
+def _print_assumptions(drive: schema.Drive) -> None:
+    for assumption in filling.assumptions(drive):
+        print(f"assumed: {assumption}")
 
 
 def run_calibrate(options: argparse.Namespace) -> int:
@@ -134,11 +147,6 @@ def run_generate(options: argparse.Namespace) -> int:
     for path in paths:
         print(path)
     return 0
-
-
-def _print_assumptions(drive: schema.Drive) -> None:
-    for assumption in filling.assumptions(drive):
-        print(f"assumed: {assumption}")
 
 
 def run_check(options: argparse.Namespace) -> int:

@@ -152,6 +152,23 @@ def passed_on(section: str, drive: Drive) -> dict[str, Any]:
     return out
 
 
+def fields_named_after(key: str) -> list[str]:
+    """Return the fields of config_t that are "section.key", passed on or computed in its place."""
+    section, _, name = key.partition(".")
+    return [
+        f"{target}.{field}"
+        for target, sources in _SOURCES.items()
+        if section in sources
+        for field in layout.load().sections[target]
+        if field == name
+        or any(
+            field == "_".join(filter(None, (name.removesuffix(f"_{key_unit}"), unit)))
+            for unit, (key_unit, _) in _UNITS.items()
+            if not key_unit or name.endswith(f"_{key_unit}")
+        )
+    ]
+
+
 def fields(drive: Drive) -> Values:
     """Compute every field of config_t, in the units its name ends in."""
     computed = _computed(drive)
