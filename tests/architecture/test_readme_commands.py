@@ -63,12 +63,9 @@ FORMS = {
         "./tools/dev release --help", "builds everything; architecture/test_release.py"
     ),
 }
-# What stands beside a command in words: "Copy tools/motors/lu2013.toml".
-BEFORE = {
-    "./tools/dev table tools/motors/mine.toml": "cp tools/motors/lu2013.toml tools/motors/mine.toml"
-}
 WRITTEN = (
     *("stop.json", "udds.csv", "grid.parquet"),
+    "tools/motors/mine.toml",
     *("firmware/config/generated/mine.c", "firmware/config/generated/mine.bin"),
     "build/STM32F41x.svd",
 )
@@ -159,8 +156,6 @@ class ReadmeCommandsTest(DevFixture):
 
     def test_every_command_of_the_readme_runs_in_its_order(self) -> None:
         for command in commands():
-            if before := BEFORE.get(command):
-                self.assertEqual(self.run_command(before).returncode, 0)
             self.files_exist(command)
             form = form_of(command)
             if form is not None and not form.run:
@@ -194,8 +189,6 @@ class ReadmeCommandsTest(DevFixture):
         for begin, form in FORMS.items():
             self.assertTrue(any(command.startswith(begin) for command in found), begin)
             self.assertTrue(form.reason)
-        for command in BEFORE:
-            self.assertIn(command, found)
 
     def test_tests_that_are_named_as_a_reason_exist(self) -> None:
         for form in FORMS.values():

@@ -15,7 +15,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from regen_table import BATTERIES, STOP_LIMITS, STRATEGIES, installation
+from regen_table import BATTERIES, STOP_LIMITS, STRATEGIES, boards, installation, label
 from regen_table.errors import CheckFailedError, ConfigurationError
 from regen_table.suggest import suggestion
 
@@ -339,6 +339,37 @@ def _add_explain(command: argparse.ArgumentParser) -> None:
     )
 
 
+def _add_new(command: argparse.ArgumentParser) -> None:
+    """Add the numbers and words of a label."""
+    command.add_argument("name", metavar="NAME", help="of the drive: letters, digits, - and _")
+    for quantity in label.QUANTITIES:
+        ends = (quantity.lowest, quantity.highest)
+        command.add_argument(
+            quantity.option,
+            type=_whole_number(int(ends[0]), int(ends[1]))
+            if quantity.whole
+            else _number(*ends, quantity.unit),
+            metavar=quantity.metavar,
+            help=quantity.text,
+        )
+    for choice in label.CHOICES:
+        command.add_argument(
+            choice.option, choices=choice.words, help=f"{choice.text}; default: {choice.words[0]}"
+        )
+    command.add_argument(
+        "--board",
+        choices=[*boards.known(), label.OWN_BOARD],
+        help="one with a header, or a bridge of one's own; default: the smallest that will do",
+    )
+    command.add_argument(
+        "-o",
+        "--output",
+        type=output_file(".toml"),
+        metavar="FILE.toml",
+        help="default: tools/motors/NAME.toml",
+    )
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="regen_table",
@@ -477,6 +508,7 @@ def _parser() -> argparse.ArgumentParser:
         command.set_defaults(command=name)
 
     for name, text, add_arguments in (
+        ("new", "a short TOML file from the numbers of a label; asks on a terminal", _add_new),
         ("explain", "what a key means, its default, and where it is used", _add_explain),
     ):
         command = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")

@@ -8,6 +8,7 @@ an explanation may take to appear.
 import argparse
 import json
 import sys
+import tomllib
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -26,14 +27,38 @@ from regen_table import (
     ideal_cycles,
     image,
     installation,
+    label,
     limited_stop,
     loss_fit,
     measured,
     outputs,
     points,
+    questions,
     schema,
 )
 from regen_table.errors import ConfigurationError
+
+
+def run_new(options: argparse.Namespace) -> int:
+    """Write a short TOML file from the numbers of a label, whole or not at all."""
+    path = options.output or installation.new_drive_file(options.name)
+    if path.suffix != ".toml":
+        path = path.with_name(f"{path.name}.toml")
+    outputs.check_writable(path)
+    if path.exists():
+        raise ConfigurationError(f"{path}: exists, accepted: another NAME or -o FILE.toml")
+    given = {name: value for name, value in vars(options).items() if value is not None}
+    if sys.stdin.isatty() and sys.stdout.isatty():
+        given |= questions.ask(given)
+    written = label.short_file(options.name, given)
+    drive = schema.parse(tomllib.loads(written.text), path.stem, str(path))
+    image.build(drive)
+    outputs.write_text(path, written.text)
+    for line in written.estimated:
+        print(f"estimated: {line}")
+    _print_assumptions(drive)
+    print(path)
+    return 0
 
 
 def run_explain(options: argparse.Namespace) -> int:

@@ -79,6 +79,11 @@ def drive_file(named: str | Path) -> Path:
     return known[path.name]
 
 
+def new_drive_file(name: str) -> Path:
+    """Return where a new drive's file goes: beside the others, or here where they are installed."""
+    return Path(f"{name}.toml") if INSTALLED else ROOT / "tools" / "motors" / f"{name}.toml"
+
+
 @cache
 def version() -> str:
     """Return the project's version, "MAJOR.MINOR.PATCH": that of the top CMake project."""
