@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "bench/engine.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -56,6 +57,7 @@ void hubsim_delete(hubsim_t *sim)
             sim->application.close(sim->application.context);
         }
         free(sim->trace_memory);
+        free(sim->energy_memory);
         free(sim);
     }
 }
@@ -144,6 +146,41 @@ int hubsim_set_voltage_curve(hubsim_t *sim, const double *soc, const double *vol
     if (sim->has_started) {
         sim->bench.params.battery.open_circuit_voltage_v = curve;
     }
+    return HUBSIM_OK;
+}
+
+static bool is_axis(const energy_axis_t *axis)
+{
+    return axis->cells >= 1 && axis->cells <= (int)ENERGY_MAP_CELLS_MAX && axis->step_wb > 0.0 &&
+           isfinite(axis->first_wb) && isfinite(axis->step_wb);
+}
+
+int hubsim_set_energy_map(hubsim_t *sim, const hubsim_energy_map_t *map)
+{
+    if (sim->has_started) {
+        return handle_fail(sim, HUBSIM_BAD_ORDER, "the energy map cannot be changed during a run");
+    }
+    const energy_map_t found = {
+        .d = {.first_wb = map->d_first_wb, .step_wb = map->d_step_wb, .cells = map->d_cells},
+        .q = {.first_wb = map->q_first_wb, .step_wb = map->q_step_wb, .cells = map->q_cells},
+    };
+    if (!is_axis(&found.d) || !is_axis(&found.q)) {
+        return handle_fail(sim, HUBSIM_BAD_VALUE,
+                           "energy map: accepted: 1 to %d cells an axis, steps above 0",
+                           (int)ENERGY_MAP_CELLS_MAX);
+    }
+    const size_t count = (size_t)(found.d.cells + (int)ENERGY_MAP_MORE) *
+                         (size_t)(found.q.cells + (int)ENERGY_MAP_MORE);
+    double *memory = malloc(sizeof(double) * count);
+    if (memory == NULL) {
+        return handle_fail(sim, HUBSIM_FAILED, "no memory for an energy map of %zu numbers", count);
+    }
+    memcpy(memory, map->coefficient_j, sizeof(double) * count);
+    free(sim->energy_memory);
+    sim->energy_memory = memory;
+    sim->energy_map = found;
+    sim->energy_map.coefficient_j = memory;
+    sim->params.motor.energy_map = &sim->energy_map;
     return HUBSIM_OK;
 }
 
@@ -447,6 +484,7 @@ int hubsim_restore(hubsim_t *sim, const void *state)
     memcpy(&sim->bench, (const unsigned char *)state + offsetof(snapshot_t, bench),
            sizeof(sim->bench));
     sim->bench.trace = sim->trace;
+    sim->bench.params.motor.energy_map = sim->params.motor.energy_map;
     bench_refresh(&sim->bench);
     return HUBSIM_OK;
 }

@@ -11,7 +11,14 @@ static const double LEAST_SHARE = 0.05;
 
 static const double DIED_OUT_A = 1e-30;
 
-static magnetics_data_t iron_of(const pmsm_params_t *params)
+static double flux_at(const pmsm_params_t *params, double winding_temperature_c)
+{
+    const double rise_k = winding_temperature_c - params->reference_temperature_c;
+    const double share = 1.0 + params->flux_temperature_coefficient_per_k * rise_k;
+    return params->flux_linkage_wb * plant_max(share, LEAST_SHARE);
+}
+
+static magnetics_data_t iron_of(const pmsm_params_t *params, double flux_wb)
 {
     const magnetics_data_t out = {
         .d_inductance_h = params->d_inductance_h,
@@ -20,19 +27,27 @@ static magnetics_data_t iron_of(const pmsm_params_t *params)
         .q_saturation_a = params->q_saturation_current_a,
         .cross_share = params->cross_saturation,
         .bias_a = params->magnet_bias_current_a,
+        .map = params->energy_map,
+        .shift_wb = flux_wb - params->flux_linkage_wb,
     };
     return out;
 }
 
 const char *pmsm_objection(const pmsm_params_t *params)
 {
-    const magnetics_data_t iron = iron_of(params);
+    const magnetics_data_t iron = iron_of(params, params->flux_linkage_wb);
+    const bool has_map = params->energy_map != NULL;
+    if (has_map && (params->d_saturation_current_a > 0.0 || params->q_saturation_current_a > 0.0)) {
+        return "motor.d_saturation_current_a, motor.q_saturation_current_a: accepted: 0 with a "
+               "flux map";
+    }
     if (!magnetics_is_possible(&iron)) {
-        return "motor.magnet_bias_current_a: accepted: less than 0.28 "
-               "motor.d_saturation_current_a, and so little that "
-               "4 motor.cross_saturation sqrt(d_inductance_h / q_inductance_h) bias^2 is less than "
-               "the product of both "
-               "saturation currents";
+        return has_map ? "flux map: accepted: inductances above zero at every current"
+                       : "motor.magnet_bias_current_a: accepted: less than 0.28 "
+                         "motor.d_saturation_current_a, and so little that "
+                         "4 motor.cross_saturation sqrt(d_inductance_h / q_inductance_h) bias^2 is "
+                         "less than the product of both "
+                         "saturation currents";
     }
     if (params->cogging_torque_nm > 0.0 &&
         (params->cogging_per_turn < 1.0 ||
@@ -47,12 +62,12 @@ pmsm_t pmsm_at_temperature(const pmsm_params_t *params, double winding_temperatu
 {
     const double rise_k = winding_temperature_c - params->reference_temperature_c;
     const double resistance_share = 1.0 + params->resistance_temperature_coefficient_per_k * rise_k;
-    const double flux_share = 1.0 + params->flux_temperature_coefficient_per_k * rise_k;
-    const magnetics_data_t iron = iron_of(params);
+    const double flux_wb = flux_at(params, winding_temperature_c);
+    const magnetics_data_t iron = iron_of(params, flux_wb);
     const pmsm_t out = {
         .params = *params,
         .resistance_ohm = params->phase_resistance_ohm * plant_max(resistance_share, LEAST_SHARE),
-        .flux_wb = params->flux_linkage_wb * plant_max(flux_share, LEAST_SHARE),
+        .flux_wb = flux_wb,
         .saliency_h = params->d_inductance_h - params->q_inductance_h,
         .magnetics = magnetics_of(&iron),
         .cogging = {.amplitude_nm = params->cogging_torque_nm,

@@ -19,7 +19,7 @@ BUILD = Path(os.environ["HUBFOC_BUILD_DIR"])
 LIBRARY = BUILD / "host_sim" / "libhubsim_engine.so"
 # Steps that are not one linear set (plant/pmsm_sets.c): not inlined, so that they use no registers
 # of the common step.
-RARE = {"pmsm_saturated.c", "pmsm_sets.c", "pmsm_straight.c"}
+RARE = {"energy_map.c", "pmsm_saturated.c", "pmsm_sets.c", "pmsm_straight.c"}
 # Results that depend on the processor or the order of operations, or on a recorded run.
 FORBIDDEN = re.compile(r"-(march|mcpu|mtune|mfma|mavx|ffast-math|funsafe|fassociative|fprofile)")
 

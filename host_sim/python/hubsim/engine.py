@@ -20,6 +20,7 @@ import numpy.typing as npt
 from regen_table import declarations, installation
 
 from hubsim.errors import HubsimError
+from hubsim.iron import MORE_COEFFICIENTS, Iron
 
 if TYPE_CHECKING:
     import cffi
@@ -133,6 +134,21 @@ class Engine:
         One point: constant.
         """
         self._check(self._lib.hubsim_set_voltage_curve(self._sim, *self._points(soc, voltage_v)))
+
+    def set_energy_map(self, iron: Iron) -> None:
+        """Set what the iron of every motor adds to its inductances, before ``start``."""
+        coefficient_j = self._ffi.new("double[]", iron.coefficient_j.ravel().tolist())
+        map_of = {
+            "d_first_wb": iron.d_first_wb,
+            "d_step_wb": iron.d_step_wb,
+            "q_first_wb": iron.q_first_wb,
+            "q_step_wb": iron.q_step_wb,
+            "d_cells": iron.coefficient_j.shape[0] - MORE_COEFFICIENTS,
+            "q_cells": iron.coefficient_j.shape[1] - MORE_COEFFICIENTS,
+            "coefficient_j": coefficient_j,
+        }
+        found = self._ffi.new("hubsim_energy_map_t *", map_of)
+        self._check(self._lib.hubsim_set_energy_map(self._sim, found))
 
     def set_trace(self, time_s: Sequence[float], speed_m_per_s: Sequence[float]) -> None:
         """Set the speed trace: times in s rising from 0, speeds in m/s."""

@@ -10,9 +10,10 @@
  * handles may run at the same time, one thread each.
  *
  * Order of a run: hubsim_new, hubsim_set for every parameter, hubsim_set_voltage_curve,
- * hubsim_set_trace if there is one, hubsim_load_config, hubsim_start, hubsim_choose, hubsim_run
- * until it returns HUBSIM_ENDED or enough time has passed, hubsim_value for the accounts,
- * hubsim_delete. hubsim_set also works between calls of hubsim_run: that is how events happen.
+ * hubsim_set_energy_map and hubsim_set_trace if there is one, hubsim_load_config, hubsim_start,
+ * hubsim_choose, hubsim_run until it returns HUBSIM_ENDED or enough time has passed, hubsim_value
+ * for the accounts, hubsim_delete. hubsim_set also works between calls of hubsim_run: that is how
+ * events happen.
  */
 #ifndef BENCH_ENGINE_H
 #define BENCH_ENGINE_H
@@ -52,6 +53,20 @@ int hubsim_get(const hubsim_t *sim, const char *name, double *value);
 
 /* Open-circuit voltage over state of charge, 1 to 64 points with rising soc. */
 int hubsim_set_voltage_curve(hubsim_t *sim, const double *soc, const double *voltage_v, int points);
+
+/*
+ * What the iron of every motor adds to its inductances (plant/energy_map.h): coefficients in J of
+ * 3/2 of three phases, for every j along d those of all k along q behind each other, cells + 3 of
+ * them along an axis, over the fluxes beside motor.flux_linkage_wb.
+ */
+typedef struct {
+    double d_first_wb, d_step_wb, q_first_wb, q_step_wb;
+    int d_cells, q_cells; /* 1 to 200 */
+    const double *coefficient_j;
+} hubsim_energy_map_t;
+
+/* Before hubsim_start; copied. */
+int hubsim_set_energy_map(hubsim_t *sim, const hubsim_energy_map_t *map);
 
 /* Speed over time for driver.follow_trace, times rising from 0; copied. */
 int hubsim_set_trace(hubsim_t *sim, const double *time_s, const double *speed_m_per_s, int points);
@@ -126,8 +141,8 @@ int hubsim_advance(hubsim_t *sim, double until_s);
 int hubsim_sample(hubsim_t *sim, double *row);
 
 /* A running vehicle with parameters, recorder and all, as bytes that mean something to this very
- * library only; a speed trace is not part of them. Restored into a started handle it goes on
- * exactly where it was. */
+ * library only; a speed trace and an energy map are not part of them. Restored into a started
+ * handle it goes on exactly where it was. */
 uint32_t hubsim_state_bytes(void);
 int hubsim_save(hubsim_t *sim, void *state);
 int hubsim_restore(hubsim_t *sim, const void *state);

@@ -41,6 +41,8 @@ struct hubsim {
     config_t config;
     driver_trace_t trace;
     double *trace_memory;
+    energy_map_t energy_map; /* where params.motor points to, if at all */
+    double *energy_memory;
     bool has_config, has_started;
     recorder_t recorder;
     char error[HANDLE_ERROR_LENGTH];

@@ -22,6 +22,12 @@
  * flux is half of L I_s. With bias, current in q also takes flux out of d: the torque for an ampere
  * falls with load, as it does in machines whose teeth are full.
  *
+ * A measured motor has an energy map (energy_map.h) for what its iron adds to the straight lines.
+ * It is a function of the whole flux, so magnets that are weaker by s than those of the map move
+ * along it, as a smaller magnetising current would:
+ *
+ *     W(x, y) = g_d x^2/2 + g_q y^2/2 + M(x + s, y) - M(s, 0) - x M_x(s, 0)
+ *
  * Sources: M. Hinkkanen et al., "Sensorless self-commissioning of synchronous reluctance motors at
  * standstill without rotor locking", IEEE Trans. Ind. Appl. 53 (2017): currents as such functions
  * of flux, reciprocity; here with fixed exponents, which are right for steel that bends softly, and
@@ -31,7 +37,9 @@
 #define PLANT_MAGNETICS_H
 
 #include <stdbool.h>
+#include <stddef.h>
 
+#include "plant/energy_map.h"
 #include "plant/vectors.h"
 
 /* Saturation data of a machine. A current of 0: that axis does not saturate. */
@@ -39,7 +47,9 @@ typedef struct {
     double d_inductance_h, q_inductance_h;
     double d_saturation_a, q_saturation_a; /* I_sd, I_sq */
     double cross_share;
-    double bias_a; /* I_b */
+    double bias_a;           /* I_b */
+    const energy_map_t *map; /* M; NULL: none. Outlives what is worked out with it */
+    double shift_wb;         /* s, 0 with magnets as they were when the map was measured */
 } magnetics_data_t;
 
 /* Worked out once. */
@@ -49,6 +59,9 @@ typedef struct {
     double a_d, a_q, a_c;
     double bias_wb; /* z_0 */
     double d_inductance_h, q_inductance_h;
+    const energy_map_t *map; /* M; NULL: none */
+    double shift_wb;
+    energy_at_t shifted; /* M(s, 0) */
 } magnetics_t;
 
 /* 1/H: di_d/dpsi_d, di_q/dpsi_q, and di_d/dpsi_q = di_q/dpsi_d. */
@@ -58,9 +71,12 @@ typedef struct {
 
 magnetics_t magnetics_of(const magnetics_data_t *data);
 
-/* False where the magnets alone would need more iron than these data have, and W would not be
- * convex. */
+/* False where W would not be convex: the magnets alone would need more iron than these data have,
+ * or the map has an inductance that is not above zero. */
 bool magnetics_is_possible(const magnetics_data_t *data);
+
+/* What the map adds to W and its derivatives. */
+energy_at_t magnetics_map(const magnetics_t *m, plant_dq_t flux);
 
 /* flux: of the currents, the magnets' taken off. */
 static inline plant_dq_t magnetics_current(const magnetics_t *m, plant_dq_t flux)
@@ -69,10 +85,15 @@ static inline plant_dq_t magnetics_current(const magnetics_t *m, plant_dq_t flux
     const double z0 = m->bias_wb;
     const double y_square = flux.q * flux.q;
     /* z^3 - z0^3 and z^2 - z0^2 by their factor x: exactly zero without current. */
-    const plant_dq_t out = {
+    plant_dq_t out = {
         .d = (m->per_l_d + m->a_d * (z * z + z * z0 + z0 * z0)) * flux.d + m->a_c * z * y_square,
         .q = (m->per_l_q + m->a_q * y_square + m->a_c * (z + z0) * flux.d) * flux.q,
     };
+    if (m->map != NULL) {
+        const plant_dq_t of_map = magnetics_map(m, flux).current_a;
+        out.d += of_map.d;
+        out.q += of_map.q;
+    }
     return out;
 }
 

@@ -24,10 +24,10 @@
  * the solution's place: 1e-5 of what flows then. Speed and temperature are constant during a step.
  * Valid for R * step < L (pmsm_is_resolved()), any speed: fast rotors take more than one set.
  *
- * Iron that saturates (magnetics.h) takes the place of L i_t where a saturation current is given;
- * the torque then is 3/2 p [(psi + x) i_qt - y i_dt], and the stages integrate the fluxes.
- * Cogging (cogging.h) adds its torque to the airgap's; its energy is counted with the magnetic one,
- * so the balance stays what it is.
+ * Iron that saturates (magnetics.h) takes the place of L i_t where a saturation current or an
+ * energy map is given; the torque then is 3/2 p [(psi + x) i_qt - y i_dt], and the stages integrate
+ * the fluxes. Cogging (cogging.h) adds its torque to the airgap's; its energy is counted with the
+ * magnetic one, so the balance stays what it is.
  */
 #ifndef PLANT_PMSM_H
 #define PLANT_PMSM_H
@@ -79,6 +79,9 @@
 
 typedef struct {
     PMSM_PARAMETERS(PLANT_PARAMETER_MEMBER)
+    /* What the iron adds to the inductances, over the flux beside flux_linkage_wb at
+     * reference_temperature_c; NULL: nothing. Without saturation currents. */
+    const energy_map_t *energy_map;
 } pmsm_params_t;
 
 /* The machine at one winding temperature. */

@@ -15,7 +15,7 @@ from regen_table import installation
 from regen_table.errors import ConfigurationError
 from regen_table.schema import Drive
 
-from hubsim import configuration
+from hubsim import configuration, iron
 from hubsim.emulator import Command, attached
 from hubsim.engine import Engine, Rows
 from hubsim.engine import parameters as engine_parameters
@@ -59,7 +59,12 @@ def prepare(
         scenario.plant,
         plant_overrides,
     )
-    for name, value in reduce(operator.or_, sources).items():
+    found = reduce(operator.or_, sources)
+    if scenario.plant_flux_map is not None:
+        measured = iron.load(beside / scenario.plant_flux_map)
+        found |= measured.parameters()
+        engine.set_energy_map(measured)
+    for name, value in found.items():
         engine.set(name, value)
     engine.set_voltage_curve(*plant.voltage_curve(drive))
     engine.load_config(configuration.image_of(drive))

@@ -33,6 +33,7 @@ from hubsim.scenario.quantities import Quantities
 
 DIRECTORY = Path(__file__).resolve().parent / "builtin"
 MAX_FILE_BYTES = 1 << 20
+FILES = ("cycle", "plant_flux_map")  # keys that name one
 
 _POINTS = "a list of [time_s, value] with times from 0, rising"
 Points = tuple[Annotated[tuple[float, float], Field(strict=False)], ...]
@@ -117,6 +118,15 @@ class Scenario(Section):
         float, number(1e-3, 100.0, "of the driver's speed regulator, rad/s")
     ] = 2.0
     driver_preview_s: Annotated[float, number(1e-3, 10.0, "preview time of the driver, s")] = 0.1
+    plant_flux_map: Annotated[
+        str | None,
+        Field(
+            description=(
+                "a measured flux map (CSV, NPZ, Parquet; regen_table flux): the simulated motors'"
+                " iron in place of their inductances and flux linkage"
+            )
+        ),
+    ] = None
     needs: Annotated[
         dict[str, str],
         listed(
@@ -291,7 +301,7 @@ def load(
     if name not in builtin_names() and isinstance(data.setdefault("plant", {}), dict):
         data["plant"].setdefault("thermal.active", 1.0)  # as the controllers' own model heats
     for key, value in overrides.items():
-        _put(data, key, _from_here(value) if key == "cycle" else value)
+        _put(data, key, _from_here(value) if key in FILES else value)
     settings = drive_settings or {}
     base = changed(drive or default_drive(), settings, "--set")
     if lacking := fitting.missing(data.get("needs"), str(path), Quantities(base)):
@@ -328,9 +338,9 @@ def _by_key(sections: Mapping[str, Mapping[str, Any]]) -> dict[tuple[str, str], 
     return {(section, key): v for section, keys in sections.items() for key, v in keys.items()}
 
 
-def _from_here(cycle: object) -> object:
-    """Return a cycle of the command line, whose file is not beside the scenario's."""
-    return str(Path(cycle).resolve()) if isinstance(cycle, str) and "." in cycle else cycle
+def _from_here(file: object) -> object:
+    """Return a file of the command line, which is not beside the scenario's."""
+    return str(Path(file).resolve()) if isinstance(file, str) and "." in file else file
 
 
 def _concerns(given: str, key: str) -> bool:

@@ -158,6 +158,46 @@ void test_a_restored_vehicle_continues_from_the_saved_state_also_in_another_hand
     TEST_ASSERT_EQUAL_INT(0, memcmp(first, elsewhere, sizeof(first)));
 }
 
+static void give_map(void)
+{
+    double parabola[16]; /* 500 x^2, a quarter of 1/(2 L): c = 500 (x^2 - h^2/3) */
+    for (int k = 0; k < 16; k++) {
+        const double steps = k / 4 - 1.5;
+        parabola[k] = 500.0 * (steps * steps - 1.0 / 3.0) * 0.04;
+    }
+    const hubsim_energy_map_t map = {.d_first_wb = -0.1,
+                                     .d_step_wb = 0.2,
+                                     .q_first_wb = -0.1,
+                                     .q_step_wb = 0.2,
+                                     .d_cells = 1,
+                                     .q_cells = 1,
+                                     .coefficient_j = parabola};
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_set_energy_map(sim, &map));
+}
+
+void test_an_energy_map_belongs_to_its_handle_also_after_a_restored_state(void)
+{
+    double first[CHOSEN];
+    double elsewhere[CHOSEN];
+    give_map();
+    start_braking();
+    TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_ORDER, hubsim_set_energy_map(sim, NULL));
+    void *state = malloc(hubsim_state_bytes());
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_advance(sim, 0.1));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_save(sim, state));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_advance(sim, 0.25));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_sample(sim, first));
+    hubsim_delete(sim);
+    sim = hubsim_new();
+    give_map();
+    start_braking();
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_restore(sim, state));
+    free(state);
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_advance(sim, 0.25));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_sample(sim, elsewhere));
+    TEST_ASSERT_EQUAL_INT(0, memcmp(first, elsewhere, sizeof(first)));
+}
+
 void test_calls_out_of_order_are_refused_with_a_message(void)
 {
     int64_t written = 0;
@@ -181,6 +221,13 @@ void test_invalid_names_and_values_are_refused_with_the_accepted_ones(void)
     const double falling[] = {1.0, 0.5};
     TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_VALUE, hubsim_set_trace(sim, falling, falling, 2));
     TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_VALUE, hubsim_set_voltage_curve(sim, falling, falling, 2));
+    const double zeros[16] = {0.0};
+    hubsim_energy_map_t map = {
+        .d_step_wb = 1e-3, .q_step_wb = 1e-3, .d_cells = 1, .q_cells = 0, .coefficient_j = zeros};
+    TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_VALUE, hubsim_set_energy_map(sim, &map));
+    map.q_cells = 1;
+    map.d_step_wb = -1e-3;
+    TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_VALUE, hubsim_set_energy_map(sim, &map));
 }
 
 void test_a_refused_configuration_is_reported_with_the_field(void)
