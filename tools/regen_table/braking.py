@@ -68,8 +68,15 @@ def region(
     Beyond T_zero a demand is in region I for any limits, down to standstill.
     """
     best = optimum.closed_form(motor, inverter, np.asarray(speed_rad_s) * motor.pole_pairs)
-    demand, limit = np.asarray(demand_nm), torque_limit_nm(drive, speed_rad_s)
-    optimal, zero = np.abs(best.torque_optimal_nm), np.abs(best.torque_zero_nm)
+    limit = torque_limit_nm(drive, speed_rad_s)
+    return region_of(np.abs(best.torque_optimal_nm), np.abs(best.torque_zero_nm), limit, demand_nm)
+
+
+def region_of(
+    optimal: ArrayLike, zero: ArrayLike, limit: ArrayLike, demand_nm: ArrayLike
+) -> np.typing.NDArray[np.str_]:
+    """Classify demands by the optimum, the torque of no power and the limit, all magnitudes."""
+    demand = np.asarray(demand_nm)
     inside = [demand <= np.minimum(optimal, limit), demand > zero, optimal > limit]
     names = [Region.MOTOR_ALONE.value, Region.PLUGGING.value, Region.MIXED.value]
     return np.select(inside, names, Region.BEYOND_OPTIMUM.value)

@@ -20,6 +20,7 @@ from regen_table import (
     calibrate,
     explain,
     filling,
+    flux_constants,
     flux_files,
     flux_map,
     generate,
@@ -249,6 +250,7 @@ def run_evaluate(options: argparse.Namespace) -> int:
 def run_stop(options: argparse.Namespace) -> int:
     """Print ideal stops."""
     drive = schema.load(options.config)
+    _warn_of_constants(options.config, drive)
     strategy = options.strategy or drive.brake.strategy
     warm = _one_temperature(drive, options.winding_temperature_c)
     if options.limits is not None and options.battery != DYNAMIC:
@@ -284,6 +286,13 @@ def run_stop(options: argparse.Namespace) -> int:
     return 0
 
 
+def _warn_of_constants(path: Path, drive: schema.Drive) -> None:
+    """Say that an answer is of the constants that stand for a flux map."""
+    line = flux_constants.warning(drive)
+    if line is not None:
+        print(f"{path}: warning: {line}; these answers are the constants'", file=sys.stderr)
+
+
 def _with_voltage(drive: schema.Drive, voltage_v: float) -> schema.Drive:
     """Return the drive with another open-circuit voltage, where that is one number."""
     if not isinstance(drive.battery.open_circuit_voltage_v, float | int):
@@ -298,6 +307,7 @@ def _with_voltage(drive: schema.Drive, voltage_v: float) -> schema.Drive:
 def run_cycle(options: argparse.Namespace) -> int:
     """Print an ideal cycle under every strategy."""
     drive = schema.load(options.config)
+    _warn_of_constants(options.config, drive)
     warm = _one_temperature(drive, options.winding_temperature_c)
     trace = ideal_cycles.load(options.trace, options.top_speed_kmh)
     with _about(options.config):
@@ -319,6 +329,7 @@ def run_figures(options: argparse.Namespace) -> int:
     from regen_table import figures  # noqa: PLC0415, as above
 
     drive = schema.load(options.config)
+    _warn_of_constants(options.config, drive)
     with _about(options.config):
         for path in figures.draw_all(drive, options.output):
             print(path)

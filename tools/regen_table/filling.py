@@ -87,9 +87,15 @@ def assumptions(drive: Drive) -> Iterator[Assumption]:
         value = getattr(keys, name)
         if name in keys.model_fields_set or (not info.is_required() and value == info.default):
             continue
+        if key == "motor.q_inductance_h" and _curved(drive):
+            continue
         rule = rule_of(info)
         assert rule is not None
         yield Assumption(key, value, unit_of(info), rule.how, rule.cost)
+
+
+def _curved(drive: Drive) -> bool:
+    return drive.motor.flux_map is not None or drive.motor.q_inductance_curve_h is not None
 
 
 @cache

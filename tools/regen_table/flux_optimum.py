@@ -196,6 +196,33 @@ def best_braking(
     return least_power(motor, inverter, omega, sign * torque[0], limits)
 
 
+def zero_power_torque_nm(
+    motor: FluxMotor, inverter: Bridge, omega: float, limits: joint.Limits, best: joint.Point
+) -> float:
+    """Return the torque beyond the best one at which the least DC power is back at zero.
+
+    Where the limits end before that, this is the strongest braking torque inside them.
+    """
+    sign = -1.0 if omega < 0.0 else 1.0
+    inner, outer = np.array([sign * float(best.torque_nm)]), np.array([-motor.strongest_nm()])
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (inner + outer)
+        returns = _best(motor, inverter, abs(omega), middle, limits)[1] <= 0.0
+        inner, outer = np.where(returns, middle, inner), np.where(returns, outer, middle)
+    return sign * float(inner[0])
+
+
+def idle_torque_nm(motor: FluxMotor, omega: float) -> float:
+    """Return the drag of the iron in N m, without current in the wires: i_t = -v/R_i."""
+    ratio = float(motor.machine.iron_ratio(omega))
+    i_dt = i_qt = np.array(0.0)
+    for _ in range(_HALVINGS):
+        psi_d, psi_q = motor.linked(i_dt, i_qt)
+        i_dt, i_qt = ratio * psi_q, -ratio * psi_d
+    psi_d, psi_q = motor.linked(i_dt, i_qt)
+    return float(1.5 * motor.machine.pole_pairs * (psi_d * i_qt - psi_q * i_dt))
+
+
 def torque_limits_nm(
     motor: FluxMotor, inverter: Bridge, omega: float, limits: joint.Limits
 ) -> tuple[float, float]:
@@ -226,9 +253,9 @@ def _best(
 ) -> tuple[Array, Array]:
     """Return i_dt in A of least DC power for each torque at a speed >= 0, and that power."""
     largest = np.hypot(np.max(np.abs(motor.flux.psi_d_wb)), np.max(np.abs(motor.flux.psi_q_wb)))
-    reach = float(limits.current_a) + float(motor.machine.iron_ratio(omega)) * float(largest)
+    most_a = float(limits.current_a) + float(motor.machine.iron_ratio(omega)) * float(largest)
     low, high = motor.d_range_a
-    ends = np.full(torque.shape, max(low, -reach)), np.full(torque.shape, min(high, reach))
+    ends = np.full(torque.shape, max(low, -most_a)), np.full(torque.shape, min(high, most_a))
     return joint.shrink(
         lambda i_dt: _cost(motor, inverter, omega, torque[:, np.newaxis], i_dt, limits),
         ends[0],

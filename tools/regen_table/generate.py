@@ -21,6 +21,7 @@ from regen_table import (
     current_audit,
     current_map,
     envelope,
+    flux_constants,
     image,
     installation,
     layout,
@@ -261,6 +262,9 @@ def make_report(drive: Drive) -> Report:
 def warnings(drive: Drive, found: Report) -> list[str]:
     """Return one line for everything that is accepted, but works worse than its numbers promise."""
     lines = relations.warnings(drive)
+    saturation = flux_constants.warning(drive)
+    if saturation is not None:
+        lines.append(saturation)
     weakening = loops.weakening_warning(drive)
     if weakening is not None:
         lines.append(weakening)

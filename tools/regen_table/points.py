@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from regen_table import braking, joint, models, optimum
+from regen_table import braking, flux_constants, flux_optimum, joint, models, optimum
 from regen_table.models import Bridge, Machine, State
 from regen_table.schema import Drive
 
@@ -37,10 +37,11 @@ class Setting:
 def setting(drive: Drive, free_d_current: bool = False, soc: float | None = None) -> Setting:
     """Collect the battery's side of a drive.
 
-    ``soc`` matters only where the voltage depends on it.
+    ``soc`` matters only where the voltage depends on it. With a flux map i_d is always free.
     """
     resistance = drive.battery.series_resistance_ohm + drive.battery.polarisation_resistance_ohm
-    return Setting(models.open_circuit_voltage_v(drive, soc), resistance, free_d_current)
+    voltage = models.open_circuit_voltage_v(drive, soc)
+    return Setting(voltage, resistance, free_d_current or drive.motor.has_map)
 
 
 def solve(drive: Drive, speed_rpm: float, winding_temperature_c: float, how: Setting) -> Record:
@@ -57,8 +58,17 @@ def solve(drive: Drive, speed_rpm: float, winding_temperature_c: float, how: Set
     limit = float(braking.torque_limit_nm(drive, speed_rpm * math.pi / 30.0))
     closed = optimum.closed_form(motor, inverter, omega)
     zero, possible = float(closed.torque_zero_nm), bool(closed.possible)
-    if how.free_d_current:
-        bounds = joint.Limits(drive.motor.max_phase_current_a, how.phase_voltage_v)
+    idle = float(closed.torque_idle_nm)
+    bounds = joint.Limits(drive.motor.max_phase_current_a, how.phase_voltage_v)
+    mapped = flux_constants.measured(drive, winding_temperature_c)
+    if mapped is not None:
+        best = flux_optimum.best_braking(mapped, inverter, omega, bounds)
+        zero = flux_optimum.zero_power_torque_nm(mapped, inverter, omega, bounds, best)
+        idle = flux_optimum.idle_torque_nm(mapped, omega)
+        possible = bool(best.feasible & (best.state.dc_power_w < 0.0))
+        free = best.state
+        clamped = flux_optimum.best_braking(mapped, inverter, omega, bounds, limit).state
+    elif how.free_d_current:
         best = joint.best_braking(motor, inverter, omega, bounds)
         zero = float(joint.zero_power_torque(motor, inverter, omega, bounds, best))
         possible = bool(best.feasible & (best.state.dc_power_w < 0.0))
@@ -75,7 +85,7 @@ def solve(drive: Drive, speed_rpm: float, winding_temperature_c: float, how: Set
         "regeneration_possible": possible,
         "torque_optimal_nm": float(free.torque_nm),
         "torque_zero_nm": zero,
-        "torque_idle_nm": float(closed.torque_idle_nm),
+        "torque_idle_nm": idle,
         "torque_optimal_limited_nm": float(clamped.torque_nm),
     }
     record |= _breakdown(drive, free, how)
@@ -96,8 +106,11 @@ def evaluate(
     motor, inverter = models.machine(drive, winding_temperature_c), models.bridge(drive)
     omega = speed_rpm * math.pi / 30.0 * drive.motor.pole_pairs
     shaft_speed = speed_rpm * math.pi / 30.0
-    if how.free_d_current:
-        bounds = joint.Limits(drive.motor.max_phase_current_a, how.phase_voltage_v)
+    bounds = joint.Limits(drive.motor.max_phase_current_a, how.phase_voltage_v)
+    mapped = flux_constants.measured(drive, winding_temperature_c)
+    if mapped is not None:
+        state = flux_optimum.least_power(mapped, inverter, omega, torque_nm, bounds).state
+    elif how.free_d_current:
         state = joint.least_power(motor, inverter, omega, torque_nm, bounds).state
     else:
         state = _at_torque(motor, inverter, omega, torque_nm)
@@ -126,7 +139,7 @@ def evaluate(
         "residual_w": _finite(
             state.dc_power_w - state.loss_inverter_w - losses - state.torque_nm * shaft_speed
         ),
-        "region": _region(drive, motor, inverter, shaft_speed, torque_nm),
+        "region": _region(drive, mapped or motor, inverter, shaft_speed, torque_nm, bounds),
         "limits_exceeded": _exceeded(drive, state, pack, how, torque_nm, shaft_speed),
     }
     return record
@@ -157,12 +170,24 @@ def _breakdown(drive: Drive, state: State, how: Setting) -> Record:
 
 
 def _region(
-    drive: Drive, motor: Machine, inverter: Bridge, shaft_speed: float, torque_nm: float
+    drive: Drive,
+    motor: Machine | flux_optimum.FluxMotor,
+    inverter: Bridge,
+    shaft_speed: float,
+    torque_nm: float,
+    bounds: joint.Limits,
 ) -> str:
     """Name what the motor does: a region of the paper's Fig. 5, or driving."""
     if torque_nm * shaft_speed >= 0.0:
         return "driving"
-    return str(braking.region(drive, motor, inverter, abs(shaft_speed), abs(torque_nm)))
+    speed, demand = abs(shaft_speed), abs(torque_nm)
+    if isinstance(motor, Machine):
+        return str(braking.region(drive, motor, inverter, speed, demand))
+    omega = speed * motor.machine.pole_pairs
+    best = flux_optimum.best_braking(motor, inverter, omega, bounds)
+    zero = abs(flux_optimum.zero_power_torque_nm(motor, inverter, omega, bounds, best))
+    limit = braking.torque_limit_nm(drive, speed)
+    return str(braking.region_of(abs(best.torque_nm), zero, limit, demand))
 
 
 def _exceeded(

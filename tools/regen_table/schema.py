@@ -24,6 +24,7 @@ from regen_table.suggest import suggestion
 __all__ = ["ConfigurationError", "Drive", "load", "parse"]
 
 MAX_FILE_BYTES = 1 << 20
+_HERE = Path()
 
 
 def load(path: str | Path) -> Drive:
@@ -50,21 +51,28 @@ def load(path: str | Path) -> Drive:
         ) from error
     except RecursionError as error:
         raise ConfigurationError(f"{path}: not valid TOML: nested too deeply") from error
-    return parse(data, name=path.stem, source=str(path))
+    return parse(data, name=path.stem, source=str(path), beside=path.parent)
 
 
-def parse(data: Mapping[str, Any], name: str, source: str) -> Drive:
+def parse(data: Mapping[str, Any], name: str, source: str, beside: Path = _HERE) -> Drive:
     """Check a drive that is already in memory as nested mappings.
 
-    ``source`` begins every error line; there is one for everything that is wrong.
+    ``source`` begins every error line; there is one for everything that is wrong. The file of a
+    flux map is looked for in ``beside``.
     """
-    filled = filling.fill(data, name)
+    replaced = _replaced(data)
+    filled = filling.fill(_placeheld(data, replaced), name)
     try:
+        if replaced:
+            constants = _constants(data, filled.tree, replaced, beside)
+            filled = filling.fill(_placeheld(data, constants), name)
         drive = Drive.model_validate(filled.tree).named(name)
     except ValidationError as error:
-        raise _refusal(source, _single_mistakes(data, filled, error, name)) from error
+        lines = _single_mistakes(_placeheld(data, replaced), filled, error, name)
+        raise _refusal(source, [x for x in lines if not any(k in x for k in replaced)]) from error
     except ConfigurationError as error:
         raise _refusal(source, [str(error)]) from error
+    drive.motor.model_fields_set.difference_update(replaced)
     if "control.current_bandwidth_hz" in filled.assumed:
         drive = refusals.with_fitting_bandwidth(drive)
     filling.forget(drive, filled.assumed)
@@ -72,6 +80,54 @@ def parse(data: Mapping[str, Any], name: str, source: str) -> Drive:
     if mistakes:
         raise _refusal(source, [_with_origin(line, filled.assumed) for line in mistakes])
     return drive
+
+
+# Keys of [motor] that another key of it stands for, with values that may hold their place.
+_STAND_FOR = {
+    "flux_map": {"flux_linkage_wb": 0.1, "d_inductance_h": 1e-3, "q_inductance_h": 1e-3},
+    "d_inductance_curve_h": {"d_inductance_h": 1e-3},
+    "q_inductance_curve_h": {"q_inductance_h": 1e-3},
+}
+
+
+def _replaced(tree: Mapping[str, Any]) -> dict[str, float]:
+    """Return the keys of [motor] that follow from a flux map or curves, with place-holders."""
+    motor = tree.get("motor")
+    if not isinstance(motor, Mapping):
+        return {}
+    return {
+        key: value
+        for name, keys in _STAND_FOR.items()
+        if motor.get(name) is not None
+        for key, value in keys.items()
+    }
+
+
+def _placeheld(tree: Mapping[str, Any], motor: Mapping[str, Any]) -> Mapping[str, Any]:
+    return {**tree, "motor": {**tree["motor"], **motor}} if motor else tree
+
+
+def _constants(
+    data: Mapping[str, Any],
+    filled: Mapping[str, Any],
+    replaced: Mapping[str, float],
+    beside: Path,
+) -> dict[str, Any]:
+    """Return where the map of [motor] is, and the constants that fit it."""
+    given = {key: value for key, value in data["motor"].items() if value is not None}
+    named = [name for name in _STAND_FOR if name in given]
+    for name in named:
+        others = [*_STAND_FOR[name], *(named[1:] if name == "flux_map" else [])]
+        for key in others:
+            if key in given:
+                raise ConfigurationError(f"motor.{key}: accepted: without {name}, which holds it")
+    Drive.model_validate(filled)
+    # With NumPy, which whoever reads other drives does not need.
+    from regen_table import flux_constants  # noqa: PLC0415
+
+    motor = {key: value for key, value in filled["motor"].items() if key not in replaced}
+    completed = flux_constants.completed({**filled, "motor": motor}, beside)
+    return {key: completed["motor"][key] for key in [*replaced, *given.keys() & {"flux_map"}]}
 
 
 def _refusal(source: str, lines: list[str]) -> ConfigurationError:

@@ -51,6 +51,16 @@ SocPoint = Annotated[
 SocCurve = Annotated[tuple[SocPoint, ...], Field(strict=False)]
 
 
+CurvePoint = Annotated[
+    tuple[
+        Annotated[float, number(-3000.0, 3000.0, "A", "current of the axis")],
+        Annotated[float, number(1e-7, 1.0, "H", "flux over current, not its slope")],
+    ],
+    Field(strict=False),
+]
+InductanceCurve = Annotated[tuple[CurvePoint, ...], Field(strict=False, min_length=1)]
+
+
 Points = Annotated[int, number(2, 65, "1", "grid points")] | Literal["auto"]
 TemperaturePoints = Annotated[int, number(2, 17, "1", "grid points")] | Literal["auto"]
 
@@ -91,6 +101,25 @@ class Motor(Section):
     flux_linkage_wb: Annotated[
         float, number(1e-6, 2.0, "Wb", "PEAK PHASE flux linkage of the magnets")
     ]
+    flux_map: Annotated[
+        str | None,
+        Field(
+            min_length=1,
+            max_length=400,
+            description=(
+                "CSV, NPZ or Parquet beside this file, at reference_temperature_c: in place of the"
+                " three keys above"
+            ),
+        ),
+    ] = None
+    d_inductance_curve_h: Annotated[
+        InductanceCurve | None,
+        Field(description="[[i_d, L_d], ...], psi_d = psi + L_d i_d: in place of d_inductance_h"),
+    ] = None
+    q_inductance_curve_h: Annotated[
+        InductanceCurve | None,
+        Field(description="[[|i_q|, L_q], ...], psi_q = L_q i_q: in place of q_inductance_h"),
+    ] = None
     flux_temperature_coefficient_per_k: Annotated[
         float | None,
         number(
@@ -155,6 +184,12 @@ class Motor(Section):
         float,
         number(0.0, 0.5, "1", "last part of the speed range over which driving torque fades out"),
     ] = 1.0 / 32.0
+
+    @property
+    def has_map(self) -> bool:
+        """Whether the iron saturates, as a map or curves say."""
+        curves = (self.flux_map, self.d_inductance_curve_h, self.q_inductance_curve_h)
+        return any(curve is not None for curve in curves)
 
 
 class Inverter(Section):

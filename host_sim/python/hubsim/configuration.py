@@ -92,7 +92,7 @@ def _changed(drive: Drive, path: Path, settings: Mapping[str, Any]) -> Drive:
             keys.pop(name, None)
         else:
             keys[name] = value
-    return schema.parse(data, name=drive.name, source=f"{path} with settings")
+    return schema.parse(data, name=drive.name, source=f"{path} with settings", beside=path.parent)
 
 
 _KEPT = 16

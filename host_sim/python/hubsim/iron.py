@@ -16,10 +16,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from regen_table import flux_files
+from regen_table import flux_constants, flux_files
 from regen_table.errors import ConfigurationError
 from regen_table.flux_map import FluxMap
 from regen_table.models import Array
+from regen_table.schema import Drive
 
 from hubsim.errors import HubsimError
 
@@ -71,14 +72,23 @@ class Iron:
 def load(path: Path) -> Iron:
     """Read a flux map of any kind that regen_table knows."""
     try:
-        found, _ = flux_files.load(path)
+        return _possible(str(path), flux_files.load(path)[0])
     except ConfigurationError as error:
         raise HubsimError(str(error)) from error
+
+
+def of_drive(drive: Drive) -> Iron | None:
+    """Return the iron that a drive's own flux map or curves say."""
+    found = flux_constants.of(drive)
+    return None if found is None else _possible(drive.name, found)
+
+
+def _possible(source: str, found: FluxMap) -> Iron:
     iron = of(found)
     largest_a = LARGEST_RESIDUAL * found.largest_current_a
     if iron.residual_a > largest_a:
         raise HubsimError(
-            f"{path}: no energy has these fluxes: its currents are up to {iron.residual_a:.3g} A"
+            f"{source}: no energy has these fluxes: its currents are up to {iron.residual_a:.3g} A"
             f" from the map's, accepted: {largest_a:.3g} A"
         )
     return iron

@@ -217,6 +217,11 @@ def _controller(config: Configuration) -> Description:
 
 def _vehicle(config: Configuration) -> Description:
     assert config.drive is not None
+    if config.drive.motor.has_map:
+        raise HubsimError(
+            f"{config.name}: motor.flux_map: accepted: a drive without map and curves; the unit's"
+            " motor has constants"
+        )
     wheels = config.drive.vehicle.driven_wheels
     engine, _ = run.prepare(config.drive, Scenario(max_duration_s=1.0), Path(), {})
     with engine:

@@ -60,8 +60,9 @@ def prepare(
         plant_overrides,
     )
     found = reduce(operator.or_, sources)
-    if scenario.plant_flux_map is not None:
-        measured = iron.load(beside / scenario.plant_flux_map)
+    map_of_plant = scenario.plant_flux_map
+    measured = iron.of_drive(drive) if map_of_plant is None else iron.load(beside / map_of_plant)
+    if measured is not None:
         found |= measured.parameters()
         engine.set_energy_map(measured)
     for name, value in found.items():

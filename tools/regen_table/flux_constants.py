@@ -1,0 +1,209 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The constants that stand for a drive's flux map or saturation curves in its controller.
+
+The controller's model has one flux linkage and two inductances. They are those that fit the map's
+fluxes over the circle of max_phase_current_a best, by least squares: all braking and driving
+currents with i_d <= 0, evenly by area, and those with i_d > 0 too where L_d > L_q.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from regen_table import flux_files, flux_map, flux_optimum, models
+from regen_table.errors import ConfigurationError
+from regen_table.flux_map import FluxMap
+from regen_table.models import Array
+from regen_table.schema import Drive
+
+_RADII, _ANGLES = 24, 49  # of the circle
+_DIGITS = 6  # of the constants, so that they are those of any processor
+_CURVE_POINTS = 33  # of an axis of the map that curves make
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """Constants, and the largest error of the torque that they leave.
+
+    Attributes
+    ----------
+    error_nm : float
+        Of the constants' torque, signed, where it is largest; i_d_a and i_q_a say where.
+    largest_nm : float
+        Torque of the map inside the circle.
+    """
+
+    flux_linkage_wb: float
+    d_inductance_h: float
+    q_inductance_h: float
+    error_nm: float
+    i_d_a: float
+    i_q_a: float
+    largest_nm: float
+
+
+def completed(tree: Mapping[str, Any], beside: Path) -> dict[str, Any]:
+    """Return a drive's sections with the constants of its [motor]'s map or curves.
+
+    Raises
+    ------
+    ConfigurationError
+        One line a mistake, beginning with the key.
+    """
+    motor = dict(tree["motor"])
+    if isinstance(motor.get("flux_map"), str):
+        motor["flux_map"] = str(beside / motor["flux_map"])
+    fitted = fit(motor, _map_of(motor))
+    motor["d_inductance_h"] = fitted.d_inductance_h
+    motor["q_inductance_h"] = fitted.q_inductance_h
+    motor["flux_linkage_wb"] = fitted.flux_linkage_wb
+    return {**tree, "motor": motor}
+
+
+def of(drive: Drive) -> FluxMap | None:
+    """Return the map of a drive, if it has one or curves."""
+    motor = drive.motor
+    if not motor.has_map:
+        return None
+    return _map_of(motor.model_dump(exclude_none=True))
+
+
+def measured(drive: Drive, winding_temperature_c: float) -> flux_optimum.FluxMotor | None:
+    """Return the motor of a drive that has a map, at a winding temperature."""
+    found = of(drive)
+    if found is None:
+        return None
+    machine = models.machine(drive, winding_temperature_c)
+    share = float(np.asarray(machine.flux_wb)) / drive.motor.flux_linkage_wb
+    return flux_optimum.motor_of(machine, found, share)
+
+
+def _map_of(motor: Mapping[str, Any]) -> FluxMap:
+    """Return the checked map of the keys of [motor]."""
+    most = motor["max_phase_current_a"]
+    if motor.get("flux_map") is None:
+        return _of_curves(motor)
+    key = "motor.flux_map"
+    try:
+        found, _ = flux_files.load(Path(motor["flux_map"]))
+        flux_map.refuse_short(found, most)
+        _refuse_warm(found, motor)
+    except ConfigurationError as error:
+        raise ConfigurationError(f"{key}: {error}") from error
+    return found
+
+
+def _refuse_warm(found: FluxMap, motor: Mapping[str, Any]) -> None:
+    """Refuse a map that ends before the current circle of the hottest magnets does."""
+    rise_k = motor["max_winding_temperature_c"] - motor["reference_temperature_c"]
+    share = (motor.get("flux_temperature_coefficient_per_k") or 0.0) * rise_k
+    magnets = float(found.flux_wb(np.array(0.0), np.array(0.0))[0])
+    shift = flux_optimum.shift_a(found, share * magnets)
+    if -float(found.i_d_a[0]) < (motor["max_phase_current_a"] - shift) * (1.0 - flux_map.SAME_A):
+        raise ConfigurationError(
+            f"-i_d up to {-found.i_d_a[0]:g} A, accepted: a map up to the largest phase current and"
+            f" the {-shift:.4g} A as which the hottest magnets act,"
+            f" {motor['max_phase_current_a'] - shift:.4g} A"
+        )
+
+
+def _of_curves(motor: Mapping[str, Any]) -> FluxMap:
+    """Return psi_d = psi + L_d(i_d) i_d, psi_q = L_q(|i_q|) i_q as a map of twice the circle."""
+    most = motor["max_phase_current_a"]
+    axis_d, axis_q = (np.linspace(-2.0, 2.0, 2 * _CURVE_POINTS - 1) * most for _ in range(2))
+    flux = []
+    for name, axis, looked_up in (("d", axis_d, axis_d), ("q", axis_q, np.abs(axis_q))):
+        key = f"{name}_inductance_curve_h"
+        points = motor.get(key) or ((0.0, motor.get(f"{name}_inductance_h", 0.0)),)
+        current, inductance = (
+            np.array(part, dtype=np.float64) for part in zip(*points, strict=True)
+        )
+        if np.any(np.diff(current) <= 0.0):
+            raise ConfigurationError(
+                f"motor.{key}: accepted: currents that rise from point to point"
+            )
+        furthest = -current[0] if name == "d" else current[-1]
+        if motor.get(key) and furthest < most * (1.0 - flux_map.SAME_A):
+            raise ConfigurationError(
+                f"motor.{key}: up to {furthest:g} A, accepted: a curve up to"
+                f" {'-' if name == 'd' else ''}max_phase_current_a = {most:g} A"
+            )
+        flux.append(np.interp(looked_up, current, inductance) * axis)
+    psi_d = motor["flux_linkage_wb"] + flux[0][:, np.newaxis] + 0.0 * axis_q
+    psi_q = flux[1][np.newaxis, :] + 0.0 * axis_d[:, np.newaxis]
+    try:
+        return flux_map.checked(FluxMap(axis_d, axis_q, psi_d, psi_q))[0]
+    except ConfigurationError as error:
+        raise ConfigurationError(f"motor.{_falling(error)}_inductance_curve_h: {error}") from error
+
+
+def _falling(error: ConfigurationError) -> str:
+    return "q" if str(error).startswith("psi_q") else "d"
+
+
+def fit(motor: Mapping[str, Any], found: FluxMap) -> Fitted:
+    """Return the constants of a map, and their largest error of torque over the circle."""
+    i_d, i_q = _circle(motor["max_phase_current_a"], found.i_d_a[0])
+    chosen = _least_squares(motor, found, i_d, i_q)
+    if chosen[1] > chosen[2]:
+        i_d, i_q = np.concatenate([i_d, -i_d]), np.concatenate([i_q, i_q])
+        inside = ~np.isnan(found.flux_wb(i_d, i_q)[0])
+        i_d, i_q = i_d[inside], i_q[inside]
+        chosen = _least_squares(motor, found, i_d, i_q)
+    psi, d_h, q_h = chosen
+    pairs = motor["pole_pairs"]
+    made = found.torque_nm(pairs, i_d, i_q)
+    error = 1.5 * pairs * (psi + (d_h - q_h) * i_d) * i_q - made
+    k = int(np.argmax(np.abs(error)))
+    largest = float(np.max(np.abs(made)))
+    return Fitted(psi, d_h, q_h, float(error[k]), float(i_d[k]), float(i_q[k]), largest)
+
+
+def _circle(current_a: float, lowest_a: float) -> tuple[Array, Array]:
+    """Return currents inside the half of the circle with i_d <= 0, evenly by area."""
+    radius = current_a * np.sqrt((np.arange(_RADII) + 1.0) / _RADII)
+    angle = np.linspace(0.5 * np.pi, 1.5 * np.pi, _ANGLES)
+    i_d = np.minimum(np.outer(radius, np.cos(angle)).ravel(), 0.0)
+    return np.maximum(i_d, lowest_a), np.outer(radius, np.sin(angle)).ravel()
+
+
+def _least_squares(
+    motor: Mapping[str, Any], found: FluxMap, i_d: Array, i_q: Array
+) -> tuple[float, float, float]:
+    """Return psi, L_d and L_q; one inductance of surface magnets, psi as given with curves."""
+    psi_d, psi_q = found.flux_wb(i_d, i_q)
+    none, one = np.zeros_like(i_d), np.ones_like(i_d)
+    given = motor.get("flux_linkage_wb") if motor.get("flux_map") is None else None
+    columns = [np.concatenate([i_d, none]), np.concatenate([none, i_q])]
+    if motor.get("type") == "spmsm":
+        columns = [columns[0] + columns[1]]
+    if given is None:
+        columns.append(np.concatenate([one, none]))
+    wanted = np.concatenate([psi_d - (given or 0.0), psi_q])
+    solved = np.linalg.lstsq(np.stack(columns, axis=1), wanted, rcond=None)[0]
+    solved = np.array([float(f"{value:.{_DIGITS}g}") for value in solved])
+    psi = float(solved[-1]) if given is None else float(given)
+    inductances = solved if given is not None else solved[:-1]
+    return psi, float(inductances[0]), float(inductances[-1])
+
+
+def warning(drive: Drive) -> str | None:
+    """Return what the controller of a drive with a map cannot hold, in one line."""
+    found = of(drive)
+    if found is None:
+        return None
+    key = "flux_map" if drive.motor.flux_map is not None else "d_inductance_curve_h"
+    if key not in drive.motor.model_fields_set:
+        key = "q_inductance_curve_h"
+    fitted = fit(drive.motor.model_dump(exclude_none=True), found)
+    return (
+        f"motor.{key}: the controller holds constants, fitted over the current circle:"
+        f" flux_linkage_wb {fitted.flux_linkage_wb:.4g}, d_inductance_h"
+        f" {fitted.d_inductance_h:.4g}, q_inductance_h {fitted.q_inductance_h:.4g}; its torque is"
+        f" up to {abs(fitted.error_nm):.3g} N m"
+        f" ({abs(fitted.error_nm) / fitted.largest_nm:.1%} of the largest) beside the map's, at"
+        f" i_d {fitted.i_d_a:.4g} A, i_q {fitted.i_q_a:.4g} A"
+    )
