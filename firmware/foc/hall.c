@@ -189,6 +189,9 @@ static bool ride_through_step(hall_t *hall, const config_t *config, uint8_t sect
             hall->plausible_edges = 0;
             hall->direction = (int8_t)(hall->direction == 0 ? step : hall->direction);
         }
+        if (hall->speed_q32 == 0) {
+            hall->faults++; /* a rotor that stands has no edges */
+        }
         enter_sector(hall, config, sector);
     }
     const bool standstill = hall->periods_since_edge > hall->standstill_periods;

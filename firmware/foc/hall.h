@@ -15,7 +15,8 @@
  * invalid state, a reversal or a stop faster than a rotor can. Each counts in faults and starts the
  * hall fault ride-through: valid is false and the angle continues by dead reckoning with the
  * plausible edges, so that the torque can be ramped down. It ends after six plausible edges in
- * sequence, or at standstill with a possible state.
+ * sequence, or at standstill with a possible state. Edges of a rotor that counts as standing then
+ * are counted in faults as well.
  */
 #ifndef FOC_HALL_H
 #define FOC_HALL_H

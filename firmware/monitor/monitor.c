@@ -165,6 +165,8 @@ static void check_rotor_reading(monitor_state_t *state, const measured_t *now, f
     findings_set(findings, FINDING_ROTOR_STOPS,
                  state->speed.sudden_stops != state->last_sudden_stops);
     state->last_rotor_faults = now->report->rotor_faults;
+    state->reading_steps =
+        (uint16_t)(wrong ? MONITOR_READING_STEPS : q_max(state->reading_steps - 1, 0));
     state->last_sudden_stops = state->speed.sudden_stops;
     const bool read = findings_qualified(findings, FINDING_ROTOR_READING) ||
                       findings_qualified(findings, FINDING_ROTOR_GLITCH);
@@ -329,7 +331,8 @@ monitored_t monitor_step(monitor_state_t *state, const config_t *config, const m
         .safe = safe,
         .bound_mrad_s = bound_mrad_s,
         .standstill = standstill,
-        .at_rest = state->speed.rest_urad_s < INT64_C(1000) * config->monitor.standstill_mrad_s,
+        .at_rest = state->reading_steps == 0 &&
+                   state->speed.rest_urad_s < INT64_C(1000) * config->monitor.standstill_mrad_s,
         .emf_conducts = safe.bridge != BRIDGE_OFF || safe.freewheel.current_mA > 0,
         .offsets_plausible = offsets_plausible(config, report->offset_q4),
         .release_trip = state->release_trip,

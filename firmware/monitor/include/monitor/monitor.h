@@ -41,6 +41,9 @@ enum {
     /* Milliseconds without torque after a bus has come back from beyond a trip, or its contactor
      * has closed: one that bounces does not take the hydraulic torque back with every contact. */
     MONITOR_BUS_RETURN_STEPS = 100,
+    /* Since the last reading that a healthy rotor sensor cannot give, until the rotor may be at
+     * rest: halls whose lines contradict each other count no speed. */
+    MONITOR_READING_STEPS = 1000,
     /* Weights of a slow step with a wrong number of fast steps and of one with the right number,
      * and their sum that is a fault: three wrong ones in a row, or five of nine; two in a row with
      * twice the number, before halls contradict an angle that runs ahead. */
@@ -112,11 +115,12 @@ typedef struct {
     uint16_t flow_level; /* weighted sum of wrong and right steps */
     uint16_t last_fast_step;
     uint16_t last_rotor_faults, last_sudden_stops;
-    uint16_t steps;        /* step count, wrapping: the watchdog is fed only while it advances */
-    bool release_trip;     /* the bus is back from above its trip */
-    uint16_t return_steps; /* left until torque returns after that */
-    uint16_t open_steps;   /* likewise, after a contactor reported open */
-    uint16_t short_steps;  /* for which a short circuit would have surged */
+    uint16_t reading_steps; /* until the rotor may be at rest, since an impossible reading */
+    uint16_t steps;         /* step count, wrapping: the watchdog is fed only while it advances */
+    bool release_trip;      /* the bus is back from above its trip */
+    uint16_t return_steps;  /* left until torque returns after that */
+    uint16_t open_steps;    /* likewise, after a contactor reported open */
+    uint16_t short_steps;   /* for which a short circuit would have surged */
     monitor_emf_state_t emf;
     monitor_current_state_t current;
     monitor_speed_state_t speed;

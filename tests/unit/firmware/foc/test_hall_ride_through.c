@@ -128,6 +128,25 @@ void test_standstill_heals_a_fault_only_with_a_valid_state(void)
     assert_inside_sector();
 }
 
+/* One line bounces, so that no sequence of edges gives a speed: a wheel that turns all the same. */
+void test_edges_of_a_rotor_that_counts_as_standing_are_counted(void)
+{
+    turn_for(4000, 0.005);
+    for (int n = 0; n < 20000; n++) {
+        period(7);
+    }
+    TEST_ASSERT_EQUAL_INT32(0, hall.speed_q32);
+    const uint16_t before = hall.faults;
+    for (int edge = 0; edge < 10; edge++) {
+        for (int n = 0; n < 100; n++) {
+            period(STATE_OF_SECTOR[edge * 2 % 6]);
+        }
+    }
+    TEST_ASSERT_FALSE(hall.valid);
+    TEST_ASSERT_EQUAL_INT32(0, hall.speed_q32);
+    TEST_ASSERT_UINT16_WITHIN(1, before + 10, hall.faults);
+}
+
 void test_angle_is_invalid_before_the_first_valid_state(void)
 {
     period(0);

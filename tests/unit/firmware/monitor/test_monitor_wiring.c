@@ -332,3 +332,15 @@ void test_rest_and_standstill_are_below_the_configured_speed(void)
     out = run(100);
     TEST_ASSERT_TRUE(out.monitored.at_rest && out.monitored.standstill);
 }
+
+void test_there_is_no_rest_for_a_second_after_an_impossible_reading(void)
+{
+    in.now.latest_u_q_mV = 0;
+    in.now.speed_mrad_s = 0;
+    TEST_ASSERT_TRUE(run(100).monitored.at_rest);
+    in.report.rotor_faults++;
+    for (int n = 0; n < MONITOR_READING_STEPS; n++) {
+        TEST_ASSERT_FALSE(step().monitored.at_rest);
+    }
+    TEST_ASSERT_TRUE(step().monitored.at_rest);
+}
