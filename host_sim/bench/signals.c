@@ -18,9 +18,9 @@ typedef enum { VALUE, RATE } kind_t;
 #define TEXT_VALUE(label, raw, member, type, scale, lowest, highest, start, unit, meaning)         \
     .label = (meaning),
 static const struct {
-    EXCHANGE_FAST_OUTPUTS(TEXT_MEMBER)
-    EXCHANGE_SLOW_OUTPUTS(TEXT_MEMBER)
-} OUTPUT_TEXT = {EXCHANGE_FAST_OUTPUTS(TEXT_VALUE) EXCHANGE_SLOW_OUTPUTS(TEXT_VALUE)};
+    SIGNALS_FAST_OUTPUTS(TEXT_MEMBER)
+    SIGNALS_SLOW_OUTPUTS(TEXT_MEMBER)
+} OUTPUT_TEXT = {SIGNALS_FAST_OUTPUTS(TEXT_VALUE) SIGNALS_SLOW_OUTPUTS(TEXT_VALUE)};
 #undef TEXT_MEMBER
 #undef TEXT_VALUE
 

@@ -24,28 +24,28 @@ enum { CODE_MID = 2048, CODES = 4096, TURN_STEPS = 65536 };
 #define FAST_OUTPUT_LINE(...) LINE(fast_output_t, __VA_ARGS__)
 #define SLOW_INPUT_LINE(...) LINE(slow_input_t, __VA_ARGS__)
 #define SLOW_OUTPUT_LINE(...) LINE(slow_output_t, __VA_ARGS__)
-static const variable_info_t FAST_INPUTS[] = {EXCHANGE_FAST_INPUTS(FAST_INPUT_LINE)};
-static const variable_info_t FAST_OUTPUTS[] = {EXCHANGE_FAST_OUTPUTS(FAST_OUTPUT_LINE)};
-static const variable_info_t SLOW_INPUTS[] = {EXCHANGE_SLOW_INPUTS(SLOW_INPUT_LINE)};
-static const variable_info_t SLOW_OUTPUTS[] = {EXCHANGE_SLOW_OUTPUTS(SLOW_OUTPUT_LINE)};
+static const variable_info_t FAST_INPUTS[] = {SIGNALS_FAST_INPUTS(FAST_INPUT_LINE)};
+static const variable_info_t FAST_OUTPUTS[] = {SIGNALS_FAST_OUTPUTS(FAST_OUTPUT_LINE)};
+static const variable_info_t SLOW_INPUTS[] = {SIGNALS_SLOW_INPUTS(SLOW_INPUT_LINE)};
+static const variable_info_t SLOW_OUTPUTS[] = {SIGNALS_SLOW_OUTPUTS(SLOW_OUTPUT_LINE)};
 
-_Static_assert((int)EXCHANGE_FAST_INPUT_COUNT <= (int)EXCHANGE_PORT_MAX &&
-                   (int)EXCHANGE_FAST_OUTPUT_COUNT <= (int)EXCHANGE_PORT_MAX &&
-                   (int)EXCHANGE_SLOW_INPUT_COUNT <= (int)EXCHANGE_PORT_MAX &&
-                   (int)EXCHANGE_SLOW_OUTPUT_COUNT <= (int)EXCHANGE_PORT_MAX,
+_Static_assert((int)SIGNALS_FAST_INPUT_COUNT <= (int)EXCHANGE_PORT_MAX &&
+                   (int)SIGNALS_FAST_OUTPUT_COUNT <= (int)EXCHANGE_PORT_MAX &&
+                   (int)SIGNALS_SLOW_INPUT_COUNT <= (int)EXCHANGE_PORT_MAX &&
+                   (int)SIGNALS_SLOW_OUTPUT_COUNT <= (int)EXCHANGE_PORT_MAX,
                "arrays of a port are too short");
 
 int variables_count(exchange_port_t port)
 {
     switch (port) {
     case EXCHANGE_PORT_FAST_INPUT:
-        return EXCHANGE_FAST_INPUT_COUNT;
+        return SIGNALS_FAST_INPUT_COUNT;
     case EXCHANGE_PORT_FAST_OUTPUT:
-        return EXCHANGE_FAST_OUTPUT_COUNT;
+        return SIGNALS_FAST_OUTPUT_COUNT;
     case EXCHANGE_PORT_SLOW_INPUT:
-        return EXCHANGE_SLOW_INPUT_COUNT;
+        return SIGNALS_SLOW_INPUT_COUNT;
     case EXCHANGE_PORT_SLOW_OUTPUT:
-        return EXCHANGE_SLOW_OUTPUT_COUNT;
+        return SIGNALS_SLOW_OUTPUT_COUNT;
     }
     return 0;
 }

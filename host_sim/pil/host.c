@@ -92,7 +92,7 @@ static void fast(void *context, int wheel, const fault_params_t *fault, const fa
     pil_request_t *request = next_request(pil, PIL_FAST, wheel);
     int32_t *raw = request->raw;
     int k = 0;
-    EXCHANGE_FAST_INPUTS(PIL_TO_RAW)
+    SIGNALS_FAST_INPUTS(PIL_TO_RAW)
     add_fault(request, fault);
     post(pil);
 }
@@ -104,7 +104,7 @@ static void finish(void *context, int wheel, fast_output_t *message, controller_
     const pil_answer_t *answer = &pil->memory->answer[wheel];
     const int32_t *raw = answer->fast;
     int k = 0;
-    EXCHANGE_FAST_OUTPUTS(PIL_FROM_RAW)
+    SIGNALS_FAST_OUTPUTS(PIL_FROM_RAW)
     shown->fast.foc.period.rotor.theta_turn = (uint16_t)answer->theta_turn;
 }
 
@@ -125,7 +125,7 @@ static slow_output_t slow(void *context, int wheel, const fault_params_t *fault,
         const slow_input_t *message = in;
         int32_t *raw = request->raw;
         int k = 0;
-        EXCHANGE_SLOW_INPUTS(PIL_TO_RAW)
+        SIGNALS_SLOW_INPUTS(PIL_TO_RAW)
     }
     add_fault(request, fault);
     post(pil);
@@ -135,7 +135,7 @@ static slow_output_t slow(void *context, int wheel, const fault_params_t *fault,
     slow_output_t *message = &out;
     const int32_t *raw = answer->slow;
     int k = 0;
-    EXCHANGE_SLOW_OUTPUTS(PIL_FROM_RAW)
+    SIGNALS_SLOW_OUTPUTS(PIL_FROM_RAW)
     shown->slow.last.temperature.winding_cC = answer->winding_cC;
     shown->slow.last.temperature.switch_cC = answer->switch_cC;
     show_limits(answer->driving, shown->slow.torque.table.driving);

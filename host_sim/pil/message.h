@@ -49,10 +49,10 @@ typedef struct {
     uint32_t has_fault; /* 1: of injection.h, even if all are 0 */
     uint32_t reserved;
     _Alignas(8) double fault[PIL_FAULTS]; /* PROGRAM_FAULT_PARAMETERS */
-    int32_t raw[EXCHANGE_SLOW_INPUT_COUNT];
+    int32_t raw[SIGNALS_SLOW_INPUT_COUNT];
 } pil_request_t;
 
-_Static_assert((int)EXCHANGE_FAST_INPUT_COUNT <= (int)EXCHANGE_SLOW_INPUT_COUNT,
+_Static_assert((int)SIGNALS_FAST_INPUT_COUNT <= (int)SIGNALS_SLOW_INPUT_COUNT,
                "the inputs of a fast step do not fit a request");
 
 /* Where emulator.py writes `ended`. */
@@ -65,9 +65,9 @@ typedef struct {
 } pil_limit_t;
 
 typedef struct {
-    int32_t fast[EXCHANGE_FAST_OUTPUT_COUNT];
+    int32_t fast[SIGNALS_FAST_OUTPUT_COUNT];
     int32_t theta_turn; /* estimated rotor angle */
-    int32_t slow[EXCHANGE_SLOW_OUTPUT_COUNT];
+    int32_t slow[SIGNALS_SLOW_OUTPUT_COUNT];
     int32_t winding_cC, switch_cC; /* that the controller uses */
     pil_limit_t driving[TORQUE_LINE_COUNT], braking[TORQUE_LINE_COUNT];
 } pil_answer_t;

@@ -61,7 +61,7 @@ static void fast(const pil_request_t *request, wheel_t *wheel, pil_answer_t *ans
         const int32_t *raw = request->raw;
         fast_input_t *message = &in;
         int k = 0;
-        EXCHANGE_FAST_INPUTS(PIL_FROM_RAW)
+        SIGNALS_FAST_INPUTS(PIL_FROM_RAW)
     }
     if (request->has_fault != 0) {
         const fault_params_t fault = fault_of(request);
@@ -74,7 +74,7 @@ static void fast(const pil_request_t *request, wheel_t *wheel, pil_answer_t *ans
     const fast_output_t *message = &wheel->next;
     int32_t *raw = answer->fast;
     int k = 0;
-    EXCHANGE_FAST_OUTPUTS(PIL_TO_RAW)
+    SIGNALS_FAST_OUTPUTS(PIL_TO_RAW)
     answer->theta_turn = foc_latest(&wheel->controller.fast.foc)->rotor.theta_turn;
 }
 
@@ -93,7 +93,7 @@ static void slow(const pil_request_t *request, wheel_t *wheel, pil_answer_t *ans
         const int32_t *raw = request->raw;
         slow_input_t *message = &in;
         int k = 0;
-        EXCHANGE_SLOW_INPUTS(PIL_FROM_RAW)
+        SIGNALS_SLOW_INPUTS(PIL_FROM_RAW)
     }
     if (request->has_fault != 0) {
         const fault_params_t fault = fault_of(request);
@@ -108,7 +108,7 @@ static void slow(const pil_request_t *request, wheel_t *wheel, pil_answer_t *ans
     const slow_output_t *message = &wheel->slow;
     int32_t *raw = answer->slow;
     int k = 0;
-    EXCHANGE_SLOW_OUTPUTS(PIL_TO_RAW)
+    SIGNALS_SLOW_OUTPUTS(PIL_TO_RAW)
     const torque_limits_t *table = controller_limits(&wheel->controller.slow);
     const wheel_temperatures_t in_use = controller_temperatures(&wheel->controller.slow);
     answer->winding_cC = in_use.winding_cC;
