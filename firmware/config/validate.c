@@ -11,8 +11,10 @@
 #include "physics.h"
 
 _Static_assert(sizeof(config_t) % sizeof(int32_t) == 0, "no padding at the end");
-_Static_assert(offsetof(config_t, crc32) == sizeof(config_t) - sizeof(uint32_t),
-               "the checksum is the last word");
+_Static_assert(offsetof(config_t, service_key) == offsetof(config_t, crc32) + sizeof(uint32_t) &&
+                   offsetof(config_t, service_key) + 4 * CONFIG_SERVICE_KEY_WORDS ==
+                       sizeof(config_t),
+               "the checksum ends what is shown, the key is last");
 
 uint32_t config_crc32(const void *data, uint32_t size_bytes)
 {
@@ -376,9 +378,19 @@ static const char *broken_in_battery(const config_t *c)
     return NULL;
 }
 
+/* Less urgent than every message of the protocol. */
+static bool service_below_messages(const config_t *c)
+{
+    const int32_t base = c->service.can_base;
+    return base == 0 || (base % CONFIG_SERVICE_BASE_STEP == 0 &&
+                         base >= c->vehicle.can_base + CONFIG_CAN_IDENTIFIERS);
+}
+
 static const char *broken_in_vehicle(const config_t *c)
 {
     REQUIRE(c->vehicle.can_base % CONFIG_CAN_BASE_STEP == 0, "vehicle.can_base a multiple of 32");
+    REQUIRE(service_below_messages(c),
+            "service.can_base 0, or a multiple of 8 and 160 above vehicle.can_base");
     REQUIRE(c->brake.torque_growth_end_q15 > square_q15(c->current_loop.modulation_target_pu_q15),
             "brake.torque_growth_end_q15 > square of current_loop.modulation_target_pu_q15");
     REQUIRE(pedal_channels_calibrated(&c->pedals),

@@ -526,4 +526,12 @@ def _parser() -> argparse.ArgumentParser:
     )
     command.add_argument("recording", type=Path, metavar="FILE.csv", help=columns)
     command.set_defaults(command="calibrate")
+
+    command = commands.add_parser(
+        "key",
+        help="draw a key for [service] key",
+        description="Draw a key for the lock of XCP, into a new file that its owner can read.",
+    )
+    command.add_argument("file", type=Path, metavar="FILE")
+    command.set_defaults(command="key")
     return parser

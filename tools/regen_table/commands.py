@@ -36,6 +36,7 @@ from regen_table import (
     points,
     questions,
     schema,
+    service_key,
 )
 from regen_table.errors import ConfigurationError
 
@@ -85,6 +86,15 @@ def run_calibrate(options: argparse.Namespace) -> int:
             file=sys.stderr,
         )
     print(calibrate.as_toml(found))
+    return 0
+
+
+def run_key(options: argparse.Namespace) -> int:
+    """Write a new key."""
+    service_key.write(options.file, service_key.draw())
+    print(
+        f"{options.file}: a new key; keep it out of every repository, name it as [service] key",
+    )
     return 0
 
 

@@ -30,6 +30,7 @@ from regen_table import (
     outputs,
     refusals,
     relations,
+    service_key,
 )
 from regen_table.errors import CheckFailedError
 from regen_table.schema import Drive
@@ -76,7 +77,7 @@ class Artefacts:
 
 def artefacts(drive: Drive) -> Artefacts:
     """Compute both files of a drive."""
-    raw = image.build(drive)
+    raw = service_key.with_key(image.build(drive), service_key.of(drive))
     return Artefacts(
         {f"{drive.name}.c": c_source(drive, raw).encode("ascii"), f"{drive.name}.bin": raw}, raw
     )
@@ -146,7 +147,11 @@ def c_source(drive: Drive, raw: bytes) -> str:
                 lines += _scalar(f".{name:<{width}} = {int(value)},", info)
         lines.append("    },\n")
     body = raw[: header.ffi.offsetof("config_t", "crc32")]
-    lines.append(f"    .crc32 = 0x{zlib.crc32(body):08X},\n}};\n")
+    lines.append(f"    .crc32 = 0x{zlib.crc32(body):08X},\n")
+    if any(packed.service_key):
+        key = ", ".join(f"0x{word:08X}" for word in packed.service_key)
+        lines.append(f"    .service_key = {{{key}}},\n")
+    lines.append("};\n")
     return "".join(lines)
 
 

@@ -38,6 +38,7 @@ _SOURCES = {
     "vehicle": ("vehicle",),
     "driver": ("driver",),
     "pedals": ("pedals",),
+    "service": ("service",),
     "modes": ("control",),
     "monitor": ("monitor",),
     "thermal": ("thermal",),

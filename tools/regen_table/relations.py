@@ -17,6 +17,8 @@ from regen_table.sections import Drive
 from regen_table.suggest import suggestion
 
 CAN_BASE_STEP = 32  # config.h: CONFIG_CAN_BASE_STEP
+CAN_IDENTIFIERS = 160  # config.h: CONFIG_CAN_IDENTIFIERS
+SERVICE_BASE_STEP = 8  # config.h: CONFIG_SERVICE_BASE_STEP
 # Beyond any real drive, and where the firmware's model of the motor leaves its number formats
 # (firmware/config/physics.h).
 SALIENCY_MAX = 16.0
@@ -152,6 +154,12 @@ def _identifiers(drive: Drive) -> Iterator[str]:
     base = drive.vehicle.can_base
     if base % CAN_BASE_STEP:
         yield f"vehicle.can_base: {base}, accepted: a multiple of {CAN_BASE_STEP}"
+    service = drive.service.can_base
+    if service and (service % SERVICE_BASE_STEP or service < base + CAN_IDENTIFIERS):
+        yield (
+            f"service.can_base: {service}, accepted: 0, or a multiple of {SERVICE_BASE_STEP} of at"
+            f" least {base + CAN_IDENTIFIERS}"
+        )
 
 
 def _board(drive: Drive) -> Iterator[str]:

@@ -51,7 +51,8 @@ def load(path: str | Path) -> Drive:
         ) from error
     except RecursionError as error:
         raise ConfigurationError(f"{path}: not valid TOML: nested too deeply") from error
-    return parse(data, name=path.stem, source=str(path), beside=path.parent)
+    drive = parse(data, name=path.stem, source=str(path), beside=path.parent)
+    return drive.found_in(path.parent)
 
 
 def parse(data: Mapping[str, Any], name: str, source: str, beside: Path = _HERE) -> Drive:

@@ -2,15 +2,16 @@
 """A drive and the sections of its TOML file: every key, its unit, its accepted range.
 
 One class a section, one line a key; [brake] is in ``brake_section``, [driver] in
-``driver_section``, [pedals] in ``pedals_section``, [monitor] in ``monitor_section``, what only the
-simulated plant reads in ``plant_sections``. All classes are strict (no text taken for a number),
-frozen, and refuse unknown keys and non-finite numbers. An optional key that is absent switches its
-feature off or has the default given in its line. A key with a rule (``Assumed``) is derived from
-what the file gives, and reported as assumed.
+``driver_section``, [pedals] in ``pedals_section``, [service] in ``service_section``, [monitor] in
+``monitor_section``, what only the simulated plant reads in ``plant_sections``. All classes are
+strict (no text taken for a number), frozen, and refuse unknown keys and non-finite numbers. An
+optional key that is absent switches its feature off or has the default given in its line. A key
+with a rule (``Assumed``) is derived from what the file gives, and reported as assumed.
 """
 
 import re
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field
@@ -34,6 +35,7 @@ from regen_table.plant_sections import (
     Tyre,
     number,
 )
+from regen_table.service_section import Service
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,30}")
 
@@ -620,6 +622,7 @@ class Drive(Section):
     rotor: Rotor = Rotor()
     driver: Driver = Driver()
     pedals: Pedals = Pedals()
+    service: Service = Service()
     monitor: Monitor = Monitor()
     sensors: Sensors = Sensors()
     bus: Bus = Bus()
@@ -628,11 +631,23 @@ class Drive(Section):
     chassis: Chassis = Chassis()
     tyre: Tyre = Tyre()
     _name: str = "unnamed"
+    _folder: Path = Path()
 
     @property
     def name(self) -> str:
         """Name of the configuration: the file's name without its ending."""
         return self._name
+
+    @property
+    def folder(self) -> Path:
+        """Where the file is, with what it names."""
+        return self._folder
+
+    def found_in(self, folder: Path) -> Self:
+        """Return the same drive of another folder."""
+        copy = self.model_copy()
+        copy._folder = folder
+        return copy
 
     def named(self, name: str) -> Self:
         """Return the same drive under another name.

@@ -16,7 +16,7 @@ extern const config_t CONFIG_EBIKE36V;
 
 CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 18,
+    .format_version = 19,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "ebike36v",
@@ -297,6 +297,12 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
         .drive_share_q15 = {32768, 32768, 32768, 32768},
         .brake_share_q15 = {32768, 32768, 32768, 32768},
     },
+    .service = {
+        /* identifier of XCP commands to the front left wheel, then those of the others, then
+         * of the four answers; a multiple of 8 above all messages; 0: no XCP on CAN; default
+         * 2032 */
+        .can_base = 2032,
+    },
     .modes = {
         /* share of motor.max_torque_mNm enabled for driving in LIMP, after a warning; braking
          * is not reduced; default 0.3 */
@@ -431,5 +437,5 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
             -282, -352, -283, -480, -539,
         },
     },
-    .crc32 = 0x3773FDBB,
+    .crc32 = 0xB4ED1796,
 };

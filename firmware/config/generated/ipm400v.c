@@ -16,7 +16,7 @@ extern const config_t CONFIG_IPM400V;
 
 CONFIG_SECTION const config_t CONFIG_IPM400V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 18,
+    .format_version = 19,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "ipm400v",
@@ -297,6 +297,12 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         .pressed_q15 = {27853, 13926, 27853, 13926},
         .drive_share_q15 = {32768, 32768, 32768, 32768},
         .brake_share_q15 = {32768, 32768, 32768, 32768},
+    },
+    .service = {
+        /* identifier of XCP commands to the front left wheel, then those of the others, then
+         * of the four answers; a multiple of 8 above all messages; 0: no XCP on CAN; default
+         * 2032 */
+        .can_base = 2032,
     },
     .modes = {
         /* share of motor.max_torque_mNm enabled for driving in LIMP, after a warning; braking
@@ -654,5 +660,5 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
             -20041, -21553, -22987, -24353, -25659, -26913, -28121, -29286, -30414,
         },
     },
-    .crc32 = 0x3E8BF788,
+    .crc32 = 0x39DC1DF3,
 };

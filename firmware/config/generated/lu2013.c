@@ -16,7 +16,7 @@ extern const config_t CONFIG_LU2013;
 
 CONFIG_SECTION const config_t CONFIG_LU2013 = {
     .magic = CONFIG_MAGIC,
-    .format_version = 18,
+    .format_version = 19,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "lu2013",
@@ -297,6 +297,12 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
         .drive_share_q15 = {32768, 32768, 32768, 32768},
         .brake_share_q15 = {32768, 32768, 32768, 32768},
     },
+    .service = {
+        /* identifier of XCP commands to the front left wheel, then those of the others, then
+         * of the four answers; a multiple of 8 above all messages; 0: no XCP on CAN; default
+         * 2032 */
+        .can_base = 2032,
+    },
     .modes = {
         /* share of motor.max_torque_mNm enabled for driving in LIMP, after a warning; braking
          * is not reduced; default 0.3 */
@@ -450,5 +456,5 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
             -7364, -7790, -7021, -8871, -9455,
         },
     },
-    .crc32 = 0x6EE10ABC,
+    .crc32 = 0x19AEAB2E,
 };

@@ -16,7 +16,7 @@ extern const config_t CONFIG_WHEEL24V;
 
 CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 18,
+    .format_version = 19,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "wheel24v",
@@ -296,6 +296,12 @@ CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
         .drive_share_q15 = {32768, 32768, 32768, 32768},
         .brake_share_q15 = {32768, 32768, 32768, 32768},
     },
+    .service = {
+        /* identifier of XCP commands to the front left wheel, then those of the others, then
+         * of the four answers; a multiple of 8 above all messages; 0: no XCP on CAN; default
+         * 2032 */
+        .can_base = 2032,
+    },
     .modes = {
         /* share of motor.max_torque_mNm enabled for driving in LIMP, after a warning; braking
          * is not reduced; default 0.3 */
@@ -448,5 +454,5 @@ CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
             -69, -93, -74, -137, -157,
         },
     },
-    .crc32 = 0x13E5E2CA,
+    .crc32 = 0xE18EE105,
 };

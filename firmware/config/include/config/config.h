@@ -25,12 +25,15 @@
 #include <stdint.h>
 
 #define CONFIG_MAGIC 0x434F4648 /* "HFOC" in memory, little endian */
-#define CONFIG_FORMAT_VERSION 18
+#define CONFIG_FORMAT_VERSION 19
 #define CONFIG_NAME_LENGTH 32
 #define CONFIG_HALL_EDGES 6
 #define CONFIG_PEDAL_CHANNELS 4     /* accelerator a and b, brake pedal a and b */
 #define CONFIG_WHEELS 4             /* in the order of vehicle.wheel_position */
 #define CONFIG_CAN_BASE_STEP 32     /* of vehicle.can_base */
+#define CONFIG_CAN_IDENTIFIERS 160  /* from vehicle.can_base on: those of the messages are below */
+#define CONFIG_SERVICE_BASE_STEP 8  /* of service.can_base */
+#define CONFIG_SERVICE_KEY_WORDS 4
 #define CONFIG_REGEN_POINTS_MAX 800 /* such as 47 speeds at 17 temperatures, or 65 at 12 */
 /* such as 31 torques and 19 speeds at 2 temperatures */
 #define CONFIG_CURRENT_MAP_POINTS_MAX 1178
@@ -329,6 +332,11 @@
     Y(drive_share_q15, CONFIG_WHEELS,         0, 32768, "1", "of drive and lift-off torque") \
     Y(brake_share_q15, CONFIG_WHEELS,         0, 32768, "1", "of the braking torque")
 
+#define CONFIG_SERVICE_FIELDS(X) \
+    X(can_base,                              0,         2040,       "", \
+      "identifier of XCP commands to the front left wheel, then those of the others, then of the " \
+      "four answers; a multiple of 8 above all messages; 0: no XCP on CAN; default 2032")
+
 #define CONFIG_MODES_FIELDS(X) \
     X(limp_drive_share_q15,                  0,         32767,      "1", \
       "share of motor.max_torque_mNm enabled for driving in LIMP, after a warning; braking is " \
@@ -508,6 +516,7 @@ typedef struct {
     CONFIG_PEDALS_FIELDS(CONFIG_SCALAR_MEMBER)
     CONFIG_PEDALS_ARRAY(CONFIG_ARRAY_MEMBER)
 } config_pedals_t;
+typedef struct { CONFIG_SERVICE_FIELDS(CONFIG_SCALAR_MEMBER) } config_service_t;
 typedef struct { CONFIG_MODES_FIELDS(CONFIG_SCALAR_MEMBER) } config_modes_t;
 typedef struct { CONFIG_MONITOR_FIELDS(CONFIG_SCALAR_MEMBER) } config_monitor_t;
 typedef struct { CONFIG_THERMAL_FIELDS(CONFIG_SCALAR_MEMBER) } config_thermal_t;
@@ -537,6 +546,7 @@ typedef struct {
     config_vehicle_t vehicle;
     config_driver_t driver;
     config_pedals_t pedals;
+    config_service_t service;
     config_modes_t modes;
     config_monitor_t monitor;
     config_thermal_t thermal;
@@ -544,6 +554,9 @@ typedef struct {
     config_current_map_t current_map;
     uint32_t crc32; /* CRC-32 (IEEE 802.3, reflected, initial and final 0xFFFFFFFF) of all bytes
                        before this field */
+    /* Of the lock of XCP, little endian; all zero: none, nothing can be unlocked. Behind the
+     * checksum, which is shown where the key must not be known; no list of fields has it. */
+    uint32_t service_key[CONFIG_SERVICE_KEY_WORDS];
 } config_t;
 
 #endif

@@ -63,10 +63,11 @@ void test_an_erased_flash_sector_is_refused(void)
     TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_MAGIC, config_validate(&config, sizeof(config)).code);
 }
 
+/* But of the key, without which a right one is refused. */
 void test_any_single_flipped_bit_is_refused(void)
 {
     uint8_t *bytes = (uint8_t *)&config;
-    for (size_t bit = 0; bit < 8U * sizeof(config); bit += 11U) {
+    for (size_t bit = 0; bit < 8U * offsetof(config_t, service_key); bit += 11U) {
         bytes[bit / 8U] ^= (uint8_t)(1U << (bit % 8U));
         TEST_ASSERT_NOT_EQUAL(CONFIG_RESULT_OK, config_validate(&config, sizeof(config)).code);
         bytes[bit / 8U] ^= (uint8_t)(1U << (bit % 8U));
@@ -138,6 +139,8 @@ static void assert_range(const char *field, int32_t *value, int32_t lowest, int3
 #define CHECK_PEDALS(name, lowest, highest, unit, text) CHECK_SCALAR(pedals, name, lowest, highest)
 #define CHECK_PEDALS_ARRAY(name, count, lowest, highest, unit, text)                               \
     CHECK_ARRAY(pedals, name, count, lowest, highest)
+#define CHECK_SERVICE(name, lowest, highest, unit, text)                                           \
+    CHECK_SCALAR(service, name, lowest, highest)
 #define CHECK_MODES(name, lowest, highest, unit, text) CHECK_SCALAR(modes, name, lowest, highest)
 #define CHECK_MONITOR(name, lowest, highest, unit, text)                                           \
     CHECK_SCALAR(monitor, name, lowest, highest)
@@ -155,6 +158,7 @@ void test_every_field_is_checked_against_the_range_of_the_header(void)
     CONFIG_DRIVER_FIELDS(CHECK_DRIVER)
     CONFIG_PEDALS_FIELDS(CHECK_PEDALS)
     CONFIG_PEDALS_ARRAY(CHECK_PEDALS_ARRAY)
+    CONFIG_SERVICE_FIELDS(CHECK_SERVICE)
     CONFIG_MODES_FIELDS(CHECK_MODES)
     CONFIG_MONITOR_FIELDS(CHECK_MONITOR)
 }
@@ -254,6 +258,30 @@ void test_the_base_of_the_identifiers_is_a_multiple_of_32(void)
     TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
     config.vehicle.can_base = 0x110;
     assert_relation("vehicle.can_base a multiple of 32");
+}
+
+/* Identifiers of the messages: up to 0x9B above the base (README of comms). */
+void test_xcp_is_less_urgent_than_every_message(void)
+{
+    static const int32_t GOOD[] = {0, 0x1A0, 0x7F8};
+    static const int32_t BAD[] = {0x198, 0x1A4, 0x7F4};
+    config.vehicle.can_base = 0x100;
+    for (int k = 0; k < 3; k++) {
+        config.service.can_base = GOOD[k];
+        TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
+    }
+    for (int k = 0; k < 3; k++) {
+        config.vehicle.can_base = 0x100;
+        config.service.can_base = BAD[k];
+        assert_relation("service.can_base 0, or a multiple of 8 and 160 above vehicle.can_base");
+    }
+}
+
+/* It is no parameter, and its change needs no other checksum. */
+void test_the_key_is_not_covered_by_the_checksum(void)
+{
+    config.service_key[3] = 1;
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, config_validate(&config, sizeof config).code);
 }
 
 static bool has_address(void)
