@@ -21,7 +21,7 @@ MAY_INCLUDE: dict[str, tuple[str, ...]] = {
     "monitor": ("core", "config"),
     "modes": ("core", "config"),
     "pedals": ("core", "config"),
-    "comms": ("core",),
+    "comms": ("core", "config"),
     "controller": ("core", "config", "foc", "motor", "torque", "monitor", "modes"),
     "app": (
         "core",
