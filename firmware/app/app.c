@@ -15,6 +15,7 @@
 #include "app/pwm_period.h"
 #include "app/recorder.h"
 #include "app/report_timer.h"
+#include "app/service.h"
 #include "app/supervisor.h"
 #include "config/demand_age.h"
 #include "controller/controller.h"
@@ -42,7 +43,7 @@ enum {
 typedef struct {
     slow_output_t output;
     supervisor_counts_t counts;
-    wheel_temperatures_t temperature;
+    slow_input_t input;
     torque_limits_t limits;
     pedals_output_t pedals; /* with wired pedals only */
 } snapshot_t;
@@ -90,6 +91,7 @@ static struct {
     uint32_t damaged_passes; /* in a row, of the fast monitor's variables */
     can_link_t can;
     pedal_sender_t pedal_sender;
+    service_t service;
     console_t console;
     fault_journal_t journal;
     uint32_t journal_ms;      /* of the latest record, or attempt */
@@ -125,6 +127,14 @@ static void start_as_before(controller_slow_t *slow, retained_t *retained)
     kept_hold_write(&retained->hold, hold);
 }
 
+static void join_bus(const config_t *config)
+{
+    uint16_t identifier;
+    service_init(&app.service, config);
+    const bool serves = service_accepts(&app.service, &identifier);
+    (void)can_link_init(&app.can, config, serves ? &identifier : NULL, time_ms());
+}
+
 static void start_control(const config_t *config)
 {
     start_recorder(config);
@@ -146,7 +156,7 @@ static void start_control(const config_t *config)
     supervisor_init(&app.supervisor, (uint32_t)config->drive.pwm_frequency_Hz,
                     CONTROLLER_SLOW_RATE_HZ);
     /* Without CAN the demand counts as lost, which is safe. */
-    (void)can_link_init(&app.can, config, time_ms());
+    join_bus(config);
     pedal_link_init(&app.pedals);
     pedal_sender_init(&app.pedal_sender, time_ms());
     app.commands[0] = app.can.node.command;
@@ -187,7 +197,7 @@ void app_boot(void)
     if (boot_may_control(&app.boot)) {
         start_control(app.boot.config);
     } else if (boot_knows_address(&app.boot)) {
-        (void)can_link_init(&app.can, app.boot.config, time_ms());
+        (void)can_link_init(&app.can, app.boot.config, NULL, time_ms());
     }
     time_start_tick();
 }
@@ -293,7 +303,7 @@ void app_millisecond_isr(void)
     }
     snapshot->output =
         controller_slow_step(&app.controller.slow, config, from_fast, &app.slow_input, to_fast);
-    snapshot->temperature = app.slow_input.temperature;
+    snapshot->input = app.slow_input;
     snapshot->limits = *controller_limits(&app.controller.slow);
     snapshot->counts.fast_steps = from_fast->sequence;
     snapshot->counts.slow_steps = to_fast->sequence;
@@ -302,7 +312,7 @@ void app_millisecond_isr(void)
         inverter_clear_fault(); /* the hardware's latch is released with the monitor's, or for the
                                    short circuit that a stuck switch calls for; never on its own */
     }
-    recorder_slow(&app.recorder, &snapshot->output, &snapshot->temperature);
+    recorder_slow(&app.recorder, &snapshot->output, &snapshot->input.temperature);
     if (app.retained != NULL) {
         kept_temperature_write(&app.retained->temperature,
                                controller_warmest_cC(&app.controller.slow));
@@ -377,6 +387,38 @@ static void replace_configuration(const snapshot_t *snapshot)
     console_install(&app.console, permitted);
 }
 
+/* The tool's staging page: in order as a whole, and the wheel as for any other configuration. */
+static xcp_error_t objection_to_staging(const snapshot_t *snapshot)
+{
+    const config_result_t result = installer_check_staging(&app.console.installer);
+    if (result.code != CONFIG_RESULT_OK) {
+        console_refuse_staging(&app.console, &result);
+        return XCP_ERROR_OUT_OF_RANGE;
+    }
+    return is_at_standstill(&snapshot->output) ? XCP_ERROR_NONE : XCP_ERROR_NOT_ACCESSIBLE_NOW;
+}
+
+/* A staging page is stored as a received configuration is, when the tool has its answer. */
+static void serve(const snapshot_t *snapshot, uint32_t now_ms)
+{
+    installer_t *installer = &app.console.installer;
+    const service_view_t view = {.output = &snapshot->output,
+                                 .input = &snapshot->input,
+                                 .in_force = app.config,
+                                 .staging = installer_staging(installer)};
+    can_frame_t command;
+    if (can_link_service(&app.can, &command)) {
+        service_receive(&app.service, &view, &command, now_ms);
+    }
+    if (service_wants_store(&app.service)) {
+        service_store(&app.service, objection_to_staging(snapshot), now_ms);
+    }
+    service_step(&app.service, &view, now_ms);
+    if (service_store_is_due(&app.service, now_ms) && view.staging != NULL) {
+        installer_accept_staging(installer);
+    }
+}
+
 /* False while the slow loop stands still: its last commands are then not sent any more, so that the
  * brake system sees a counter that stands still and keeps the brake by its own timeout. */
 static bool slow_loop_steps(const snapshot_t *snapshot, uint32_t now_ms)
@@ -396,7 +438,7 @@ static void report_stopped_loop(uint32_t now_ms)
     last->output.mode = MODE_FAULT;
     last->output.fault_reason = REASON_PROGRAM_FLOW;
     last->output.motor_torque_estimate_mNm = 0;
-    can_link_transmit_state(&app.can, now_ms, &last->output, &last->temperature);
+    can_link_transmit_state(&app.can, now_ms, &last->output, &last->input.temperature);
 }
 
 /* Trip and limits of the fast monitor, twice in a row because a trip may come in between. */
@@ -433,12 +475,13 @@ void app_background(void)
             app.commands[double_buffer_low(&app.to_slow)] = app.can.node.command;
             double_buffer_swap(&app.to_slow);
         }
+        serve(snapshot, now_ms);
         write_journal(snapshot, now_ms);
         if (pedals_wired(app.config)) {
             pedal_sender_transmit(&app.pedal_sender, app.config, &snapshot->pedals, now_ms);
         }
         if (slow_loop_steps(snapshot, now_ms)) {
-            can_link_transmit(&app.can, now_ms, &snapshot->output, &snapshot->temperature);
+            can_link_transmit(&app.can, now_ms, &snapshot->output, &snapshot->input.temperature);
         } else if (app.slow_steps_seen != 0) { /* it has run */
             report_stopped_loop(now_ms);
         }

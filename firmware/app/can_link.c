@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "app/can_link.h"
 
+#include <stddef.h>
+
 #include "core/q15.h"
 #include "hal/can.h"
 
@@ -30,14 +32,19 @@ messages_address_t can_link_address(const config_t *config, int32_t wheel)
     return address;
 }
 
-bool can_link_init(can_link_t *link, const config_t *config, uint32_t now_ms)
+bool can_link_init(can_link_t *link, const config_t *config, const uint16_t *service,
+                   uint32_t now_ms)
 {
     const messages_address_t address = can_link_address(config, config->vehicle.wheel_position);
     const node_limits_t limits = can_link_limits(config);
-    uint16_t accepted[MESSAGES_RECEIVED];
+    uint16_t accepted[MESSAGES_RECEIVED + 1];
     node_accepted(address, accepted);
     node_init(&link->node, address, &limits, now_ms);
-    return can_init(accepted, MESSAGES_RECEIVED);
+    link->has_service = service != NULL;
+    link->service_identifier = service != NULL ? *service : 0;
+    link->service_received = false;
+    accepted[MESSAGES_RECEIVED] = link->service_identifier;
+    return can_init(accepted, MESSAGES_RECEIVED + (service != NULL ? 1U : 0U));
 }
 
 /* What became of the frames that the CAN controller has; true if the command has changed. */
@@ -65,6 +72,11 @@ bool can_link_receive(can_link_t *link, uint32_t now_ms)
     changed = follow_sent(link, now_ms) || changed;
     can_frame_t received;
     for (int i = 0; i < FRAMES_PER_PASS && can_receive(&received); i++) {
+        if (link->has_service && received.identifier == link->service_identifier) {
+            link->service_command = received;
+            link->service_received = true;
+            continue;
+        }
         messages_frame_t frame = {.identifier = received.identifier, .length = received.length};
         for (uint32_t k = 0; k < sizeof frame.data; k++) {
             frame.data[k] = received.data[k];
@@ -72,6 +84,14 @@ bool can_link_receive(can_link_t *link, uint32_t now_ms)
         changed = node_receive(&link->node, &frame, now_ms) || changed;
     }
     return changed;
+}
+
+bool can_link_service(can_link_t *link, can_frame_t *command)
+{
+    const bool received = link->service_received;
+    link->service_received = false;
+    *command = link->service_command;
+    return received;
 }
 
 static bool transmit(const messages_frame_t *frame)

@@ -192,6 +192,14 @@ bool console_has_accepted(console_t *console)
     return accepted;
 }
 
+void console_refuse_staging(console_t *console, const config_result_t *result)
+{
+    text_t *line = console_line(console);
+    text_add(line, "XCP: ");
+    report_refusal(result, line);
+    console_print(console, line);
+}
+
 void console_install(console_t *console, bool permitted)
 {
     text_t *line = console_line(console);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "app/installer.h"
 
+#include <stddef.h>
+
 #include "app/board_check.h"
 #include "app/config_store.h"
 #include "app/report.h"
@@ -11,6 +13,26 @@ enum { CANCEL = 0x03 };
 void installer_init(installer_t *installer)
 {
     installer->state = INSTALLER_CLOSED;
+}
+
+config_t *installer_staging(installer_t *installer)
+{
+    return installer->state == INSTALLER_CLOSED ? &installer->image.config : NULL;
+}
+
+config_result_t installer_check_staging(installer_t *installer)
+{
+    config_t *config = &installer->image.config;
+    config->crc32 = config_crc32(config, (uint32_t)offsetof(config_t, crc32));
+    return board_check_config(config, (uint32_t)sizeof *config);
+}
+
+void installer_accept_staging(installer_t *installer)
+{
+    if (installer_check_staging(installer).code == CONFIG_RESULT_OK) {
+        installer->hex.size_bytes = (uint32_t)sizeof(config_t);
+        installer->state = INSTALLER_ACCEPTED;
+    }
 }
 
 void installer_open(installer_t *installer, uint32_t now_ms)

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The simulated board's CAN, serial line and watchdog. */
 #include <string.h>
+#include <sys/random.h>
 
 #include "board.h"
 #include "hal/can.h"
+#include "hal/random.h"
 #include "hal/serial.h"
 #include "hal/watchdog.h"
 #include "host/port.h"
@@ -162,6 +164,12 @@ can_progress_t can_progress(uint16_t identifier)
     }
     place->sent = false;
     return CAN_SENT;
+}
+
+/* The operating system's; nothing of a simulation depends on it. */
+bool random_draw(uint64_t *bits)
+{
+    return getrandom(bits, sizeof *bits, GRND_NONBLOCK) == (ssize_t)sizeof *bits;
 }
 
 bool can_bus_off(void)

@@ -7,6 +7,7 @@
 #include "hal/can.h"
 #include "hal/inverter.h"
 #include "hal/power.h"
+#include "hal/random.h"
 #include "hal/rotor_sensor.h"
 #include "hal/upcall.h"
 #include "mailbox.h"
@@ -111,6 +112,13 @@ bool inverter_fault(void)
 
 bool power_off(void)
 {
+    return false;
+}
+
+/* An emulated core, whose clock counts instructions, has nothing that cannot be predicted. */
+bool random_draw(uint64_t *bits)
+{
+    *bits = 0;
     return false;
 }
 

@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 from benchmark import elf
 
+ROOT = Path(__file__).resolve().parents[2]
 IMAGES = [Path(name) for name in os.environ["HUBFOC_IMAGES"].split(":")]
 OUTPUT = "app.controller.fast.output"
 BRIDGE_AT = 3 * 2
@@ -34,6 +35,17 @@ def address_of(image: Path, variable: str, scratch: Path) -> int:
     addresses = re.findall(r"ECU_ADDRESS (0x[0-9A-F]+)", a2l.read_text())
     assert len(addresses) == 1, f"{variable} in {image.name}: {addresses}"
     return int(addresses[0], 16)
+
+
+def test_xcp_is_where_the_ports_readme_does_not_leave_it_out() -> None:
+    readme = (ROOT / "hal" / "stm32g431" / "README.md").read_text(encoding="utf-8")
+    left_out = readme.partition("## Left out")[2].partition("\n## ")[0]
+    listed = re.findall(r"^\| (?!what|---)([\w ]+)", left_out, flags=re.MULTILINE)
+    assert listed == ["XCP"]
+    assert {image.stem.removeprefix("hubfoc_") for image in IMAGES} >= {"stm32f405", "stm32g431"}
+    for image in IMAGES:
+        has = any(name.startswith("xcp_") for name in elf.symbols(image))
+        assert has == ("g431" not in image.stem), image.stem
 
 
 @pytest.mark.parametrize("image", IMAGES, ids=lambda image: image.stem)

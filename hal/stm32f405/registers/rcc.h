@@ -71,6 +71,7 @@ typedef struct {
 #define RCC_AHB1ENR_GPIODEN (1U << 3)
 #define RCC_AHB1ENR_DMA1EN (1U << 21)
 #define RCC_AHB1ENR_DMA2EN (1U << 22)
+#define RCC_AHB2ENR_RNGEN (1U << 6)
 #define RCC_APB1ENR_TIM3EN (1U << 1)
 #define RCC_APB1ENR_USART3EN (1U << 18)
 #define RCC_APB1ENR_CAN1EN (1U << 25)

@@ -11,9 +11,14 @@
 
 #include "comms/node.h"
 #include "config/config.h"
+#include "hal/can.h"
 
 typedef struct {
     node_t node;
+    bool has_service; /* XCP is on this bus */
+    uint16_t service_identifier;
+    bool service_received;
+    can_frame_t service_command; /* the latest, not handed over yet */
 } can_link_t;
 
 /* Where a wheel of this vehicle is on the bus. */
@@ -22,13 +27,17 @@ messages_address_t can_link_address(const config_t *config, int32_t wheel);
 /* What the configuration says about the messages. */
 node_limits_t can_link_limits(const config_t *config);
 
-/* False if the CAN controller is not on the
+/* service: the identifier of XCP commands, NULL: none. False if the CAN controller is not on the
  * bus yet; frames are exchanged as soon as it is. */
-bool can_link_init(can_link_t *link, const config_t *config, uint32_t now_ms);
+bool can_link_init(can_link_t *link, const config_t *config, const uint16_t *service,
+                   uint32_t now_ms);
 
 /* Processes received frames, at most eight a call, and what became of those sent; true if
  * link->node.command has changed. */
 bool can_link_receive(can_link_t *link, uint32_t now_ms);
+
+/* True once, with an XCP command that came. */
+bool can_link_service(can_link_t *link, can_frame_t *command);
 
 /* Sends the frames that are due, as many as the CAN controller takes. */
 void can_link_transmit(can_link_t *link, uint32_t now_ms, const slow_output_t *output,

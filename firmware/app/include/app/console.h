@@ -79,6 +79,9 @@ bool console_wants_bootloader(console_t *console);
  * True: requested; the caller stops control and feeding the watchdog. */
 bool console_request_bootloader(console_t *console, bool permitted);
 
+/* Prints why a staging page is refused. */
+void console_refuse_staging(console_t *console, const config_result_t *result);
+
 /* True once, when a configuration has been received and accepted. */
 bool console_has_accepted(console_t *console);
 

@@ -46,6 +46,15 @@ typedef struct {
 
 void installer_init(installer_t *installer);
 
+/* The memory for the received image as the staging page of XCP; NULL while an image comes. */
+config_t *installer_staging(installer_t *installer);
+
+/* Seals the staging page with its checksum and validates it as a whole. */
+config_result_t installer_check_staging(installer_t *installer);
+
+/* The staging page, if it passes the check, is accepted as if it had been received. */
+void installer_accept_staging(installer_t *installer);
+
 /* Starts reception; the timeout counts from now_ms. */
 void installer_open(installer_t *installer, uint32_t now_ms);
 

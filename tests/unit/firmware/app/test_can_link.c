@@ -9,8 +9,9 @@ static const battery_limits_t PACK = {.charge_current_mA = 50000, .discharge_cur
 static const wheel_temperatures_t TEMPERATURE = {2500, 2500};
 
 static can_link_t can_link;
-static uint16_t accepted[MESSAGES_RECEIVED];
-static can_frame_t waiting[16]; /* what the bus has for us */
+static uint16_t accepted[MESSAGES_RECEIVED + 1];
+static uint32_t service_accepted; /* identifiers of XCP */
+static can_frame_t waiting[16];   /* what the bus has for us */
 static int waiting_count, delivered;
 static can_frame_t sent[64];
 static int sent_count, free_mailboxes;
@@ -20,7 +21,7 @@ static bool starts;
 static bool init(const uint16_t *identifiers, uint32_t count, int calls)
 {
     (void)calls;
-    TEST_ASSERT_EQUAL_UINT32(MESSAGES_RECEIVED, count);
+    TEST_ASSERT_EQUAL_UINT32(MESSAGES_RECEIVED + service_accepted, count);
     for (uint32_t i = 0; i < count; i++) {
         accepted[i] = identifiers[i];
     }
@@ -72,6 +73,7 @@ static const config_t *configured(messages_wheel_t wheel)
 
 void setUp(void)
 {
+    service_accepted = 0;
     waiting_count = 0;
     delivered = 0;
     sent_count = 0;
@@ -82,7 +84,7 @@ void setUp(void)
     can_transmit_StubWithCallback(transmit);
     can_progress_StubWithCallback(progress);
     progress_now = CAN_SENT;
-    TEST_ASSERT_TRUE(can_link_init(&can_link, configured(MESSAGES_REAR_LEFT), 0));
+    TEST_ASSERT_TRUE(can_link_init(&can_link, configured(MESSAGES_REAR_LEFT), NULL, 0));
 }
 
 void tearDown(void) {}
@@ -107,6 +109,26 @@ void test_filter_accepts_only_frames_for_this_wheel(void)
     TEST_ASSERT_EQUAL_HEX16(0x342, accepted[1]);
     TEST_ASSERT_EQUAL_HEX16(0x360, accepted[2]);
     TEST_ASSERT_EQUAL_HEX16(0x364, accepted[3]);
+}
+
+/* It is not one of the node's, and is handed over once; of two the tool waits for the latter. */
+void test_a_command_of_the_service_is_kept_for_it(void)
+{
+    const uint16_t identifier = 0x7F2;
+    can_frame_t command;
+    service_accepted = 1;
+    TEST_ASSERT_TRUE(can_link_init(&can_link, configured(MESSAGES_REAR_LEFT), &identifier, 0));
+    TEST_ASSERT_EQUAL_HEX16(identifier, accepted[MESSAGES_RECEIVED]);
+    TEST_ASSERT_FALSE(can_link_service(&can_link, &command));
+    for (uint8_t k = 1; k <= 2; k++) {
+        const can_frame_t frame = {.identifier = identifier, .length = 1, .data = {k}};
+        waiting[waiting_count++] = frame;
+    }
+    (void)can_link_receive(&can_link, 1);
+    TEST_ASSERT_EQUAL_UINT32(0, can_link.node.foreign);
+    TEST_ASSERT_TRUE(can_link_service(&can_link, &command));
+    TEST_ASSERT_EQUAL_UINT8(2, command.data[0]);
+    TEST_ASSERT_FALSE(can_link_service(&can_link, &command));
 }
 
 void test_demand_is_received_with_its_time(void)
@@ -220,7 +242,7 @@ void test_a_frame_that_was_given_up_is_sent_again_at_once(void)
 void test_can_works_after_a_late_start_of_the_transceiver(void)
 {
     starts = false;
-    TEST_ASSERT_FALSE(can_link_init(&can_link, configured(MESSAGES_FRONT_LEFT), 0));
+    TEST_ASSERT_FALSE(can_link_init(&can_link, configured(MESSAGES_FRONT_LEFT), NULL, 0));
     const slow_output_t output = {.mode = MODE_READY};
     free_mailboxes = 0;
     can_link_transmit(&can_link, 1000, &output, &TEMPERATURE);

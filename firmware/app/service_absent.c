@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A port without XCP. */
+#include "app/service.h"
+
+void service_init(service_t *service, const config_t *config)
+{
+    const service_t absent = {.on_can = false};
+    (void)config;
+    *service = absent;
+}
+
+bool service_accepts(const service_t *service, uint16_t *identifier)
+{
+    (void)service;
+    *identifier = 0;
+    return false;
+}
+
+void service_receive(service_t *service, const service_view_t *view, const can_frame_t *frame,
+                     uint32_t now_ms)
+{
+    (void)service;
+    (void)view;
+    (void)frame;
+    (void)now_ms;
+}
+
+void service_step(service_t *service, const service_view_t *view, uint32_t now_ms)
+{
+    (void)service;
+    (void)view;
+    (void)now_ms;
+}
+
+bool service_wants_store(const service_t *service)
+{
+    (void)service;
+    return false;
+}
+
+void service_store(service_t *service, xcp_error_t error, uint32_t now_ms)
+{
+    (void)service;
+    (void)error;
+    (void)now_ms;
+}
+
+bool service_store_is_due(service_t *service, uint32_t now_ms)
+{
+    (void)service;
+    (void)now_ms;
+    return false;
+}

@@ -1,0 +1,222 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* XCP over CAN, with the whole application on the simulated board. Packets by themselves:
+ * firmware/comms/test_xcp.c. */
+#include <stddef.h>
+#include <string.h>
+
+#include "app/config_store.h"
+#include "board_rig.h"
+#include "comms/mac.h"
+#include "comms/xcp.h"
+#include "config/validate.h"
+#include "core/operating_mode.h"
+#include "core/signals.h"
+#include "unity.h"
+
+enum { COMMANDS = 0x7F0 + 2, ANSWERS = COMMANDS + 4, PERIODS_A_ms = 20, ANSWER_MOST_ms = 3 };
+
+/* Places in the table by its names. */
+#define OUTPUT_PLACE(name, ...) PLACE_##name,
+#define INPUT_PLACE(name, ...) PLACE_INPUT_##name,
+enum { SIGNALS_SLOW_OUTPUTS(OUTPUT_PLACE) SIGNALS_SLOW_INPUTS(INPUT_PLACE) PLACES };
+
+static config_t config;
+static can_frame_t answer;
+
+/* A rear left wheel with a key. */
+void setUp(void)
+{
+    config = CONFIG_IMAGE;
+    config.vehicle.wheel_position = 2;
+    config.service_key[1] = 0x12345678;
+    config.crc32 = config_crc32(&config, (uint32_t)offsetof(config_t, crc32));
+}
+
+void tearDown(void) {}
+
+static bool ask(const uint8_t *bytes, size_t length)
+{
+    can_frame_t frame = {.identifier = COMMANDS, .length = (uint8_t)length};
+    memcpy(frame.data, bytes, length);
+    host_can_send(&frame);
+    for (int ms = 0; ms < ANSWER_MOST_ms; ms++) {
+        run_for(PERIODS_A_ms);
+        while (host_can_receive(&answer)) {
+            if (answer.identifier == ANSWERS) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+#define ASK(...)                                                                                   \
+    TEST_ASSERT_TRUE(ask((const uint8_t[]){__VA_ARGS__}, sizeof((const uint8_t[]){__VA_ARGS__})))
+#define BYTES(address)                                                                             \
+    (uint8_t)(address), (uint8_t)((address) >> 8), (uint8_t)((address) >> 16),                     \
+        (uint8_t)((address) >> 24)
+
+static void assert_positive(void)
+{
+    TEST_ASSERT_EQUAL_HEX8(0xFF, answer.data[0]);
+}
+
+static void assert_error(uint8_t code)
+{
+    TEST_ASSERT_EQUAL_UINT8(2, answer.length);
+    TEST_ASSERT_EQUAL_HEX8(0xFE, answer.data[0]);
+    TEST_ASSERT_EQUAL_HEX8(code, answer.data[1]);
+}
+
+static int32_t signal(uint32_t place)
+{
+    ASK(0xF4, 4, 0, 0, BYTES(XCP_SIGNALS_ADDRESS + 4U * place));
+    assert_positive();
+    uint32_t value = 0;
+    for (uint32_t i = 0; i < 4U; i++) {
+        value |= (uint32_t)answer.data[1U + i] << 8U * i;
+    }
+    return (int32_t)value;
+}
+
+static void start(int32_t speed_q32)
+{
+    connect(&config);
+    sensors.speed_q32 = speed_q32;
+    app_boot();
+    run_for(20000);
+    ASK(0xFF, 0);
+    assert_positive();
+}
+
+static void unlock(void)
+{
+    uint64_t seed = 0;
+    ASK(0xF8, 0, 1);
+    for (uint32_t i = 0; i < 6U; i++) {
+        seed |= (uint64_t)answer.data[2U + i] << 8U * i;
+    }
+    const uint64_t key = mac_of(config.service_key, seed);
+    ASK(0xF7, 6, BYTES(key), (uint8_t)(key >> 32), (uint8_t)(key >> 40));
+    assert_positive();
+    ASK(0xEB, 2, 0, 1);
+    assert_positive();
+}
+
+static void write(uint32_t offset, int32_t value)
+{
+    const uint32_t bits = (uint32_t)value;
+    ASK(0xF6, 0, 0, 0, BYTES(XCP_PAGE_ADDRESS + offset));
+    ASK(0xF0, 4, BYTES(bits));
+    assert_positive();
+}
+
+#define WRITE(field, value) write((uint32_t)offsetof(config_t, field), value)
+
+static const config_t *stored(void)
+{
+    return (const config_t *)config_store_in_force().image.begin;
+}
+
+void test_signals_are_those_of_the_slow_step(void)
+{
+    start(0);
+    TEST_ASSERT_EQUAL_INT32(MODE_READY, signal(PLACE_mode));
+    TEST_ASSERT_EQUAL_INT32(1, signal(PLACE_standstill));
+    TEST_ASSERT_EQUAL_INT32(1, signal(PLACE_INPUT_selftest_passed));
+    TEST_ASSERT_EQUAL_INT32(0, signal(PLACE_INPUT_drive_torque_nm));
+    const int32_t bus_mV = signal(PLACE_bus_voltage_v);
+    TEST_ASSERT_GREATER_THAN_INT32(config.battery.min_voltage_mV, bus_mV);
+    TEST_ASSERT_LESS_THAN_INT32(config.battery.max_voltage_mV, bus_mV);
+    ASK(0xF4, 1, 0, 0, BYTES(XCP_SIGNALS_ADDRESS + 4U * PLACES));
+    assert_error(0x24);
+}
+
+void test_a_stored_parameter_is_used_after_the_restart(void)
+{
+    start(0);
+    unlock();
+    const int32_t time_ms = config.driver.lost_hold_ms + 7;
+    WRITE(driver.lost_hold_ms, time_ms);
+    TEST_ASSERT_EQUAL_INT32(config.driver.lost_hold_ms, stored()->driver.lost_hold_ms);
+    ASK(0xF9, 1, 0, 0);
+    assert_positive();
+    run_for(2000);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), "written, restarting"),
+                                 host_serial_output());
+    TEST_ASSERT_TRUE(host_watchdog_bit());
+    TEST_ASSERT_EQUAL_INT32(time_ms, stored()->driver.lost_hold_ms);
+    TEST_ASSERT_EQUAL_HEX32_ARRAY(config.service_key, stored()->service_key, 4);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, config_validate(stored(), sizeof(config_t)).code);
+}
+
+static void assert_unchanged(void)
+{
+    run_for(4000);
+    TEST_ASSERT_EQUAL_MEMORY(&config, stored(), sizeof config);
+    TEST_ASSERT_FALSE(host_watchdog_bit());
+    TEST_ASSERT_TRUE(app_finish());
+}
+
+/* A value outside its range, and two that contradict each other. */
+void test_a_page_that_the_validator_refuses_is_not_stored(void)
+{
+    start(0);
+    unlock();
+    WRITE(driver.lost_hold_ms, 10001);
+    ASK(0xF9, 1, 0, 0);
+    assert_error(0x22);
+    TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), "XCP: configuration refused: driver.lost_"));
+    ASK(0xE4, 0, 0, 0, 1);
+    assert_positive();
+    WRITE(motor.rated_torque_mNm, config.motor.max_torque_mNm + 1);
+    ASK(0xF9, 1, 0, 0);
+    assert_error(0x22);
+    assert_unchanged();
+}
+
+void test_a_turning_wheel_stores_nothing(void)
+{
+    start(8000000);
+    unlock();
+    WRITE(driver.lost_hold_ms, 299);
+    ASK(0xF9, 1, 0, 0);
+    assert_error(0x33);
+    assert_unchanged();
+}
+
+/* The installer and the tool have one memory. */
+void test_an_image_that_comes_by_the_serial_line_takes_the_staging_page(void)
+{
+    start(0);
+    unlock();
+    WRITE(driver.lost_hold_ms, 299);
+    host_serial_type("install\r");
+    run_for(100);
+    ASK(0xF9, 1, 0, 0);
+    assert_error(0x25);
+    assert_unchanged();
+}
+
+void test_another_wheels_commands_and_a_base_of_zero_are_not_answered(void)
+{
+    const uint8_t connecting[] = {0xFF, 0};
+    can_frame_t frame = {.identifier = COMMANDS + 1, .length = 2, .data = {0xFF, 0}};
+    connect(&config);
+    sensors.speed_q32 = 0;
+    app_boot();
+    run_for(20000);
+    host_can_send(&frame);
+    for (int ms = 0; ms < ANSWER_MOST_ms; ms++) {
+        run_for(PERIODS_A_ms);
+        while (host_can_receive(&frame)) {
+            TEST_ASSERT_LESS_THAN_UINT16(COMMANDS, frame.identifier);
+        }
+    }
+    config.service.can_base = 0;
+    config.crc32 = config_crc32(&config, (uint32_t)offsetof(config_t, crc32));
+    connect(&config);
+    app_boot();
+    run_for(20000);
+    TEST_ASSERT_FALSE(ask(connecting, sizeof connecting));
+}
