@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Self
 
-from hubsim import can_protocol, engine, run
+from hubsim import can_protocol, configuration, engine, run
 from hubsim.scenario import Scenario
+from regen_table import service_key
 from regen_table.schema import Drive
 
 from hubfoc.bus import Frame
@@ -27,15 +28,20 @@ class SimulatedVehicle:
 
     Without a scenario nobody in the simulation sends a demand; the brake system hears the demands
     that others send, as a real one does, and takes its own path where a wheel hands over.
+
+    ``key`` opens the lock of XCP in every wheel: that of the drive, else one drawn for this run.
     """
 
     def __init__(
         self, drive: Drive, scenario: Scenario | None = None, beside: Path = Path()
     ) -> None:
         self._base = drive.vehicle.can_base
+        self.service_base = drive.service.can_base
         self._driven = scenario is not None
         chosen = scenario if scenario is not None else NOBODY_DRIVES
         self._engine, planned_s = run.prepare(drive, chosen, beside, {})
+        self.key = service_key.of(drive) or service_key.draw()
+        self._engine.load_config(service_key.with_key(configuration.image_of(drive), self.key))
         self._engine.attach_application(engine.application_path())
         if not self._driven:
             self._engine.set("driver.silent", 1.0)

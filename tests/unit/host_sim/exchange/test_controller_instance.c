@@ -81,7 +81,7 @@ static void fast_array(const fast_input_t *in, int32_t *out)
         in->bus_voltage_code,      in->rotor_angle_turn,      in->encoder.count,
         in->encoder.index_count,   in->encoder.index,         in->hall_state,
         in->power_stage_fault};
-    _Static_assert(sizeof(values) / sizeof(values[0]) == EXCHANGE_FAST_INPUT_COUNT, "all of them");
+    _Static_assert(sizeof(values) / sizeof(values[0]) == SIGNALS_FAST_INPUT_COUNT, "all of them");
     memcpy(out, values, sizeof(values));
 }
 
@@ -110,14 +110,14 @@ static void slow_array(const slow_input_t *in, int32_t *out)
                               in->bms.voltage_mV,
                               in->bms.current_mA,
                               in->bms.current_given};
-    _Static_assert(sizeof(values) / sizeof(values[0]) == EXCHANGE_SLOW_INPUT_COUNT, "all of them");
+    _Static_assert(sizeof(values) / sizeof(values[0]) == SIGNALS_SLOW_INPUT_COUNT, "all of them");
     memcpy(out, values, sizeof(values));
 }
 
 static void step(controller_instance_t *instance, uint32_t n, int32_t fast_out[],
                  int32_t slow_out[])
 {
-    int32_t in[EXCHANGE_SLOW_INPUT_COUNT];
+    int32_t in[SIGNALS_SLOW_INPUT_COUNT];
     if (n % STEPS_PER_MS == 0) {
         const slow_input_t slow = slow_input(n);
         slow_array(&slow, in);
@@ -136,8 +136,8 @@ void test_access_by_name_and_by_structure_give_the_same_outputs(void)
     controller_init(&direct, &config, BASES_MODEL_TIMER_Hz);
     fast_setpoint_t to_fast = controller_initial_setpoint(&config, BASES_MODEL_TIMER_Hz);
     slow_output_t slow = {.mode = MODE_BOOT};
-    int32_t fast_out[EXCHANGE_FAST_OUTPUT_COUNT];
-    int32_t slow_out[EXCHANGE_SLOW_OUTPUT_COUNT];
+    int32_t fast_out[SIGNALS_FAST_OUTPUT_COUNT];
+    int32_t slow_out[SIGNALS_SLOW_OUTPUT_COUNT];
     bool has_switched = false;
     for (uint32_t n = 0; n < STEPS; n++) {
         step(&instance, n, fast_out, slow_out);
@@ -178,8 +178,8 @@ void test_access_by_name_and_by_structure_give_the_same_outputs(void)
                                          slow.stop_lamp,
                                          slow.standstill,
                                          (int32_t)slow.present_warning};
-        TEST_ASSERT_EQUAL_INT32_ARRAY(fast_expected, fast_out, EXCHANGE_FAST_OUTPUT_COUNT);
-        TEST_ASSERT_EQUAL_INT32_ARRAY(slow_expected, slow_out, EXCHANGE_SLOW_OUTPUT_COUNT);
+        TEST_ASSERT_EQUAL_INT32_ARRAY(fast_expected, fast_out, SIGNALS_FAST_OUTPUT_COUNT);
+        TEST_ASSERT_EQUAL_INT32_ARRAY(slow_expected, slow_out, SIGNALS_SLOW_OUTPUT_COUNT);
         has_switched = has_switched || fast.bridge == BRIDGE_PWM;
     }
     TEST_ASSERT_TRUE_MESSAGE(has_switched, "the inputs never made the controller work");
@@ -190,10 +190,10 @@ void test_a_copy_continues_bit_identically_to_the_original(void)
 {
     static controller_instance_t original;
     static controller_instance_t copy;
-    int32_t fast_out[EXCHANGE_FAST_OUTPUT_COUNT];
-    int32_t slow_out[EXCHANGE_SLOW_OUTPUT_COUNT];
-    int32_t fast_copy[EXCHANGE_FAST_OUTPUT_COUNT];
-    int32_t slow_copy[EXCHANGE_SLOW_OUTPUT_COUNT];
+    int32_t fast_out[SIGNALS_FAST_OUTPUT_COUNT];
+    int32_t slow_out[SIGNALS_SLOW_OUTPUT_COUNT];
+    int32_t fast_copy[SIGNALS_FAST_OUTPUT_COUNT];
+    int32_t slow_copy[SIGNALS_SLOW_OUTPUT_COUNT];
     controller_instance_init(&original, &config);
     for (uint32_t n = 0; n < STEPS / 2; n++) {
         step(&original, n, fast_out, slow_out);
@@ -205,6 +205,6 @@ void test_a_copy_continues_bit_identically_to_the_original(void)
     for (uint32_t n = STEPS / 2; n < STEPS; n++) {
         step(&copy, n, fast_copy, slow_copy);
     }
-    TEST_ASSERT_EQUAL_INT32_ARRAY(fast_out, fast_copy, EXCHANGE_FAST_OUTPUT_COUNT);
-    TEST_ASSERT_EQUAL_INT32_ARRAY(slow_out, slow_copy, EXCHANGE_SLOW_OUTPUT_COUNT);
+    TEST_ASSERT_EQUAL_INT32_ARRAY(fast_out, fast_copy, SIGNALS_FAST_OUTPUT_COUNT);
+    TEST_ASSERT_EQUAL_INT32_ARRAY(slow_out, slow_copy, SIGNALS_SLOW_OUTPUT_COUNT);
 }

@@ -13,6 +13,7 @@ from hubfoc.bus import Bus, join, reserve
 from hubfoc.live import clock, command
 from hubfoc.live.terminals import Terminals
 from hubfoc.live.vehicle import SimulatedVehicle
+from hubfoc.live.xcp import Gateways
 from hubsim import can_protocol, cli
 from regen_table import schema
 
@@ -38,10 +39,14 @@ def channel(drive: schema.Drive) -> Iterator[str]:
     name = f"virtual:{next(NUMBERS)}"
     ends = threading.Event()
     bus = join(name)
-    with SimulatedVehicle(drive) as vehicle, Terminals(vehicle.wheels) as terminals:
+    with (
+        SimulatedVehicle(drive) as vehicle,
+        Terminals(vehicle.wheels) as terminals,
+        Gateways(vehicle.service_base, vehicle.wheels) as gateways,
+    ):
         thread = threading.Thread(
             target=command.keep_running,
-            args=(vehicle, bus, terminals, clock.Clock(paced=True), ends.is_set),
+            args=(vehicle, bus, terminals, gateways, clock.Clock(paced=True), ends.is_set),
         )
         thread.start()
         yield name
