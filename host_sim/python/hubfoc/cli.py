@@ -9,7 +9,7 @@ from typing import TypeAlias
 from hubsim import can_protocol
 from hubsim.cli.arguments import DEFAULT_CONFIG
 from hubsim.errors import HubsimError
-from regen_table.cli import REFUSED, Parser, ShowVersion, drive_file, interrupted
+from regen_table.cli import REFUSED, Parser, ShowVersion, drive_file, interrupted, output_file
 from regen_table.errors import ConfigurationError
 
 from hubfoc.errors import HubfocError
@@ -90,6 +90,15 @@ def _add_demand(commands: Commands) -> None:
     command.add_argument("--acknowledge", action="store_true", help="acknowledge faults as well")
 
 
+def _add_a2l(commands: Commands) -> None:
+    command = commands.add_parser(
+        "a2l", help="the description for tools of XCP",
+        description="Write the A2L of this version: every signal and parameter with its address in"
+        " XCP, unit, range and text.",
+    )  # fmt: skip
+    command.add_argument("file", type=output_file(".a2l"), metavar="FILE.a2l")
+
+
 def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
     out = Parser(prog="hubfoc", description="Talk to wheels with hubfoc controllers.")
@@ -97,7 +106,7 @@ def parser() -> argparse.ArgumentParser:
     commands = out.add_subparsers(
         title="commands", required=True, metavar="COMMAND", parser_class=Parser, dest="command"
     )
-    for add in (_add_live, _add_watch, _add_demand):
+    for add in (_add_live, _add_watch, _add_demand, _add_a2l):
         add(commands)
     return out
 
@@ -111,6 +120,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             from hubfoc.live import command  # noqa: PLC0415
 
             return command.run(options)
+        if options.command == "a2l":
+            from hubfoc import a2l  # noqa: PLC0415
+
+            return a2l.run(options)
         from hubfoc import commands  # noqa: PLC0415
 
         return commands.watch(options) if options.command == "watch" else commands.demand(options)

@@ -21,7 +21,7 @@ from hubfoc.live.vehicle import SimulatedVehicle
 from hubfoc.live.xcp import Gateways
 from hubsim import cli
 from pyxcp.config import create_application_from_config
-from pyxcp.master import Master
+from pyxcp.master.master import Master
 from pyxcp.types import XcpResponseError
 from regen_table import image, schema
 
@@ -82,7 +82,7 @@ class Tool:
     def refused(self, code: int, service: Any, *arguments: object) -> None:  # noqa: ANN401
         with pytest.raises(XcpResponseError) as refusal:
             service(*arguments)
-        assert int(refusal.value.get_error_code()) == code
+        assert int(refusal.value.args[0]) == code
 
     def unlock(self) -> None:
         self.master.cond_unlock("calpag")
