@@ -97,12 +97,13 @@ function(hubfoc_add_fuzzer name runs long_runs)
   hubfoc_test_properties(fuzz_${name}_for_long "fuzz;full" 7200)
 endfunction()
 
-# The whole controller; the CAN node; what comes over the serial line, and what is read from
-# memories that may hold anything. The numbers of inputs: README.
+# The whole controller; the CAN node; what comes over the serial line, what is read from memories
+# that may hold anything, and packets of XCP. The numbers of inputs: README.
 hubfoc_add_fuzzer(fast_step 100000 3000000 -max_len=1000)
 hubfoc_add_fuzzer(can_frames 20000 10000000 -max_len=600)
 hubfoc_add_fuzzer(console 2000 1000000 -max_len=600 -len_control=0)
 hubfoc_add_fuzzer(images 2000 10000000 -max_len=600 -len_control=0)
+hubfoc_add_fuzzer(xcp 100000 10000000 -max_len=600 -len_control=0)
 # Nine tenths of the console's inputs are at most fifty bytes long: a quarter of the time each.
 add_test(NAME fuzz_console_short_for_long
   COMMAND "${CMAKE_CURRENT_BINARY_DIR}/fuzz_console" -seed=20260102 -runs=9000000 -max_len=50

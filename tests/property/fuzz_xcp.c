@@ -1,0 +1,145 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The XCP slave under a coverage-guided fuzzer: any packets in any order at any time, with the
+ * right key now and then. The sanitizers watch every read and write, and these are properties of
+ * every run: the page in force and what lies around the staging page never change, the staging page
+ * only when unlocked, the key is neither changed nor in an answer, an answer fits its packet.
+ *
+ * A packet is its length and what it is, time since the one before, its bytes. Addresses are
+ * guessed hardly ever, so they can be given.
+ */
+#include <stddef.h>
+
+#include "comms/mac.h"
+#include "comms/xcp.h"
+#include "fuzz_bytes.h"
+
+enum {
+    GUARD = 64,
+    SIGNALS_COUNT = 3,
+    RIGHT_KEY = 0x10,
+    GIVEN_ADDRESS = 0x20,
+    GONE = 0x40,
+    ANY_LENGTH = 0x80
+};
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+typedef struct {
+    uint8_t before[GUARD];
+    config_t config;
+    uint8_t after[GUARD];
+} guarded_t;
+
+static const uint32_t KEY[CONFIG_SERVICE_KEY_WORDS] = {0x9E3779B9, 0x7F4A7C15, 0xF39CC060,
+                                                       0x5CEDC834};
+
+static void require_guards(const guarded_t *page)
+{
+    for (uint32_t i = 0; i < GUARD; i++) {
+        require(page->before[i] == 0xA5 && page->after[i] == 0xA5);
+    }
+    require(memcmp(page->config.service_key, KEY, sizeof KEY) == 0);
+}
+
+static void guard(guarded_t *page)
+{
+    memset(page, 0xA5, sizeof *page);
+    memset(&page->config, 0x11, sizeof page->config);
+    memcpy(page->config.service_key, KEY, sizeof KEY);
+}
+
+/* The key has no byte in common with the rest of the pages, so four of it in a row are no chance.
+ */
+static void require_silent_about_key(const uint8_t *answer, uint32_t bytes)
+{
+    for (uint32_t at = 1; at + 4U <= bytes; at++) {
+        for (uint32_t k = 0; k < CONFIG_SERVICE_KEY_WORDS; k++) {
+            require(memcmp(&answer[at], &KEY[k], 4) != 0);
+        }
+    }
+}
+
+static uint32_t packet_of(const xcp_t *slave, bytes_t *bytes, uint8_t what, uint8_t *packet)
+{
+    const uint32_t length = (what & ANY_LENGTH) != 0 ? what % 10U : XCP_PACKET_BYTES;
+    for (uint32_t i = 0; i < length; i++) {
+        packet[i] = take8(bytes);
+    }
+    packet[0] |= (what & ANY_LENGTH) != 0 ? 0U : 0xE0U; /* where the commands are */
+    if ((what & RIGHT_KEY) != 0) {
+        const uint64_t right = mac_of(KEY, slave->seed);
+        packet[0] = 0xF7;
+        packet[1] = 6;
+        for (uint32_t i = 0; i < 6U; i++) {
+            packet[2U + i] = (uint8_t)(right >> 8U * i);
+        }
+        return 8;
+    }
+    if ((what & GIVEN_ADDRESS) != 0) {
+        const uint32_t around = packet[4] % 32U - 8U; /* of the beginning, or of the end */
+        const uint32_t page_end = XCP_PAGE_ADDRESS + (uint32_t)offsetof(config_t, crc32);
+        const uint32_t address = packet[5] < 64U    ? XCP_SIGNALS_ADDRESS + around
+                                 : packet[5] < 128U ? page_end + around
+                                 : packet[5] < 192U
+                                     ? XCP_PAGE_ADDRESS + around
+                                     : XCP_PAGE_ADDRESS + packet[5] * packet[4] / 16U;
+        packet[1] %= 9U; /* bytes to read */
+        packet[3] = 0;   /* extension */
+        for (uint32_t i = 0; i < 4U; i++) {
+            packet[4U + i] = (uint8_t)(address >> 8U * i);
+        }
+    }
+    return length;
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    static guarded_t in_force, staging;
+    static config_t in_force_before, staging_before;
+    static const xcp_signal_t SIGNALS[SIGNALS_COUNT] = {{0, 4, 0}, {4, 1, 1}, {6, 2, 0}};
+    static const uint8_t RECORD[8] = {1, 2, 3, 4, 5, 6, 7, 8};
+    bytes_t bytes = {data, size};
+    uint32_t now_ms = UINT32_MAX - 1000U * take8(&bytes);
+    xcp_t slave;
+    guard(&in_force);
+    guard(&staging);
+    in_force_before = in_force.config;
+    xcp_init(&slave);
+    slave.connected = bytes.left % 4U != 0;
+    while (bytes.left > 0) {
+        uint8_t packet[10] = {0};
+        uint8_t answer[XCP_PACKET_BYTES];
+        const uint8_t what = take8(&bytes);
+        const uint8_t pause = take8(&bytes);
+        const uint32_t length = packet_of(&slave, &bytes, what, packet);
+        const xcp_access_t access = {.signals = SIGNALS,
+                                     .signals_count = SIGNALS_COUNT,
+                                     .record = {RECORD, RECORD},
+                                     .in_force = &in_force.config,
+                                     .staging = (what & GONE) != 0 ? NULL : &staging.config,
+                                     .identification = "fuzzed"};
+        now_ms += pause < 200U ? pause : 400U * pause;
+        xcp_tick(&slave, &access, now_ms);
+        if (xcp_wants_seed(&slave)) {
+            xcp_give_seed(&slave, take32(&bytes));
+        }
+        const bool unlocked = slave.unlocked;
+        const bool unlocking = packet[0] == 0xF7;
+        staging_before = staging.config;
+        uint32_t answered = xcp_command(&slave, &access, now_ms, packet, length, answer);
+        if (slave.store_wanted) {
+            require(slave.unlocked && answered == 0);
+            answered = xcp_store(&slave, pause % 2U == 0 ? XCP_ERROR_NONE : XCP_ERROR_OUT_OF_RANGE,
+                                 answer);
+        }
+        require(answered <= XCP_PACKET_BYTES);
+        require_silent_about_key(answer, answered);
+        require(memcmp(&in_force.config, &in_force_before, sizeof in_force_before) == 0);
+        require(unlocked || unlocking ||
+                memcmp(&staging.config, &staging_before, sizeof staging_before) == 0);
+        require_guards(&in_force);
+        require_guards(&staging);
+    }
+    return 0;
+}
