@@ -114,6 +114,9 @@ int hubsim_set(hubsim_t *sim, const char *name, double value)
         return handle_fail(sim, HUBSIM_BAD_ORDER, "%s", objection);
     }
     sim->bench.params = changed;
+    if (index == parameters_find("battery.initial_soc")) {
+        sim->bench.battery.soc = value;
+    }
     bench_refresh(&sim->bench);
     return HUBSIM_OK;
 }

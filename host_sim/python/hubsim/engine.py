@@ -257,6 +257,13 @@ class Engine:
         self._check(status)
         self.ended = status == self._lib.HUBSIM_ENDED
 
+    def sample(self, row: Rows) -> None:
+        """Write the chosen signals now into ``row``; rates are means since the row before."""
+        if row.shape != (len(self._chosen),) or not row.flags.c_contiguous:
+            raise ValueError(f"row: shape {row.shape}, accepted: ({len(self._chosen)},)")
+        buffer = self._ffi.from_buffer("double[]", row.data, require_writable=True)
+        self._check(self._lib.hubsim_sample(self._sim, buffer))
+
     def save(self) -> bytes:
         """Return everything that changes while the vehicle runs.
 

@@ -29,7 +29,8 @@
     X(polarisation_resistance_ohm,  0.0,  1e3,  "ohm", "R_t; 0: no RC branch") \
     X(polarisation_capacitance_f,   1e-6, 1e9,  "F",   "C_t") \
     X(capacity_ah,                  1e-3, 1e6,  "A h", "") \
-    X(initial_soc,                  0.0,  1.0,  "1",   "state of charge where work begins") \
+    X(initial_soc,                  0.0,  1.0,  "1", \
+      "state of charge where work begins; set during a run: from then on") \
     X(max_charge_current_a,         0.0,  1e5,  "A", \
       "what the battery management allows into the pack") \
     X(max_discharge_current_a,      0.0,  1e5,  "A", \

@@ -67,6 +67,26 @@ void test_signals_of_a_running_vehicle_are_read_by_name(void)
     TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_NAME, hubsim_value(sim, "vehicle.colour", &speed));
 }
 
+/* 20 N m at 3 m/s move no thousandth of the pack's charge in 0.1 s. */
+void test_a_state_of_charge_set_during_a_run_holds_from_then_on(void)
+{
+    load_vehicle();
+    set("battery.initial_soc", 0.5);
+    set("driver.brake_demand_nm", 20.0);
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_start(sim));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_advance(sim, 0.1));
+    double soc = 0.0;
+    set("battery.initial_soc", 0.9);
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_value(sim, "battery.soc", &soc));
+    TEST_ASSERT_EQUAL_DOUBLE(0.9, soc);
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_advance(sim, 0.2));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_value(sim, "battery.soc", &soc));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0.9, soc);
+    set("battery.initial_soc", 0.9);
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_value(sim, "battery.soc", &soc));
+    TEST_ASSERT_EQUAL_DOUBLE(0.9, soc);
+}
+
 void test_a_full_buffer_pauses_the_run_and_reading_it_resumes_the_run(void)
 {
     load_vehicle();

@@ -65,6 +65,20 @@ def test_rows_are_recorded_at_the_interval(drive: Drive) -> None:
     assert rows[:, 0] == pytest.approx(np.arange(21) * 0.02)
 
 
+def test_samples_of_a_vehicle_that_is_stepped_are_the_rows_of_a_run(drive: Drive) -> None:
+    """Step by step at equal times: sample() against run()."""
+    rows = recorded(drive)
+    row: Rows = np.empty(len(SIGNALS))
+    with vehicle(drive) as engine:
+        interval_s = engine.get("run.record_interval_s")
+        for k, expected in enumerate(rows):
+            engine.advance(k * interval_s)
+            engine.sample(row)
+            assert row.tobytes() == expected.tobytes()
+        with pytest.raises(ValueError, match=r"row: shape \(2,\), accepted: \(5,\)"):
+            engine.sample(np.empty(2))
+
+
 def test_a_parameter_set_during_the_run_takes_effect(drive: Drive) -> None:
     with vehicle(drive, demand_nm=0.0, drag=False) as engine:
         engine.run(0.3)
