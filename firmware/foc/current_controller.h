@@ -64,15 +64,15 @@ static inline current_gains_t current_gains_of(const current_tuning_t *tuning, i
     return out;
 }
 
-/* The largest u_d > 0, which is that of a braking motor: held_q holds the q current, and a tenth of
+/* The largest u_d > 0, which is that of a braking motor: steady_q holds i_q, and a tenth of
  * the circle corrects it, if it is wanted. Without this reserve a braking current escapes control
  * at the voltage limit; with less of u_d i_d falls, which weakens the field. DERIVATIONS.md, d-axis
  * voltage reserve. */
-Q_TARGET_INLINE int32_t current_controller_most_d(int32_t held_q_q25, int32_t wanted_q_q25)
+Q_TARGET_INLINE int32_t current_controller_most_d(int32_t steady_q_q25, int32_t wanted_q_q25)
 {
-    const int32_t held = q_abs(held_q_q25 >> 10);
+    const int32_t steady = q_abs(steady_q_q25 >> 10);
     const int32_t wanted =
-        q_min(q_abs(wanted_q_q25 >> 10), held + CURRENT_CONTROLLER_CORRECTION_Q15);
+        q_min(q_abs(wanted_q_q25 >> 10), steady + CURRENT_CONTROLLER_CORRECTION_Q15);
     return circle_other_q15(
         q_clamp(wanted, CURRENT_CONTROLLER_RESERVE_Q15, CURRENT_CONTROLLER_MOST_RESERVE_Q15));
 }
@@ -88,8 +88,8 @@ Q_TARGET_INLINE void current_controller_step(current_controller_t *restrict stat
     const int32_t integral_q_q30 = state->q.integrator_q30;
     const int32_t base_q_q25 = gains->forward_q_q25 + (integral_q_q30 >> 5);
     const q_pair_t q_gain_q10 = q_pair_load(&gains->q_gain_q10);
-    const int32_t held_q_q25 = q_pair_mac_x(base_q_q25, q_gain_q10, i.v);
-    const int32_t u_q_q25 = q_pair_mac_y(held_q_q25, q_gain_q10, error);
+    const int32_t steady_q_q25 = q_pair_mac_x(base_q_q25, q_gain_q10, i.v);
+    const int32_t u_q_q25 = q_pair_mac_y(steady_q_q25, q_gain_q10, error);
     out->unsaturated_q_q25 = u_q_q25;
 
     const int32_t integral_d_q30 = state->d.integrator_q30;
@@ -101,7 +101,7 @@ Q_TARGET_INLINE void current_controller_step(current_controller_t *restrict stat
     int32_t applied_d = q_saturate16(u_d);
     out->unsaturated_d_q25 = u_d_q25;
     if (u_d > CURRENT_CONTROLLER_FREE_Q15) {
-        applied_d = q_min(applied_d, current_controller_most_d(held_q_q25, u_q_q25));
+        applied_d = q_min(applied_d, current_controller_most_d(steady_q_q25, u_q_q25));
     }
     const q_pair_t integral_q15 = q_pair_load(&gains->integral_q15);
     int32_t next_d_q30 = q_pair_mac_x(integral_d_q30, integral_q15, error);

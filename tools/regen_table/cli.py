@@ -370,6 +370,20 @@ def _add_new(command: argparse.ArgumentParser) -> None:
     )
 
 
+def _add_calibrate(command: argparse.ArgumentParser) -> None:
+    columns = (
+        "v_ab_v, v_bc_v, hall_a, hall_b, hall_c and/or index, of a wheel spun by hand, both ways,"
+        " with the bridge off"
+    )
+    command.add_argument("recording", type=Path, metavar="FILE.csv", help=columns)
+
+
+def _add_key(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "file", type=Path, metavar="FILE", help="a new file, which its owner alone can read"
+    )
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="regen_table",
@@ -502,36 +516,12 @@ def _parser() -> argparse.ArgumentParser:
     for name, text, add_arguments in (
         ("fit", "loss parameters from a measured map, no-load curve or coast-down", _add_fit),
         ("flux", "check a flux map, and the constants that stand for it at a torque", _add_flux),
-    ):
-        command = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
-        add_arguments(command)
-        command.set_defaults(command=name)
-
-    for name, text, add_arguments in (
         ("new", "a short TOML file from the numbers of a label; asks on a terminal", _add_new),
         ("explain", "what a key means, its default, and where it is used", _add_explain),
+        ("calibrate", "hall edges and encoder index from a recording", _add_calibrate),
+        ("key", "draw a key for the lock of XCP, [service] key", _add_key),
     ):
         command = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
         add_arguments(command)
         command.set_defaults(command=name)
-
-    command = commands.add_parser(
-        "calibrate",
-        help="hall edges and encoder index from a recording",
-        description="Hall edges and encoder index from a recording.",
-    )
-    columns = (
-        "v_ab_v, v_bc_v, hall_a, hall_b, hall_c and/or index, of a wheel spun by hand, both ways,"
-        " with the bridge off"
-    )
-    command.add_argument("recording", type=Path, metavar="FILE.csv", help=columns)
-    command.set_defaults(command="calibrate")
-
-    command = commands.add_parser(
-        "key",
-        help="draw a key for [service] key",
-        description="Draw a key for the lock of XCP, into a new file that its owner can read.",
-    )
-    command.add_argument("file", type=Path, metavar="FILE")
-    command.set_defaults(command="key")
     return parser

@@ -251,15 +251,15 @@ void test_currents_at_the_ends_of_their_formats_do_not_overflow(void)
 void test_braking_d_voltage_leaves_q_what_holds_its_current(void)
 {
     const current_tuning_t tuning = tuning_with_gains(1.0, 0.0);
-    for (int32_t held = -32000; held <= 32000; held += 500) {
+    for (int32_t steady = -32000; steady <= 32000; steady += 500) {
         for (int32_t error = -20000; error <= 20000; error += 4000) {
             current_controller_reset(&state);
             current_tuning_t at = tuning;
             at.forward_d_q25 = 2 << 25; /* twice the circle */
-            at.forward_q_q25 = held * 1024;
+            at.forward_q_q25 = steady * 1024;
             const voltages_t out = step(&at, 0, error, 0, 0);
-            const double wanted = fabs((double)held + error);
-            const double reserve = fmin(fmax(fmin(wanted, abs(held) + 3277.0), 5898.0), 28377.0);
+            const double wanted = fabs((double)steady + error);
+            const double reserve = fmin(fmax(fmin(wanted, abs(steady) + 3277.0), 5898.0), 28377.0);
             const double left = sqrt(fmax(32768.0 * 32768.0 - reserve * reserve, 0.0));
             TEST_ASSERT_TRUE(out.applied.d <= left + 1.0);
             TEST_ASSERT_TRUE(out.applied.d >= 0.99 * left - 2.0);
