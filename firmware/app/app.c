@@ -92,6 +92,7 @@ static struct {
     can_link_t can;
     pedal_sender_t pedal_sender;
     service_t service;
+    service_view_t view;
     console_t console;
     fault_journal_t journal;
     uint32_t journal_ms;      /* of the latest record, or attempt */
@@ -402,19 +403,19 @@ static xcp_error_t objection_to_staging(const snapshot_t *snapshot)
 static void serve(const snapshot_t *snapshot, uint32_t now_ms)
 {
     installer_t *installer = &app.console.installer;
-    const service_view_t view = {.output = &snapshot->output,
-                                 .input = &snapshot->input,
-                                 .in_force = app.config,
-                                 .staging = installer_staging(installer)};
-    can_frame_t command;
-    if (can_link_service(&app.can, &command)) {
-        service_receive(&app.service, &view, &command, now_ms);
+    app.view.output = &snapshot->output;
+    app.view.input = &snapshot->input;
+    app.view.in_force = app.config;
+    app.view.staging = installer_staging(installer);
+    const can_frame_t *command = can_link_service(&app.can);
+    if (command != NULL) {
+        service_receive(&app.service, &app.view, command, now_ms);
     }
     if (service_wants_store(&app.service)) {
         service_store(&app.service, objection_to_staging(snapshot), now_ms);
     }
-    service_step(&app.service, &view, now_ms);
-    if (service_store_is_due(&app.service, now_ms) && view.staging != NULL) {
+    service_step(&app.service, &app.view, now_ms);
+    if (service_store_is_due(&app.service, now_ms) && app.view.staging != NULL) {
         installer_accept_staging(installer);
     }
 }

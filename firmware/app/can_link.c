@@ -86,12 +86,11 @@ bool can_link_receive(can_link_t *link, uint32_t now_ms)
     return changed;
 }
 
-bool can_link_service(can_link_t *link, can_frame_t *command)
+const can_frame_t *can_link_service(can_link_t *link)
 {
     const bool received = link->service_received;
     link->service_received = false;
-    *command = link->service_command;
-    return received;
+    return received ? &link->service_command : NULL;
 }
 
 static bool transmit(const messages_frame_t *frame)

@@ -36,8 +36,8 @@ bool can_link_init(can_link_t *link, const config_t *config, const uint16_t *ser
  * link->node.command has changed. */
 bool can_link_receive(can_link_t *link, uint32_t now_ms);
 
-/* True once, with an XCP command that came. */
-bool can_link_service(can_link_t *link, can_frame_t *command);
+/* Once, an XCP command that came, valid until the next can_link_receive(); NULL: there is none. */
+const can_frame_t *can_link_service(can_link_t *link);
 
 /* Sends the frames that are due, as many as the CAN controller takes. */
 void can_link_transmit(can_link_t *link, uint32_t now_ms, const slow_output_t *output,

@@ -115,20 +115,20 @@ void test_filter_accepts_only_frames_for_this_wheel(void)
 void test_a_command_of_the_service_is_kept_for_it(void)
 {
     const uint16_t identifier = 0x7F2;
-    can_frame_t command;
     service_accepted = 1;
     TEST_ASSERT_TRUE(can_link_init(&can_link, configured(MESSAGES_REAR_LEFT), &identifier, 0));
     TEST_ASSERT_EQUAL_HEX16(identifier, accepted[MESSAGES_RECEIVED]);
-    TEST_ASSERT_FALSE(can_link_service(&can_link, &command));
+    TEST_ASSERT_NULL(can_link_service(&can_link));
     for (uint8_t k = 1; k <= 2; k++) {
         const can_frame_t frame = {.identifier = identifier, .length = 1, .data = {k}};
         waiting[waiting_count++] = frame;
     }
     (void)can_link_receive(&can_link, 1);
     TEST_ASSERT_EQUAL_UINT32(0, can_link.node.foreign);
-    TEST_ASSERT_TRUE(can_link_service(&can_link, &command));
-    TEST_ASSERT_EQUAL_UINT8(2, command.data[0]);
-    TEST_ASSERT_FALSE(can_link_service(&can_link, &command));
+    const can_frame_t *command = can_link_service(&can_link);
+    TEST_ASSERT_NOT_NULL(command);
+    TEST_ASSERT_EQUAL_UINT8(2, command->data[0]);
+    TEST_ASSERT_NULL(can_link_service(&can_link));
 }
 
 void test_demand_is_received_with_its_time(void)
