@@ -4,6 +4,7 @@
 import argparse
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TypeAlias
 
 from hubsim import can_protocol
@@ -15,6 +16,8 @@ from regen_table.errors import ConfigurationError
 from hubfoc.errors import HubfocError
 
 Commands: TypeAlias = "argparse._SubParsersAction[Parser]"
+WHEELS = ("front_left", "front_right", "rear_left", "rear_right")
+SERVICE_BASE = 0x7F0
 DIRECTIONS = ("neutral", "forward", "reverse")
 LIVE = (
     "A virtual vehicle in real time: in every wheel the whole application (boot, CAN, shell,"
@@ -99,6 +102,36 @@ def _add_a2l(commands: Commands) -> None:
     command.add_argument("file", type=output_file(".a2l"), metavar="FILE.a2l")
 
 
+def _add_params(commands: Commands) -> None:
+    params = commands.add_parser(
+        "params", help="the parameters of a wheel, by XCP",
+        description="Show what a wheel is configured with, compare it with a TOML, store other"
+        " values; whole numbers in the units of the fields.",
+    )  # fmt: skip
+    actions = params.add_subparsers(
+        title="actions", required=True, metavar="ACTION", parser_class=Parser, dest="action"
+    )
+    get = actions.add_parser("get", help="print fields")
+    get.add_argument("prefix", nargs="?", default="", help="of the names: motor., motor.type")
+    diff = actions.add_parser("diff", help="print the fields that differ from a TOML's; exit 1")
+    diff.add_argument("config", type=drive_file, metavar="DRIVE")
+    change = actions.add_parser("set", help="store values at rest; the wheel restarts with them")
+    change.add_argument("assignments", nargs="+", metavar="SECTION.FIELD=VALUE")
+    change.add_argument(
+        "--key", type=Path, required=True, metavar="FILE", help="of the TOML's [service] key"
+    )
+    for action in (get, diff, change):
+        _add_bus(action)
+        action.add_argument("--wheel", choices=WHEELS, default=WHEELS[0], help="on the bus")
+        action.add_argument(
+            "--base", type=lambda text: int(text, 0), default=SERVICE_BASE, metavar="IDENTIFIER",
+            help=f"of XCP, [service] can_base; default: {SERVICE_BASE:#x}",
+        )  # fmt: skip
+        action.add_argument(
+            "--udp", metavar="HOST:PORT", help="in the place of a bus: xcp of 'hubfoc live'"
+        )
+
+
 def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
     out = Parser(prog="hubfoc", description="Talk to wheels with hubfoc controllers.")
@@ -106,7 +139,7 @@ def parser() -> argparse.ArgumentParser:
     commands = out.add_subparsers(
         title="commands", required=True, metavar="COMMAND", parser_class=Parser, dest="command"
     )
-    for add in (_add_live, _add_watch, _add_demand, _add_a2l):
+    for add in (_add_live, _add_watch, _add_demand, _add_a2l, _add_params):
         add(commands)
     return out
 
@@ -124,6 +157,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             from hubfoc import a2l  # noqa: PLC0415
 
             return a2l.run(options)
+        if options.command == "params":
+            from hubfoc import params  # noqa: PLC0415
+
+            return params.run(options)
         from hubfoc import commands  # noqa: PLC0415
 
         return commands.watch(options) if options.command == "watch" else commands.demand(options)
