@@ -18,6 +18,7 @@ from regen_table.sections import Drive, range_of
 SCANNED = 80  # values of a key between the present one and the end of its range
 HALVINGS = 40
 DIGITS = 4
+ROUNDING_SHARE = 0.98  # of a bandwidth at the end of a number format
 KEYS_MAX = 8  # of one answer about number formats
 
 
@@ -118,12 +119,15 @@ def _voltages(drive: Drive) -> Iterator[str]:
 
 
 def with_fitting_bandwidth(drive: Drive) -> Drive:
-    """Return a drive whose current loop was not given with one that fits its number formats."""
+    """Return a drive whose current loop was not given with one that fits its number formats.
+
+    A little below the fastest that does: the firmware judges gains that are rounded.
+    """
     name = "control.current_bandwidth_hz"
     if relations.mistakes(drive) or _fits(drive):
         return drive
     enough = _nearest_good(drive, name, range_of(name)[1], _fits)
-    return drive if enough is None else with_value(drive, name, enough)
+    return drive if enough is None else with_value(drive, name, ROUNDING_SHARE * enough)
 
 
 def _formats(drive: Drive) -> list[str]:

@@ -6,6 +6,7 @@ import io
 import math
 import re
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -260,19 +261,22 @@ STOPS_KMH = {
 
 @pytest.mark.parametrize("name", PUBLIC)
 def test_a_public_drives_label_stores_what_the_readme_says_beside_the_whole_file(
-    name: str, tmp_path: Path
+    name: str, tmp_path: Path, validated: Callable[[bytes], str]
 ) -> None:
     text = (MOTORS / "README.md").read_text(encoding="utf-8")
     row = next(line for line in text.splitlines() if line.startswith(f"| `{name}` |"))
     numbers = [float(cell) for cell in row.split("|")[3:7]]
     whole, short = compared(name, tmp_path)
+    assert validated(image.build(schema.load(tmp_path / f"{name}.toml"))) == ""
     assert numbers == pytest.approx([whole[0], short[0], whole[1], short[1]], rel=6e-3, abs=0.06)
 
 
 @pytest.mark.parametrize("name", OTHERS)
-def test_a_real_motors_label_makes_a_table_an_image_and_a_stop(name: str, tmp_path: Path) -> None:
+def test_a_real_motors_label_makes_a_table_an_image_and_a_stop(
+    name: str, tmp_path: Path, validated: Callable[[bytes], str]
+) -> None:
     drive = made(name, tmp_path)
-    assert len(image.build(drive)) > 0
+    assert validated(image.build(drive)) == ""
     proposed = drive.inverter.board
     if proposed is not None:
         board = boards.known()[proposed]
