@@ -10,5 +10,6 @@
 from hubfoc.client import Vehicle, WheelStatus
 from hubfoc.counterparts import Bms, BrakeSystem
 from hubfoc.errors import HubfocError
+from hubfoc.simulation import Simulation
 
-__all__ = ["Bms", "BrakeSystem", "HubfocError", "Vehicle", "WheelStatus"]
+__all__ = ["Bms", "BrakeSystem", "HubfocError", "Simulation", "Vehicle", "WheelStatus"]

@@ -24,10 +24,10 @@ class Clock:
     _share: float = 0.0
     _complained: float = -SLOW_SHOWN_S
 
-    def begin(self) -> None:
-        """Count from now."""
+    def begin(self, time_s: float = 0.0) -> None:
+        """Count from now, where the simulated time is this."""
         self._due = time.monotonic()
-        self._window = (self._due, time.process_time(), 0.0)
+        self._window = (self._due, time.process_time(), time_s)
 
     def wait_s(self) -> float:
         """Return for how long there is nothing to do; 0: a step is due, its lateness counts."""

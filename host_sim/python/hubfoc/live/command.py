@@ -9,26 +9,20 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
-from hubsim import scenario as scenarios
-from hubsim.scenario import overrides
-from regen_table import schema, service_key
+from hubsim.errors import HubsimError
+from regen_table import service_key
 
 from hubfoc.bus import Bus, Frame, reserve
 from hubfoc.live.clock import Clock
-from hubfoc.live.service import Service
+from hubfoc.live.orders import Orders
+from hubfoc.live.service import Answers, Service
 from hubfoc.live.terminals import Terminals
-from hubfoc.live.vehicle import POSITIONS, STEP_S, SimulatedVehicle
+from hubfoc.live.vehicle import POSITIONS, STEP_S
+from hubfoc.live.world import World
 from hubfoc.live.xcp import Gateways
 
 SHELL_STEPS = 10  # of STEP_S between two looks at the serial lines
-
-
-def _vehicle(options: argparse.Namespace) -> SimulatedVehicle:
-    if options.scenario is None:
-        return SimulatedVehicle(schema.load(options.config))
-    _, chosen, beside = scenarios.load(options.scenario, {})
-    drive = overrides.load_drive(options.config, overrides.parse([]), chosen)
-    return SimulatedVehicle(drive, chosen, beside)
+PAUSED_S = 0.02  # between two looks at what is wanted while the time stands
 
 
 def _xcp(gateways: Gateways, wheel: int) -> dict[str, object] | None:
@@ -66,48 +60,83 @@ def _shown(ready: dict[str, object]) -> str:
 
 
 def keep_running(
-    vehicle: SimulatedVehicle, bus: Bus, terminals: Terminals, gateways: Gateways, clock: Clock,
+    world: World, bus: Bus, terminals: Terminals, gateways: Gateways, clock: Clock,
+    orders: Orders,
     ends: Callable[[], bool],
 ) -> None:  # fmt: skip
-    """Step the vehicle in time until it ends or it shall."""
+    """Step the vehicle in time until this shall end, or a world that ends with its scenario."""
     clock.begin()
-    steps = 0
-    while not vehicle.ended and not ends():
+    steps, number = 0, world.number
+    while not ends():
+        orders.serve()
+        if world.paused or world.number != number:
+            _stand(world, bus, orders, ends)
+            number = world.number
+            clock.begin(world.time_s)
+        if world.vehicle.ended:
+            if world.ends:
+                break
+            world.stop("the scenario is over")
+            continue
         received: list[Frame] = []
         while (wait_s := clock.wait_s()) > 0.0:
             received += bus.receive(wait_s)
         received += bus.receive(0.0)
-        sent = vehicle.step(received + gateways.receive())
+        try:
+            sent = world.vehicle.step(received + gateways.receive())
+        except HubsimError as error:
+            if world.ends:
+                raise
+            world.stop(str(error))
+            continue
         gateways.send(sent)
         for identifier, data in sent:
             bus.send(identifier, data)
         if steps % SHELL_STEPS == 0:
-            terminals.exchange(vehicle)
+            terminals.exchange(world.vehicle)
         steps += 1
-        complaint = clock.stepped(vehicle.time_s, STEP_S)
+        complaint = clock.stepped(world.time_s, STEP_S)
         if complaint is not None:
             print(f"hubfoc live: {complaint}", file=sys.stderr, flush=True)
 
 
+def _stand(world: World, bus: Bus, orders: Orders, ends: Callable[[], bool]) -> None:
+    """Do what is wanted while the time stands."""
+    while world.paused and not ends():
+        bus.receive(0.0)
+        orders.serve(PAUSED_S)
+
+
+def answers(world: World, clock: Clock, orders: Orders) -> Answers:
+    """Return what the local service answers."""
+    return Answers(
+        get={
+            "health": lambda: {"time_s": world.time_s, **clock.health()},
+            "simulation": lambda: orders.call(world.state),
+            "faults": lambda: orders.call(world.fault_list),
+            "scenarios": world.scenarios,
+        },
+        change=lambda wanted: orders.call(lambda: world.change(wanted)),
+    )
+
+
 def run(options: argparse.Namespace) -> int:
     """Do ``hubfoc live``."""
-    clock = Clock(paced=not options.fast)
+    clock, orders = Clock(paced=not options.fast), Orders()
     with (
-        _vehicle(options) as vehicle,
-        Terminals(vehicle.wheels) as terminals,
-        Gateways(vehicle.service_base, vehicle.wheels) as gateways,
+        World(options.config, options.scenario, ends=options.scenario is not None) as world,
+        Terminals(world.vehicle.wheels) as terminals,
+        Gateways(world.vehicle.service_base, world.vehicle.wheels) as gateways,
         tempfile.TemporaryDirectory(prefix="hubfoc-") as folder,
     ):
         key = Path(folder) / "xcp.key"
-        service_key.write(key, vehicle.key)
+        service_key.write(key, world.vehicle.key)
         bus = reserve(options.can)
         try:
-            with Service(
-                options.port, lambda: {"time_s": vehicle.time_s, **clock.health()}
-            ) as service:
+            with Service(options.port, answers(world, clock, orders)) as service:
                 ready = _ready(service, bus, terminals, gateways, key)
                 print(json.dumps(ready) if options.ready_json else _shown(ready), flush=True)
-                keep_running(vehicle, bus, terminals, gateways, clock, lambda: False)
+                keep_running(world, bus, terminals, gateways, clock, orders, lambda: False)
         finally:
             bus.close()
     return 0

@@ -15,12 +15,24 @@ from hubfoc.bus import Frame
 
 POSITIONS = ("front_left", "front_right", "rear_left", "rear_right")
 STEP_S = 1e-3  # of simulated time between two looks at the bus
+DRY_ROAD = 1.0
+LEAST_BUS_F = 1e-4
 NOBODY_DRIVES = Scenario(
     description="a vehicle that stands and is driven by what comes by CAN",
     initial_speed_kmh=0.0,
     boots_rolling=True,
     max_duration_s=1.0,  # of which nobody here takes notice
 )
+
+
+def _changeable(drive: Drive) -> dict[str, float]:
+    """Return what must be there from the start, so that it can be changed or break later on."""
+    capacitance_f = drive.inverter.bus_capacitance_f * drive.vehicle.driven_wheels
+    slips = drive.chassis.wheel_inertia_kg_m2 > 0.0
+    return {
+        "bus.capacitance_f": max(LEAST_BUS_F, capacitance_f),
+        "road.friction": DRY_ROAD if slips else 0.0,
+    }
 
 
 class SimulatedVehicle:
@@ -33,14 +45,18 @@ class SimulatedVehicle:
     """
 
     def __init__(
-        self, drive: Drive, scenario: Scenario | None = None, beside: Path = Path()
-    ) -> None:
+        self, drive: Drive, scenario: Scenario | None = None, beside: Path = Path(),
+        key: bytes | None = None,
+    ) -> None:  # fmt: skip
         self._base = drive.vehicle.can_base
         self.service_base = drive.service.can_base
         self._driven = scenario is not None
+        self.rotor_sensor = drive.rotor.sensor
         chosen = scenario if scenario is not None else NOBODY_DRIVES
-        self._engine, planned_s = run.prepare(drive, chosen, beside, {})
-        self.key = service_key.of(drive) or service_key.draw()
+        self._engine, planned_s = run.prepare(
+            drive, chosen, beside, {} if self._driven else _changeable(drive)
+        )
+        self.key = key or service_key.of(drive) or service_key.draw()
         self._engine.load_config(service_key.with_key(configuration.image_of(drive), self.key))
         self._engine.attach_application(engine.application_path())
         if not self._driven:
@@ -95,6 +111,10 @@ class SimulatedVehicle:
     def set(self, parameter: str, value: float) -> None:
         """Change a parameter of the simulated world (``hubsim list --parameters``)."""
         self._engine.set(parameter, value)
+
+    def get(self, parameter: str) -> float:
+        """Return a parameter of the simulated world."""
+        return self._engine.get(parameter)
 
     def value(self, signal: str) -> float:
         """Return a signal of the simulation (``hubsim list --signals``)."""

@@ -36,6 +36,9 @@ def test_the_first_line_says_where_everything_is_and_ctrl_c_ends_it() -> None:
         assert set(health) == {"time_s", "realtime_factor", "late_ms_max", "cpu_share"}
         with pytest.raises(urllib.error.HTTPError, match="404"):
             urllib.request.urlopen(ready["url"] + "else", timeout=30)
+        with urllib.request.urlopen(ready["url"].rpartition("/")[0].rpartition("/")[0] + "/health",
+                                    timeout=30) as answer:  # fmt: skip
+            assert json.load(answer)["time_s"] >= health["time_s"]
         process.send_signal(signal.SIGINT)
         assert process.wait(timeout=60) == 130
         lines = [line for line in process.stderr if "too slow" not in line]

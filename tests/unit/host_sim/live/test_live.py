@@ -1,31 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """Vehicle and client on one bus of this process: driven, braked, let go; and what is refused."""
 
-import itertools
 import os
-import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import pytest
 from hubfoc import HubfocError, Vehicle
 from hubfoc.bus import Bus, join, reserve
-from hubfoc.live import clock, command
+from hubfoc.live import clock
 from hubfoc.live.terminals import Terminals
 from hubfoc.live.vehicle import SimulatedVehicle
-from hubfoc.live.xcp import Gateways
 from hubsim import can_protocol, cli
 from regen_table import schema
 
-TIMEOUT_S = 60.0  # of a busy machine
-NUMBERS = itertools.count()
-
-
-def until(condition: Callable[[], bool]) -> None:
-    end_s = time.monotonic() + TIMEOUT_S
-    while not condition():
-        assert time.monotonic() < end_s
-        time.sleep(0.01)
+from tests.unit.host_sim.live.support import NUMBERS, running, until
 
 
 @pytest.fixture(scope="module")
@@ -34,25 +23,10 @@ def drive() -> schema.Drive:
 
 
 @pytest.fixture
-def channel(drive: schema.Drive) -> Iterator[str]:
+def channel() -> Iterator[str]:
     """Return the bus of a vehicle that runs in real time."""
-    name = f"virtual:{next(NUMBERS)}"
-    ends = threading.Event()
-    bus = join(name)
-    with (
-        SimulatedVehicle(drive) as vehicle,
-        Terminals(vehicle.wheels) as terminals,
-        Gateways(vehicle.service_base, vehicle.wheels) as gateways,
-    ):
-        thread = threading.Thread(
-            target=command.keep_running,
-            args=(vehicle, bus, terminals, gateways, clock.Clock(paced=True), ends.is_set),
-        )
-        thread.start()
-        yield name
-        ends.set()
-        thread.join()
-    bus.close()
+    with running() as vehicle:
+        yield vehicle.channel
 
 
 def test_a_vehicle_is_driven_braked_and_let_go(channel: str) -> None:

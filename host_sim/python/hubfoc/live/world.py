@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The simulated world of a live vehicle, and what is changed in it while it runs."""
+
+import contextlib
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Self
+
+from hubsim import scenario as scenarios
+from hubsim.errors import HubsimError
+from hubsim.scenario import faults as known_faults
+from hubsim.scenario import overrides
+from regen_table import schema
+
+from hubfoc.errors import HubfocError
+from hubfoc.live.faults import Faults, can_be_of_one_wheel
+from hubfoc.live.vehicle import POSITIONS, SimulatedVehicle
+
+# What can be changed by its short name: the engine's parameter.
+SETTINGS = {
+    "slope": "road.slope",
+    "friction": "road.friction",
+    "soc": "battery.initial_soc",
+    "temperature_c": "thermal.winding_temperature_c",
+}
+SWITCHES_TOO = "thermal.switch_temperature_c"
+
+
+class World:
+    """One vehicle at a time, of one drive; another scenario is another vehicle.
+
+    Not for two threads: the one that steps the vehicle makes the changes as well.
+
+    Parameters
+    ----------
+    config : path
+        The drive's file.
+    scenario : str, optional
+        Its simulated driver drives; absent: nobody does, and the vehicle stands.
+    ends : bool
+        Whoever steps the vehicle ends with its scenario; else the time stands then.
+    """
+
+    def __init__(self, config: Path, scenario: str | None = None, *, ends: bool = False) -> None:
+        self._config = config
+        self.ends = ends
+        self.drive = schema.load(config)
+        self.paused = False
+        self.number = 0  # of vehicles until now
+        self.ended: str | None = None  # why the time stands for good
+        self._scenarios: dict[str, str] = {}
+        self._key: bytes | None = None  # drawn by the first vehicle, and that of all
+        self.vehicle = self._prepared(scenario)
+        self._key = self.vehicle.key
+        self._begin(scenario)
+
+    def __enter__(self) -> Self:
+        """Return the world itself."""
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        """Free the vehicle."""
+        self.vehicle.__exit__(*exc)
+
+    @property
+    def time_s(self) -> float:
+        """Of the present vehicle."""
+        return self.vehicle.time_s
+
+    def state(self) -> dict[str, Any]:
+        """Return what can be changed, as it is."""
+        settings = {name: self.vehicle.get(parameter) for name, parameter in SETTINGS.items()}
+        return {
+            "time_s": self.time_s,
+            **settings,
+            "soc": self.vehicle.value("battery.soc"),
+            "faults": {
+                name: {
+                    "wheel": None if active.wheel is None else POSITIONS[active.wheel],
+                    "since_s": active.since_s,
+                }
+                for name, active in self.faults.active.items()
+            },
+            "scenario": self.scenario,
+            "paused": self.paused,
+            "ended": self.ended,
+        }
+
+    def fault_list(self) -> list[dict[str, Any]]:
+        """Return every fault: name, group, text, whether one wheel can have it, why it cannot."""
+        return [
+            {
+                "name": fault.name,
+                "group": fault.group,
+                "text": fault.text,
+                "one_wheel": can_be_of_one_wheel(fault.name),
+                "refused": self.faults.refused.get(fault.name),
+            }
+            for fault in known_faults.table().values()
+        ]
+
+    def scenarios(self) -> dict[str, str]:
+        """Return the built-in scenarios that this drive can have, with what they are."""
+        if not self._scenarios:
+            for name in scenarios.builtin_names():
+                with contextlib.suppress(HubsimError):
+                    _, chosen, _ = scenarios.load(name, {}, self.drive)
+                    if not chosen.uses_pedals:
+                        self._scenarios[name] = chosen.description
+        return self._scenarios
+
+    def change(self, wanted: Mapping[str, Any]) -> dict[str, Any]:
+        """Change what is named, and return the state after it."""
+        accepted = (*SETTINGS, "fault", "on", "wheel", "scenario", "paused")
+        if unknown := set(wanted) - set(accepted):
+            raise HubfocError(f"{min(unknown)!r} is not accepted, accepted: {', '.join(accepted)}")
+        if "scenario" in wanted:
+            self._restart(_text(wanted, "scenario"))
+        for name in SETTINGS:
+            if name in wanted:
+                self._set(name, wanted[name])
+        if "fault" in wanted:
+            self._change_fault(wanted)
+        if "paused" in wanted:
+            self.paused = bool(wanted["paused"])
+        return self.state()
+
+    def stop(self, why: str) -> None:
+        """Let the vehicle go no further, for this reason."""
+        self.ended = why
+        self.paused = True
+
+    def _change_fault(self, wanted: Mapping[str, Any]) -> None:
+        name = _text(wanted, "fault") or ""
+        if wanted.get("on", True):
+            self.faults.put(name, _text(wanted, "wheel"), self.time_s)
+        else:
+            self.faults.take_away(name)
+
+    def _set(self, name: str, value: object) -> None:
+        if isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value):
+            raise HubfocError(f"{name}: {value!r} is not accepted, accepted: a number")
+        try:
+            self.vehicle.set(SETTINGS[name], value)
+            if name == "temperature_c":
+                self.vehicle.set(SWITCHES_TOO, value)
+        except HubsimError as error:
+            raise HubfocError(f"{name}: {error}") from error
+
+    def _prepared(self, scenario: str | None) -> SimulatedVehicle:
+        if scenario is None:
+            return SimulatedVehicle(self.drive, key=self._key)
+        _, chosen, beside = scenarios.load(scenario, {}, self.drive)
+        drive = overrides.load_drive(self._config, overrides.parse([]), chosen)
+        return SimulatedVehicle(drive, chosen, beside, self._key)
+
+    def _begin(self, scenario: str | None) -> None:
+        self.scenario = scenario
+        self.ended = None
+        self.faults = Faults(self.vehicle)
+        self.number += 1
+
+    def _restart(self, scenario: str | None) -> None:
+        try:
+            vehicle = self._prepared(scenario)
+        except HubsimError as error:
+            raise HubfocError(str(error)) from error
+        if vehicle.wheels != self.vehicle.wheels:
+            vehicle.__exit__()
+            raise HubfocError(f"{scenario}: has another number of wheels")
+        self.vehicle.__exit__()
+        self.vehicle = vehicle
+        self.paused = False
+        self._begin(scenario)
+
+
+def _text(wanted: Mapping[str, Any], key: str) -> str | None:
+    value = wanted.get(key)
+    if value is not None and not isinstance(value, str):
+        raise HubfocError(f"{key}: {value!r} is not accepted, accepted: a text")
+    return value
