@@ -89,7 +89,7 @@ def document(runs: Sequence[RunLike], extras: Extras | None = None) -> str:
             for key, value in _common(runs).items()
         ],
         element("title", title),
-        element("style", Markup(_asset("page.css"))),
+        element("style", Markup(_asset("palette.css") + _asset("page.css"))),
     )
     sections = [
         _cycle(name, group, place, extras) for place, (name, group) in enumerate(cycles.items())

@@ -6,7 +6,7 @@ import re
 import pytest
 from hubsim.report import page
 
-STYLE = page._asset("page.css")
+STYLE = page._asset("palette.css") + page._asset("page.css")
 GROUNDS = ("paper", "sheet", "shade")
 # Grounds and colours of areas, lines and marks beside text; all others are colours of text.
 NO_TEXT = {*GROUNDS, "rule", "hydraulic", "loss", "road", "motion", "on"}
