@@ -248,7 +248,8 @@ class DevCommandTest(DevFixture):
         result = self.run_dev("setup", "browser", path=path, environment=apt)
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn(
-            "report_in_browser will fail until 'chromium' or 'google-chrome' is on PATH",
+            "report_in_browser and live_in_browser will fail until 'chromium' or 'google-chrome' is"
+            " on PATH",
             result.stderr,
         )
         self.assertEqual(self.apt_installs(), [])

@@ -21,7 +21,9 @@ TOP_LEVEL = {
 LONGEST_LINE = 100  # characters, as in .editorconfig, .clang-format and ruff.toml
 
 # Files that are generated or taken over from others; not checked.
-FOREIGN = re.compile(r"(?:^|/)(?:LICENSE|generated/.*|cycles/.*\.csv)$|\.(?:bin|png|svg|csv|npz)$")
+FOREIGN = re.compile(
+    r"(?:^|/)(?:LICENSE|generated/.*|foreign/.*|cycles/.*\.csv)$|\.(?:bin|png|svg|csv|npz)$"
+)
 CODE = re.compile(r"\.(?:c|h|cpp|hpp|py|sh|cmake|toml|ld)$|(?:^|/)CMakeLists\.txt$|^tools/dev$")
 
 # Documents cited by address. Any other host name would be that of a machine.

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
-# A Chromium without a window, for the test that displays the report.
+# A Chromium without a window, for the tests that display the report and the live page.
 #
 # Debian has it as a package of its own. Ubuntu 24.04 has not: its chromium-browser only fetches a
 # snap, which containers cannot run and which sees no temporary directory. There the test fails and
@@ -22,8 +22,8 @@ ensure_browser() {
             fail "apt-get update failed"
     fi
     if ! have apt-get || ! apt_knows "$BROWSER_PACKAGE"; then
-        inform "$(system_name) has no package $BROWSER_PACKAGE: the test report_in_browser will" \
-            "fail until 'chromium' or 'google-chrome' is on PATH"
+        inform "$(system_name) has no package $BROWSER_PACKAGE: the tests report_in_browser and" \
+            "live_in_browser will fail until 'chromium' or 'google-chrome' is on PATH"
         return
     fi
     can_administer "$BROWSER_PACKAGE" ||

@@ -16,7 +16,7 @@ work.
   firmware [PORT]               ELF, BIN, HEX, sizes, stack; stm32f405 (default), stm32g431, qemu
   flash [PORT]                  firmware onto a board through a debug probe
   hubsim ARGUMENT...            the simulator's own command
-  live [OPTION...]              a virtual vehicle on a CAN bus, in real time
+  live [OPTION...]              a virtual vehicle in real time: page in the browser, CAN bus
   study [NAME]                  measurements in closed loop: table, picture; no NAME: their list
   python ARGUMENT...            the project's Python, with hubsim and regen_table importable
   fmu [--config DRIVE]          units for co-simulation (FMI 2.0, 3.0): controller, whole vehicle
@@ -133,8 +133,8 @@ help_live() {
     cat <<'TEXT'
 Usage: tools/dev live [OPTION...]
 
-Builds the whole application for this machine and puts a virtual vehicle with it on a CAN bus, in
-real time: `python -m hubfoc live`, whose own help follows.
+Builds the whole application for this machine and lets a virtual vehicle with it run in real time,
+with a page in the browser and a CAN bus: `python -m hubfoc live`, whose own help follows.
 TEXT
 }
 

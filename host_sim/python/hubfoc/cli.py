@@ -60,7 +60,7 @@ def _add_live(commands: Commands) -> None:
     _add_bus(live)
     live.add_argument(
         "--port", type=int, default=0, metavar="PORT",
-        help="of the local HTTP service (GET /health); default: any that is free",
+        help="of the local HTTP service with the page; default: any that is free",
     )  # fmt: skip
     live.add_argument("--fast", action="store_true", help="as fast as it can, not in real time")
     live.add_argument(
@@ -68,7 +68,10 @@ def _add_live(commands: Commands) -> None:
         help="the first line on stdout is a JSON object: ready, url, can, wheels, pid",
     )  # fmt: skip
     live.add_argument(
-        "--no-page", action="store_true", help="without the page in a browser; there is none yet"
+        "--no-page", action="store_true", help="without the page in the browser, for programs alone"
+    )
+    live.add_argument(
+        "--no-open", action="store_true", help="opens no browser; the page's address is printed"
     )
 
 

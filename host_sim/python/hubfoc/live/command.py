@@ -6,6 +6,7 @@ import json
 import os
 import sys
 import tempfile
+import webbrowser
 from collections.abc import Callable
 from pathlib import Path
 
@@ -13,15 +14,19 @@ from hubsim.errors import HubsimError
 from regen_table import service_key
 
 from hubfoc.bus import Bus, Frame, reserve
+from hubfoc.live import page
 from hubfoc.live.clock import Clock
+from hubfoc.live.desk import Desk
 from hubfoc.live.orders import Orders
 from hubfoc.live.service import Answers, Service
+from hubfoc.live.stream import serve
 from hubfoc.live.terminals import Terminals
 from hubfoc.live.vehicle import POSITIONS, STEP_S
 from hubfoc.live.world import World
 from hubfoc.live.xcp import Gateways
 
 SHELL_STEPS = 10  # of STEP_S between two looks at the serial lines
+SWITCH_S = 5e-4  # between two threads of Python: the vehicle shall not wait for a page
 PAUSED_S = 0.02  # between two looks at what is wanted while the time stands
 
 
@@ -52,7 +57,7 @@ def _ready(
 def _shown(ready: dict[str, object]) -> str:
     wheels = ready["wheels"]
     assert isinstance(wheels, list)
-    lines = [f"vehicle on {ready['can']}, {ready['url']}health"]
+    lines = [f"vehicle on {ready['can']}, {ready['url']}"]
     for wheel in wheels:
         xcp = wheel["xcp"] and f", XCP on {wheel['xcp']['udp']}"
         lines.append(f"  {wheel['position']}: shell on {wheel['serial']}{xcp or ''}")
@@ -62,7 +67,7 @@ def _shown(ready: dict[str, object]) -> str:
 def keep_running(
     world: World, bus: Bus, terminals: Terminals, gateways: Gateways, clock: Clock,
     orders: Orders,
-    ends: Callable[[], bool],
+    ends: Callable[[], bool], desk: Desk | None = None,
 ) -> None:  # fmt: skip
     """Step the vehicle in time until this shall end, or a world that ends with its scenario."""
     clock.begin()
@@ -82,18 +87,21 @@ def keep_running(
         while (wait_s := clock.wait_s()) > 0.0:
             received += bus.receive(wait_s)
         received += bus.receive(0.0)
+        own = [] if desk is None else desk.before(received)
         try:
-            sent = world.vehicle.step(received + gateways.receive())
+            sent = world.vehicle.step([*received, *own, *gateways.receive()])
         except HubsimError as error:
             if world.ends:
                 raise
             world.stop(str(error))
             continue
         gateways.send(sent)
-        for identifier, data in sent:
+        for identifier, data in (*own, *sent):
             bus.send(identifier, data)
+        if desk is not None:
+            desk.after()
         if steps % SHELL_STEPS == 0:
-            terminals.exchange(world.vehicle)
+            terminals.exchange(world.vehicle, None if desk is None else desk.inquiry)
         steps += 1
         complaint = clock.stepped(world.time_s, STEP_S)
         if complaint is not None:
@@ -107,7 +115,7 @@ def _stand(world: World, bus: Bus, orders: Orders, ends: Callable[[], bool]) -> 
         orders.serve(PAUSED_S)
 
 
-def answers(world: World, clock: Clock, orders: Orders) -> Answers:
+def answers(world: World, clock: Clock, orders: Orders, desk: Desk | None = None) -> Answers:
     """Return what the local service answers."""
     return Answers(
         get={
@@ -117,26 +125,39 @@ def answers(world: World, clock: Clock, orders: Orders) -> Answers:
             "scenarios": world.scenarios,
         },
         change=lambda wanted: orders.call(lambda: world.change(wanted)),
+        page=None if desk is None else page.document,
+        stream=None if desk is None else lambda handler: serve(desk, orders, handler),
     )
 
 
 def run(options: argparse.Namespace) -> int:
     """Do ``hubfoc live``."""
+    sys.setswitchinterval(SWITCH_S)
     clock, orders = Clock(paced=not options.fast), Orders()
+    ends = options.no_page and options.scenario is not None
     with (
-        World(options.config, options.scenario, ends=options.scenario is not None) as world,
+        World(options.config, options.scenario, ends=ends) as world,
         Terminals(world.vehicle.wheels) as terminals,
         Gateways(world.vehicle.service_base, world.vehicle.wheels) as gateways,
         tempfile.TemporaryDirectory(prefix="hubfoc-") as folder,
     ):
         key = Path(folder) / "xcp.key"
         service_key.write(key, world.vehicle.key)
+        desk = None if options.no_page else Desk(world, clock)
         bus = reserve(options.can)
         try:
-            with Service(options.port, answers(world, clock, orders)) as service:
+            with Service(options.port, answers(world, clock, orders, desk)) as service:
                 ready = _ready(service, bus, terminals, gateways, key)
                 print(json.dumps(ready) if options.ready_json else _shown(ready), flush=True)
-                keep_running(world, bus, terminals, gateways, clock, orders, lambda: False)
+                if desk is not None and _may_open(options):
+                    webbrowser.open(service.url)
+                keep_running(world, bus, terminals, gateways, clock, orders, lambda: False, desk)
         finally:
             bus.close()
     return 0
+
+
+def _may_open(options: argparse.Namespace) -> bool:
+    """Return whether a browser with a window may be opened."""
+    has_screen = any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
+    return has_screen and not options.no_open and not options.ready_json

@@ -6,6 +6,7 @@ import os
 import tty
 from typing import Self
 
+from hubfoc.live.limits import Inquiry
 from hubfoc.live.vehicle import SimulatedVehicle
 
 TYPED_BYTES = 1024
@@ -33,12 +34,19 @@ class Terminals:
             for number in end:
                 os.close(number)
 
-    def exchange(self, vehicle: SimulatedVehicle) -> None:
-        """Carry what was written on either side; what nobody reads is lost when a line is full."""
+    def exchange(self, vehicle: SimulatedVehicle, inquiry: Inquiry | None = None) -> None:
+        """Carry what was written on either side; what nobody reads is lost when a line is full.
+
+        An inquiry takes the answers to its own questions.
+        """
         for wheel, (ours, _) in enumerate(self._ends):
             with contextlib.suppress(BlockingIOError):
                 vehicle.serial_type(wheel, os.read(ours, TYPED_BYTES))
+                if inquiry is not None:
+                    inquiry.typed(wheel, vehicle.time_s)
             written = vehicle.serial_take(wheel)
+            if inquiry is not None:
+                written = inquiry.received(wheel, written, vehicle.time_s)
             if written:
                 with contextlib.suppress(BlockingIOError):
                     os.write(ours, written)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Self
 
 from hubsim import can_protocol, configuration, engine, run
+from hubsim.engine import Rows
 from hubsim.scenario import Scenario
 from regen_table import service_key
 from regen_table.schema import Drive
@@ -111,6 +112,18 @@ class SimulatedVehicle:
     def set(self, parameter: str, value: float) -> None:
         """Change a parameter of the simulated world (``hubsim list --parameters``)."""
         self._engine.set(parameter, value)
+
+    def meanings(self) -> dict[str, tuple[str, str]]:
+        """Return unit and meaning of every signal by name."""
+        return self._engine.meanings()
+
+    def choose(self, signals: Sequence[str]) -> None:
+        """Choose what ``sample`` takes."""
+        self._engine.choose(signals)
+
+    def sample(self, row: Rows) -> None:
+        """Write the chosen signals now into ``row``; rates are means since the row before."""
+        self._engine.sample(row)
 
     def get(self, parameter: str) -> float:
         """Return a parameter of the simulated world."""

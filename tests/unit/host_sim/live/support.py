@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 from hubfoc.bus import join
-from hubfoc.live import clock, command, orders, service, terminals, world, xcp
+from hubfoc.live import clock, command, desk, orders, service, terminals, world, xcp
 from hubsim import cli
 
 TIMEOUT_S = 60.0  # of a busy machine
@@ -21,6 +21,8 @@ class Running:
     """What runs, and where it is reached; ``do`` calls in the thread that steps the vehicle."""
 
     world: world.World
+    desk: desk.Desk
+    gateways: xcp.Gateways
     channel: str
     url: str
     do: Callable[[Callable[[], object]], object]
@@ -50,13 +52,15 @@ def running(*, paced: bool = True) -> Iterator[Running]:
         world.World(cli.DEFAULT_CONFIG) as own,
         terminals.Terminals(own.vehicle.wheels) as lines,
         xcp.Gateways(own.vehicle.service_base, own.vehicle.wheels) as gateways,
-        service.Service(0, command.answers(own, pace, calls)) as server,
     ):
-        thread = threading.Thread(
-            target=command.keep_running, args=(own, bus, lines, gateways, pace, calls, ends.is_set)
-        )
-        thread.start()
-        yield Running(own, channel, server.url, calls.call)
-        ends.set()
-        thread.join()
+        pages = desk.Desk(own, pace)
+        with service.Service(0, command.answers(own, pace, calls, pages)) as server:
+            thread = threading.Thread(
+                target=command.keep_running,
+                args=(own, bus, lines, gateways, pace, calls, ends.is_set, pages),
+            )
+            thread.start()
+            yield Running(own, pages, gateways, channel, server.url, calls.call)
+            ends.set()
+            thread.join()
     bus.close()

@@ -76,8 +76,9 @@ def test_a_bus_without_a_vehicle_is_one_line() -> None:
 
 
 def test_a_scenario_ends_by_itself_and_people_get_words() -> None:
+    given = ["--scenario", "brake_onset", "--fast", "--can", "virtual", "--no-page"]
     done = subprocess.run(
-        [*COMMAND, "--scenario", "brake_onset", "--fast", "--can", "virtual"], check=False,
+        [*COMMAND, *given], check=False,
         capture_output=True, text=True, timeout=120,
     )  # fmt: skip
     assert done.returncode == 0

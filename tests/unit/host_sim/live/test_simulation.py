@@ -9,6 +9,7 @@ from email.message import Message
 
 import pytest
 from hubfoc import HubfocError, Simulation, Vehicle
+from hubfoc.live import service
 from hubfoc.live.faults import values_of
 from hubsim.scenario import faults
 
@@ -29,7 +30,9 @@ def world(vehicle: Running) -> Simulation:
 
 
 def parameters(vehicle: Running, names: set[str]) -> dict[str, float]:
-    return {name: float(str(vehicle.do(lambda: vehicle.world.vehicle.get(name)))) for name in names}  # noqa: B023
+    found = vehicle.do(lambda: {name: vehicle.world.vehicle.get(name) for name in names})
+    assert isinstance(found, dict)
+    return found
 
 
 def test_road_battery_and_temperature_are_set(vehicle: Running, world: Simulation) -> None:
@@ -158,9 +161,9 @@ def test_without_the_token_or_from_another_origin_nothing_answers(vehicle: Runni
     with pytest.raises(HubfocError, match="accepted: the address that hubfoc live printed"):
         Simulation(f"{base}/guessed/")
     with pytest.raises(HubfocError, match="no virtual vehicle answers"):
-        Simulation("http://127.0.0.1:1/token/")
+        Simulation(f"http://{service.HOST}:1/token/")
     headers: tuple[dict[str, str], ...] = (
-        {"Origin": "http://elsewhere.invalid"}, {"Host": "elsewhere.invalid"},
+        {"Origin": "http://elsewhere"}, {"Host": "elsewhere"},
     )  # fmt: skip
     for own in headers:
         request = urllib.request.Request(f"{vehicle.url}simulation", b"{}", own)

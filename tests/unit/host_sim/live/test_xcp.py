@@ -5,7 +5,6 @@ import hashlib
 import logging
 import socket
 import struct
-import threading
 import time
 import zlib
 from collections.abc import Iterator
@@ -14,9 +13,6 @@ from typing import Any
 
 import pytest
 from hubfoc import addresses
-from hubfoc.bus import join
-from hubfoc.live import clock, command
-from hubfoc.live.terminals import Terminals
 from hubfoc.live.vehicle import SimulatedVehicle
 from hubfoc.live.xcp import Gateways
 from hubsim import cli
@@ -24,6 +20,8 @@ from pyxcp.config import create_application_from_config
 from pyxcp.master.master import Master
 from pyxcp.types import XcpResponseError
 from regen_table import image, schema
+
+from tests.unit.host_sim.live.support import running
 
 MASK = 2**64 - 1
 IN_FORCE, STAGING, OF_TOOL, STORE = 0, 1, 2, 1
@@ -113,26 +111,13 @@ def drive() -> schema.Drive:
 @pytest.fixture
 def tool(drive: schema.Drive) -> Iterator[Tool]:
     """Return a tool that speaks to the front right wheel of a vehicle in real time."""
-    ends = threading.Event()
-    bus = join("virtual:xcp")
-    with (
-        SimulatedVehicle(drive) as vehicle,
-        Terminals(vehicle.wheels) as terminals,
-        Gateways(vehicle.service_base, vehicle.wheels) as gateways,
-    ):
-        thread = threading.Thread(
-            target=command.keep_running,
-            args=(vehicle, bus, terminals, gateways, clock.Clock(paced=True), ends.is_set),
-        )
-        thread.start()
+    with running() as own:
+        vehicle, gateways = own.world.vehicle, own.gateways
         master = master_of(gateways.wheels[1].address, vehicle.key)
         master.transport.connect()
         master.connect()
         yield Tool(master, vehicle, gateways, drive)
         master.transport.close()
-        ends.set()
-        thread.join()
-    bus.close()
 
 
 def test_the_independent_mac_is_that_of_the_paper() -> None:

@@ -7,26 +7,17 @@ Properties that need no browser are tested in test_whole_page.py.
 import html
 import json
 import re
-import shutil
 import subprocess
 from pathlib import Path
 from typing import Any
 
 import pytest
+from diagrams.chromium import MISSING, PROGRAM, QUIET
 from hubsim.report import Extras, page
 
 from tests.unit.host_sim.report.ideal_extras import best_map, curves
 from tests.unit.host_sim.report.ideal_vehicle import drive, three
 from tests.unit.host_sim.report.test_single import CRITERIA, IDEAL
-
-BROWSER = next(
-    filter(None, map(shutil.which, ("chromium-headless-shell", "chromium", "google-chrome"))), None
-)
-QUIET = (
-    "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run",
-    "--disable-background-networking", "--disable-component-update", "--disable-sync",
-    "--disable-quic", "--hide-scrollbars",
-)  # fmt: skip
 
 # Elements that exceed the page or their picture. Tables may be wider than a telephone: they scroll
 # in their own box.
@@ -62,13 +53,10 @@ def written(tmp_path: Path) -> Path:
 
 
 def browse(path: Path, *arguments: str) -> str:
-    if BROWSER is None:
-        pytest.fail(
-            "no Chromium here; tools/dev setup browser installs it where the system has a package "
-            "of it"
-        )
+    if PROGRAM is None:
+        pytest.fail(MISSING)
     profile = path.parent / "profile"
-    command = [str(BROWSER), *QUIET, f"--user-data-dir={profile}", *arguments, path.as_uri()]
+    command = [PROGRAM, *QUIET, f"--user-data-dir={profile}", *arguments, path.as_uri()]
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout
 
 

@@ -1,0 +1,82 @@
+// The last minute of the chosen curves, a value each millisecond, and bounds of every sixteen.
+
+export const MOST = 60000;
+const GROUP = 16;
+const GROUPS = Math.ceil(MOST / GROUP) + 1;
+
+export class Samples {
+  constructor() {
+    this.curves = new Map(); // by name: raw, low, high
+    this.first = 0;
+    this.end = 0;
+  }
+
+  choose(names) {
+    this.curves = new Map(
+      names.map((name) => [name, { raw: new Float32Array(MOST), low: new Float32Array(GROUPS), high: new Float32Array(GROUPS) }]),
+    );
+    this.first = this.end = 0;
+  }
+
+  // A group that does not begin with its first row is not complete, and window() leaves it out.
+  add(first, count, values) {
+    if (this.end !== first) this.first = first;
+    const stores = [...this.curves.values()];
+    let place = 0;
+    for (let row = first; row < first + count; row++) {
+      const at = row % MOST;
+      const group = Math.floor(row / GROUP) % GROUPS;
+      const begins = row % GROUP === 0;
+      for (const { raw, low, high } of stores) {
+        const value = values[place++];
+        raw[at] = value;
+        low[group] = begins ? value : Math.min(low[group], value);
+        high[group] = begins ? value : Math.max(high[group], value);
+      }
+    }
+    this.end = first + count;
+    this.first = Math.max(this.first, this.end - MOST);
+  }
+
+  // Times in s and values between two rows, at most about twice `wide` points.
+  window(from, to, wide) {
+    const begin = Math.max(Math.ceil(from), this.first);
+    const end = Math.min(Math.floor(to) + 1, this.end);
+    const stores = [...this.curves.values()];
+    if (end <= begin) return [[], ...stores.map(() => [])];
+    return end - begin <= 2 * wide ? this.raw(begin, end, stores) : this.bounds(begin, end, wide, stores);
+  }
+
+  raw(begin, end, stores) {
+    const times = Float64Array.from({ length: end - begin }, (_, k) => (begin + k + 1) / 1e3);
+    return [times, ...stores.map(({ raw }) => Float32Array.from(times, (_, k) => raw[(begin + k) % MOST]))];
+  }
+
+  // So many groups together that there are at most `wide` of them, at places that stay.
+  bounds(begin, end, wide, stores) {
+    const joined = Math.ceil((end - begin) / GROUP / wide);
+    const from = Math.ceil(begin / GROUP / joined) * joined;
+    const count = Math.max(Math.floor((Math.floor(end / GROUP) - from) / joined), 0);
+    const length = joined * GROUP;
+    const times = Float64Array.from({ length: 2 * count }, (_, k) => (from * GROUP + (k / 2) * length + 1) / 1e3);
+    const values = stores.map(({ low, high }) => {
+      const out = new Float32Array(2 * count);
+      for (let k = 0; k < count; k++) {
+        let [least, most] = [Infinity, -Infinity];
+        for (let group = from + k * joined; group < from + (k + 1) * joined; group++) {
+          least = Math.min(least, low[group % GROUPS]);
+          most = Math.max(most, high[group % GROUPS]);
+        }
+        out[2 * k] = least;
+        out[2 * k + 1] = most;
+      }
+      return out;
+    });
+    return [times, ...values];
+  }
+
+  value(name, time_s) {
+    const row = Math.round(time_s * 1e3) - 1;
+    return row >= this.first && row < this.end ? this.curves.get(name)?.raw[row % MOST] : undefined;
+  }
+}

@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the pages in the browser work with, beside the vehicle: pedals, history, findings, limits.
+
+All but ``History.rows`` and ``History.latest`` belongs to the thread that steps the vehicle.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from hubsim import engine, reasons
+from hubsim.scenario import cycles
+
+from hubfoc.bus import Frame
+from hubfoc.client import WHEELS
+from hubfoc.errors import HubfocError
+from hubfoc.live.clock import Clock
+from hubfoc.live.cockpit import Cockpit
+from hubfoc.live.findings import Findings
+from hubfoc.live.history import DRAWN, RETURNED, History
+from hubfoc.live.limits import Inquiry, texts
+from hubfoc.live.world import World
+
+OF_WHEEL = (
+    *("motor_torque_nm", "hydraulic_torque_nm", "speed_rad_per_s", "available_nm"),
+    *("drive_available_nm", "reason", "mode", "fault_reason", "warning_reason", "waits_for"),
+    *("winding_temperature_c",),
+)
+OF_VEHICLE = (
+    *("vehicle.speed_m_per_s", "battery.soc", "battery.voltage_v", "battery.current_a"),
+    *(DRAWN, RETURNED, "energy.shaft_j", "energy.copper_j", "energy.iron_j"),
+    *("energy.conduction_j", "energy.diode_j", "energy.switching_j", "energy.hydraulic_j"),
+    *("energy.battery_j", "energy.bearing_j"),
+)
+MODES = range(8)
+
+
+class Desk:
+    """The pages' side of one live vehicle."""
+
+    def __init__(self, world: World, clock: Clock) -> None:
+        self.world = world
+        self._clock = clock
+        self.cockpit = Cockpit(world.drive)
+        self.inquiry = Inquiry()
+        self._wheels_of: dict[object, int] = {}
+        world.scenarios()
+        self.begin()
+
+    def begin(self) -> None:
+        """Start with the world's present vehicle."""
+        vehicle = self.world.vehicle
+        self.history = History(vehicle)
+        self.number = self.world.number
+        self.findings = Findings(self.history, vehicle.wheels)
+        self.inquiry.begin()
+        self.cockpit.begin()
+        names = [f"wheel{k}.{name}" for k in range(vehicle.wheels) for name in OF_WHEEL]
+        self.shown = [n for n in (*names, *OF_VEHICLE) if n in self.history.meanings]
+
+    def before(self, received: Sequence[Frame]) -> list[Frame]:
+        """Return the frames of the pages for this millisecond."""
+        if self.number != self.world.number:
+            self.begin()
+        silent = self.world.faults.silences or self.world.scenario is not None
+        return self.cockpit.frames(self.world.time_s, received, silent=silent)
+
+    def after(self) -> None:
+        """Take notice of what the millisecond has brought."""
+        row = self.history.record(self.world.vehicle)
+        self.findings.look(self.world.time_s, row, self.world.faults.active)
+        self.inquiry.ask(self.world.vehicle)
+
+    def hello(self) -> dict[str, Any]:
+        """Return what does not change as long as this vehicle is the same."""
+        world = self.world
+        return {
+            "kind": "hello",
+            "number": self.number,
+            "vehicle": world.drive.name,
+            "wheels": list(WHEELS[: world.vehicle.wheels]),
+            "wheel_radius_m": world.vehicle.get("vehicle.wheel_radius_m"),
+            "drive_nm": self.cockpit.drive_nm,
+            "brake_nm": self.cockpit.brake_nm,
+            "hydraulic_nm": world.drive.brake.max_hydraulic_torque_nm,
+            "top_speed_kmh": world.drive.motor.max_speed_rpm
+            * 0.10471975512
+            * world.vehicle.get("vehicle.wheel_radius_m")
+            * cycles.KMH_PER_M_PER_S,
+            "signals": {name: list(meaning) for name, meaning in self.history.meanings.items()},
+            "shown": self.shown,
+            "reasons": {
+                str(code): [name, engine.reason_text(code)]
+                for name, code in reasons.codes().items()
+            },
+            "modes": [engine.mode_text(mode) for mode in MODES],
+            "waits_for": {str(k): reasons.waits_for(k) for k in range(32)},
+            "limits": texts(),
+            "faults": world.fault_list(),
+            "scenarios": world.scenarios(),
+        }
+
+    def state(self, page: object) -> dict[str, Any]:
+        """Return what changes slowly, for one page."""
+        cockpit, wheel = self.cockpit, self._wheels_of.get(page, 0)
+        controls = (
+            "own"
+            if cockpit.owner is page
+            else "another page"
+            if cockpit.owner is not None
+            else "another sender"
+            if cockpit.foreign
+            else "free"
+        )
+        return {
+            "kind": "state",
+            "number": self.number,
+            "controls": controls,
+            **self.world.state(),
+            "limits": self.inquiry.shown(wheel, self.history.cost_j[wheel]),
+            "findings": self.findings.shown(),
+            "health": self._clock.health(),
+        }
+
+    def do(self, page: object, wanted: Mapping[str, Any]) -> None:
+        """Do what a page wants."""
+        what = wanted.get("do")
+        if what == "take":
+            self.cockpit.take(page)
+        elif what == "release":
+            self.cockpit.release(page)
+        elif what == "drive":
+            self.cockpit.drive(
+                page, float(wanted["accelerator"]), float(wanted["brake"]),
+                str(wanted["direction"]),
+            )  # fmt: skip
+        elif what == "acknowledge":
+            self.cockpit.acknowledge(page)
+            self.findings.acknowledge(self.world.time_s)
+        elif what == "change":
+            self.cockpit.check(page)
+            self.world.change(dict(wanted["change"]))
+        elif what == "wheel":
+            self._wheels_of[page] = int(wanted["wheel"]) % self.world.vehicle.wheels
+            self.inquiry.wanted = set(self._wheels_of.values())
+        else:
+            raise HubfocError(f"{what!r} is not accepted")
+
+    def arrive(self, page: object) -> None:
+        """Take notice of another page, which gets the controls if they are free."""
+        self._wheels_of[page] = 0
+        self.inquiry.wanted = set(self._wheels_of.values())
+        if self.cockpit.owner is None and not self.cockpit.foreign:
+            self.cockpit.take(page)
+
+    def leave(self, page: object) -> None:
+        """Forget a page that is gone."""
+        self.cockpit.release(page)
+        self._wheels_of.pop(page, None)
+        self.inquiry.wanted = set(self._wheels_of.values())

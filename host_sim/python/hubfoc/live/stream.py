@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What goes to a page and comes from it, over one WebSocket.
+
+To the page, as text (JSON with ``kind``): ``hello`` once for each vehicle, ``state`` five times a
+second, ``refused`` with the reason. As binary, little endian, sixty times a second: the vehicle's
+number, the first row, how many rows, how many curves (4 bytes each), then as 32-bit floats the
+signals of hello's ``shown`` now, and the rows of the chosen curves. From the page, as text: JSON
+with ``do`` (``Desk.do``), or ``curves`` with their names.
+"""
+
+import json
+import struct
+import time
+from collections.abc import Sequence
+from threading import Thread
+from typing import Any
+
+import numpy as np
+
+from hubfoc.errors import HubfocError
+from hubfoc.live.desk import Desk
+from hubfoc.live.orders import Orders
+from hubfoc.live.service import Handler
+from hubfoc.live.websocket import WebSocket, opened
+
+UPDATE_S = 1.0 / 60.0
+STATE_S = 0.2
+CURVES = 24
+ROWS_AT_ONCE = 60000
+
+
+class Page:
+    """One page in a browser."""
+
+    def __init__(self, desk: Desk, orders: Orders, socket: WebSocket) -> None:
+        self._desk, self._orders, self._socket = desk, orders, socket
+        self._curves: list[str] = []
+        self._next = 0  # row
+        self._number = -1  # of the vehicle that the page knows
+        self._closed = False
+
+    def run(self) -> None:
+        """Serve the page until it is gone."""
+        self._orders.call(lambda: self._desk.arrive(self))
+        writer = Thread(target=self._write, daemon=True)
+        writer.start()
+        try:
+            while (text := self._socket.receive()) is not None:
+                self._take(text)
+        except OSError:
+            pass
+        finally:
+            self._closed = True
+            self._orders.call(lambda: self._desk.leave(self))
+            writer.join()
+
+    def _take(self, text: str) -> None:
+        try:
+            wanted = json.loads(text)
+            if wanted.get("do") == "curves":
+                self._choose([str(name) for name in wanted["names"]])
+            else:
+                self._orders.call(lambda: self._desk.do(self, wanted))
+        except (HubfocError, ValueError, KeyError, TypeError, AttributeError) as error:
+            self._send({"kind": "refused", "why": str(error)})
+
+    def _choose(self, names: Sequence[str]) -> None:
+        known = self._desk.history.meanings
+        self._curves = [name for name in names if name in known][:CURVES]
+        self._next = 0
+
+    def _write(self) -> None:
+        due_s = state_s = time.monotonic()
+        try:
+            while not self._closed:
+                now_s = time.monotonic()
+                if now_s >= state_s:
+                    state_s = now_s + STATE_S
+                    self._write_state()
+                self._write_rows()
+                due_s = max(due_s + UPDATE_S, now_s)
+                time.sleep(max(due_s - time.monotonic(), 0.0))
+        except OSError:
+            self._closed = True
+
+    def _write_state(self) -> None:
+        state = self._orders.call(lambda: self._desk.state(self))
+        if state["number"] != self._number:
+            self._send(self._orders.call(self._desk.hello))
+            self._number, self._next = state["number"], 0
+            self._choose(self._curves)
+        self._send(state)
+
+    def _write_rows(self) -> None:
+        history, curves = self._desk.history, self._curves
+        if self._desk.number != self._number or history.count == self._next:
+            return
+        first, rows = history.rows(self._next, history.places(curves))
+        if history.count == 0 or len(rows) == 0:
+            return
+        self._next = first + len(rows)
+        shown = history.latest(history.places(self._desk.shown))
+        head = struct.pack("<4I", self._number, first, len(rows), len(curves))
+        self._socket.send_binary(
+            head, shown.astype("<f4").tobytes(), np.ascontiguousarray(rows, "<f4").tobytes()
+        )
+
+    def _send(self, value: dict[str, Any]) -> None:
+        self._socket.send_text(json.dumps(value))
+
+
+def serve(desk: Desk, orders: Orders, handler: Handler) -> None:
+    """Serve one request to ``stream``."""
+    socket = opened(handler)
+    if socket is not None:
+        Page(desk, orders, socket).run()

@@ -1,0 +1,270 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the page is made of and told: accounts, limits, findings, the stream."""
+
+import json
+import os
+import re
+import socket
+import struct
+from collections.abc import Iterator
+from importlib.resources import files
+from typing import Any, Self
+from urllib.parse import urlsplit
+
+import numpy as np
+import pytest
+from hubfoc.live import desk, limits, page
+from hubfoc.live.history import DRAWN, NOT_SHOWN, RETURNED, ROWS, History
+from hubfoc.live.vehicle import SimulatedVehicle
+from hubfoc.live.websocket import VERSION
+from hubsim import cli, engine, reasons, scenario
+from regen_table import schema
+
+from tests.unit.host_sim.live.support import Running, running, until
+
+MOST_BYTES = 400_000
+# RFC 6455, section 1.3.
+KEY, ACCEPTED = "dGhlIHNhbXBsZSBub25jZQ==", "s3pPLMBiTxaQ9kYGzzhZRbK+xOo="
+
+
+class Client:
+    """A page without a browser."""
+
+    def __init__(self, url: str, origin: str | None = None) -> None:
+        place = urlsplit(url)
+        self._socket = socket.create_connection((str(place.hostname), place.port or 0), timeout=30)
+        lines = [
+            f"GET {place.path}stream HTTP/1.1", f"Host: {place.netloc}", "Upgrade: websocket",
+            "Connection: Upgrade", f"Sec-WebSocket-Key: {KEY}",
+            f"Sec-WebSocket-Version: {VERSION}", f"Origin: {origin or f'http://{place.netloc}'}",
+        ]  # fmt: skip
+        self._socket.sendall("\r\n".join([*lines, "", ""]).encode())
+        self._file = self._socket.makefile("rb")
+        self.head = []
+        while (line := self._file.readline().strip()) != b"":
+            self.head.append(line.decode())
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._socket.shutdown(socket.SHUT_RDWR)
+        self._file.close()
+        self._socket.close()
+
+    def say(self, **wanted: object) -> None:
+        data, mask = json.dumps(wanted).encode(), os.urandom(4)
+        assert len(data) < 126
+        masked = bytes(byte ^ mask[k % 4] for k, byte in enumerate(data))
+        self._socket.sendall(struct.pack(">BB", 0x81, 0x80 | len(data)) + mask + masked)
+
+    def hear(self) -> dict[str, Any] | bytes:
+        kind, length = struct.unpack(">BB", self._file.read(2))
+        if length == 126:
+            (length,) = struct.unpack(">H", self._file.read(2))
+        elif length == 127:
+            (length,) = struct.unpack(">Q", self._file.read(8))
+        data = self._file.read(length)
+        return data if kind == 0x82 else dict(json.loads(data))
+
+    def message(self, kind: str) -> dict[str, Any]:
+        while True:
+            message = self.hear()
+            if isinstance(message, dict) and message["kind"] == kind:
+                return message
+
+    def rows(self, curves: int) -> tuple[int, list[float], Any]:
+        """Return the first row's number, the signals shown, and the curves' rows."""
+        while True:
+            message = self.hear()
+            if isinstance(message, bytes):
+                _, first, count, given = struct.unpack_from("<4I", message)
+                if given == curves:
+                    values = np.frombuffer(message, "<f4", offset=16)
+                    cut = len(values) - count * curves
+                    return first, values[:cut].tolist(), values[cut:].reshape(count, curves)
+
+
+@pytest.fixture(scope="module")
+def vehicle() -> Iterator[Running]:
+    with running() as own:
+        yield own
+
+
+def test_the_page_is_one_document_of_at_most_400_kb() -> None:
+    text = page.document()
+    assert len(text.encode()) <= MOST_BYTES
+    own = text.replace((files("hubfoc.live") / "browser" / page.LIBRARY).read_text("utf-8"), "")
+    assert set(re.findall(r"https?://([\w.]+)", own)) == {"www.w3.org"}  # the name of SVG
+    assert not re.search(r'\b(?:src|href)="(?!data:)', text)
+    assert text.count("</script>") == 2
+
+
+def test_modules_come_after_those_that_they_need() -> None:
+    order = page.modules()
+    assert order[-1] == "main.js"
+    assert len(order) == len(set(order)) > 8
+    for place, name in enumerate(order):
+        assert set(page.modules(name)) <= set(order[: place + 1])
+
+
+def test_accounts_are_those_of_the_simulation() -> None:
+    """Battery: terminal work = chemical work - heat - stored in polarisation. Brakes: their heat.
+
+    A stop from 40 km/h, sampled each millisecond: sums of rows against integrals.
+    """
+    drive = schema.load(cli.DEFAULT_CONFIG)
+    _, stop, beside = scenario.load("stop", {}, drive)
+    with SimulatedVehicle(drive, stop, beside) as vehicle:
+        history = History(vehicle)
+        while not vehicle.ended:
+            vehicle.step([])
+            history.record(vehicle)
+        latest = dict(zip(history.names, history.latest(history.places(history.names)),
+                          strict=True))  # fmt: skip
+        terminal_j = sum(
+            sign * vehicle.value(f"energy.{name}_j")
+            for name, sign in (("chemical", 1), ("battery", -1), ("polarisation", -1))
+        )
+        hydraulic_j = vehicle.value("energy.hydraulic_j")
+    assert latest[DRAWN] - latest[RETURNED] == pytest.approx(terminal_j, rel=0.01)
+    assert latest[RETURNED] > 10.0 * latest[DRAWN]
+    assert history.cost_j.sum() == pytest.approx(hydraulic_j, rel=0.01)
+    codes = reasons.codes()
+    of_lines = [limits.cost_of_lines(of_wheel) for of_wheel in history.cost_j]
+    assert of_lines[0]["BLEND_OUT"] + of_lines[0]["LOSS_OPTIMUM"] + of_lines[0]["TORQUE_RATE"] > (
+        0.9 * history.cost_j[0].sum()
+    )
+    assert sum(of_lines[0].values()) == pytest.approx(
+        history.cost_j[0].sum() - history.cost_j[0, codes["NONE"]]
+    )
+
+
+def test_the_last_minute_is_kept() -> None:
+    with SimulatedVehicle(schema.load(cli.DEFAULT_CONFIG)) as vehicle:
+        history = History(vehicle)
+        assert not any(NOT_SHOWN.search(name) for name in history.names)
+        place = history.places(["time_s"])
+        vehicle.step([])
+        for _ in range(ROWS + 500):
+            history.record(vehicle)
+        first, rows = history.rows(0, place)
+        assert first + len(rows) == history.count == ROWS + 500
+        assert len(rows) >= ROWS - 1
+        first, rows = history.rows(ROWS + 490, place)
+        assert (first, len(rows)) == (ROWS + 490, 10)
+        assert history.latest(place)[0] == pytest.approx(0.001)
+
+
+def test_every_line_of_the_firmwares_table_has_its_reasons() -> None:
+    header = engine.ROOT / "firmware" / "torque" / "include" / "torque" / "torque_limits.h"
+    table = header.read_text(encoding="utf-8").partition("#define TORQUE_LINES")[2]
+    lines = re.findall(r"X\((\w+), (?:true|false)\)", table)
+    assert set(lines) - {"RETURNED_PEAK"} == set(limits.texts())  # its reasons are RETURNED's
+    assert {name for names in limits.REASONS.values() for name in names} <= set(reasons.codes())
+
+
+def test_the_shells_table_is_read_whole() -> None:
+    """The tightest bound of a side is its smallest."""
+    with SimulatedVehicle(schema.load(cli.DEFAULT_CONFIG)) as vehicle:
+        inquiry = limits.Inquiry()
+        inquiry.wanted = {2}
+        while 2 not in inquiry.tables:
+            vehicle.step([])
+            inquiry.ask(vehicle)
+            inquiry.received(2, vehicle.serial_take(2), vehicle.time_s)
+            assert vehicle.time_s < 5.0
+    _, lines = inquiry.tables[2]
+    header = engine.ROOT / "firmware" / "torque" / "include" / "torque" / "torque_limits.h"
+    table = header.read_text(encoding="utf-8").partition("#define TORQUE_LINES")[2]
+    assert [line.name for line in lines] == re.findall(r"X\((\w+), (?:true|false)\)", table)
+    for bounds, stars in (
+        ([line.driving_nm for line in lines], [line.tightest_driving for line in lines]),
+        ([line.braking_nm for line in lines], [line.tightest_braking for line in lines]),
+    ):
+        known = [bound for bound in bounds if bound is not None]
+        assert bounds[stars.index(True)] == min(known)
+
+
+def test_who_types_at_a_terminal_has_the_shell_alone() -> None:
+    with SimulatedVehicle(schema.load(cli.DEFAULT_CONFIG)) as vehicle:
+        inquiry = limits.Inquiry()
+        inquiry.wanted = {1}
+        vehicle.step([])
+        inquiry.typed(1, vehicle.time_s)
+        for _ in range(1000):
+            vehicle.step([])
+            inquiry.ask(vehicle)
+            written = vehicle.serial_take(1)
+            assert inquiry.received(1, written, vehicle.time_s) == written
+        assert inquiry.tables == {}
+
+
+def test_the_stream_opens_as_the_standard_says_and_only_for_its_own_page(vehicle: Running) -> None:
+    with Client(vehicle.url) as own:
+        assert own.head[0].startswith("HTTP/1.1 101") or own.head[0].startswith("HTTP/1.0 101")
+        assert f"Sec-WebSocket-Accept: {ACCEPTED}" in own.head
+        assert own.message("hello")["vehicle"] == "lu2013"
+    with Client(vehicle.url, origin="http://elsewhere") as other:
+        assert " 403 " in other.head[0]
+
+
+def test_the_first_page_has_the_controls_until_it_is_gone(vehicle: Running) -> None:
+    until(lambda: vehicle.desk.cockpit.owner is None)
+    with Client(vehicle.url) as first:
+        assert first.message("state")["controls"] == "own"
+        with Client(vehicle.url) as second:
+            assert second.message("state")["controls"] == "another page"
+            second.say(do="take")
+            assert "another page has the controls" in second.message("refused")["why"]
+            second.say(do="change", change={"slope": 0.1})
+            assert "this page watches" in second.message("refused")["why"]
+            first.say(do="release")
+            while second.message("state")["controls"] != "free":
+                pass
+            second.say(do="take")
+            while second.message("state")["controls"] != "own":
+                pass
+    until(lambda: vehicle.desk.cockpit.owner is None)
+
+
+def test_rows_of_chosen_curves_follow_each_other(vehicle: Running) -> None:
+    with Client(vehicle.url) as own:
+        hello = own.message("hello")
+        assert set(hello["shown"]) <= set(hello["signals"])
+        own.say(do="curves", names=["time_s", "battery.soc", "nonsense"])
+        first, shown, rows = own.rows(2)
+        for _ in range(5):
+            following, shown, more = own.rows(2)
+            assert following == first + len(rows)
+            first, rows = following, more
+        assert len(shown) == len(hello["shown"])
+        assert rows[:, 0] == pytest.approx(1e-3 * (first + 1 + np.arange(len(rows))), abs=1e-5)
+
+
+def test_what_no_page_can_want_is_refused_in_a_line(vehicle: Running) -> None:
+    with Client(vehicle.url) as own:
+        own.say(do="fly")
+        assert own.message("refused")["why"] == "'fly' is not accepted"
+        own.say(do="drive", accelerator=2, brake=0, direction="forward")
+        assert "accepted: 0 to 1" in own.message("refused")["why"]
+        own.say(do="change", change={"fault": "current_a_dea"})
+        assert "did you mean" in own.message("refused")["why"]
+
+
+def test_another_scenario_is_another_vehicle_for_the_page(vehicle: Running) -> None:
+    with Client(vehicle.url) as own:
+        before = own.message("hello")["number"]
+        own.say(do="change", change={"scenario": "hill_hold"})
+        again = own.message("hello")
+        assert again["number"] == before + 1
+        assert own.message("state")["scenario"] == "hill_hold"
+        first, _, _ = own.rows(0)
+        assert first < 5000
+        own.say(do="change", change={"scenario": None})
+
+
+def test_signals_of_the_page_are_known(vehicle: Running) -> None:
+    known = vehicle.desk.history.meanings
+    assert {f"wheel0.{name}" for name in desk.OF_WHEEL} <= set(known)
+    assert set(desk.OF_VEHICLE) <= set(known)

@@ -1,0 +1,237 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The live page in a headless browser: drives a stop, breaks a sensor, exports, loses its link."""
+
+import csv
+import json
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from diagrams.chromium import Browser
+from hubsim import cli
+from hubsim.scenario import faults
+from regen_table import schema
+
+NOW = "hubfoc.last.rows.now"
+
+
+@pytest.fixture(scope="module")
+def process() -> Iterator[tuple[subprocess.Popen[str], str]]:
+    command = [sys.executable, "-m", "hubfoc", "live", "--ready-json", "--can", "virtual"]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+    ) as own:
+        assert own.stdout is not None
+        yield own, json.loads(own.stdout.readline())["url"]
+        own.send_signal(signal.SIGINT)
+
+
+@pytest.fixture(scope="module")
+def browser(
+    process: tuple[subprocess.Popen[str], str], tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[Browser]:
+    with Browser(tmp_path_factory.mktemp("profile")) as own:
+        own.size(1400, 900)
+        own.open(process[1])
+        own.until("globalThis.hubfoc?.last.rows != null")
+        own.evaluate(
+            "globalThis.shifts = 0; new PerformanceObserver((list) => { for (const entry of"
+            " list.getEntries()) globalThis.shifts += entry.value; }).observe({ type:"
+            " 'layout-shift' })"
+        )
+        yield own
+
+
+def test_a_stop_by_slider_is_handed_over_from_motor_to_hydraulic_brake(browser: Browser) -> None:
+    """Demand: the slider's share of all that both brakes can make.
+
+    At speed motor and hydraulic brake make it together, the motor at its limit. The optimum, which
+    falls with the speed (README, Why an optimum), and the blend-out hand it over.
+    """
+    drive = schema.load(cli.DEFAULT_CONFIG)
+    most_nm = drive.motor.max_torque_nm + drive.brake.max_hydraulic_torque_nm
+    demand_nm = 1.5 * drive.motor.max_torque_nm
+    browser.until(f"{NOW}['wheel0.mode'] === 4")
+    browser.slide("#accelerator", 1.0)
+    browser.until(f"{NOW}['vehicle.speed_m_per_s'] > 3.5")
+    browser.slide("#accelerator", 0.0)
+    browser.slide("#brake", round(demand_nm / most_nm, 2))
+    demand_nm = round(demand_nm / most_nm, 2) * most_nm
+    sums, reasons, tightest = [], set(), set()
+    for _ in range(400):
+        values = browser.evaluate(
+            f"[{NOW}['vehicle.speed_m_per_s'], {NOW}['wheel0.motor_torque_nm'],"
+            f" {NOW}['wheel0.hydraulic_torque_nm'],"
+            " document.querySelector('.front_left .reason').innerText,"
+            " document.querySelector('#limits-note').innerText]"
+        )
+        speed, motor_nm, hydraulic_nm, reason, note = values
+        sums.append((speed, -motor_nm, hydraulic_nm))
+        reasons.add(reason)
+        tightest.add(note)
+        if speed < 0.05:
+            break
+        time.sleep(0.02)
+    browser.slide("#brake", 0.0)
+    fast = [s for s in sums if 1.5 < s[0] < 3.0]
+    assert fast
+    for _, motor_nm, hydraulic_nm in fast:
+        assert motor_nm + hydraulic_nm == pytest.approx(demand_nm, rel=0.05)
+    assert max(motor for _, motor, _ in fast) == pytest.approx(drive.motor.max_torque_nm, rel=0.02)
+    last = [s for s in sums if 0.1 < s[0] < 0.4]
+    assert last
+    assert all(hydraulic > 0.8 * demand_nm > motor for _, motor, hydraulic in last)
+    assert {"motor torque limit", "more torque would return less energy"} <= reasons
+    assert {"braking: motor torque limit", "braking: more torque would return less energy"} <= (
+        tightest
+    )
+
+
+def test_a_broken_sensor_is_named_acknowledged_and_mended(browser: Browser) -> None:
+    right = faults.expected()["winding_sensor_shorted"]
+    browser.slide("#fault", "winding_sensor_shorted")
+    browser.slide("#fault-wheel", "rear_left")
+    browser.click("#inject")
+    browser.until("document.querySelector('#finding-lines').innerText.includes('present')")
+    shown = browser.text("#finding-lines")
+    assert any(reason in shown for reason in right)
+    assert "rear left" in shown
+    assert "after winding sensor shorted" in shown
+    assert browser.text(".rear_left .says") in right
+    assert browser.text(".rear_right .says") == ""
+    browser.press("a")
+    browser.until("document.querySelector('#finding-lines').innerText.includes('acknowledged at')")
+    browser.click("#active .chip")
+    browser.until("document.querySelector('#active').innerText === 'nothing is broken'")
+
+
+def test_the_world_and_the_pedals_obey_keys(browser: Browser) -> None:
+    browser.press("w")
+    browser.until("Number(document.querySelector('#accelerator').value) === 0.05")
+    browser.press(" ")
+    browser.until("Number(document.querySelector('#accelerator').value) === 0")
+    browser.press("2")
+    browser.until("document.querySelector('#limits-of').innerText === 'front right'")
+    browser.press("1")
+    browser.press("u")
+    browser.until("hubfoc.last.state.slope === 0.005")
+    browser.press("j")
+    browser.until("hubfoc.last.state.slope === 0")
+    browser.press("p")
+    browser.until("document.querySelector('#status').innerText === 'paused'")
+    browser.press("p")
+    browser.until("document.querySelector('#status').innerText === 'running'")
+
+
+def test_curves_are_chosen_and_exported(browser: Browser, tmp_path: Path) -> None:
+    browser.call("Page.setDownloadBehavior", behavior="allow", downloadPath=str(tmp_path))
+    browser.evaluate("document.querySelector('#signal').value = 'battery.soc'")
+    browser.click("#add")
+    browser.slide("#span", 3)
+    browser.until("document.querySelectorAll('#legend li').length === 5")
+    browser.until(f"{NOW} !== undefined && hubfoc.last.rows.curves === 5")
+    browser.click("#hold")
+    browser.click("#csv")
+    browser.click("#picture")
+    table, picture = tmp_path / "hubfoc.csv", tmp_path / "hubfoc.png"
+    browser.until_true(lambda: table.is_file() and picture.is_file(), "no file")
+    with table.open(encoding="utf-8") as text:
+        rows = list(csv.DictReader(text))
+    assert next(iter(rows[0])) == "time_s"
+    assert float(rows[-1]["battery.soc"]) == pytest.approx(
+        schema.load(cli.DEFAULT_CONFIG).battery.initial_soc, abs=0.01
+    )
+    times_ms = [round(1e3 * float(row["time_s"])) for row in rows]
+    assert times_ms == list(range(times_ms[0], times_ms[0] + len(rows)))
+    assert 2990 <= len(rows) <= 3001
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    browser.click("#hold")
+
+
+def test_curves_of_many_samples_show_the_bounds_of_each_group(browser: Browser) -> None:
+    """Against the least and the largest of 64 values, picked out one by one.
+
+    50 000 values in 800 groups of whole sixteens: 64 in each. The rows come in pieces of odd
+    lengths and begin in the middle of a sixteen.
+    """
+    wrong = browser.evaluate("""(() => {
+        const samples = new hubfoc.Samples();
+        samples.choose(["one", "two"]);
+        const all = new Map();
+        let row = 70005;
+        for (let piece = 1; row < 140000; piece = (piece * 7) % 31 || 1) {
+            const values = Float32Array.from({ length: 2 * piece }, Math.random);
+            samples.add(row, piece, values);
+            for (let k = 0; k < piece; k++) all.set(row + k, [values[2 * k], values[2 * k + 1]]);
+            row += piece;
+        }
+        const [times, ...curves] = samples.window(row - 50000, row, 800);
+        const long = Math.round(2e3 * (times[1] - times[0]));
+        let wrong = long === 64 && times.length > 1500 && times.length <= 1600 ? 0 : 1;
+        for (let place = 0; place < times.length; place += 2) {
+            const begin = Math.round(1e3 * times[place]) - 1;
+            curves.forEach((curve, which) => {
+                const group = Array.from({ length: long }, (_, k) => all.get(begin + k)[which]);
+                if (curve[place] !== Math.min(...group)) wrong++;
+                if (curve[place + 1] !== Math.max(...group)) wrong++;
+            });
+        }
+        const raw = samples.window(row - 50, row, 100);
+        raw[1].forEach((value, k) => {
+            if (value !== all.get(row - raw[1].length + k)[0]) wrong++;
+        });
+        return wrong;
+    })()""")
+    assert wrong == 0
+
+
+def test_nothing_has_moved_and_the_console_is_empty(browser: Browser) -> None:
+    """Less than 0.1 is called good; here bars and numbers change sixty times a second."""
+    assert browser.evaluate("globalThis.shifts") < 0.01
+    assert browser.console == []
+
+
+@pytest.mark.parametrize(("width", "dark"), [(1400, False), (1400, True), (400, False)])
+def test_no_element_exceeds_the_page(
+    browser: Browser, tmp_path: Path, width: int, *, dark: bool
+) -> None:
+    """At 1400 px nothing needs scrolling; pictures show motor and hydraulic colours."""
+    from PIL import Image  # noqa: PLC0415, comes with the plotting package
+
+    browser.size(width, 900, dark=dark)
+    wide, high = browser.evaluate(
+        "[document.documentElement.scrollWidth, document.documentElement.scrollHeight]"
+    )
+    assert wide <= width
+    assert width < 1400 or high <= 900
+    out = browser.evaluate(
+        "[...document.querySelectorAll('.wheel span, header *, button')].filter((e) => {"
+        " const box = e.closest('.wheel, section, header').getBoundingClientRect();"
+        " const own = e.getBoundingClientRect(); return own.right > box.right + 0.5 }).length"
+    )
+    assert out == 0
+    shot = tmp_path / "shot.png"
+    browser.picture(shot)
+    with Image.open(shot) as picture:
+        colours = {colour for _, colour in picture.convert("RGB").getcolors(1 << 24) or []}
+    expected = ((75, 163, 224), (20, 24, 29)) if dark else ((0, 114, 178), (255, 255, 255))
+    assert set(expected) <= colours
+    browser.size(1400, 900)
+
+
+def test_where_the_link_is_lost_values_grey_and_controls_go_off(
+    browser: Browser, process: tuple[subprocess.Popen[str], str]
+) -> None:
+    browser.slide("#brake", 0.4)
+    process[0].send_signal(signal.SIGINT)
+    browser.until("document.body.className === 'stale'")
+    assert browser.text("#status").startswith("link lost, values are ")
+    browser.until("document.querySelector('#brake').disabled")
+    assert browser.evaluate("document.querySelector('#brake').value") == "0"
+    assert browser.evaluate(
+        "[...document.querySelectorAll('[data-needs]')].every((element) => element.disabled)"
+    )
