@@ -49,8 +49,8 @@ class Desk:
     def begin(self) -> None:
         """Start with the world's present vehicle."""
         vehicle = self.world.vehicle
+        self.number = self.world.number  # first: rows are of the number that a page knows
         self.history = History(vehicle)
-        self.number = self.world.number
         self.findings = Findings(self.history, vehicle.wheels)
         self.inquiry.begin()
         self.cockpit.begin()

@@ -94,6 +94,14 @@ def test_requirements_of_the_wheel_are_exactly_the_imports_of_its_modules(wheel:
     assert set(installation.EXTRAS) == foreign - plain
 
 
+def test_the_wheel_contains_what_the_live_page_is_made_of(wheel: Path) -> None:
+    packages = REPOSITORY / "host_sim" / "python"
+    needed = list((packages / "hubfoc" / "live" / "browser").rglob("*.*"))
+    assert len(needed) > 12
+    names = {path.relative_to(packages).as_posix() for path in needed}
+    assert names | {"hubsim/report/palette.css"} <= names_in(wheel)
+
+
 def test_installed_layout_of_the_configuration_equals_that_of_the_header(
     installed: Installed, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -4,6 +4,7 @@ import { want } from "./link.js";
 import { choice } from "./car.js";
 
 const DRIVE_MS = 50; // the vehicle releases the pedals of a page that is silent for half a second
+const RELOADED_MS = 3000;
 const STEP = 0.05; // of a pedal's travel, a key
 const PEDALS = [
   ["accelerator", "accelerator", "W", "S", "motor-text"],
@@ -22,6 +23,7 @@ const pedals = { accelerator: 0, brake: 0 };
 const sliders = {};
 let direction = "forward";
 let own = false;
+let asked = false; // for the controls that this very page had before it was loaded again
 let paused = false;
 let hello = null;
 
@@ -123,6 +125,10 @@ export function greetControls(told) {
 
 export function showControls(state) {
   own = state.controls === "own";
+  if (state.controls === "free" && !asked && performance.now() < RELOADED_MS) {
+    asked = true;
+    want({ do: "take" });
+  }
   paused = state.paused;
   for (const [name] of WORLD) {
     const { input, output, factor, decimals } = sliders[name];
