@@ -22,8 +22,9 @@ DIRECTIONS = ("neutral", "forward", "reverse")
 LIVE = (
     "A virtual vehicle in real time: in every wheel the whole application (boot, CAN, shell,"
     " watchdog) on a simulated board, with motor, inverter, battery, battery management, brake"
-    " system and road in one process. Other programs reach it by CAN frames (hubfoc.dbc), as they"
-    " would a vehicle."
+    " system and road in one process. A page in the browser drives it, breaks it and shows why it"
+    " does what it does. Other programs reach it by CAN frames (hubfoc.dbc), as they would a"
+    " vehicle."
 )
 _CAN = (
     "the bus: udp_multicast[:GROUP] for programs of this machine (default), virtual within one"
@@ -47,7 +48,9 @@ def _add_vehicle(command: Parser) -> None:
 
 
 def _add_live(commands: Commands) -> None:
-    live = commands.add_parser("live", help="a virtual vehicle on a CAN bus", description=LIVE)
+    live = commands.add_parser(
+        "live", help="a virtual vehicle, its page and its CAN bus", description=LIVE
+    )
     live.add_argument(
         "--config", type=drive_file, default=DEFAULT_CONFIG, metavar="DRIVE",
         help="a TOML file, or the name of a drive that comes along; default: lu2013",
