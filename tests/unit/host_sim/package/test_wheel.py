@@ -119,6 +119,12 @@ def test_installed_generator_writes_the_same_files_as_the_repository(installed: 
         assert (installed.place / "generated" / name).read_bytes() == content
 
 
+def test_installed_generator_knows_the_boards(installed: Installed) -> None:
+    label = ["--magnets", "30", "--kv", "16", "--rated-torque", "6", "--cells", "10"]
+    installed.run("regen_table", "new", "mine", *label, "--wheel-diameter", "0.165", "--mass", "99")
+    assert 'inverter.board = "vesc6_mk3"' in (installed.place / "mine.toml").read_text()
+
+
 def without_machine(path: Path) -> Any:  # noqa: ANN401, JSON of any shape
     """Return a run's results without the machine's speed and the date."""
 
