@@ -100,7 +100,7 @@ dead_time_slope_t dead_time_slope_at(const config_t *config, int32_t v_dc_pu)
     const int32_t twice_drops_mV = 4 * config->drive.diode_drop_mV;
     const int32_t middle_mV =
         config->battery.min_voltage_mV + config->battery.max_voltage_mV + twice_drops_mV;
-    const int32_t share_q24 = scaled_ratio(middle_mV, twice_v_dc_mV + twice_drops_mV);
+    const int32_t share_q24 = scaled_ratio(middle_mV, q_divisor(twice_v_dc_mV + twice_drops_mV));
     const int32_t alpha_q8 = q_min(
         share_q24 / q_divisor(2 * config->current_loop.dead_time_zone_pu_q15), LARGEST_SLOPE_Q8);
     const dead_time_slope_t out = {

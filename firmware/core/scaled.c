@@ -15,10 +15,9 @@ int32_t scaled_ratio(int32_t n, int32_t d)
     const uint32_t sign = (uint32_t)(n >> 31); /* all ones for n < 0 */
     const uint32_t magnitude = ((uint32_t)n ^ sign) - sign;
     const uint32_t n_zeros = scaled_leading_zeros(magnitude | 1U);
-    const uint32_t d_zeros = scaled_leading_zeros((uint32_t)d | 1U);
+    const uint32_t d_zeros = scaled_leading_zeros((uint32_t)d);
     const uint32_t by = (uint32_t)d << d_zeros;
-    /* 2^62 / by (1 + e); the bit is there already, but for d = 0. */
-    const uint32_t rough = (UINT32_MAX / (by >> 16 | 0x8000U)) << 14;
+    const uint32_t rough = (UINT32_MAX / (by >> 16)) << 14; /* 2^62 / by (1 + e) */
     const uint32_t less = 0U - 2U * upper(rough, by); /* 2^31 (1 - e) */
     const uint32_t inverse = upper(rough, less) << 1; /* 2^62 / by */
     const uint32_t product = upper(magnitude << n_zeros, inverse);

@@ -62,7 +62,7 @@ static void make_ratios(machine_t *m, const config_t *config, const measured_t *
     m->slow_q24 = m->rho_q24 > SLOW_RHO * SCALED_ONE ? scaled_ratio(x_uOhm, q_max(r_uOhm, 1)) : 0;
     m->sigma_q24 = motor->q_inductance_nH == motor->d_inductance_nH
                        ? SCALED_ONE
-                       : scaled_ratio(motor->q_inductance_nH, motor->d_inductance_nH);
+                       : scaled_ratio(motor->q_inductance_nH, q_divisor(motor->d_inductance_nH));
     m->has_ratios = true;
 }
 
@@ -135,7 +135,7 @@ static int32_t rectified_q24(const machine_t *m, int32_t u_q24)
     if (m->sigma_q24 == SCALED_ONE) {
         const int32_t one_rho2 = q_saturate64((int64_t)SCALED_ONE + square_q24(m->rho_q24));
         const int32_t root = root_q24((int64_t)one_rho2 - u2);
-        return scaled_ratio(q_max(root - share_of(m->rho_q24, u_q24), 0), one_rho2);
+        return scaled_ratio(q_max(root - share_of(m->rho_q24, u_q24), 0), q_divisor(one_rho2));
     }
     const int64_t sigma2 = square_q24(m->sigma_q24);
     const int64_t u2_sigma2 = (u2 * sigma2) >> 24;
@@ -143,7 +143,8 @@ static int32_t rectified_q24(const machine_t *m, int32_t u_q24)
     const int64_t under_root = ((b * b) >> 24) + 4 * (((SCALED_ONE - u2) * u2_sigma2) >> 24);
     const int32_t half = (int32_t)((b + root_q24(under_root)) >> 1);
     const int32_t gamma2 = scaled_ratio((int32_t)u2_sigma2, q_max(half, 1));
-    return scaled_ratio(root_q24(gamma2 + sigma2), q_saturate64((int64_t)gamma2 + m->sigma_q24));
+    return scaled_ratio(root_q24(gamma2 + sigma2),
+                        q_divisor(q_saturate64((int64_t)gamma2 + m->sigma_q24)));
 }
 
 /* The bus voltage that the diodes see: a sensor at the end of its range shows a lower bound. */

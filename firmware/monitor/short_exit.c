@@ -49,8 +49,8 @@ static axes_t axes_of(const config_motor_t *motor, bool known)
         out.magnets_uWb = motor->flux_linkage_nWb / 1000;
     }
     out.least_nH = q_min(out.d_nH, out.q_nH);
-    out.d_share_q15 = scaled_ratio(out.least_nH, out.d_nH) >> 9;
-    out.q_share_q15 = scaled_ratio(out.least_nH, out.q_nH) >> 9;
+    out.d_share_q15 = scaled_ratio(out.least_nH, q_divisor(out.d_nH)) >> 9;
+    out.q_share_q15 = scaled_ratio(out.least_nH, q_divisor(out.q_nH)) >> 9;
     return out;
 }
 

@@ -38,7 +38,7 @@ int32_t foldback_step(foldback_state_t *state, const foldback_t *foldback, int32
                         scaled_multiply(whole_mV, from_q24 + LITTLE_q24) < foldback->span_mV;
     const int32_t gain_q24 = unused ? SCALED_ONE : from_q24 + LITTLE_q24;
     const int32_t error_q24 =
-        scaled_ratio(error_mV, unused ? q_max(whole_mV, 1) : foldback->span_mV);
+        scaled_ratio(error_mV, q_divisor(unused ? whole_mV : foldback->span_mV));
     const int32_t change_q24 = scaled_multiply(gain_q24, error_q24) >> STEPS_LOG2;
     state->allowed_q24 = q_clamp(from_q24 + change_q24, 0, SCALED_ONE);
     return inside_mV <= -foldback->width_mV

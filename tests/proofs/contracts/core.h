@@ -70,6 +70,7 @@ POST(scaled_multiply, q_abs(a) > 4 * SCALED_ONE || q_abs(b) > 1 << 28 || q_abs(r
      q_abs(b))
 POST(scaled_multiply, b != SCALED_ONE || result == a)
 
+PRE(scaled_ratio, d > 0)
 POST(scaled_ratio, (n < 0 || result >= 0) && (n > 0 || result <= 0) && q_abs(result) <= 1 << 30)
 POST(scaled_ratio, q_abs(n) > d || q_abs(result) <= SCALED_ONE)
 POST(scaled_ratio, q_abs(n) / 8 >= d || q_abs(result) <= 8 * SCALED_ONE)

@@ -52,7 +52,8 @@ static inline int32_t bases_current_mA(const config_t *config, int32_t current_p
 
 static inline int16_t bases_current_pu_q15(const config_t *config, int32_t current_mA)
 {
-    const int32_t ratio_q24 = scaled_ratio(current_mA, config->drive.current_full_scale_mA);
+    const int32_t ratio_q24 =
+        scaled_ratio(current_mA, q_divisor(config->drive.current_full_scale_mA));
     return q15_saturate((ratio_q24 + (1 << 8)) >> 9);
 }
 

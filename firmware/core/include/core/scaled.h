@@ -50,8 +50,7 @@ static inline uint32_t scaled_leading_zeros(uint32_t x)
 }
 
 /* n 2^24 / d to nearest, d > 0; relative error below 2^-27. A quotient beyond +-2^29 is some number
- * of its sign between 2^29 and 2^30. d <= 0, as a bit that flips may make it: zero or some number
- * of n's sign. */
+ * of its sign between 2^29 and 2^30. */
 int32_t scaled_ratio(int32_t n, int32_t d);
 
 /* The square root of x, 0 <= x < 2^62; relative error below 2^-14, at most one unit below 2^16. */
