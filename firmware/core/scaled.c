@@ -18,8 +18,8 @@ int32_t scaled_ratio(int32_t n, int32_t d)
     const uint32_t d_zeros = scaled_leading_zeros((uint32_t)d);
     const uint32_t by = (uint32_t)d << d_zeros;
     const uint32_t rough = (UINT32_MAX / (by >> 16)) << 14; /* 2^62 / by (1 + e) */
-    const uint32_t less = 0U - 2U * upper(rough, by); /* 2^31 (1 - e) */
-    const uint32_t inverse = upper(rough, less) << 1; /* 2^62 / by */
+    const uint32_t less = 0U - 2U * upper(rough, by);       /* 2^31 (1 - e) */
+    const uint32_t inverse = upper(rough, less) << 1;       /* 2^62 / by */
     const uint32_t product = upper(magnitude << n_zeros, inverse);
     const uint32_t shift = n_zeros - d_zeros + 5U; /* wraps below zero */
     if (shift >= 31U) {

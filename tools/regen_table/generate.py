@@ -135,7 +135,7 @@ def c_source(drive: Drive, raw: bytes) -> str:
             generator_version=image.generator_version(),
         )
     ]
-    packed = header.ffi.from_buffer("config_t *", raw)
+    packed: Any = header.ffi.from_buffer("config_t *", raw)
     for section, fields in header.sections.items():
         lines.append(f"    .{section} = {{\n")
         width = max(len(name) for name, info in fields.items() if not info.count)

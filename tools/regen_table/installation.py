@@ -38,6 +38,7 @@ EXTRAS = {
 }
 # The repository's set of packages (tools/setup/requirements), where it has another name.
 SETS = {"report": "figures"}
+KEY_BYTES = 16  # of [service] key, the end of an image
 
 
 def missing(error: ModuleNotFoundError) -> str:
@@ -165,8 +166,8 @@ def provenance(
 
 
 def crc32(image: bytes) -> str:
-    """Return the CRC-32 that an image ends with, as the generated C file writes it."""
-    return f"0x{int.from_bytes(image[-4:], 'little'):08X}"
+    """Return an image's CRC-32, as the generated C file writes it; behind it is the service key."""
+    return f"0x{int.from_bytes(image[-KEY_BYTES - 4 : -KEY_BYTES], 'little'):08X}"
 
 
 def timestamp(given: str | None = None) -> str:

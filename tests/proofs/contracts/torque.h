@@ -361,7 +361,7 @@ POST(torque_limits_step, q_abs(set->model->speed_mrad_s) >
 
 POST(torque_limits_clear, every(i, TORQUE_LINE_COUNT, table->driving[i].torque_mNm ==
      FEASIBLE_UNBOUNDED && table->braking[i].torque_mNm == FEASIBLE_UNBOUNDED))
-POST(torque_limits_clear, table->drawn_b == 0)
+POST(torque_limits_clear, table->drawn_b == 0 && table_holds(table))
 
 PRE(torque_limits_plain, model_shifts_hold(model->constants) && table_holds(table))
 POST(torque_limits_plain, table_holds(table) && table->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm ==

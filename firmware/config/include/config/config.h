@@ -28,11 +28,11 @@
 #define CONFIG_FORMAT_VERSION 19
 #define CONFIG_NAME_LENGTH 32
 #define CONFIG_HALL_EDGES 6
-#define CONFIG_PEDAL_CHANNELS 4     /* accelerator a and b, brake pedal a and b */
-#define CONFIG_WHEELS 4             /* in the order of vehicle.wheel_position */
-#define CONFIG_CAN_BASE_STEP 32     /* of vehicle.can_base */
-#define CONFIG_CAN_IDENTIFIERS 160  /* from vehicle.can_base on: those of the messages are below */
-#define CONFIG_SERVICE_BASE_STEP 8  /* of service.can_base */
+#define CONFIG_PEDAL_CHANNELS 4    /* accelerator a and b, brake pedal a and b */
+#define CONFIG_WHEELS 4            /* in the order of vehicle.wheel_position */
+#define CONFIG_CAN_BASE_STEP 32    /* of vehicle.can_base */
+#define CONFIG_CAN_IDENTIFIERS 160 /* from vehicle.can_base on: those of the messages are below */
+#define CONFIG_SERVICE_BASE_STEP 8 /* of service.can_base */
 #define CONFIG_SERVICE_KEY_WORDS 4
 #define CONFIG_REGEN_POINTS_MAX 800 /* such as 47 speeds at 17 temperatures, or 65 at 12 */
 /* such as 31 torques and 19 speeds at 2 temperatures */
