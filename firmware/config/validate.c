@@ -12,7 +12,7 @@
 
 _Static_assert(sizeof(config_t) % sizeof(int32_t) == 0, "no padding at the end");
 _Static_assert(offsetof(config_t, service_key) == offsetof(config_t, crc32) + sizeof(uint32_t) &&
-                   offsetof(config_t, service_key) + 4 * CONFIG_SERVICE_KEY_WORDS ==
+                   offsetof(config_t, service_key) + sizeof(uint32_t) * CONFIG_SERVICE_KEY_WORDS ==
                        sizeof(config_t),
                "the checksum ends what is shown, the key is last");
 

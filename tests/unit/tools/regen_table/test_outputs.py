@@ -223,7 +223,7 @@ def test_an_up_to_date_file_is_not_written(tmp_path: Path) -> None:
 def test_provenance_uses_given_date_then_environment_then_clock(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    image = bytes(8) + (0x573C2186).to_bytes(4, "little")
+    image = bytes(8) + (0x573C2186).to_bytes(4, "little") + bytes(installation.KEY_BYTES)
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")
     found = installation.provenance("lu2013", image, scenario="stop", seed=3)
     assert found["date"] == "1970-01-02T00:00:00Z"
