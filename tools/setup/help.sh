@@ -288,7 +288,7 @@ Installs what the other commands would install when they need it. Groups (all, i
 Sets of Python packages in .dev/venv (python means all of them):
   sim       numpy, pydantic, cffi, rich     figures  matplotlib
   formats   pyarrow, asammdf                sweep    dask
-  live      python-can                      fmi      fmpy
+  live      python-can, foxglove-sdk        fmi      fmpy
   examples  motulator, scipy                bench    unicorn
   test      pytest, cantools                dev      ruff, mypy, clang-format, gcovr
 Only if named, or for fmu --platforms and release --platforms:

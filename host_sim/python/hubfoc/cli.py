@@ -76,6 +76,15 @@ def _add_live(commands: Commands) -> None:
     live.add_argument(
         "--no-open", action="store_true", help="opens no browser; the page's address is printed"
     )
+    live.add_argument(
+        "--foxglove", type=int, metavar="PORT",
+        help="all signals for Foxglove on this machine, by WebSocket; 0: any port that is free",
+    )  # fmt: skip
+    live.add_argument(
+        "--plotjuggler",
+        metavar="HOST:PORT",
+        help="all signals for PlotJuggler's UDP server, as JSON with the field timestamp",
+    )
 
 
 def _add_watch(commands: Commands) -> None:

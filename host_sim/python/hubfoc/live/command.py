@@ -2,12 +2,13 @@
 """``hubfoc live``: put a virtual vehicle on a bus and keep it running."""
 
 import argparse
+import contextlib
 import json
 import os
 import sys
 import tempfile
 import webbrowser
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from hubsim.errors import HubsimError
@@ -22,6 +23,7 @@ from hubfoc.live.service import Answers, Service
 from hubfoc.live.stream import serve
 from hubfoc.live.terminals import Terminals
 from hubfoc.live.vehicle import POSITIONS, STEP_S
+from hubfoc.live.viewers import Foxglove, PlotJuggler, Viewer, Viewers
 from hubfoc.live.world import World
 from hubfoc.live.xcp import Gateways
 
@@ -67,7 +69,7 @@ def _shown(ready: dict[str, object]) -> str:
 def keep_running(
     world: World, bus: Bus, terminals: Terminals, gateways: Gateways, clock: Clock,
     orders: Orders,
-    ends: Callable[[], bool], desk: Desk | None = None,
+    ends: Callable[[], bool], desk: Desk | None = None, viewers: Viewers | None = None,
 ) -> None:  # fmt: skip
     """Step the vehicle in time until this shall end, or a world that ends with its scenario."""
     clock.begin()
@@ -100,6 +102,8 @@ def keep_running(
             bus.send(identifier, data)
         if desk is not None:
             desk.after()
+            if viewers is not None:
+                viewers.show(desk.history, world.time_s)
         if steps % SHELL_STEPS == 0:
             terminals.exchange(world.vehicle, None if desk is None else desk.inquiry)
         steps += 1
@@ -116,7 +120,7 @@ def _stand(world: World, bus: Bus, orders: Orders, ends: Callable[[], bool]) -> 
 
 
 def answers(world: World, clock: Clock, orders: Orders, desk: Desk | None = None) -> Answers:
-    """Return what the local service answers."""
+    """Return what the local service answers; with a page if it has a desk."""
     return Answers(
         get={
             "health": lambda: {"time_s": world.time_s, **clock.health()},
@@ -130,6 +134,23 @@ def answers(world: World, clock: Clock, orders: Orders, desk: Desk | None = None
     )
 
 
+@contextlib.contextmanager
+def _viewers(options: argparse.Namespace) -> Iterator[Viewers | None]:
+    """Yield the viewers that are wanted; None: nobody wants any."""
+    with contextlib.ExitStack() as stack:
+        wanted: list[Viewer] = []
+        if options.foxglove is not None:
+            foxglove = Foxglove(options.foxglove)
+            print(f"Foxglove: {foxglove.url}", file=sys.stderr, flush=True)
+            wanted.append(foxglove)
+            stack.callback(foxglove.close)
+        if options.plotjuggler is not None:
+            plotjuggler = PlotJuggler(options.plotjuggler)
+            wanted.append(plotjuggler)
+            stack.callback(plotjuggler.close)
+        yield Viewers(wanted) if wanted else None
+
+
 def run(options: argparse.Namespace) -> int:
     """Do ``hubfoc live``."""
     sys.setswitchinterval(SWITCH_S)
@@ -139,19 +160,23 @@ def run(options: argparse.Namespace) -> int:
         World(options.config, options.scenario, ends=ends) as world,
         Terminals(world.vehicle.wheels) as terminals,
         Gateways(world.vehicle.service_base, world.vehicle.wheels) as gateways,
+        _viewers(options) as viewers,
         tempfile.TemporaryDirectory(prefix="hubfoc-") as folder,
     ):
         key = Path(folder) / "xcp.key"
         service_key.write(key, world.vehicle.key)
-        desk = None if options.no_page else Desk(world, clock)
+        page_desk = None if options.no_page else Desk(world, clock)
+        desk = Desk(world, clock) if page_desk is None and viewers is not None else page_desk
         bus = reserve(options.can)
         try:
-            with Service(options.port, answers(world, clock, orders, desk)) as service:
+            with Service(options.port, answers(world, clock, orders, page_desk)) as service:
                 ready = _ready(service, bus, terminals, gateways, key)
                 print(json.dumps(ready) if options.ready_json else _shown(ready), flush=True)
-                if desk is not None and _may_open(options):
+                if page_desk is not None and _may_open(options):
                     webbrowser.open(service.url)
-                keep_running(world, bus, terminals, gateways, clock, orders, lambda: False, desk)
+                keep_running(
+                    world, bus, terminals, gateways, clock, orders, lambda: False, desk, viewers
+                )
         finally:
             bus.close()
     return 0

@@ -33,6 +33,8 @@ class History:
         The columns.
     count : int
         Rows since the vehicle began; row k is of the time (k + 1) ms.
+    row : array, shape (columns,)
+        The last row, in double precision, for the thread that writes.
     cost_j : array, shape (wheels, codes of reasons)
         Heat of each wheel's hydraulic brake while this reason limited its motor.
     """
@@ -46,8 +48,8 @@ class History:
         self.meanings = known | OWN
         self.names = list(self.meanings)
         self.count = 0
-        self._row: Rows = np.zeros(len(self.names))
-        self._sampled = self._row[: len(known)]
+        self.row: Rows = np.zeros(len(self.names))
+        self._sampled = self.row[: len(known)]
         self._rows: Columns = np.zeros((ROWS, len(self.names)), dtype=np.float32)
         self._place = {name: k for k, name in enumerate(self.names)}
         vehicle.choose(list(known))
@@ -65,7 +67,7 @@ class History:
 
     def record(self, vehicle: SimulatedVehicle) -> Rows:
         """Take a row of the vehicle now, and return it."""
-        row = self._row
+        row = self.row
         vehicle.sample(self._sampled)
         work_j = float(np.prod(row[self._battery])) * STEP_S
         row[self._place[DRAWN if work_j > 0.0 else RETURNED]] += abs(work_j)
