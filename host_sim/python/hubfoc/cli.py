@@ -77,6 +77,16 @@ def _add_live(commands: Commands) -> None:
         "--no-open", action="store_true", help="opens no browser; the page's address is printed"
     )
     live.add_argument(
+        "--board",
+        action="store_true",
+        help="no virtual vehicle: the page shows the real wheels that are on the bus --can",
+    )
+    live.add_argument(
+        "--allow-demand",
+        action="store_true",
+        help="with --board: the page may send demands as long as its dead-man key is held",
+    )
+    live.add_argument(
         "--foxglove", type=int, metavar="PORT",
         help="all signals for Foxglove on this machine, by WebSocket; 0: any port that is free",
     )  # fmt: skip

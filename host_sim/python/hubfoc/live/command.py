@@ -14,8 +14,10 @@ from pathlib import Path
 from hubsim.errors import HubsimError
 from regen_table import service_key
 
-from hubfoc.bus import Bus, Frame, reserve
+from hubfoc.bus import Bus, Frame, join, reserve
+from hubfoc.errors import HubfocError
 from hubfoc.live import page
+from hubfoc.live.board import Board
 from hubfoc.live.clock import Clock
 from hubfoc.live.desk import Desk
 from hubfoc.live.orders import Orders
@@ -24,7 +26,7 @@ from hubfoc.live.stream import serve
 from hubfoc.live.terminals import Terminals
 from hubfoc.live.vehicle import POSITIONS, STEP_S
 from hubfoc.live.viewers import Foxglove, PlotJuggler, Viewer, Viewers
-from hubfoc.live.world import World
+from hubfoc.live.world import LiveWorld, World
 from hubfoc.live.xcp import Gateways
 
 SHELL_STEPS = 10  # of STEP_S between two looks at the serial lines
@@ -40,14 +42,14 @@ def _xcp(gateways: Gateways, wheel: int) -> dict[str, object] | None:
 
 
 def _ready(
-    service: Service, bus: Bus, terminals: Terminals, gateways: Gateways, key: Path
+    service: Service, bus: Bus, terminals: Terminals, gateways: Gateways, key: Path | None
 ) -> dict[str, object]:
     names = [POSITIONS[k] if k < len(POSITIONS) else str(k) for k in range(len(terminals.names))]
     return {
         "ready": True,
         "url": service.url,
         "can": bus.name,
-        "key": str(key),
+        "key": None if key is None else str(key),
         "wheels": [
             {"position": position, "xcp": _xcp(gateways, k), "serial": serial}
             for k, (position, serial) in enumerate(zip(names, terminals.names, strict=True))
@@ -59,15 +61,18 @@ def _ready(
 def _shown(ready: dict[str, object]) -> str:
     wheels = ready["wheels"]
     assert isinstance(wheels, list)
-    lines = [f"vehicle on {ready['can']}, {ready['url']}"]
+    what = "vehicle" if wheels else "wheels"
+    lines = [f"{what} on {ready['can']}, {ready['url']}"]
     for wheel in wheels:
         xcp = wheel["xcp"] and f", XCP on {wheel['xcp']['udp']}"
         lines.append(f"  {wheel['position']}: shell on {wheel['serial']}{xcp or ''}")
-    return "\n".join([*lines, f"key of XCP in {ready['key']}", "Ctrl-C ends it."])
+    if ready["key"] is not None:
+        lines.append(f"key of XCP in {ready['key']}")
+    return "\n".join([*lines, "Ctrl-C ends it."])
 
 
 def keep_running(
-    world: World, bus: Bus, terminals: Terminals, gateways: Gateways, clock: Clock,
+    world: LiveWorld, bus: Bus, terminals: Terminals, gateways: Gateways, clock: Clock,
     orders: Orders,
     ends: Callable[[], bool], desk: Desk | None = None, viewers: Viewers | None = None,
 ) -> None:  # fmt: skip
@@ -112,21 +117,24 @@ def keep_running(
             print(f"hubfoc live: {complaint}", file=sys.stderr, flush=True)
 
 
-def _stand(world: World, bus: Bus, orders: Orders, ends: Callable[[], bool]) -> None:
+def _stand(world: LiveWorld, bus: Bus, orders: Orders, ends: Callable[[], bool]) -> None:
     """Do what is wanted while the time stands."""
     while world.paused and not ends():
         bus.receive(0.0)
         orders.serve(PAUSED_S)
 
 
-def answers(world: World, clock: Clock, orders: Orders, desk: Desk | None = None) -> Answers:
+def answers(world: LiveWorld, clock: Clock, orders: Orders, desk: Desk | None = None) -> Answers:
     """Return what the local service answers; with a page if it has a desk."""
+    simulated = {
+        "simulation": lambda: orders.call(world.state),
+        "faults": lambda: orders.call(world.fault_list),
+        "scenarios": world.scenarios,
+    }
     return Answers(
         get={
             "health": lambda: {"time_s": world.time_s, **clock.health()},
-            "simulation": lambda: orders.call(world.state),
-            "faults": lambda: orders.call(world.fault_list),
-            "scenarios": world.scenarios,
+            **({} if world.real else simulated),
         },
         change=lambda wanted: orders.call(lambda: world.change(wanted)),
         page=None if desk is None else page.document,
@@ -154,6 +162,10 @@ def _viewers(options: argparse.Namespace) -> Iterator[Viewers | None]:
 def run(options: argparse.Namespace) -> int:
     """Do ``hubfoc live``."""
     sys.setswitchinterval(SWITCH_S)
+    if options.board:
+        return _run_board(options)
+    if options.allow_demand:
+        raise HubfocError("--allow-demand: accepted: with --board")
     clock, orders = Clock(paced=not options.fast), Orders()
     ends = options.no_page and options.scenario is not None
     with (
@@ -173,6 +185,31 @@ def run(options: argparse.Namespace) -> int:
                 ready = _ready(service, bus, terminals, gateways, key)
                 print(json.dumps(ready) if options.ready_json else _shown(ready), flush=True)
                 if page_desk is not None and _may_open(options):
+                    webbrowser.open(service.url)
+                keep_running(
+                    world, bus, terminals, gateways, clock, orders, lambda: False, desk, viewers
+                )
+        finally:
+            bus.close()
+    return 0
+
+
+def _run_board(options: argparse.Namespace) -> int:
+    """Do ``hubfoc live --board``: listen to real wheels, and show them."""
+    for given, name in ((options.scenario, "--scenario"), (options.fast, "--fast")):
+        if given:
+            raise HubfocError(f"{name}: accepted: of a virtual vehicle, not with --board")
+    clock, orders = Clock(paced=True), Orders()
+    world = Board(options.config, demands=options.allow_demand)
+    with Terminals(0) as terminals, Gateways(0, 0) as gateways, _viewers(options) as viewers:
+        desk = Desk(world, clock)
+        bus = join(options.can)
+        try:
+            shown = None if options.no_page else desk
+            with Service(options.port, answers(world, clock, orders, shown)) as service:
+                ready = _ready(service, bus, terminals, gateways, None)
+                print(json.dumps(ready) if options.ready_json else _shown(ready), flush=True)
+                if shown is not None and _may_open(options):
                     webbrowser.open(service.url)
                 keep_running(
                     world, bus, terminals, gateways, clock, orders, lambda: False, desk, viewers

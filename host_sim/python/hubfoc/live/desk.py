@@ -18,7 +18,7 @@ from hubfoc.live.cockpit import Cockpit
 from hubfoc.live.findings import Findings
 from hubfoc.live.history import DRAWN, RETURNED, History
 from hubfoc.live.limits import Inquiry, texts
-from hubfoc.live.world import World
+from hubfoc.live.world import LiveWorld
 
 OF_WHEEL = (
     *("motor_torque_nm", "hydraulic_torque_nm", "speed_rad_per_s", "available_nm"),
@@ -37,7 +37,7 @@ MODES = range(8)
 class Desk:
     """The pages' side of one live vehicle."""
 
-    def __init__(self, world: World, clock: Clock) -> None:
+    def __init__(self, world: LiveWorld, clock: Clock) -> None:
         self.world = world
         self._clock = clock
         self.cockpit = Cockpit(world.drive)
@@ -68,7 +68,8 @@ class Desk:
         """Take notice of what the millisecond has brought."""
         row = self.history.record(self.world.vehicle)
         self.findings.look(self.world.time_s, row, self.world.faults.active)
-        self.inquiry.ask(self.world.vehicle)
+        if not self.world.real:
+            self.inquiry.ask(self.world.vehicle)
 
     def hello(self) -> dict[str, Any]:
         """Return what does not change as long as this vehicle is the same."""
@@ -78,13 +79,15 @@ class Desk:
             "number": self.number,
             "vehicle": world.drive.name,
             "wheels": list(WHEELS[: world.vehicle.wheels]),
-            "wheel_radius_m": world.vehicle.get("vehicle.wheel_radius_m"),
+            "wheel_radius_m": world.vehicle.wheel_radius_m,
+            "real": world.real,
+            "demands": world.demands,
             "drive_nm": self.cockpit.drive_nm,
             "brake_nm": self.cockpit.brake_nm,
             "hydraulic_nm": world.drive.brake.max_hydraulic_torque_nm,
             "top_speed_kmh": world.drive.motor.max_speed_rpm
             * 0.10471975512
-            * world.vehicle.get("vehicle.wheel_radius_m")
+            * world.vehicle.wheel_radius_m
             * cycles.KMH_PER_M_PER_S,
             "signals": {name: list(meaning) for name, meaning in self.history.meanings.items()},
             "shown": self.shown,
@@ -125,6 +128,8 @@ class Desk:
         """Do what a page wants."""
         what = wanted.get("do")
         if what == "take":
+            if not self.world.demands:
+                raise HubfocError("real wheels, accepted: after hubfoc live --allow-demand")
             self.cockpit.take(page)
         elif what == "release":
             self.cockpit.release(page)
@@ -149,7 +154,7 @@ class Desk:
         """Take notice of another page, which gets the controls if they are free."""
         self._wheels_of[page] = 0
         self.inquiry.wanted = set(self._wheels_of.values())
-        if self.cockpit.owner is None and not self.cockpit.foreign:
+        if self.cockpit.owner is None and not self.cockpit.foreign and not self.world.real:
             self.cockpit.take(page)
 
     def leave(self, page: object) -> None:

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
+import numpy as np
 from hubsim import engine, reasons
 from hubsim.engine import Rows
 
@@ -42,7 +43,7 @@ class Findings:
 
     def look(self, time_s: float, row: Rows, faults: Mapping[str, Active]) -> None:
         """Compare with the millisecond before."""
-        codes = row[self._places].astype(int).tolist()
+        codes = np.nan_to_num(row[self._places]).astype(int).tolist()
         if codes == self._codes:
             return
         for k, (code, before) in enumerate(zip(codes, self._codes, strict=True)):

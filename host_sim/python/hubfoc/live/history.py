@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from hubsim.engine import Rows
 
-from hubfoc.live.vehicle import STEP_S, SimulatedVehicle
+from hubfoc.live.vehicle import STEP_S, LiveVehicle
 
 SECONDS = 60
 ROWS = round(SECONDS / STEP_S)
@@ -39,7 +39,7 @@ class History:
         Heat of each wheel's hydraulic brake while this reason limited its motor.
     """
 
-    def __init__(self, vehicle: SimulatedVehicle) -> None:
+    def __init__(self, vehicle: LiveVehicle) -> None:
         known = {
             name: meaning
             for name, meaning in vehicle.meanings().items()
@@ -65,14 +65,15 @@ class History:
         """Return the columns of these names; those that are not known are left out."""
         return np.array([self._place[name] for name in names if name in self._place], np.intp)
 
-    def record(self, vehicle: SimulatedVehicle) -> Rows:
+    def record(self, vehicle: LiveVehicle) -> Rows:
         """Take a row of the vehicle now, and return it."""
         row = self.row
         vehicle.sample(self._sampled)
-        work_j = float(np.prod(row[self._battery])) * STEP_S
+        known = np.nan_to_num(row)  # of a real wheel that says nothing
+        work_j = float(np.prod(known[self._battery])) * STEP_S
         row[self._place[DRAWN if work_j > 0.0 else RETURNED]] += abs(work_j)
-        heat_j = np.abs(row[self._hydraulic] * row[self._speed]) * STEP_S
-        codes = np.clip(row[self._reason], 0, CODES - 1).astype(np.intp)
+        heat_j = np.abs(known[self._hydraulic] * known[self._speed]) * STEP_S
+        codes = np.clip(known[self._reason], 0, CODES - 1).astype(np.intp)
         self.cost_j[self._wheels, codes] += heat_j
         self._rows[self.count % ROWS] = row
         self.count += 1

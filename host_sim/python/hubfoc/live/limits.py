@@ -8,7 +8,7 @@ from typing import Any
 from hubsim import engine, reasons
 from hubsim.engine import Rows
 
-from hubfoc.live.vehicle import SimulatedVehicle
+from hubfoc.live.vehicle import LiveVehicle
 
 QUESTION = b"limits\r"
 PROMPT = b"\n> "
@@ -103,7 +103,7 @@ class Inquiry:
         self.tables = {}
         self._asked, self._answers, self._typed_s = {}, {}, {}
 
-    def ask(self, vehicle: SimulatedVehicle) -> None:
+    def ask(self, vehicle: LiveVehicle) -> None:
         """Ask where an answer is wanted and due."""
         now_s = vehicle.time_s
         for wheel in self.wanted:

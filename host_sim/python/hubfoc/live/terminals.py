@@ -7,7 +7,7 @@ import tty
 from typing import Self
 
 from hubfoc.live.limits import Inquiry
-from hubfoc.live.vehicle import SimulatedVehicle
+from hubfoc.live.vehicle import LiveVehicle
 
 TYPED_BYTES = 1024
 
@@ -34,7 +34,7 @@ class Terminals:
             for number in end:
                 os.close(number)
 
-    def exchange(self, vehicle: SimulatedVehicle, inquiry: Inquiry | None = None) -> None:
+    def exchange(self, vehicle: LiveVehicle, inquiry: Inquiry | None = None) -> None:
         """Carry what was written on either side; what nobody reads is lost when a line is full.
 
         An inquiry takes the answers to its own questions.

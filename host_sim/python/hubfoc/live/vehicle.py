@@ -4,7 +4,7 @@
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Self
+from typing import Protocol, Self
 
 from hubsim import can_protocol, configuration, engine, run
 from hubsim.engine import Rows
@@ -36,6 +36,44 @@ def _changeable(drive: Drive) -> dict[str, float]:
     }
 
 
+class LiveVehicle(Protocol):
+    """Wheels that are heard a millisecond at a time: simulated ones, or real ones on a bus."""
+
+    @property
+    def wheels(self) -> int:
+        """How many."""
+
+    @property
+    def wheel_radius_m(self) -> float:
+        """Of all wheels."""
+
+    @property
+    def time_s(self) -> float:
+        """Since the start."""
+
+    @property
+    def ended(self) -> bool:
+        """Whether nothing comes any more."""
+
+    def step(self, received: Sequence[Frame]) -> list[Frame]:
+        """Go on by ``STEP_S`` with what came by the bus; return what the vehicle sent."""
+
+    def meanings(self) -> dict[str, tuple[str, str]]:
+        """Return unit and meaning of every signal by name."""
+
+    def choose(self, signals: Sequence[str]) -> None:
+        """Choose what ``sample`` takes."""
+
+    def sample(self, row: Rows) -> None:
+        """Write the chosen signals now into ``row``."""
+
+    def serial_take(self, wheel: int) -> bytes:
+        """Return what a wheel's shell wrote."""
+
+    def serial_type(self, wheel: int, text: bytes) -> None:
+        """Type into a wheel's shell."""
+
+
 class SimulatedVehicle:
     """Four wheels (or as many as the drive has) that see a bus and are seen on it.
 
@@ -65,6 +103,7 @@ class SimulatedVehicle:
         self._engine.start()
         self._happening = run.timeline(chosen, beside)
         self.wheels = int(self._engine.get("vehicle.driven_wheels"))
+        self.wheel_radius_m = self._engine.get("vehicle.wheel_radius_m")
         self.time_s = 0.0
         self._end_s = planned_s if self._driven else math.inf
 

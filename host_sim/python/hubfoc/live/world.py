@@ -5,7 +5,7 @@ import contextlib
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Protocol, Self
 
 from hubsim import scenario as scenarios
 from hubsim.errors import HubsimError
@@ -14,8 +14,8 @@ from hubsim.scenario import overrides
 from regen_table import schema
 
 from hubfoc.errors import HubfocError
-from hubfoc.live.faults import Faults, can_be_of_one_wheel
-from hubfoc.live.vehicle import POSITIONS, SimulatedVehicle
+from hubfoc.live.faults import Active, Faults, can_be_of_one_wheel
+from hubfoc.live.vehicle import POSITIONS, LiveVehicle, SimulatedVehicle
 
 # What can be changed by its short name: the engine's parameter.
 SETTINGS = {
@@ -25,6 +25,77 @@ SETTINGS = {
     "temperature_c": "thermal.winding_temperature_c",
 }
 SWITCHES_TOO = "thermal.switch_temperature_c"
+
+
+class Broken(Protocol):
+    """What is broken on purpose."""
+
+    @property
+    def silences(self) -> bool:
+        """Whether the demands of others are not heard."""
+
+    @property
+    def active(self) -> Mapping[str, Active]:
+        """The faults that are there."""
+
+
+class LiveWorld(Protocol):
+    """What a page is about: a simulated world, or real wheels (board.py)."""
+
+    @property
+    def real(self) -> bool:
+        """Whether there are people to hurt."""
+
+    @property
+    def demands(self) -> bool:
+        """Whether a page may send demands."""
+
+    @property
+    def drive(self) -> schema.Drive:
+        """What drives it."""
+
+    @property
+    def vehicle(self) -> LiveVehicle:
+        """The present one."""
+
+    @property
+    def number(self) -> int:
+        """Of vehicles until now."""
+
+    @property
+    def time_s(self) -> float:
+        """Of the present vehicle."""
+
+    @property
+    def scenario(self) -> str | None:
+        """Whose driver drives."""
+
+    @property
+    def paused(self) -> bool:
+        """Whether the time stands."""
+
+    @property
+    def ends(self) -> bool:
+        """Whether it ends with its scenario."""
+
+    @property
+    def faults(self) -> Broken:
+        """What is broken on purpose."""
+
+    def state(self) -> dict[str, Any]:
+        """Return what can be changed, as it is."""
+
+    def fault_list(self) -> list[dict[str, Any]]:
+        """Return all that can be broken."""
+
+    def scenarios(self) -> dict[str, str]:
+        """Return the scenarios that this drive can have, with what they are."""
+
+    def change(self, wanted: Mapping[str, Any]) -> dict[str, Any]:
+        """Change what is named, and return the state after it."""
+
+    def stop(self, why: str) -> None:
+        """Let the vehicle go no further, for this reason."""
 
 
 class World:
@@ -41,6 +112,9 @@ class World:
     ends : bool
         Whoever steps the vehicle ends with its scenario; else the time stands then.
     """
+
+    real = False
+    demands = True
 
     def __init__(self, config: Path, scenario: str | None = None, *, ends: bool = False) -> None:
         self._config = config

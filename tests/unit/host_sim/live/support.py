@@ -60,7 +60,9 @@ def running(*, paced: bool = True) -> Iterator[Running]:
                 args=(own, bus, lines, gateways, pace, calls, ends.is_set, pages),
             )
             thread.start()
-            yield Running(own, pages, gateways, channel, server.url, calls.call)
-            ends.set()
-            thread.join()
+            try:
+                yield Running(own, pages, gateways, channel, server.url, calls.call)
+            finally:
+                ends.set()
+                thread.join()
     bus.close()

@@ -78,7 +78,7 @@ function showWheel({ parts, text, top }, value) {
   const against = speed < -0.1 ? -motor : motor; // positive: in the direction of rotation
   const drives = against > LEAST_NM;
   const limit = drives ? value("drive_available_nm") : value("available_nm");
-  const long = (torque) => Math.min(Math.abs(torque) * scale, BAR - ZERO);
+  const long = (torque) => Math.min((Math.abs(torque) || 0) * scale, BAR - ZERO); // not known: nothing
   const zero = top + ZERO;
   const height = drives ? Math.min(long(motor), ZERO) : long(motor);
   move(parts.motor, { y: drives ? zero - height : zero, height });
@@ -87,7 +87,7 @@ function showWheel({ parts, text, top }, value) {
   const mark = drives ? -Math.min(long(limit), ZERO) : long(limit);
   move(parts.limit, { y: zero + mark - 1.5, height: 3 });
   const reason = value("reason");
-  const mode = hello.modes[value("mode")] ?? "";
+  const mode = hello.modes[value("mode")] ?? "silent";
   const fault = value("fault_reason") || value("warning_reason");
   const waits = value("waits_for");
   write(text.mode, mode);

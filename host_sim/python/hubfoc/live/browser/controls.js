@@ -23,6 +23,7 @@ const pedals = { accelerator: 0, brake: 0 };
 const sliders = {};
 let direction = "forward";
 let own = false;
+let held = false; // the dead-man key, of real wheels
 let asked = false; // for the controls that this very page had before it was loaded again
 let paused = false;
 let hello = null;
@@ -36,10 +37,34 @@ export function buildControls() {
   byId("acknowledge").addEventListener("click", acknowledge);
   byId("scenario").addEventListener("change", (event) => scenario(event.target.value || null));
   setInterval(() => {
-    if (own && !document.hidden) want({ do: "drive", ...pedals, direction });
+    if (own && !document.hidden) drive();
   }, DRIVE_MS);
+  buildDeadMan();
   addEventListener("keydown", key);
   document.addEventListener("visibilitychange", release);
+}
+
+// Without the dead-man key real wheels get no torque from here, whatever the pedals show.
+function drive() {
+  const wanted = hello.real && !held ? { accelerator: 0, brake: 0 } : pedals;
+  want({ do: "drive", ...wanted, direction });
+}
+
+function buildDeadMan() {
+  const button = byId("dead-man");
+  button.addEventListener("pointerdown", () => hold(true));
+  for (const end of ["pointerup", "pointerleave", "pointercancel"]) button.addEventListener(end, () => hold(false));
+  addEventListener("keyup", (event) => {
+    if (event.key.toLowerCase() === "d") hold(false);
+  });
+  addEventListener("blur", () => hold(false));
+}
+
+function hold(wanted) {
+  if (held === wanted) return;
+  held = wanted;
+  byId("dead-man").setAttribute("aria-pressed", String(held));
+  if (own) drive();
 }
 
 function row(id, label, least, most, step, keys, style = "") {
@@ -85,6 +110,7 @@ function setPedal(name, value) {
 }
 
 function release() {
+  hold(false);
   setPedal("accelerator", 0);
   setPedal("brake", 0);
 }
@@ -111,6 +137,7 @@ function scenario(name) {
 
 export function greetControls(told) {
   hello = told;
+  document.documentElement.dataset.of = told.real ? "real" : "simulated";
   const buttons = [null, ...BUTTONS.filter((name) => name in told.scenarios)].map((name) => {
     const button = made("button", { "data-needs": "controls", "data-scenario": name ?? "", title: told.scenarios[name] ?? "" });
     button.textContent = name === null ? "nobody drives" : words(name);
@@ -125,12 +152,12 @@ export function greetControls(told) {
 
 export function showControls(state) {
   own = state.controls === "own";
-  if (state.controls === "free" && !asked && performance.now() < RELOADED_MS) {
+  if (state.controls === "free" && !hello.real && !asked && performance.now() < RELOADED_MS) {
     asked = true;
     want({ do: "take" });
   }
   paused = state.paused;
-  for (const [name] of WORLD) {
+  for (const [name] of hello.real ? [] : WORLD) {
     const { input, output, factor, decimals } = sliders[name];
     if (document.activeElement !== input) input.value = state[name] * factor;
     output.textContent = name === "friction" && state[name] === 0 ? "no slip" : fixed(state[name] * factor, decimals);
@@ -143,7 +170,7 @@ export function showControls(state) {
     state.scenario === null ? "the pedals above drive" : `its driver drives: ${hello.scenarios[state.scenario] ?? ""}`;
   byId("pause").firstChild.textContent = paused ? "Go on " : "Pause ";
   byId("take").textContent = own ? "Let go" : "Take the controls";
-  byId("take").disabled = !own && state.controls !== "free";
+  byId("take").disabled = !hello.demands || (!own && state.controls !== "free");
   allow(own);
 }
 
@@ -166,6 +193,7 @@ const KEYS = {
   " ": release,
   p: pause,
   a: acknowledge,
+  d: () => hold(true),
 };
 
 function key(event) {
@@ -177,7 +205,7 @@ function key(event) {
   if (!own) return;
   KEYS[pressed]?.();
   if (pressed === " ") event.preventDefault();
-  for (const [name, , , , step, , [up, down]] of WORLD) {
+  for (const [name, , , , step, , [up, down]] of hello.real ? [] : WORLD) {
     const sign = pressed === up.toLowerCase() ? 1 : pressed === down.toLowerCase() ? -1 : 0;
     if (sign !== 0) nudge(name, sign * step);
   }

@@ -51,14 +51,15 @@ export function showEnergy(now, time_s) {
   const battery = smooth.battery ?? 0;
   const wide = (watts) => Math.min(Math.abs(watts) / full_w, 1) * MOST;
   showBand(shaft, battery, wide);
-  BRANCHES.forEach(([name], place) => {
+  BRANCHES.forEach(([name, sources], place) => {
     const { path, now: text, since } = parts.branches[place];
     const x = ((place + 0.5) / BRANCHES.length) * WIDTH;
     const half = wide(smooth[name] ?? 0) / 2;
     const start = name === "hydraulic" ? AXIS + MOST / 2 + 2 : AXIS;
     move(path, { d: `M${x - half} ${start} H${x + half} V${HEIGHT - 8} L${x} ${HEIGHT} L${x - half} ${HEIGHT - 8} Z` });
-    write(text, power(smooth[name] ?? 0));
-    write(since, energy(joules[name]));
+    const known = sources.some((source) => source in now);
+    write(text, known ? power(smooth[name] ?? 0) : "–");
+    write(since, known ? energy(joules[name]) : "");
   });
   write(parts.text.battery, `${battery < 0 ? "gets" : "gives"} ${power(Math.abs(battery))} · drawn ${energy(now["battery.drawn_j"])}, returned ${energy(now["battery.returned_j"])}`);
   write(parts.text.wheels, `${power(Math.abs(shaft))} ${shaft < 0 ? "from the" : "to the"}`);

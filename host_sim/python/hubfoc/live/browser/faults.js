@@ -36,6 +36,7 @@ export function greetFaults(told) {
 
 function describe() {
   const fault = hello.faults.find(({ name }) => name === byId("fault").value);
+  if (fault === undefined) return; // real wheels
   write(byId("fault-text"), fault.text);
   for (const option of byId("fault-wheel").options) option.hidden = option.value !== "" && !fault.one_wheel;
   if (!fault.one_wheel) byId("fault-wheel").value = "";

@@ -4,6 +4,11 @@ export const MOST = 60000;
 const GROUP = 16;
 const GROUPS = Math.ceil(MOST / GROUP) + 1;
 
+// A real wheel does not say everything all the time: nothing is drawn there.
+function known(value) {
+  return Number.isFinite(value) ? value : null;
+}
+
 export class Samples {
   constructor() {
     this.curves = new Map(); // by name: raw, low, high
@@ -30,8 +35,9 @@ export class Samples {
       for (const { raw, low, high } of stores) {
         const value = values[place++];
         raw[at] = value;
-        low[group] = begins ? value : Math.min(low[group], value);
-        high[group] = begins ? value : Math.max(high[group], value);
+        const unknown = Number.isNaN(value);
+        if (begins || !(unknown || low[group] <= value)) low[group] = value;
+        if (begins || !(unknown || high[group] >= value)) high[group] = value;
       }
     }
     this.end = first + count;
@@ -49,7 +55,7 @@ export class Samples {
 
   raw(begin, end, stores) {
     const times = Float64Array.from({ length: end - begin }, (_, k) => (begin + k + 1) / 1e3);
-    return [times, ...stores.map(({ raw }) => Float32Array.from(times, (_, k) => raw[(begin + k) % MOST]))];
+    return [times, ...stores.map(({ raw }) => Array.from(times, (_, k) => known(raw[(begin + k) % MOST])))];
   }
 
   // So many groups together that there are at most `wide` of them, at places that stay.
@@ -60,15 +66,15 @@ export class Samples {
     const length = joined * GROUP;
     const times = Float64Array.from({ length: 2 * count }, (_, k) => (from * GROUP + (k / 2) * length + 1) / 1e3);
     const values = stores.map(({ low, high }) => {
-      const out = new Float32Array(2 * count);
+      const out = new Array(2 * count);
       for (let k = 0; k < count; k++) {
         let [least, most] = [Infinity, -Infinity];
         for (let group = from + k * joined; group < from + (k + 1) * joined; group++) {
-          least = Math.min(least, low[group % GROUPS]);
-          most = Math.max(most, high[group % GROUPS]);
+          if (low[group % GROUPS] < least) least = low[group % GROUPS];
+          if (high[group % GROUPS] > most) most = high[group % GROUPS];
         }
-        out[2 * k] = least;
-        out[2 * k + 1] = most;
+        out[2 * k] = known(least);
+        out[2 * k + 1] = known(most);
       }
       return out;
     });
