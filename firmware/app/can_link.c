@@ -3,7 +3,7 @@
 
 #include <stddef.h>
 
-#include "core/q15.h"
+#include "config/pack_share.h"
 #include "hal/can.h"
 
 enum { FRAMES_PER_PASS = 8 /* bounds the time of a pass on a flooded bus */ };
@@ -13,10 +13,9 @@ node_limits_t can_link_limits(const config_t *config)
     const config_battery_t *battery = &config->battery;
     const config_driver_t *driver = &config->driver;
     const node_limits_t limits = {
-        .pack = {.charge_current_mA =
-                     q_scale(battery->max_charge_current_mA, battery->driven_wheels, 1),
+        .pack = {.charge_current_mA = pack_share_whole_mA(battery, battery->max_charge_current_mA),
                  .discharge_current_mA =
-                     q_scale(battery->max_discharge_current_mA, battery->driven_wheels, 1)},
+                     pack_share_whole_mA(battery, battery->max_discharge_current_mA)},
         .largest_drive_mNm = driver->largest_drive_mNm,
         .largest_brake_mNm = driver->largest_brake_mNm,
         .demand_rise_ms = driver->demand_rise_ms,

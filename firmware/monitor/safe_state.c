@@ -2,6 +2,7 @@
 #include "monitor/safe_state.h"
 
 #include "config/bases.h"
+#include "config/pack_share.h"
 #include "core/divide.h"
 #include "core/q15.h"
 #include "core/scaled.h"
@@ -208,8 +209,7 @@ static bool may_open(const config_t *config, const measured_t *now)
 /* Current that the battery takes from this wheel. */
 static int32_t charge_current_mA(const config_t *config, const measured_t *now)
 {
-    return q_min(q_max(now->battery->charge_current_mA, 0) /
-                     q_divisor(config->battery.driven_wheels),
+    return q_min(pack_share_mA(&config->battery, q_max(now->battery->charge_current_mA, 0)),
                  config->battery.max_charge_current_mA);
 }
 

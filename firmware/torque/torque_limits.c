@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "torque/torque_limits.h"
 
+#include "config/pack_share.h"
 #include "core/fade.h"
 #include "core/q15.h"
 #include "core/scaled.h"
@@ -182,8 +183,7 @@ static int32_t pack_rise_mV(const config_battery_t *battery, int32_t current_mA)
 static int32_t by_management_mA(slow_rise_t *rise, const config_t *config, int32_t pack_mA,
                                 int32_t most_mA)
 {
-    const int32_t share_mA =
-        q_min(q_max(pack_mA, 0) / q_divisor(config->battery.driven_wheels), most_mA);
+    const int32_t share_mA = q_min(pack_share_mA(&config->battery, q_max(pack_mA, 0)), most_mA);
     return config->driver.no_other_brake != 0 ? share_mA : slow_rise_step(rise, share_mA, most_mA);
 }
 
@@ -202,9 +202,9 @@ static battery_limit_t battery_limit(foldback_state_t *state, const config_batte
     };
     const int32_t by_voltage_mA = foldback_step(state, &foldback, inside_mV, flowing_mA);
     const int32_t by_bms_mA = share_mA - q_max(beyond_mA, 0);
-    const int32_t by_peak_mA = q_clamp(pack_peak_mA / q_divisor(battery->driven_wheels), share_mA,
-                                       q_max(most_mA, share_mA)) -
-                               q_max(beyond_mA, 0);
+    const int32_t by_peak_mA =
+        q_clamp(pack_share_mA(battery, pack_peak_mA), share_mA, q_max(most_mA, share_mA)) -
+        q_max(beyond_mA, 0);
     const battery_limit_t out = {
         .current_mA = q_min(by_voltage_mA, by_bms_mA),
         .peak_mA = q_min(by_voltage_mA, by_peak_mA),

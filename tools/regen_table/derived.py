@@ -87,6 +87,12 @@ def line_emf_v(drive: Drive) -> float:
     return math.sqrt(3.0) * drive.motor.flux_linkage_wb * omega_max(drive)
 
 
+def pack_share(drive: Drive) -> float:
+    """Return the share of the pack's limits that this motor may use."""
+    share = drive.vehicle.pack_share
+    return 1.0 / drive.vehicle.driven_wheels if share is None else share
+
+
 def overvoltage_trip_v(drive: Drive) -> float:
     """Bus voltage in V at which the bridge must leave.
 

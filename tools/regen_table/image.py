@@ -260,14 +260,12 @@ def _drive(drive: Drive) -> dict[str, Any]:
 
 
 def _battery(drive: Drive) -> dict[str, Any]:
-    battery, motors, trip = (
-        drive.battery,
-        drive.vehicle.driven_wheels,
-        derived.overvoltage_trip_v(drive),
-    )
+    battery, trip = drive.battery, derived.overvoltage_trip_v(drive)
+    motors = 1.0 / derived.pack_share(drive)  # like this one, of which the pack would feed so many
     foldback = derived.foldback_voltage_v(drive)
     return {
-        "driven_wheels": motors,
+        "driven_wheels": drive.vehicle.driven_wheels,
+        "pack_share_q15": math.floor((drive.vehicle.pack_share or 0.0) * 2**15),
         "max_charge_current_mA": nearest(battery.max_charge_current_a / motors * 1e3),
         "max_discharge_current_mA": nearest(battery.max_discharge_current_a / motors * 1e3),
         "foldback_voltage_mV": nearest(foldback * 1e3),

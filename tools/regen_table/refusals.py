@@ -81,20 +81,20 @@ def _currents(drive: Drive) -> Iterator[str]:
 
 
 def _wheel_share(drive: Drive) -> Iterator[str]:
-    wheels = drive.vehicle.driven_wheels
+    motors = 1.0 / derived.pack_share(drive)
     for key, (lowest, highest) in {
         "max_charge_current_a": (0.0, 2000.0),
         "max_discharge_current_a": (0.1, 2000.0),
         "series_resistance_ohm": (0.0, 100.0),
     }.items():
-        share = wheels if key == "series_resistance_ohm" else 1.0 / wheels
+        share = motors if key == "series_resistance_ohm" else 1.0 / motors
         value: float = getattr(drive.battery, key)
         least, most = lowest / share, highest / share
         unit = range_of(f"battery.{key}")[0]
         if not least <= value <= most:
             end = f"at least {least:g}" if value < least else f"at most {most:g}"
             yield (
-                f"battery.{key}: {value:g} {unit} for {wheels} driven wheels, accepted: {end}"
+                f"battery.{key}: {value:g} {unit} for {motors:g} driven wheels, accepted: {end}"
                 f" {unit}"
             )
 

@@ -436,6 +436,13 @@ class Vehicle(Section):
         number(1, 16, "1", "motors on one battery"),
         Assumed(defaults.one_wheel, "pack limits are shared by this number"),
     ]
+    pack_share: Annotated[
+        float | None,
+        number(
+            0.01, 1.0, "1",
+            "of the pack's limits that this motor may use; all motors on a pack make 1 together;"
+            " absent: motors alike, 1/driven_wheels"),
+    ] = None  # fmt: skip
     wheel_position: Annotated[
         Literal["front_left", "front_right", "rear_left", "rear_right"],
         Field(description="this controller's address on CAN"),

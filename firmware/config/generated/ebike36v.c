@@ -16,7 +16,7 @@ extern const config_t CONFIG_EBIKE36V;
 
 CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 19,
+    .format_version = 20,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "ebike36v",
@@ -150,6 +150,9 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
     .battery = {
         /* motors that share the pack; limits below are one motor's share */
         .driven_wheels                 = 1,
+        /* this motor's share of the currents that the management allows the pack; 0: the
+         * motors are alike, 1/driven_wheels */
+        .pack_share_q15                = 0,
         .max_charge_current_mA         = 8000, /* [mA] 0: no regeneration into the battery */
         .max_discharge_current_mA      = 20000, /* [mA] */
         .foldback_voltage_mV           = 41160, /* [mV] start of the charge current fold-back */
@@ -160,9 +163,9 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
         /* [mV] start of the discharge current fold-back; default as far above min_voltage_mV
          * as foldback_voltage_mV is below max_voltage_mV */
         .discharge_foldback_voltage_mV = 30840,
-        /* [uOhm] series resistance of the pack times driven_wheels: voltage per ampere of one
-         * motor when all motors take the same; 0: not counted, the fold-back then overshoots
-         * its line */
+        /* [uOhm] series resistance of the pack over this motor's share: voltage per ampere of
+         * one motor when all motors take their shares; 0: not counted, the fold-back then
+         * overshoots its line */
         .resistance_uOhm               = 90000,
         /* [ms] longest time constant of the current that the management reports: sensors of
          * the motor are compared with it over eight times this; counts only where it reports
@@ -437,5 +440,5 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
             -282, -352, -283, -480, -539,
         },
     },
-    .crc32 = 0xB4ED1796,
+    .crc32 = 0x5A234161,
 };

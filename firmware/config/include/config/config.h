@@ -25,7 +25,7 @@
 #include <stdint.h>
 
 #define CONFIG_MAGIC 0x434F4648 /* "HFOC" in memory, little endian */
-#define CONFIG_FORMAT_VERSION 19
+#define CONFIG_FORMAT_VERSION 20
 #define CONFIG_NAME_LENGTH 32
 #define CONFIG_HALL_EDGES 6
 #define CONFIG_PEDAL_CHANNELS 4    /* accelerator a and b, brake pedal a and b */
@@ -187,6 +187,9 @@
 #define CONFIG_BATTERY_FIELDS(X) \
     X(driven_wheels,                         1,         16,         "1", \
       "motors that share the pack; limits below are one motor's share") \
+    X(pack_share_q15,                        0,         32768,      "1", \
+      "this motor's share of the currents that the management allows the pack; 0: the motors are " \
+      "alike, 1/driven_wheels") \
     X(max_charge_current_mA,                 0,         2000000,    "mA", \
       "0: no regeneration into the battery") \
     X(max_discharge_current_mA,              100,       2000000,    "mA",     "") \
@@ -200,8 +203,8 @@
       "start of the discharge current fold-back; default as far above min_voltage_mV as " \
       "foldback_voltage_mV is below max_voltage_mV") \
     X(resistance_uOhm,                       0,         100000000,  "uOhm", \
-      "series resistance of the pack times driven_wheels: voltage per ampere of one motor when " \
-      "all motors take the same; 0: not counted, the fold-back then overshoots its line") \
+      "series resistance of the pack over this motor's share: voltage per ampere of one motor " \
+      "when all motors take their shares; 0: not counted, the fold-back then overshoots its line") \
     X(current_filter_ms,                     0,         10000,      "ms", \
       "longest time constant of the current that the management reports: sensors of the motor " \
       "are compared with it over eight times this; counts only where it reports one; default 2 s") \

@@ -50,6 +50,24 @@ void test_a_motor_has_its_share_of_the_management_s_limit_up_to_its_own(void)
     TEST_ASSERT_NOT_EQUAL_INT32(0, power_of(1, BUS_mV));
 }
 
+/* A quarter of the pack's 120 A by an equal share, an eighth by one of its own. */
+void test_a_motor_with_a_share_of_its_own_has_that_of_limit_and_peak(void)
+{
+    conditions.bms_charge_current_mA = 120000;
+    conditions.bms_charge_peak_mA = 160000;
+    conditions.bms_discharge_current_mA = 120000;
+    config.battery.pack_share_q15 = 4096;
+    (void)at_speed(SPEED_mrad_s);
+    TEST_ASSERT_EQUAL_INT32(power_of(15000, BUS_mV), table.losses.returned.power_b);
+    TEST_ASSERT_EQUAL_INT32(power_of(15000, BUS_mV), table.drawn_b);
+    const limit_t peak = table.braking[TORQUE_LINE_RETURNED_PEAK];
+    config.battery.pack_share_q15 = 0;
+    conditions.bms_charge_peak_mA = 80000;
+    conditions.bms_charge_current_mA = 60000;
+    (void)at_speed(SPEED_mrad_s);
+    TEST_ASSERT_EQUAL_INT32(table.braking[TORQUE_LINE_RETURNED_PEAK].torque_mNm, peak.torque_mNm);
+}
+
 /* The line of a peak is that of a lasting limit of the same size; a peak below the lasting limit
  * is that limit. */
 void test_a_peak_of_the_charge_current_has_a_line_of_its_own(void)

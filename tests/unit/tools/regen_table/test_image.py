@@ -341,6 +341,18 @@ def test_the_configured_resistance_is_that_of_the_pack_times_the_wheels(change: 
     assert unpack(image.build(one)).battery.resistance_uOhm == 20000
 
 
+def test_a_motor_with_a_share_of_its_own_has_that_of_the_pack_s_limits(change: Change) -> None:
+    """An eighth of 200 A and 250 A; the others take seven times its current: 12 milliohm, 8 A."""
+    battery = unpack(image.build(change({"vehicle.pack_share": 0.125}))).battery
+    assert (battery.driven_wheels, battery.pack_share_q15) == (4, 4096)
+    assert battery.max_charge_current_mA == 25000
+    assert battery.max_discharge_current_mA == 31250
+    assert battery.resistance_uOhm == 96000
+    third = unpack(image.build(change({"vehicle.pack_share": 1 / 3}))).battery
+    assert third.pack_share_q15 == 10922  # rounded down: three make no more than the pack
+    assert unpack(image.build(change({}))).battery.pack_share_q15 == 0
+
+
 @pytest.mark.parametrize("path", STORED, ids=lambda path: path.stem)
 def test_the_stored_files_equal_those_generated_from_their_toml(path: Path) -> None:
     generate.check(schema.load(path), GENERATED)
