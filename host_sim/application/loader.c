@@ -100,8 +100,10 @@ static config_t config_of(const config_t *config, int wheel, int wheels)
 static const char *start(void *context, bench_t *bench)
 {
     applications_t *all = context;
-    if (pedals_wired(&bench->config)) {
-        return "accepted: a configuration without wired pedals, whose voltages it does not get";
+    for (int k = 0; k < bench->wheels; k++) {
+        if (pedals_wired(bench_config_of(bench, k))) {
+            return "accepted: a configuration without wired pedals, whose voltages it does not get";
+        }
     }
     while (all->copies < bench->wheels) {
         const char *objection = load(&all->copy[all->copies], all->library);
@@ -112,7 +114,7 @@ static const char *start(void *context, bench_t *bench)
     }
     for (int k = 0; k < bench->wheels; k++) {
         const application_t *application = all->copy[k].application;
-        const config_t own = config_of(&bench->config, k, bench->wheels);
+        const config_t own = config_of(bench_config_of(bench, k), k, bench->wheels);
         application->start(application->board, &own);
         bench->wheel[k].coupling = &application->coupling;
     }

@@ -27,6 +27,7 @@ static motion_t moving(bench_t *bench)
     const motion_t out = {.vehicle = &bench->vehicle,
                           .chassis = &bench->chassis,
                           .wheels = bench->wheel,
+                          .worlds = bench->world_of,
                           .count = bench->wheels};
     return out;
 }
@@ -54,9 +55,13 @@ void bench_refresh(bench_t *bench)
     }
     bench->world = wheel_world(&bench->params, &bench->config);
     bench->world.config_damaged = bench->config_watch.damaged;
+    if (bench->first_rear < bench->wheels) {
+        bench->rear_world = wheel_world(&bench->rear_params, &bench->rear_config);
+    }
     bench->road = motion_world(&bench->params, bench->world.step_s);
     for (int k = 0; k < bench->wheels; k++) {
-        wheel_refresh(&bench->wheel[k], &bench->world);
+        bench->world_of[k] = k < bench->first_rear ? &bench->world : &bench->rear_world;
+        wheel_refresh(&bench->wheel[k], bench->world_of[k]);
     }
 }
 
@@ -98,7 +103,7 @@ static void begin_accounts(bench_t *bench)
     bench->kinetic_before_j = kinetic_energy_j(bench);
     bench->magnetic_before_j = 0.0;
     for (int k = 0; k < bench->wheels; k++) {
-        wheel_begin(&bench->wheel[k], &bench->world);
+        wheel_begin(&bench->wheel[k], bench->world_of[k]);
         bench->magnetic_before_j +=
             pmsm_magnetic_energy_j(&bench->wheel[k].machine, &bench->wheel[k].rotor);
     }
@@ -114,12 +119,46 @@ void bench_init(bench_t *bench, const bench_params_t *params, const config_t *co
     bench->trace = *trace;
     bench->pieces = (int)plant_max(floor(params->run.pieces), 1.0);
     bench->wheels = (int)plant_clamp(floor(params->vehicle.driven_wheels), 1.0, BENCH_WHEELS_MAX);
+    bench->first_rear = BENCH_WHEELS_MAX;
     bench_refresh(bench);
     bench->cockpit = cockpit_init();
     for (int k = 0; k < bench->wheels; k++) {
-        wheel_init(&bench->wheel[k], &bench->world, k);
+        wheel_init(&bench->wheel[k], bench->world_of[k], k);
     }
     begin_accounts(bench);
+}
+
+/* Those of the vehicle, with the sections of another drive. */
+static bench_params_t with_drive(const bench_params_t *vehicle, const bench_params_t *drive)
+{
+    bench_params_t out = *vehicle;
+    out.motor = drive->motor;
+    out.inverter = drive->inverter;
+    out.brake = drive->brake;
+    out.brake_sensor = drive->brake_sensor;
+    out.sensors = drive->sensors;
+    out.encoder = drive->encoder;
+    out.thermal = drive->thermal;
+    out.winding_sensor = drive->winding_sensor;
+    out.switch_sensor = drive->switch_sensor;
+    return out;
+}
+
+void bench_set_rear(bench_t *bench, const bench_params_t *params, const config_t *config)
+{
+    bench->rear_params = with_drive(&bench->params, params);
+    bench->rear_config = *config;
+    bench->first_rear = bench->road.chassis.first_rear;
+    bench_refresh(bench);
+    for (int k = bench->first_rear; k < bench->wheels; k++) {
+        wheel_init(&bench->wheel[k], bench->world_of[k], k);
+    }
+    begin_accounts(bench);
+}
+
+const config_t *bench_config_of(const bench_t *bench, int wheel)
+{
+    return bench->world_of[wheel]->config;
 }
 
 void bench_use_processor(bench_t *bench, const processor_t *processor)
@@ -179,10 +218,23 @@ static void press_pedals(bench_t *bench)
     bench->demand.brake_nm = bench->cockpit.out.demand.brake_torque_mNm / (double)MILLI;
 }
 
-/* The order of one wheel: its share of the pedals, or the message that is the same for all. */
+/* Of the mean torque of all wheels, what this one is to make. */
+static double share_of(const bench_t *bench, int wheel)
+{
+    const bool front = wheel < bench->road.chassis.first_rear;
+    const double bias = bench->params.driver.front_bias;
+    return front ? 1.0 + bias : 1.0 - bias;
+}
+
+/* The order of one wheel: its share of the pedals, or the message, of which all get the same but
+ * for the torque. */
 static wheel_order_t order_of(const bench_t *bench, const wheel_order_t *message, int wheel)
 {
     wheel_order_t out = *message;
+    const double share = share_of(bench, wheel);
+    out.drive_nm *= share;
+    out.brake_nm *= share;
+    out.pedal_nm *= share;
     if (has_pedals(bench)) {
         const pedals_output_t *pedals = &bench->cockpit.out;
         const wheel_demand_t own =
@@ -282,7 +334,7 @@ static void slow_step(bench_t *bench)
     }
     for (int k = 0; k < bench->wheels; k++) {
         const wheel_order_t own = order_of(bench, &order, k);
-        wheel_slow(&bench->wheel[k], &bench->world, &own);
+        wheel_slow(&bench->wheel[k], bench->world_of[k], &own);
     }
 }
 
@@ -293,7 +345,7 @@ static motion_flow_t carry(bench_t *bench, const wheel_flow_t *flow)
     const double speed_rad_s = bench_wheel_speed_rad_s(bench);
     for (int k = 0; k < bench->wheels; k++) {
         bench->wheel[k].motion.speed_rad_s = speed_rad_s;
-        wheel_settle(&bench->wheel[k], &bench->world, &flow[k], speed_rad_s, 0.0);
+        wheel_settle(&bench->wheel[k], bench->world_of[k], &flow[k], speed_rad_s, 0.0);
     }
     return out;
 }
@@ -341,15 +393,15 @@ static void advance(bench_t *bench)
             bench->speed_prescribed
                 ? bench_wheel_speed_rad_s(bench)
                 : motion_expected_rad_s(&bench->road, &motion, k, bench->world.step_s);
-        flow[k] = wheel_step(&bench->wheel[k], &bench->world, speed_rad_s, bench->bus.voltage_v);
+        flow[k] =
+            wheel_step(&bench->wheel[k], bench->world_of[k], speed_rad_s, bench->bus.voltage_v);
         dc_j += flow[k].dc_j;
     }
     const bus_flow_t bus = feed_bus(bench, dc_j);
     bench->bus_peak_v = plant_max(bench->bus_peak_v, bench->bus.voltage_v);
     const double kinetic_j = kinetic_energy_j(bench);
-    const motion_flow_t moved = bench->speed_prescribed
-                                    ? carry(bench, flow)
-                                    : motion_step(&bench->road, &motion, &bench->world, flow);
+    const motion_flow_t moved =
+        bench->speed_prescribed ? carry(bench, flow) : motion_step(&bench->road, &motion, flow);
     book(&bench->booked, &bus, &moved, kinetic_j - kinetic_energy_j(bench));
 }
 
@@ -360,7 +412,7 @@ void bench_begin_period(bench_t *bench)
         slow_step(bench);
     }
     for (int k = 0; k < bench->wheels; k++) {
-        wheel_sample(&bench->wheel[k], &bench->world, bench->bus.voltage_v);
+        wheel_sample(&bench->wheel[k], bench->world_of[k], bench->bus.voltage_v);
     }
 }
 
@@ -408,16 +460,28 @@ static void run_at_prescribed_speed(bench_t *bench, double acceleration_m_per_s2
 /* Standing, unless the controllers wait for the index of an encoder: then a turn a second. */
 static double boot_speed_m_per_s(const bench_t *bench)
 {
-    return bench->config.rotor.sensor == CONFIG_ROTOR_ENCODER
-               ? PLANT_TWO_PI * bench->params.vehicle.wheel_radius_m
-               : 0.0;
+    bool turns = false;
+    for (int k = 0; k < bench->wheels; k++) {
+        turns = turns || bench_config_of(bench, k)->rotor.sensor == CONFIG_ROTOR_ENCODER;
+    }
+    return turns ? PLANT_TWO_PI * bench->params.vehicle.wheel_radius_m : 0.0;
+}
+
+static bool is_resolved(const bench_t *bench)
+{
+    bool out = true;
+    for (int k = 0; k < bench->wheels; k++) {
+        const wheel_t *wheel = &bench->wheel[k];
+        out = out && pmsm_is_resolved(&wheel->machine, wheel->inverter.pwm_resistance_ohm,
+                                      bench->world.step_s);
+    }
+    return out;
 }
 
 bench_start_t bench_start(bench_t *bench)
 {
     const bench_params_t *params = &bench->params;
-    if (!pmsm_is_resolved(&bench->wheel[0].machine, bench->wheel[0].inverter.pwm_resistance_ohm,
-                          bench->world.step_s)) {
+    if (!is_resolved(bench)) {
         return BENCH_UNRESOLVED;
     }
     if (params->run.boots_rolling > 0.5) {

@@ -16,6 +16,7 @@
 static const double CLOCK_ROUNDING_S = 1e-9;
 static const char NOT_THE_FIRMWARE[] =
     "after hubsim_external_take the vehicle goes on with hubsim_external_step only";
+static const char ONLY_ALIKE[] = "accepted: with front and rear drives that are alike";
 static const char ELSEWHERE[] =
     "hubsim_save and hubsim_restore: accepted where the engine has the controllers' state, without "
     "hubsim_processor and hubsim_application";
@@ -56,6 +57,7 @@ void hubsim_delete(hubsim_t *sim)
         if (sim->has_application) {
             sim->application.close(sim->application.context);
         }
+        hubsim_delete(sim->rear);
         free(sim->trace_memory);
         free(sim->energy_memory);
         free(sim);
@@ -87,6 +89,9 @@ static const char *misplaced_fault(const hubsim_t *sim, const fault_params_t *fa
         return "fault.slow_late, fast_late, state_bit and config_bit: accepted: 0 with the whole "
                "application";
     }
+    if (sim->rear != NULL && fault->config_bit > 0.0) {
+        return "fault.config_bit: accepted: 0 with front and rear drives that differ";
+    }
     return NULL;
 }
 
@@ -114,6 +119,9 @@ int hubsim_set(hubsim_t *sim, const char *name, double value)
         return handle_fail(sim, HUBSIM_BAD_ORDER, "%s", objection);
     }
     sim->bench.params = changed;
+    if (sim->rear != NULL) {
+        (void)parameters_set(&sim->bench.rear_params, index, value);
+    }
     if (index == parameters_find("battery.initial_soc")) {
         sim->bench.battery.soc = value;
     }
@@ -298,6 +306,35 @@ static int not_run(hubsim_t *sim)
     return handle_fail(sim, HUBSIM_FAILED, "the controllers do not run");
 }
 
+int hubsim_set_rear(hubsim_t *sim, hubsim_t *rear)
+{
+    if (sim->has_started || sim->rear != NULL || rear == sim || rear->has_started ||
+        rear->rear != NULL || !rear->has_config) {
+        return handle_fail(sim, HUBSIM_BAD_ORDER,
+                           "hubsim_set_rear: accepted: once, before hubsim_start, a handle with a "
+                           "configuration that was not started");
+    }
+    sim->rear = rear;
+    return HUBSIM_OK;
+}
+
+/* What is wrong with the rear drives, noted; HUBSIM_OK: nothing, or there are none. */
+static int check_rear(hubsim_t *sim)
+{
+    if (sim->rear == NULL) {
+        return HUBSIM_OK;
+    }
+    if (sim->has_processor) {
+        return handle_fail(sim, HUBSIM_BAD_ORDER, "hubsim_processor: %s", ONLY_ALIKE);
+    }
+    const int checked = check_params(sim->rear);
+    if (checked != HUBSIM_OK) {
+        return handle_fail(sim, checked, "rear drives: %s", sim->rear->error);
+    }
+    const char *objection = bench_rear_objection(&sim->params, &sim->rear->params);
+    return objection == NULL ? HUBSIM_OK : handle_fail(sim, HUBSIM_BAD_ORDER, "%s", objection);
+}
+
 /* Who is in the place of the engine's own controllers. NULL, or what is wrong. */
 static const char *take_controllers(hubsim_t *sim)
 {
@@ -313,11 +350,15 @@ int hubsim_start(hubsim_t *sim)
     if (!sim->has_config) {
         return handle_fail(sim, HUBSIM_BAD_ORDER, "no configuration was loaded");
     }
-    const int checked = check_params(sim);
+    int checked = check_params(sim);
+    checked = checked == HUBSIM_OK ? check_rear(sim) : checked;
     if (checked != HUBSIM_OK) {
         return checked;
     }
     bench_init(&sim->bench, &sim->params, &sim->config, &sim->trace);
+    if (sim->rear != NULL) {
+        bench_set_rear(&sim->bench, &sim->rear->params, &sim->rear->config);
+    }
     sim->has_started = true;
     const char *objection = take_controllers(sim);
     if (objection != NULL) {
@@ -488,6 +529,9 @@ int hubsim_restore(hubsim_t *sim, const void *state)
            sizeof(sim->bench));
     sim->bench.trace = sim->trace;
     sim->bench.params.motor.energy_map = sim->params.motor.energy_map;
+    if (sim->rear != NULL) {
+        sim->bench.rear_params.motor.energy_map = sim->rear->params.motor.energy_map;
+    }
     bench_refresh(&sim->bench);
     return HUBSIM_OK;
 }

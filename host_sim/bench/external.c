@@ -39,6 +39,11 @@ int hubsim_external_take(hubsim_t *sim, int delay_periods)
         return handle_fail(sim, HUBSIM_BAD_ORDER,
                            "hubsim_external_take: accepted: once, after hubsim_start");
     }
+    if (sim->rear != NULL) {
+        return handle_fail(sim, HUBSIM_BAD_ORDER,
+                           "hubsim_external_take: accepted: with front and rear drives that are "
+                           "alike");
+    }
     if (delay_periods < 0 || delay_periods > 1) {
         return handle_fail(sim, HUBSIM_BAD_VALUE, "delay_periods: %d, accepted: 0 or 1",
                            delay_periods);

@@ -73,7 +73,7 @@ double motion_expected_rad_s(const motion_world_t *world, const motion_t *motion
 }
 
 static motion_flow_t roll(const motion_world_t *world, const motion_t *motion,
-                          const wheel_world_t *wheel_world, const wheel_flow_t *flow)
+                          const wheel_flow_t *flow)
 {
     vehicle_load_t load = {.torque_impulse_nms = 0.0, .friction_capacity_nm = 0.0};
     for (int k = 0; k < motion->count; k++) {
@@ -81,13 +81,13 @@ static motion_flow_t roll(const motion_world_t *world, const motion_t *motion,
         load.friction_capacity_nm += flow[k].friction_capacity_nm;
     }
     const motion_flow_t out = {
-        .road = vehicle_step(&world->vehicle, motion->vehicle, &load, wheel_world->step_s),
+        .road = vehicle_step(&world->vehicle, motion->vehicle, &load, motion->worlds[0]->step_s),
         .tyre_j = 0.0,
     };
     const double per_radius = world->vehicle.per_radius_1_per_m;
     for (int k = 0; k < motion->count; k++) {
         motion->wheels[k].motion.speed_rad_s = motion->vehicle->speed_m_per_s * per_radius;
-        wheel_settle(&motion->wheels[k], wheel_world, &flow[k],
+        wheel_settle(&motion->wheels[k], motion->worlds[k], &flow[k],
                      out.road.mean_speed_m_per_s * per_radius, out.road.friction_used);
     }
     return out;
@@ -124,9 +124,9 @@ static double turn_wheel(const motion_world_t *world, wheel_t *wheel,
 }
 
 static motion_flow_t slip(const motion_world_t *world, const motion_t *motion,
-                          const wheel_world_t *wheel_world, const wheel_flow_t *flow)
+                          const wheel_flow_t *flow)
 {
-    const double h = wheel_world->step_s;
+    const double h = motion->worlds[0]->step_s;
     vehicle_load_t load = {.torque_impulse_nms = 0.0, .friction_capacity_nm = 0.0};
     double at_rims_j = 0.0;
     double force_n = 0.0;
@@ -134,7 +134,7 @@ static motion_flow_t slip(const motion_world_t *world, const motion_t *motion,
         wheel_t *wheel = &motion->wheels[k];
         wheel->motion.load_n = chassis_load_n(&world->chassis, motion->chassis, k);
         const double rim_m_per_s =
-            turn_wheel(world, wheel, wheel_world, &flow[k], motion->vehicle->speed_m_per_s);
+            turn_wheel(world, wheel, motion->worlds[k], &flow[k], motion->vehicle->speed_m_per_s);
         at_rims_j += wheel->motion.force_n * rim_m_per_s * h;
         force_n += wheel->motion.force_n;
     }
@@ -146,10 +146,9 @@ static motion_flow_t slip(const motion_world_t *world, const motion_t *motion,
 }
 
 motion_flow_t motion_step(const motion_world_t *world, const motion_t *motion,
-                          const wheel_world_t *wheel_world, const wheel_flow_t *flow)
+                          const wheel_flow_t *flow)
 {
-    return world->slips ? slip(world, motion, wheel_world, flow)
-                        : roll(world, motion, wheel_world, flow);
+    return world->slips ? slip(world, motion, flow) : roll(world, motion, flow);
 }
 
 double motion_kinetic_energy_j(const motion_world_t *world, const vehicle_state_t *vehicle,

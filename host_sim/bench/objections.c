@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Which parameters are no vehicle, and which cannot change during a run. */
+#include <math.h>
 #include <stddef.h>
 
 #include "bench/bench.h"
@@ -19,6 +20,25 @@ const char *bench_world_objection(const bench_params_t *params)
         }
     }
     return NULL;
+}
+
+const char *bench_rear_objection(const bench_params_t *front, const bench_params_t *rear)
+{
+    const double first_rear = floor(front->chassis.wheels_per_axle);
+    if (first_rear < 1.0 || first_rear >= floor(front->vehicle.driven_wheels)) {
+        return "rear drives: accepted: chassis.wheels_per_axle of 1 and more, and more "
+               "vehicle.driven_wheels than that";
+    }
+    if (front->chassis.rear_driven > 0.5) {
+        return "rear drives: accepted: chassis.rear_driven of 0";
+    }
+    if (rear->inverter.pwm_frequency_hz != front->inverter.pwm_frequency_hz) {
+        return "rear drives: accepted: the same inverter.pwm_frequency_hz as in front";
+    }
+    if (rear->inverter.switching != front->inverter.switching) {
+        return "rear drives: accepted: the same inverter.switching as in front";
+    }
+    return bench_world_objection(rear);
 }
 
 const char *bench_objection(const bench_t *bench, const bench_params_t *changed)

@@ -9,6 +9,9 @@
  * period. The slow step comes first in the period in which a millisecond begins. Accounts, way and
  * time start at zero after the start, the battery and all temperatures as the parameters say.
  *
+ * bench_set_rear() gives the wheels of the rear axle drives of their own: motor, bridge, brake,
+ * sensors, temperatures, configuration. Vehicle, battery and road are one.
+ *
  * Nothing here allocates or does I/O; equal parameters give equal bytes. A bench points into
  * itself: after copying one, call bench_refresh() on the copy.
  */
@@ -39,6 +42,12 @@ typedef struct {
     driver_trace_t trace;
     wheel_world_t world;
     motion_world_t road;
+    /* Drives of the rear axle that differ, and what they make of the world. */
+    bench_params_t rear_params;
+    config_t rear_config;
+    wheel_world_t rear_world;
+    int first_rear; /* wheel with such a drive; BENCH_WHEELS_MAX: all are alike */
+    const wheel_world_t *world_of[BENCH_WHEELS_MAX];
     int wheels;
     int pieces;                   /* plant steps in a PWM period */
     const processor_t *processor; /* NULL: the controllers' steps are called directly */
@@ -75,6 +84,16 @@ typedef struct {
 /* trace: see driver_trace_t; its arrays must outlive the bench. */
 void bench_init(bench_t *bench, const bench_params_t *params, const config_t *config,
                 const driver_trace_t *trace);
+
+/* After bench_init(): the wheels from chassis.wheels_per_axle on get other drives. Of `params`
+ * their sections count. */
+void bench_set_rear(bench_t *bench, const bench_params_t *params, const config_t *config);
+
+/* Why these cannot be the rear drives of a vehicle of `front`, in one line; NULL: they can. */
+const char *bench_rear_objection(const bench_params_t *front, const bench_params_t *rear);
+
+/* The configuration of a wheel's controller. */
+const config_t *bench_config_of(const bench_t *bench, int wheel);
 
 /* After bench_init(): from now on another processor executes the controllers' steps. */
 void bench_use_processor(bench_t *bench, const processor_t *processor);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * driver.h: driver model. One driver for the vehicle; the demand is the same at every
- * driven wheel.
+ * driver.h: driver model. One driver for the vehicle; the demand is the mean of all driven wheels,
+ * which all get but for front_bias.
  *
  * Following a speed trace, the driver uses a model of the vehicle: feed-forward of inertia (from
  * the trace some time ahead), air drag, rolling resistance and slope, and a PI regulator on the
@@ -51,6 +51,9 @@
     X(enable,               0.0,  1.0,   "",      "1: the vehicle is switched on") \
     X(fault_reset_every_s,  0.0,  1e3,   "s", \
       "acknowledges faults so often, for half of that time each; 0: never") \
+    X(front_bias,          -1.0,  1.0,   "1", \
+      "of the torque demanded: a wheel of the front axle gets 1 + this times the mean, one of the " \
+      "rear axle 1 - this") \
     X(abs_active,           0.0,  1.0,   "",      "1: anti-lock intervention") \
     X(abs_motor_share,      0.0,  1.0,   "",      "of the braking torque, that it leaves the motor")
 /* clang-format on */

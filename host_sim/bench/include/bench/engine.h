@@ -75,6 +75,15 @@ int hubsim_set_trace(hubsim_t *sim, const double *time_s, const double *speed_m_
 int hubsim_load_config(hubsim_t *sim, const void *image, uint32_t size_bytes);
 
 /*
+ * Front and rear drives that differ, before hubsim_start: the wheels from chassis.wheels_per_axle
+ * on get motor, inverter, brake, sensors, temperatures and configuration of `rear`, a handle that
+ * was given everything but was not started; this one deletes it. Vehicle, battery and driver are
+ * this handle's, and a parameter set during the run is that of both. Refused with hubsim_processor
+ * and hubsim_external_take.
+ */
+int hubsim_set_rear(hubsim_t *sim, hubsim_t *rear);
+
+/*
  * Processor in the loop, before hubsim_start: the controllers' steps are executed by the program
  * host_sim/pil/target.c on an emulated core whose RAM is the file `path`. Waits until it is ready,
  * 20 s at most. hubsim_save and hubsim_restore are refused then.

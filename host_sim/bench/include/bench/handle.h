@@ -44,6 +44,7 @@ struct hubsim {
     energy_map_t energy_map; /* where params.motor points to, if at all */
     double *energy_memory;
     bool has_config, has_started;
+    hubsim_t *rear; /* whose drives the rear axle has; NULL: all are alike */
     recorder_t recorder;
     char error[HANDLE_ERROR_LENGTH];
     external_t external;

@@ -35,6 +35,7 @@ typedef struct {
     vehicle_state_t *vehicle;
     chassis_state_t *chassis;
     wheel_t *wheels;
+    const wheel_world_t *const *worlds; /* of each wheel */
     int count;
 } motion_t;
 
@@ -58,7 +59,7 @@ double motion_expected_rad_s(const motion_world_t *world, const motion_t *motion
 
 /* One step; gives every wheel its result (wheel_settle()). */
 motion_flow_t motion_step(const motion_world_t *world, const motion_t *motion,
-                          const wheel_world_t *wheel_world, const wheel_flow_t *flow);
+                          const wheel_flow_t *flow);
 
 double motion_kinetic_energy_j(const motion_world_t *world, const vehicle_state_t *vehicle,
                                const wheel_t *wheels, int count);

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bench/external.h"
 #include "plant_values.h"
 #include "unity.h"
 #include "vehicle_fixture.h"
@@ -65,6 +66,128 @@ void test_signals_of_a_running_vehicle_are_read_by_name(void)
     TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_value(sim, "vehicle.speed_m_per_s", &speed));
     TEST_ASSERT_TRUE(speed > 2.5 && speed < 3.0);
     TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_NAME, hubsim_value(sim, "vehicle.colour", &speed));
+}
+
+/* A vehicle of these parameters with rear drives of the same ones, which differ where the argument
+ * is not 1. */
+static hubsim_t *with_rear(double resistance_factor)
+{
+    load_vehicle();
+    set("driver.brake_demand_nm", 20.0);
+    hubsim_t *front = sim;
+    sim = hubsim_new();
+    load_vehicle();
+    double ohm = 0.0;
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_get(sim, "motor.phase_resistance_ohm", &ohm));
+    set("motor.phase_resistance_ohm", resistance_factor * ohm);
+    hubsim_t *rear = sim;
+    sim = front;
+    TEST_ASSERT_EQUAL_INT_MESSAGE(HUBSIM_OK, hubsim_set_rear(sim, rear), hubsim_error(sim));
+    return rear;
+}
+
+static double value_of(const char *name)
+{
+    double out = NAN;
+    TEST_ASSERT_EQUAL_INT_MESSAGE(HUBSIM_OK, hubsim_value(sim, name, &out), name);
+    return out;
+}
+
+static void braked(double *speed_m_per_s, double *copper0_j, double *copper2_j)
+{
+    TEST_ASSERT_EQUAL_INT_MESSAGE(HUBSIM_OK, hubsim_start(sim), hubsim_error(sim));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_advance(sim, 0.2));
+    *speed_m_per_s = value_of("vehicle.speed_m_per_s");
+    *copper0_j = value_of("wheel0.copper_w");
+    *copper2_j = value_of("wheel2.copper_w");
+}
+
+void test_rear_drives_that_equal_those_in_front_change_nothing(void)
+{
+    double speed[2];
+    double copper0_j[2];
+    double copper2_j[2];
+    load_vehicle();
+    set("driver.brake_demand_nm", 20.0);
+    braked(&speed[0], &copper0_j[0], &copper2_j[0]);
+    hubsim_delete(sim);
+    sim = hubsim_new();
+    (void)with_rear(1.0);
+    braked(&speed[1], &copper0_j[1], &copper2_j[1]);
+    TEST_ASSERT_EQUAL_DOUBLE(speed[0], speed[1]);
+    TEST_ASSERT_EQUAL_DOUBLE(copper0_j[0], copper0_j[1]);
+    TEST_ASSERT_EQUAL_DOUBLE(copper2_j[0], copper2_j[1]);
+}
+
+/* The controllers hold the same currents in both axles. */
+void test_rear_windings_of_twice_the_resistance_lose_twice_the_heat(void)
+{
+    double speed = 0.0;
+    double copper0_j = 0.0;
+    double copper2_j = 0.0;
+    (void)with_rear(2.0);
+    braked(&speed, &copper0_j, &copper2_j);
+    TEST_ASSERT_TRUE(copper0_j > 1.0);
+    TEST_ASSERT_DOUBLE_WITHIN(0.02 * copper2_j, 2.0 * copper0_j, copper2_j);
+}
+
+/* The mean of the wheels is the demand. */
+void test_a_bias_moves_torque_to_the_front_wheels(void)
+{
+    load_vehicle();
+    set("driver.brake_demand_nm", 20.0);
+    set("driver.front_bias", 0.25);
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_start(sim));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_advance(sim, 0.3));
+    TEST_ASSERT_DOUBLE_WITHIN(0.05, -25.0, value_of("wheel1.estimate_nm"));
+    TEST_ASSERT_DOUBLE_WITHIN(0.05, -15.0, value_of("wheel3.estimate_nm"));
+}
+
+void test_rear_drives_are_refused_out_of_order(void)
+{
+    hubsim_t *rear = with_rear(1.0);
+    TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_ORDER, hubsim_set_rear(sim, rear));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_start(sim));
+    hubsim_t *late = hubsim_new();
+    TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_ORDER, hubsim_set_rear(sim, late));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_ORDER, hubsim_set_rear(late, late));
+    hubsim_delete(late);
+    TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_ORDER, hubsim_set(sim, "fault.config_bit", 1.0));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_ORDER, hubsim_external_take(sim, 0));
+}
+
+static void refused_rear(const char *name, double value, const char *why)
+{
+    hubsim_t *rear = with_rear(1.0);
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_set(rear, name, value));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_ORDER, hubsim_start(sim));
+    TEST_ASSERT_NOT_NULL(strstr(hubsim_error(sim), why));
+    hubsim_delete(sim);
+    sim = hubsim_new();
+}
+
+void test_rear_drives_need_the_period_of_those_in_front_and_two_axles(void)
+{
+    refused_rear("inverter.pwm_frequency_hz", 10000.0, "the same inverter.pwm_frequency_hz");
+    refused_rear("inverter.switching", 1.0, "the same inverter.switching");
+    (void)with_rear(1.0);
+    set("chassis.rear_driven", 1.0);
+    TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_ORDER, hubsim_start(sim));
+    TEST_ASSERT_NOT_NULL(strstr(hubsim_error(sim), "chassis.rear_driven"));
+    set("chassis.rear_driven", 0.0);
+    set("vehicle.driven_wheels", 2.0);
+    TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_ORDER, hubsim_start(sim));
+    TEST_ASSERT_NOT_NULL(strstr(hubsim_error(sim), "vehicle.driven_wheels"));
+}
+
+void test_a_parameter_set_during_the_run_is_that_of_both_axles(void)
+{
+    (void)with_rear(2.0);
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_start(sim));
+    set("thermal.winding_temperature_c", 90.0);
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_advance(sim, 0.01));
+    TEST_ASSERT_EQUAL_DOUBLE(90.0, value_of("wheel0.winding_temperature_c"));
+    TEST_ASSERT_EQUAL_DOUBLE(90.0, value_of("wheel3.winding_temperature_c"));
 }
 
 /* 20 N m at 3 m/s move no thousandth of the pack's charge in 0.1 s. */
