@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from hubsim import can_protocol
-from hubsim.cli.arguments import DEFAULT_CONFIG
+from hubsim.cli.arguments import DEFAULT_CONFIG, TWO_DRIVES, Axles
 from hubsim.errors import HubsimError
 from regen_table.cli import REFUSED, Parser, ShowVersion, drive_file, interrupted, output_file
 from regen_table.errors import ConfigurationError
@@ -52,9 +52,11 @@ def _add_live(commands: Commands) -> None:
         "live", help="a virtual vehicle, its page and its CAN bus", description=LIVE
     )
     live.add_argument(
-        "--config", type=drive_file, default=DEFAULT_CONFIG, metavar="DRIVE",
-        help="a TOML file, or the name of a drive that comes along; default: lu2013",
+        "--config", type=drive_file, default=DEFAULT_CONFIG, metavar="DRIVE", action=Axles,
+        help="a TOML file, or the name of a drive that comes along; default: lu2013; "
+        f"{TWO_DRIVES}",
     )  # fmt: skip
+    live.set_defaults(rear=None)
     live.add_argument(
         "--scenario", metavar="NAME",
         help="its simulated driver drives (hubsim list); default: nobody does, the vehicle stands"

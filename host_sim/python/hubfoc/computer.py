@@ -34,7 +34,10 @@ class Computer:
     Parameters
     ----------
     front_share : float
-        Of driving and braking torque that the front axle makes, 0 to 1.
+        Of the driving torque that the front axle makes, 0 to 1. With axles that differ, the share
+        of its motors in the torque of all: then each motor has the same part to make.
+    brake_front_share : float, optional
+        Of the braking torque; absent: as of the driving torque.
     rate_nm_per_s : float
         With which the driving torque of a wheel rises; it falls at once.
     has_hydraulic : bool
@@ -43,9 +46,16 @@ class Computer:
     """
 
     def __init__(
-        self, *, front_share: float = 0.5, rate_nm_per_s: float = 400.0, has_hydraulic: bool = True
+        self,
+        *,
+        front_share: float = 0.5,
+        brake_front_share: float | None = None,
+        rate_nm_per_s: float = 400.0,
+        has_hydraulic: bool = True,
     ) -> None:
-        self._shares = (front_share, 1.0 - front_share)
+        brake_share = front_share if brake_front_share is None else brake_front_share
+        self._drive_shares = (front_share, 1.0 - front_share)
+        self._brake_shares = (brake_share, 1.0 - brake_share)
         self._rise_nm = rate_nm_per_s * CYCLE_S
         self._has_hydraulic = has_hydraulic
         self._direction = "neutral"
@@ -55,10 +65,10 @@ class Computer:
         """Return the signals of Demand for each wheel, front left first."""
         self._choose_direction(driver, wheels)
         demands: list[Values] = [{}] * len(wheels)
-        for axle, (pair, share) in enumerate(zip(AXLES, self._shares, strict=True)):
+        for axle, pair in enumerate(AXLES):
             both = [wheels[k] for k in pair]
-            drive_nm = self._drive(axle, driver, share, both)
-            brake_nm = self._brake(driver, share, both)
+            drive_nm = self._drive(axle, driver, both)
+            brake_nm = self._brake(axle, driver, both)
             for k in pair:
                 demands[k] = self._demand(driver, wheels, drive_nm, brake_nm)
         return demands
@@ -70,26 +80,26 @@ class Computer:
         elif driver.direction != self._direction and _stands(wheels):
             self._direction = driver.direction
 
-    def _drive(self, axle: int, driver: Driver, share: float, both: Sequence[WheelStatus]) -> float:
+    def _drive(self, axle: int, driver: Driver, both: Sequence[WheelStatus]) -> float:
         """Return the driving torque of each wheel: what the weaker one can make, now and soon.
 
         Without a frame of one of the two its axle does not drive. What one axle cannot make the
         other does not take over: the driver has a vehicle that is weaker, not one that steers.
         """
-        wanted_nm = share * driver.drive_nm / len(both)
+        wanted_nm = self._drive_shares[axle] * driver.drive_nm / len(both)
         if self._direction == "neutral" or driver.brake_nm > 0.0:
             wanted_nm = 0.0
         limit_nm = min(map(_drivable_nm, both))
         self._drive_nm[axle] = min(wanted_nm, limit_nm, self._drive_nm[axle] + self._rise_nm)
         return self._drive_nm[axle]
 
-    def _brake(self, driver: Driver, share: float, both: Sequence[WheelStatus]) -> float:
+    def _brake(self, axle: int, driver: Driver, both: Sequence[WheelStatus]) -> float:
         """Return the braking torque of each wheel, of both its brakes.
 
         It is never reduced where hydraulic brakes fill: a wheel commands its own. A wheel that is
         silent or has handed over is braked by the brake system's own path, by the same pedal.
         """
-        wanted_nm = share * driver.brake_nm / len(both)
+        wanted_nm = self._brake_shares[axle] * driver.brake_nm / len(both)
         if self._has_hydraulic:
             return wanted_nm
         return min(wanted_nm, *(wheel.brake_available_nm or 0.0 for wheel in both))

@@ -160,6 +160,14 @@ class Engine:
             self._lib.hubsim_load_config(self._sim, self._ffi.from_buffer(image), len(image))
         )
 
+    def set_rear(self, rear: Self) -> None:
+        """Give the wheels of the rear axle the drives of another engine, before ``start``.
+
+        That one was given everything but not started; it cannot be used afterwards.
+        """
+        self._check(self._lib.hubsim_set_rear(self._sim, rear._sim))
+        self._ffi.gc(rear._sim, None)  # deleted with this one
+
     def attach_processor(self, path: str) -> None:
         """Let the emulated core whose RAM is this file execute the controllers, before ``start``.
 

@@ -166,6 +166,8 @@ class Board:
         The drive's file: names the wheels, the identifiers and the largest torques of the pedals.
     demands : bool
         A page may send demands, as long as its dead-man key is held.
+    rear : path, optional
+        The rear wheels', where they differ.
     """
 
     real = True
@@ -175,8 +177,9 @@ class Board:
     ended: str | None = None
     scenario: str | None = None
 
-    def __init__(self, config: Path, *, demands: bool) -> None:
+    def __init__(self, config: Path, *, demands: bool, rear: Path | None = None) -> None:
         self.drive = schema.load(config)
+        self.rear = None if rear is None else schema.load(rear)
         self.vehicle = BoardVehicle(self.drive)
         self.demands = demands
         self.faults = NoFaults()

@@ -37,12 +37,9 @@ class Cockpit:
     ``SILENT_S`` has released its pedals.
     """
 
-    def __init__(self, drive: Drive) -> None:
-        self.drive_nm = drive.motor.max_torque_nm
-        self.brake_nm = min(
-            drive.motor.max_torque_nm + drive.brake.max_hydraulic_torque_nm,
-            can_protocol.MESSAGES["Demand"].signals["brake_torque_nm"].most,
-        )
+    def __init__(self, drive: Drive, rear: Drive | None = None) -> None:
+        self._ends_nm = [_ends_nm(axle) for axle in (drive, rear or drive)]
+        self.drive_nm, self.brake_nm = self._ends_nm[0]
         self.owner: object | None = None
         self._base = drive.vehicle.can_base
         self._pedals = Pedals()
@@ -115,12 +112,13 @@ class Cockpit:
         self._counter = (self._counter + 1) % 256
         return [
             can_protocol.encode(
-                "Demand", values, wheel=wheel, counter=self._counter, base=self._base
+                "Demand", values[wheel // 2], wheel=wheel, counter=self._counter, base=self._base
             )
             for wheel in range(4)
         ]
 
-    def _values(self) -> dict[str, float]:
+    def _values(self) -> list[dict[str, float]]:
+        """Return the demand of a wheel in front and of one at the rear."""
         pedals = self._pedals
         acknowledges = self._time_s < self._acknowledge_until_s
         if acknowledges or time.monotonic() - self._message_s > SILENT_S:
@@ -130,11 +128,21 @@ class Cockpit:
             self._reached[k] += min(max(wanted - self._reached[k], -rise), rise)
         accelerator, brake = self._reached
         sign = -1.0 if pedals.direction == "reverse" else 1.0
-        return {
-            "enable": 1.0,
-            "fault_reset": float(acknowledges),
-            "direction": float(DIRECTIONS[pedals.direction]),
-            "abs_motor_share_percent": 0.0,
-            "drive_torque_nm": sign * accelerator * self.drive_nm,
-            "brake_torque_nm": brake * self.brake_nm,
-        }
+        return [
+            {
+                "enable": 1.0,
+                "fault_reset": float(acknowledges),
+                "direction": float(DIRECTIONS[pedals.direction]),
+                "abs_motor_share_percent": 0.0,
+                "drive_torque_nm": sign * accelerator * drive_nm,
+                "brake_torque_nm": brake * brake_nm,
+            }
+            for drive_nm, brake_nm in self._ends_nm
+        ]
+
+
+def _ends_nm(drive: Drive) -> tuple[float, float]:
+    """Return the ends of accelerator and brake pedal at one wheel."""
+    brake_nm = drive.motor.max_torque_nm + drive.brake.max_hydraulic_torque_nm
+    most_nm = can_protocol.MESSAGES["Demand"].signals["brake_torque_nm"].most
+    return drive.motor.max_torque_nm, min(brake_nm, most_nm)

@@ -169,7 +169,7 @@ def run(options: argparse.Namespace) -> int:
     clock, orders = Clock(paced=not options.fast), Orders()
     ends = options.no_page and options.scenario is not None
     with (
-        World(options.config, options.scenario, ends=ends) as world,
+        World(options.config, options.scenario, ends=ends, rear=options.rear) as world,
         Terminals(world.vehicle.wheels) as terminals,
         Gateways(world.vehicle.service_base, world.vehicle.wheels) as gateways,
         _viewers(options) as viewers,
@@ -200,7 +200,7 @@ def _run_board(options: argparse.Namespace) -> int:
         if given:
             raise HubfocError(f"{name}: accepted: of a virtual vehicle, not with --board")
     clock, orders = Clock(paced=True), Orders()
-    world = Board(options.config, demands=options.allow_demand)
+    world = Board(options.config, demands=options.allow_demand, rear=options.rear)
     with Terminals(0) as terminals, Gateways(0, 0) as gateways, _viewers(options) as viewers:
         desk = Desk(world, clock)
         bus = join(options.can)

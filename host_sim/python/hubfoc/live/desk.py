@@ -40,7 +40,7 @@ class Desk:
     def __init__(self, world: LiveWorld, clock: Clock) -> None:
         self.world = world
         self._clock = clock
-        self.cockpit = Cockpit(world.drive)
+        self.cockpit = Cockpit(world.drive, world.rear)
         self.inquiry = Inquiry()
         self._wheels_of: dict[object, int] = {}
         world.scenarios()
@@ -77,7 +77,7 @@ class Desk:
         return {
             "kind": "hello",
             "number": self.number,
-            "vehicle": world.drive.name,
+            "vehicle": ", ".join(drive.name for drive in (world.drive, world.rear) if drive),
             "wheels": list(WHEELS[: world.vehicle.wheels]),
             "wheel_radius_m": world.vehicle.wheel_radius_m,
             "real": world.real,

@@ -77,7 +77,7 @@ class Faults:
         """Return the faults that this vehicle, still healthy, cannot have, with the reason."""
         out: dict[str, str] = {}
         for name, fault in faults.table().items():
-            if self._vehicle.rotor_sensor not in fault.sensors:
+            if not self._vehicle.rotor_sensors <= set(fault.sensors):
                 out[name] = f"only with: {', '.join(fault.sensors)}"
                 continue
             for parameter, value in values_of(name, None).items():

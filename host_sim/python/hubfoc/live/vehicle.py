@@ -8,6 +8,7 @@ from typing import Protocol, Self
 
 from hubsim import can_protocol, configuration, engine, run
 from hubsim.engine import Rows
+from hubsim.run import axles
 from hubsim.scenario import Scenario
 from regen_table import service_key
 from regen_table.schema import Drive
@@ -15,6 +16,7 @@ from regen_table.schema import Drive
 from hubfoc.bus import Frame
 
 POSITIONS = ("front_left", "front_right", "rear_left", "rear_right")
+FRONT_WHEELS = 2
 STEP_S = 1e-3  # of simulated time between two looks at the bus
 DRY_ROAD = 1.0
 LEAST_BUS_F = 1e-4
@@ -26,13 +28,15 @@ NOBODY_DRIVES = Scenario(
 )
 
 
-def _changeable(drive: Drive) -> dict[str, float]:
+def _changeable(drive: Drive, rear: Drive | None) -> dict[str, float]:
     """Return what must be there from the start, so that it can be changed or break later on."""
-    capacitance_f = drive.inverter.bus_capacitance_f * drive.vehicle.driven_wheels
+    boards_f = [axle.inverter.bus_capacitance_f for axle in (drive, rear or drive)]
+    capacitance_f = drive.vehicle.driven_wheels * sum(boards_f) / len(boards_f)
     slips = drive.chassis.wheel_inertia_kg_m2 > 0.0
     return {
         "bus.capacitance_f": max(LEAST_BUS_F, capacitance_f),
         "road.friction": DRY_ROAD if slips else 0.0,
+        "driver.front_bias": axles.brake_bias(drive, rear or drive),  # of the brakes' own path
     }
 
 
@@ -81,22 +85,24 @@ class SimulatedVehicle:
     that others send, as a real one does, and takes its own path where a wheel hands over.
 
     ``key`` opens the lock of XCP in every wheel: that of the drive, else one drawn for this run.
+    ``rear``: of the wheels of the rear axle, where they differ.
     """
 
     def __init__(
         self, drive: Drive, scenario: Scenario | None = None, beside: Path = Path(),
-        key: bytes | None = None,
+        key: bytes | None = None, rear: Drive | None = None,
     ) -> None:  # fmt: skip
         self._base = drive.vehicle.can_base
         self.service_base = drive.service.can_base
         self._driven = scenario is not None
-        self.rotor_sensor = drive.rotor.sensor
+        self.rotor_sensors = {axle.rotor.sensor for axle in (drive, rear or drive)}
         chosen = scenario if scenario is not None else NOBODY_DRIVES
+        own_key = key or service_key.of(drive) or service_key.draw()
+        self.key = own_key
         self._engine, planned_s = run.prepare(
-            drive, chosen, beside, {} if self._driven else _changeable(drive)
-        )
-        self.key = key or service_key.of(drive) or service_key.draw()
-        self._engine.load_config(service_key.with_key(configuration.image_of(drive), self.key))
+            drive, chosen, beside, {} if self._driven else _changeable(drive, rear), rear,
+            lambda axle: service_key.with_key(configuration.image_of(axle), own_key),
+        )  # fmt: skip
         self._engine.attach_application(engine.application_path())
         if not self._driven:
             self._engine.set("driver.silent", 1.0)
@@ -132,13 +138,17 @@ class SimulatedVehicle:
         return self._engine.bus_read()
 
     def _hear(self, identifier: int, data: bytes) -> None:
-        """Tell the brake system what was last demanded of any wheel; it brakes all alike."""
+        """Tell the brake system what was last demanded of any wheel, in its axle's share."""
         if can_protocol.message_of(identifier, self._base) != "Demand":
             return
         profile = can_protocol.MESSAGES["Demand"].profile
         values = can_protocol.decode("Demand", data)
         if values is not None and can_protocol.intact(profile, data, identifier):
-            self._engine.set("driver.brake_demand_nm", values["brake_torque_nm"])
+            bias = self._engine.get("driver.front_bias")
+            share = (
+                1.0 + bias if identifier & can_protocol.WHEEL_MASK < FRONT_WHEELS else 1.0 - bias
+            )
+            self._engine.set("driver.brake_demand_nm", values["brake_torque_nm"] / share)
 
     def serial_take(self, wheel: int) -> bytes:
         """Return what a wheel's shell wrote."""

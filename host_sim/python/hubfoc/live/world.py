@@ -52,7 +52,11 @@ class LiveWorld(Protocol):
 
     @property
     def drive(self) -> schema.Drive:
-        """What drives it."""
+        """What drives it, or its front wheels."""
+
+    @property
+    def rear(self) -> schema.Drive | None:
+        """What drives the rear wheels, where they differ."""
 
     @property
     def vehicle(self) -> LiveVehicle:
@@ -109,6 +113,8 @@ class World:
         The drive's file.
     scenario : str, optional
         Its simulated driver drives; absent: nobody does, and the vehicle stands.
+    rear : path, optional
+        Of the wheels of the rear axle, where they differ.
     ends : bool
         Whoever steps the vehicle ends with its scenario; else the time stands then.
     """
@@ -116,10 +122,18 @@ class World:
     real = False
     demands = True
 
-    def __init__(self, config: Path, scenario: str | None = None, *, ends: bool = False) -> None:
-        self._config = config
+    def __init__(
+        self,
+        config: Path,
+        scenario: str | None = None,
+        *,
+        ends: bool = False,
+        rear: Path | None = None,
+    ) -> None:
+        self._files = (config, rear)
         self.ends = ends
         self.drive = schema.load(config)
+        self.rear = None if rear is None else schema.load(rear)
         self.paused = False
         self.number = 0  # of vehicles until now
         self.ended: str | None = None  # why the time stands for good
@@ -224,10 +238,12 @@ class World:
 
     def _prepared(self, scenario: str | None) -> SimulatedVehicle:
         if scenario is None:
-            return SimulatedVehicle(self.drive, key=self._key)
+            return SimulatedVehicle(self.drive, key=self._key, rear=self.rear)
         _, chosen, beside = scenarios.load(scenario, {}, self.drive)
-        drive = overrides.load_drive(self._config, overrides.parse([]), chosen)
-        return SimulatedVehicle(drive, chosen, beside, self._key)
+        front, behind = self._files
+        drive = overrides.load_drive(front, overrides.parse([]), chosen)
+        rear = None if behind is None else overrides.load_drive(behind, overrides.parse([]), chosen)
+        return SimulatedVehicle(drive, chosen, beside, self._key, rear)
 
     def _begin(self, scenario: str | None) -> None:
         self.scenario = scenario

@@ -61,6 +61,27 @@ EXAMPLES = (
 )
 _SCENARIO = "a built-in scenario ('hubsim list') or a TOML file"
 
+
+class Axles(argparse.Action):
+    """A first file is that of all wheels, a second one that of the rear axle (``rear``)."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: object,
+        option_string: str | None = None,
+    ) -> None:
+        """Take one more file."""
+        given = getattr(namespace, "axles", ())
+        if len(given) == len(AXLES):
+            parser.error(f"{option_string}: accepted: twice, {' and '.join(AXLES)}")
+        setattr(namespace, AXLES[len(given)], values)
+        namespace.axles = (*given, values)
+
+
+AXLES = ("config", "rear")
+TWO_DRIVES = "twice: of the front axle's wheels and of the rear axle's"
 Commands: TypeAlias = "argparse._SubParsersAction[Parser]"
 
 
@@ -116,14 +137,16 @@ def parser() -> Parser:
     return out
 
 
-def _add_common(command: Parser) -> None:
+def _add_common(command: Parser, *, axles: bool = False) -> None:
     """Add what every command that runs something takes."""
+    text = "a TOML file, or the name of a drive that comes along; default: lu2013"
     command.add_argument(
         "--config",
         type=drive_file,
         default=DEFAULT_CONFIG,
         metavar="DRIVE",
-        help="a TOML file, or the name of a drive that comes along; default: lu2013",
+        action=Axles if axles else "store",
+        help=f"{text}; {TWO_DRIVES}" if axles else text,
     )
     command.add_argument(
         "--set",
@@ -157,7 +180,8 @@ def _add_run(commands: Commands) -> None:
         ),
     )
     command.add_argument("scenario", metavar="SCENARIO", help=_SCENARIO)
-    _add_common(command)
+    _add_common(command, axles=True)
+    command.set_defaults(rear=None)
     _add_strategy(command)
     command.add_argument(
         "--signals",

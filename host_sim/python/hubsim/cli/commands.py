@@ -85,6 +85,7 @@ def run_scenario(options: argparse.Namespace) -> int:
     except DoesNotApplyError as stated:
         return _does_not_apply(stated, options.json)
     drive = drive_of(options.config, settings, options.strategy, chosen)
+    rear = options.rear and drive_of(options.rear, settings, options.strategy, chosen)
     patterns = tuple(options.signals.split(",")) if options.signals else DEFAULT_SIGNALS
     if options.signals and not wanted:
         kinds = " or ".join(f"--{kind}" for kind in arguments.RECORDINGS)
@@ -96,13 +97,13 @@ def run_scenario(options: argparse.Namespace) -> int:
             settings.plant,
             lambda now, planned: bar.update(task, completed=int(now), total=int(planned)),
             date=options.date, processor=emulator.command() if options.on == "qemu" else None,
-            application=engine.application_path() if options.on == "board" else None,
+            application=engine.application_path() if options.on == "board" else None, rear=rear,
         )  # fmt: skip
     evaluated = evaluation.evaluate(chosen, drive, result)
     result = replace(
         result,
         criteria=[outcome.as_object() for outcome in evaluated],
-        ideal=ideal_stop.ideal_of(drive, chosen),
+        ideal={} if rear else ideal_stop.ideal_of(drive, chosen),  # of wheels that are alike
         observed=course.observed(result, chosen),
         origin=result.origin | ({"processor": options.on} if options.on else {}),
     )

@@ -86,6 +86,8 @@ class Bench:
     controller : Configuration, str or Path, optional
         Another configuration for the controllers: a drive with other values than the plant, or an
         image.
+    rear : Configuration, str or Path, optional
+        The drives of the rear axle, plant and controllers, where they differ from those in front.
     plant : mapping, optional
         Parameters of the simulated world alone, by name, as ``set`` takes them.
     record : sequence of str
@@ -101,6 +103,7 @@ class Bench:
         scenario: str | Path | None = None,
         *,
         controller: Configuration | str | Path | None = None,
+        rear: Configuration | str | Path | None = None,
         plant: Mapping[str, float] | None = None,
         record: Sequence[str] = ("*",),
         **settings: Any,  # noqa: ANN401, whatever a scenario's keys take
@@ -110,16 +113,15 @@ class Bench:
         if drive is None:
             _scenario(scenario, settings, None)  # a wrong key is the more telling mistake
             raise HubsimError("drive: missing, accepted: a drive's .toml file or name")
-        config = drive if isinstance(drive, Configuration) else configuration.load(drive)
-        if config.drive is None:
-            raise HubsimError(
-                f"{config.name}: an image does not say what the plant is, accepted: a drive's "
-                ".toml file"
-            )
-        chosen, beside = _scenario(scenario, settings, config.drive)
-        vehicle = overrides.changed(config.drive, chosen.drive_changes, f"{chosen.source}: drive")
+        front = _drive(drive)
+        chosen, beside = _scenario(scenario, settings, front)
+        vehicle, at_rear = (
+            d and overrides.changed(d, chosen.drive_changes, f"{chosen.source}: drive")
+            for d in (front, None if rear is None else _drive(rear))
+        )
+        assert vehicle is not None
         self._engine, self.planned_s = simulation.prepare(
-            vehicle, chosen, beside, dict(plant or {})
+            vehicle, chosen, beside, dict(plant or {}), at_rear
         )
         self._happening = simulation.timeline(chosen, beside)
         if controller is not None:
@@ -228,6 +230,16 @@ class Bench:
     def reason_text(self, reason: float) -> str:
         """Return what a reason code means."""
         return self._engine.reason_text(reason)
+
+
+def _drive(source: Configuration | str | Path) -> Drive:
+    config = source if isinstance(source, Configuration) else configuration.load(source)
+    if config.drive is None:
+        raise HubsimError(
+            f"{config.name}: an image does not say what the plant is, accepted: a drive's "
+            ".toml file"
+        )
+    return config.drive
 
 
 def _scenario(

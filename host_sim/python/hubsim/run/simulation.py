@@ -20,7 +20,7 @@ from hubsim.emulator import Command, attached
 from hubsim.engine import Engine, Rows
 from hubsim.engine import parameters as engine_parameters
 from hubsim.errors import HubsimError
-from hubsim.run import evaluation, plant
+from hubsim.run import axles, evaluation, plant
 from hubsim.run.results import Fault, RunResult
 from hubsim.run.spool import Spool
 from hubsim.scenario import Scenario, cycles
@@ -34,12 +34,34 @@ Progress = Callable[[float, float], None]  # simulated s, planned s
 
 
 def prepare(
-    drive: Drive, scenario: Scenario, beside: Path, plant_overrides: dict[str, float]
+    drive: Drive,
+    scenario: Scenario,
+    beside: Path,
+    plant_overrides: dict[str, float],
+    rear: Drive | None = None,
+    image_of: Callable[[Drive], bytes] = configuration.image_of,
 ) -> tuple[Engine, float]:
     """Build the vehicle of a run that has not begun.
 
-    Returns it and the planned duration in s.
+    ``rear`` is what the wheels of the rear axle have in place of ``drive``; ``image_of`` makes what
+    the controllers are configured with. Returns the vehicle and the planned duration in s.
     """
+    if rear is None:
+        return _prepared(drive, scenario, beside, plant_overrides, image_of)
+    axles.check(drive, rear)
+    shared = axles.driver_parameters(drive, rear) | plant_overrides
+    engine, duration = _prepared(drive, scenario, beside, shared, image_of)
+    engine.set_rear(_prepared(rear, scenario, beside, shared, image_of)[0])
+    return engine, duration
+
+
+def _prepared(
+    drive: Drive,
+    scenario: Scenario,
+    beside: Path,
+    plant_overrides: dict[str, float],
+    image_of: Callable[[Drive], bytes],
+) -> tuple[Engine, float]:
     wired = drive.pedals.accelerator_channels + drive.pedals.brake_channels
     if scenario.uses_pedals and wired == 0:
         raise HubsimError(
@@ -68,7 +90,7 @@ def prepare(
     for name, value in found.items():
         engine.set(name, value)
     engine.set_voltage_curve(*plant.voltage_curve(drive))
-    engine.load_config(configuration.image_of(drive))
+    engine.load_config(image_of(drive))
     duration = (
         scenario.max_duration_s if trace is None else min(trace.duration_s, scenario.max_duration_s)
     )
@@ -123,8 +145,8 @@ def _scenario_parameters(drive: Drive, scenario: Scenario) -> dict[str, float]:
         "driver.brake_pedal": scenario.brake_pedal or 0.0,
         "driver.bandwidth_rad_per_s": scenario.driver_bandwidth_rad_per_s,
         "driver.preview_s": scenario.driver_preview_s,
-        "driver.most_drive_nm": drive.motor.max_torque_nm,
-        "driver.most_brake_nm": drive.motor.max_torque_nm + drive.brake.max_hydraulic_torque_nm,
+        "driver.most_drive_nm": axles.most_drive_nm(drive),
+        "driver.most_brake_nm": axles.most_brake_nm(drive),
         "driver.enable": 1.0,
         "driver.direction": 1.0,
         "driver.own_brake_path": float(not drive.driver.no_other_brake),
@@ -166,6 +188,7 @@ def simulate(
     date: str | None = None,
     processor: Command | None = None,
     application: Path | None = None,
+    rear: Drive | None = None,
 ) -> RunResult:
     """Run to the end.
 
@@ -188,10 +211,14 @@ def simulate(
         Starts another one that executes the controllers (``emulator.command``); absent: this one.
     application : Path, optional
         Library of the whole application, which then is the controller of every wheel.
+    rear : Drive, optional
+        Of the wheels of the rear axle; absent: as in front.
     """
     origin = origin_of(name, drive, scenario, date)
+    if rear is not None:
+        origin["rear"] = origin_of(name, rear, scenario, date)
     try:
-        engine, planned_s = prepare(drive, scenario, beside, plant_overrides or {})
+        engine, planned_s = prepare(drive, scenario, beside, plant_overrides or {}, rear)
     except ConfigurationError as error:
         raise HubsimError(f"{drive.name}: {error}") from error
     with engine, attached(engine, processor) if processor is not None else nullcontext():
@@ -224,7 +251,7 @@ def simulate(
         return RunResult(
             cycle=name,
             strategy=drive.brake.strategy,
-            vehicle=drive.name,
+            vehicle=drive.name if rear is None else f"{drive.name}, {rear.name}",
             wheels=wheels,
             names=names,
             rows=rows,

@@ -8,3 +8,4 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[4]))
+sys.path.append(str(Path(__file__).resolve().parents[1] / "support"))

@@ -2,9 +2,11 @@
 """The vehicle's computer, on what wheels say and on a simulated vehicle."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+import unlike_axles
 from hubfoc.client import WHEELS, Wheel, WheelStatus
 from hubfoc.computer import Computer, Driver
 from hubfoc.live.vehicle import SimulatedVehicle
@@ -106,18 +108,26 @@ STARTED, BRAKES = 150, 600  # in cycles: a second after the start halls know the
 FOLLOWED = 35  # dead time and five lags of the hydraulic brake
 
 
-def test_a_vehicle_with_one_wheel_at_forty_per_cent_stays_straight() -> None:
-    """Yaw moment of each axle at most 5 % of the demanded torque times half the track.
+ALIKE = {"front_share": 0.5}
+UNLIKE = {"front_share": 2.0 / 3.0}  # 40 and 20 N m
 
-    Half the track and the wheels' radius are on both sides: the torques of left and right differ by
-    at most 5 % of the demand, as means of 10 ms. The winding warms within a second, ten times as
-    fast as at full current, while the vehicle drives; then it brakes to standstill.
+
+@pytest.mark.parametrize("shares", [ALIKE, UNLIKE], ids=["axles alike", "axles that differ"])
+def test_a_vehicle_with_one_wheel_at_forty_per_cent_stays_straight(
+    tmp_path: Path, shares: dict[str, float]
+) -> None:
+    """Yaw moment at most 5 % of the demanded torque times half the track, also axle by axle.
+
+    Half the track and the wheels' radius are on both sides: left and right differ by at most 5 % of
+    the demand, as means of 10 ms. The winding of the front right wheel warms within a second, ten
+    times as fast as at full current, while the vehicle drives; then it brakes to standstill.
     """
-    drive = schema.load(cli.DEFAULT_CONFIG)
+    files = unlike_axles.files(tmp_path, {}) if shares is UNLIKE else (cli.DEFAULT_CONFIG,) * 2
+    drive, rear = map(schema.load, files)
     wheels = [Wheel(position) for position in WHEELS]
-    computer = Computer()
+    computer = Computer(**shares)
     impulses = []
-    with SimulatedVehicle(drive) as vehicle:
+    with SimulatedVehicle(drive, rear=rear if shares is UNLIKE else None) as vehicle:
         for ms in range(11000):
             frames = []
             if ms % 10 == 0:
@@ -145,12 +155,28 @@ def test_a_vehicle_with_one_wheel_at_forty_per_cent_stays_straight() -> None:
     motor_nm, hydraulic_nm = np.moveaxis(np.diff(np.array(impulses), axis=0) / 0.010, 1, 0)
     total_nm = motor_nm - hydraulic_nm
     left, right = total_nm[:, ::2], total_nm[:, 1::2]
+    # Of a wheel of each axle.
+    drive_nm, brake_nm = (
+        2.0 * nm * np.array([shares["front_share"], 1.0 - shares["front_share"]])
+        for nm in (DRIVE_NM, BRAKE_NM)
+    )
     assert right[550:590, 0].mean() == pytest.approx(16.0, rel=0.05)
-    assert left[550:590, 1].mean() == pytest.approx(DRIVE_NM, rel=0.02)  # the rear axle drives on
+    assert left[550:590, 1].mean() == pytest.approx(drive_nm[1], rel=0.02)  # the rear drives on
     apart_nm = np.abs(left - right)
-    assert apart_nm[STARTED:BRAKES].max() < 0.05 * DRIVE_NM
-    assert apart_nm[BRAKES + FOLLOWED :].max() < 0.05 * BRAKE_NM
+    assert (apart_nm[STARTED:BRAKES] < 0.05 * drive_nm).all()
+    assert (apart_nm[BRAKES + FOLLOWED :] < 0.05 * brake_nm).all()
     # The motor that has its torque is quicker than the hydraulic brake that fills: 40 ms of dead
     # time and 60 ms of lag, for the 34 N m that the warm motor lacks.
-    assert apart_nm[BRAKES:].max() < 0.25 * BRAKE_NM
+    assert (apart_nm[BRAKES:] < 0.25 * brake_nm).all()
+    whole_nm = np.abs((left - right).sum(axis=1))
+    assert whole_nm[BRAKES:].max() < 0.05 * 4.0 * BRAKE_NM
     assert speed_m_per_s < 0.5
+
+
+def test_brakes_may_be_shared_otherwise_than_motors() -> None:
+    computer = Computer(front_share=0.75, brake_front_share=0.6, rate_nm_per_s=QUICK_NM_PER_S)
+    computer.step(ON, [HEALTHY] * 4)
+    drives = computer.step(replace(ON, drive_nm=80.0), [MOVING] * 4)
+    assert [d["drive_torque_nm"] for d in drives] == pytest.approx([30.0, 30.0, 10.0, 10.0])
+    brakes = computer.step(replace(ON, brake_nm=100.0), [MOVING] * 4)
+    assert [d["brake_torque_nm"] for d in brakes] == pytest.approx([30.0, 30.0, 20.0, 20.0])
