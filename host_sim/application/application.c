@@ -9,6 +9,7 @@ const application_t *application_entry(void)
     const application_t entry = {.sizes = APPLICATION_SIZES,
                                  .board = &board,
                                  .coupling = board_coupling(&board),
+                                 .recording = recording(),
                                  .start = board_start,
                                  .can_send = host_can_send,
                                  .serial_take = host_serial_take,

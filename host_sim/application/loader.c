@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "application/application.h"
+#include "application/steps.h"
 #include "bench/handle.h"
 #include "comms/messages.h"
 #include "config/validate.h"
@@ -31,6 +32,7 @@ typedef struct {
 typedef struct {
     int library;
     int copies;
+    bool records;
     copy_t copy[BENCH_WHEELS_MAX];
 } applications_t;
 
@@ -115,6 +117,7 @@ static const char *start(void *context, bench_t *bench)
     for (int k = 0; k < bench->wheels; k++) {
         const application_t *application = all->copy[k].application;
         const config_t own = config_of(bench_config_of(bench, k), k, bench->wheels);
+        application->recording->on = all->records;
         application->start(application->board, &own);
         bench->wheel[k].coupling = &application->coupling;
     }
@@ -125,6 +128,7 @@ static void close_all(void *context)
 {
     applications_t *all = context;
     for (int k = 0; k < all->copies; k++) {
+        free(all->copy[k].application->recording->step);
         (void)dlclose(all->copy[k].library);
         (void)close(all->copy[k].file);
     }
@@ -151,6 +155,28 @@ int hubsim_application(hubsim_t *sim, const char *path)
     const application_link_t application = {.context = all, .start = start, .close = close_all};
     sim->application = application;
     sim->has_application = true;
+    return HUBSIM_OK;
+}
+
+int hubsim_record(hubsim_t *sim)
+{
+    if (sim->has_started || !sim->has_application) {
+        return handle_fail(
+            sim, HUBSIM_BAD_ORDER,
+            "hubsim_record: accepted: before hubsim_start, after hubsim_application");
+    }
+    ((applications_t *)sim->application.context)->records = true;
+    return HUBSIM_OK;
+}
+
+int hubsim_record_end(hubsim_t *sim)
+{
+    if (sim->has_application) {
+        const applications_t *all = sim->application.context;
+        for (int k = 0; k < all->copies; k++) {
+            all->copy[k].application->recording->on = false;
+        }
+    }
     return HUBSIM_OK;
 }
 
@@ -225,5 +251,35 @@ int hubsim_serial_type(hubsim_t *sim, int wheel, const char *text)
         return no_application(sim);
     }
     application->serial_type(text);
+    return HUBSIM_OK;
+}
+
+int hubsim_steps_read(hubsim_t *sim, int wheel, hubsim_step_t *steps, int capacity)
+{
+    const application_t *application = application_of(sim, wheel);
+    if (application == NULL) {
+        return no_application(sim);
+    }
+    recording_t *recording = application->recording;
+    if (recording->lost) {
+        return handle_fail(sim, HUBSIM_FAILED, "no memory for the steps of wheel %d", wheel);
+    }
+    const uint32_t space = (uint32_t)capacity;
+    const uint32_t count = recording->count < space ? recording->count : space;
+    if (count > 0) {
+        recording->count -= count;
+        memcpy(steps, recording->step, count * sizeof(*steps));
+        memmove(recording->step, &recording->step[count], recording->count * sizeof(*steps));
+    }
+    return (int)count;
+}
+
+int hubsim_steps_config(hubsim_t *sim, int wheel, void *image, uint32_t size_bytes)
+{
+    const application_t *application = application_of(sim, wheel);
+    if (application == NULL || size_bytes != sizeof(config_t)) {
+        return no_application(sim);
+    }
+    memcpy(image, &application->recording->config, sizeof(config_t));
     return HUBSIM_OK;
 }

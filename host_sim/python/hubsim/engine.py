@@ -4,8 +4,8 @@
 Parameters, configuration and signals by name, rows as NumPy arrays.
 
 The declarations are read from the library's own headers (bench/engine.h,
-exchange/controller_api.h), so this module cannot disagree with them. Calls into the engine release
-the interpreter's lock: runs in several threads use several cores.
+exchange/controller_api.h, application/steps.h), so this module cannot disagree with them. Calls
+into the engine release the interpreter's lock: runs in several threads use several cores.
 """
 
 import os
@@ -31,6 +31,7 @@ HEADERS = (
     ROOT / "host_sim" / "bench" / "include" / "bench" / "engine.h",
     ROOT / "host_sim" / "bench" / "include" / "bench" / "external.h",
     ROOT / "host_sim" / "exchange" / "include" / "exchange" / "controller_api.h",
+    ROOT / "host_sim" / "application" / "include" / "application" / "steps.h",
 )
 LIBRARY = Path("host_sim") / "libhubsim_engine.so"
 APPLICATION = Path("host_sim") / "libhubsim_application.so"
@@ -41,6 +42,11 @@ _SERIAL_BYTES = 4096
 _MOST_CODE = 2**31 - 1  # a bit that flipped makes a code beyond what the library takes
 
 Rows = npt.NDArray[np.float64]
+# hubsim_step_t (application/steps.h).
+STEP_VALUES = 56
+STEP = np.dtype([("kind", "<i2"), ("reports", "<i2"), ("values", "<i4", (STEP_VALUES,))])
+Steps = npt.NDArray[np.void]
+_STEPS = 256  # read at once: more than a millisecond has
 
 
 def _built(library: Path) -> Path:
@@ -202,6 +208,32 @@ class Engine:
     def serial_type(self, wheel: int, text: bytes) -> None:
         """Type on the serial line of a wheel's application."""
         self._check(self._lib.hubsim_serial_type(self._sim, wheel, text))
+
+    def record(self) -> None:
+        """Have the steps of every wheel's application recorded, before ``start``."""
+        self._check(self._lib.hubsim_record(self._sim))
+
+    def record_end(self) -> None:
+        """Record no more steps."""
+        self._check(self._lib.hubsim_record_end(self._sim))
+
+    def steps_read(self, wheel: int) -> Steps:
+        """Return the steps of a wheel since last time, as ``hubsim.steps`` describes them."""
+        parts: list[Steps] = []
+        while True:
+            found = np.empty(_STEPS, dtype=STEP)
+            buffer = self._ffi.from_buffer("hubsim_step_t[]", found.data, require_writable=True)
+            count = self._lib.hubsim_steps_read(self._sim, wheel, buffer, _STEPS)
+            self._check(min(count, 0))
+            parts.append(found[:count])
+            if count < _STEPS:
+                return parts[0].copy() if len(parts) == 1 else np.concatenate(parts)
+
+    def steps_config(self, wheel: int, size_bytes: int) -> bytes:
+        """Return the image with which a wheel booted last, while its steps are recorded."""
+        image = self._ffi.new("char[]", size_bytes)
+        self._check(self._lib.hubsim_steps_config(self._sim, wheel, image, size_bytes))
+        return bytes(self._ffi.buffer(image))
 
     def start(self) -> None:
         """Boot the controllers and bring the vehicle to its initial speed; time is 0 afterwards."""

@@ -11,23 +11,25 @@
 
 #include <stdint.h>
 
+#include "application/recording.h"
 #include "bench/board.h"
 
 /* Of what crosses the border: library and engine must be of the same sources. */
 typedef struct {
-    uint32_t config, fast_input, fast_output, slow_input, slow_output;
+    uint32_t config, fast_input, fast_output, slow_input, slow_output, step;
 } application_sizes_t;
 
 #define APPLICATION_SIZES                                                                          \
     {                                                                                              \
         sizeof(config_t), sizeof(fast_input_t), sizeof(fast_output_t), sizeof(slow_input_t),       \
-            sizeof(slow_output_t)                                                                  \
+            sizeof(slow_output_t), sizeof(hubsim_step_t)                                           \
     }
 
 typedef struct {
     application_sizes_t sizes;
     board_t *board;            /* the copy's own */
     wheel_coupling_t coupling; /* for wheel_t.coupling */
+    recording_t *recording;    /* of its steps */
     /* Power on with this configuration and a motor at rest. */
     void (*start)(board_t *board, const config_t *config);
     /* A frame of another node on the bus, and the serial line (host/port.h). */
