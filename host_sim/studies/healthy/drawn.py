@@ -62,7 +62,12 @@ def drive_of(name: str, sensor: str, strategy: str, hold: bool) -> Drive:
     drive = faults_sweep.drive_of(name, sensor)
     changes: dict[tuple[str, str], object] = {("brake", "strategy"): strategy}
     if hold:
-        changes["driver", "hold_torque_nm"] = 0.5 * drive.motor.rated_torque_nm
+        vehicle = drive.vehicle
+        changes["driver", "hold_torque_nm"] = vehicles.hold_torque_nm(
+            drive.motor.rated_torque_nm,
+            vehicle.wheel_radius_m,
+            vehicle.frontal_area_m2 * vehicle.drag_coefficient / vehicle.driven_wheels,
+        )
     return overrides.changed(drive, changes, f"{name}, {sensor}, {strategy}")
 
 

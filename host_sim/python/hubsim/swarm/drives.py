@@ -26,6 +26,7 @@ from hubsim import configuration
 from hubsim.engine import Engine
 from hubsim.errors import HubsimError
 from hubsim.scenario import overrides
+from hubsim.swarm import vehicles
 from hubsim.swarm.vehicles import Lot
 from hubsim.sweep import drives, faults_sweep
 
@@ -237,8 +238,11 @@ def drawn(lot: Lot) -> Data:
         },
         "thermal": _thermal(lot, motor),
         "rotor": _rotor(lot, motor),
-        "driver": {"hold_torque_nm": 0.5 * motor["rated_torque_nm"] if lot.chance(0.25) else 0.0},
     }
+    vehicle = found["vehicle"]
+    air_m2 = vehicle["frontal_area_m2"] * vehicle["drag_coefficient"] / wheels
+    holds_nm = vehicles.hold_torque_nm(motor["rated_torque_nm"], radius, air_m2)
+    found["driver"] = {"hold_torque_nm": holds_nm if lot.chance(0.25) else 0.0}
     return {section: {key: _six(value) for key, value in keys.items()}
             for section, keys in found.items()}  # fmt: skip
 

@@ -14,7 +14,7 @@ from regen_table import models
 from regen_table.schema import Drive
 
 from hubsim.run import plant
-from hubsim.run.plant import STANDARD_GRAVITY_M_PER_S2
+from hubsim.run.plant import STANDARD_AIR_KG_PER_M3, STANDARD_GRAVITY_M_PER_S2
 
 PREPARED, STANDING, ROLLING = "prepared", "standing", "rolling"
 """How a ride begins: controllers that run already, that boot at rest, or on turning wheels."""
@@ -62,6 +62,8 @@ CELLS_REST = (
 )  # of the pack's range, where the file has one voltage for all charges
 STEEPEST = 0.12
 PULL_SHARE = 0.4  # of the rated torque, that a slope takes at most
+WIND_M_PER_S = 8.0  # at most, from either side
+BRAKE_LOSS = 0.1  # of a hydraulic brake's torque, at most; as much more at most
 HARDEST_M_PER_S2 = 8.0  # dry road
 RIDE_S = 45.0
 CRAWL_M_PER_S = 2.0
@@ -128,9 +130,23 @@ def parts_of(lot: Lot, drive: Drive, ambient_c: float) -> dict[str, float]:
         **_battery(lot, drive, ambient_c),
         **_sensors(lot, drive),
         **_brake(lot, drive),
-        "road.wind_m_per_s": lot.within(-8.0, 8.0),
+        "road.wind_m_per_s": lot.within(-WIND_M_PER_S, WIND_M_PER_S),
         "thermal.active": 1.0,
     }
+
+
+def hold_torque_nm(rated_nm: float, radius_m: float, air_m2: float) -> float:
+    """Return the hold torque at each wheel that no road and no wind drawn here overcomes.
+
+    Parameters
+    ----------
+    air_m2 : float
+        A driven wheel's share of frontal area times drag coefficient.
+    """
+    largest_m2 = air_m2 * FACTORS["vehicle.frontal_area_m2"][1]
+    wind_n = 0.5 * STANDARD_AIR_KG_PER_M3 * largest_m2 * WIND_M_PER_S**2
+    wind_nm = wind_n * radius_m * FACTORS["vehicle.wheel_radius_m"][1]
+    return (PULL_SHARE * rated_nm + wind_nm) / (1.0 - BRAKE_LOSS)
 
 
 @dataclass(frozen=True)
@@ -242,7 +258,7 @@ def _brake(lot: Lot, drive: Drive) -> dict[str, float]:
     """Return hydraulic brake with its sensor, and the bus of the messages."""
     most_nm = drive.brake.max_hydraulic_torque_nm
     return {
-        "brake.torque_loss": lot.within(-0.1, 0.1),
+        "brake.torque_loss": lot.within(-BRAKE_LOSS, BRAKE_LOSS),
         "brake_sensor.fitted": float(lot.chance(0.5)),
         "brake_sensor.period_s": lot.one_of(0.01, 0.02, 0.04),
         "brake_sensor.delay_s": lot.one_of(0.005, 0.01, 0.015),

@@ -77,6 +77,23 @@ def test_a_slope_leaves_the_motor_torque_and_a_brake_the_road_its_grip(
                 assert 0.0 < phase.torque_nm <= drive.motor.max_torque_nm * (1.0 + 1e-9)
 
 
+def test_a_hold_overcomes_every_slope_in_every_wind(drawn: list[Ride]) -> None:
+    """As the plant has it, air and wind from behind or ahead; rolling resistance only helps."""
+    holding = [ride for ride in drawn if ride.hold]
+    assert {ride.drive for ride in holding} == set(DRIVES)
+    for ride in holding:
+        drive = rides_drawn.drive_of(ride.drive, ride.sensor, ride.strategy, ride.hold)
+        world, wheels = ride.plant, drive.vehicle.driven_wheels
+        area_m2 = world["vehicle.frontal_area_m2"] * drive.vehicle.drag_coefficient
+        air_n = 0.5 * plant.STANDARD_AIR_KG_PER_M3 * area_m2 * world["road.wind_m_per_s"] ** 2
+        steepest = max(abs(phase.slope) for phase in ride.phases)
+        road_n = world["vehicle.mass_kg"] * plant.STANDARD_GRAVITY_M_PER_S2 * steepest
+        pull = (air_n + road_n) * world["vehicle.wheel_radius_m"] / wheels
+        hold = drive.driver.hold_torque_nm or 0.0
+        assert pull <= hold * (1.0 - world["brake.torque_loss"])
+        assert hold <= drive.brake.max_hydraulic_torque_nm
+
+
 def test_an_encoder_never_boots_at_rest(drawn: list[Ride]) -> None:
     assert all(ride.begins != vehicles.STANDING for ride in drawn if ride.sensor == "encoder")
 
