@@ -162,6 +162,7 @@ class DevCommandTest(DevFixture):
 
     def test_an_unknown_port_or_probe_is_an_error_that_lists_the_known_ones(self) -> None:
         self.assert_refused(self.run_dev("firmware", "avr"), "avr", "stm32f405", "qemu")
+        self.assert_refused(self.run_dev("flash", "--set", "a.b=1"), "--config")
         self.assert_refused(self.run_dev("flash", "avr"), "avr", "stm32f405")
         self.assert_refused(self.run_dev("flash", "qemu"), "qemu", "emulator")
         self.assert_refused(self.run_dev("flash", "--probe", "wand"), "wand", "stlink")

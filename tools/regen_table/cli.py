@@ -409,6 +409,14 @@ def _parser() -> argparse.ArgumentParser:
         "-o", "--output", type=Path, metavar="DIR", help="default: firmware/config/generated"
     )
     command.add_argument(
+        "--set",
+        dest="settings",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="section.key of the file with another value, also part of the name; repeatable",
+    )
+    command.add_argument(
         "--report",
         type=output_file(".json"),
         metavar="FILE.json",

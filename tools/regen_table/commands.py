@@ -160,7 +160,7 @@ def run_flux(options: argparse.Namespace) -> int:
 
 def run_generate(options: argparse.Namespace) -> int:
     """Write C source and image, a report and figures on request, and print what was found."""
-    drive = schema.load(options.config)
+    drive = schema.load(options.config, options.settings)
     with _about(options.config):
         found = generate.make_report(drive)
         made = generate.artefacts(drive)

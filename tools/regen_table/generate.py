@@ -46,8 +46,8 @@ _HEAD = """\
 /*
  * Configuration "{name}": {motor}.
  *
- * Written by tools/regen_table {version} from {name}.toml; the same bytes as {name}.bin. Do not
- * edit: change the TOML file and run ./tools/dev table. CONFIG_SECTION places the constant into the
+ * Written by tools/regen_table {version}; the same bytes as {name}.bin. Do not edit:
+ * change the TOML file and run ./tools/dev table. CONFIG_SECTION places the constant into the
  * section that can be flashed alone.
  */
 #include "config/config.h"

@@ -8,7 +8,7 @@ module.
 import re
 import tomllib
 import types
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
@@ -16,7 +16,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from regen_table import filling, inputs, installation, refusals
+from regen_table import filling, inputs, installation, refusals, settings
 from regen_table.errors import ConfigurationError
 from regen_table.sections import Drive, bounds, range_of
 from regen_table.suggest import suggestion
@@ -27,7 +27,7 @@ MAX_FILE_BYTES = 1 << 20
 _HERE = Path()
 
 
-def load(path: str | Path) -> Drive:
+def load(path: str | Path, changes: Sequence[str] = ()) -> Drive:
     """Read and check one TOML file.
 
     Parameters
@@ -35,6 +35,8 @@ def load(path: str | Path) -> Drive:
     path : str or Path
         The file, or the bare name of a drive that comes along ("lu2013"); its name without
         ``.toml`` becomes the name of the configuration.
+    changes : sequence of str
+        ``"section.key=value"`` on top of it; the values become part of the name.
 
     Raises
     ------
@@ -51,7 +53,14 @@ def load(path: str | Path) -> Drive:
         ) from error
     except RecursionError as error:
         raise ConfigurationError(f"{path}: not valid TOML: nested too deeply") from error
-    drive = parse(data, name=path.stem, source=str(path), beside=path.parent)
+    for (section, key), value in settings.parse(changes).items():
+        keys = data.setdefault(section, {})
+        if not isinstance(keys, dict):
+            raise ConfigurationError(f"--set {section}.{key}: accepted: section.key=value")
+        keys[key] = value
+    name = settings.name_of(path.stem, changes)
+    source = f"{path} with --set" if changes else str(path)
+    drive = parse(data, name=name, source=source, beside=path.parent)
     return drive.found_in(path.parent)
 
 

@@ -37,3 +37,14 @@ find_table() {
     find_drive "$1" "$2"
     usage_fail "$1: no $tables/$DRIVE_NAME.c; 'tools/dev table $2' makes it"
 }
+
+# make_table COMMAND DRIVE [--set KEY=VALUE]...: makes the table of a drive with other values and
+# leaves its name in DRIVE_NAME.
+make_table() {
+    local written
+    find_drive "$1" "$2"
+    ensure host sim
+    written=$("$VENV_PYTHON" -m regen_table generate "$DRIVE_FILE" "${@:3}") || exit
+    DRIVE_NAME=$(basename "${written##*$'\n'}" .bin)
+    DRIVE_NAME=${DRIVE_NAME%.c}
+}

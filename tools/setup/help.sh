@@ -72,12 +72,15 @@ TEXT
 
 help_table() {
     cat <<'TEXT'
-Usage: tools/dev table DRIVE [-o DIR] [--plots]
+Usage: tools/dev table DRIVE [--set KEY=VALUE]... [-o DIR] [--plots]
 
 Turns one vehicle's TOML file into the configuration that the firmware is built with. DRIVE is the
 file, or the name of one in tools/motors. It becomes <name>.c and, with the same bytes, <name>.bin.
 Without -o they go to firmware/config/generated. With --plots the figures of losses and optimum are
 drawn as well, into DIR or else build/report/figures.
+
+With --set a key of the file (section.key) has another value, and the name says so: `tools/dev table
+mine --set vehicle.wheel_position=rear_left` makes mine_rear_left.c and .bin.
 TEXT
 }
 
@@ -98,8 +101,9 @@ TEXT
 
 help_flash() {
     cat <<'TEXT'
-Usage: tools/dev flash [PORT] [--config DRIVE [--only-config]] [--board BOARD]
-                       [--probe stlink|cmsis-dap|jlink] [--with openocd|pyocd] [--dry-run]
+Usage: tools/dev flash [PORT] [--config DRIVE [--set KEY=VALUE]... [--only-config]]
+                       [--board BOARD] [--probe stlink|cmsis-dap|jlink] [--with openocd|pyocd]
+                       [--dry-run]
        tools/dev flash [PORT] --config DRIVE --only-config --with serial --line DEVICE
 
 Builds the firmware (as tools/dev firmware does) and writes it to the board through a debug probe,
@@ -109,6 +113,8 @@ configuration's sectors are written: another motor, the same firmware. That also
 probe, over the serial line to the firmware's shell (--with serial); the wheel has to stand still,
 and the firmware checks the configuration before it replaces the old one. The wheel must be off the
 ground.
+With --set the table is made first, as by tools/dev table, so that one file serves all wheels:
+--config mine --set vehicle.wheel_position=rear_left.
 With --dry-run everything is built, and printed is what would be written and by which command.
 
 OpenOCD also sets an STM32F405's brown-out level to 3 (option bytes; only of a chip without

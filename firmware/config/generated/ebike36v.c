@@ -2,8 +2,8 @@
 /*
  * Configuration "ebike36v": 36 V 350 W gearless hub.
  *
- * Written by tools/regen_table 0.1.0 from ebike36v.toml; the same bytes as ebike36v.bin. Do not
- * edit: change the TOML file and run ./tools/dev table. CONFIG_SECTION places the constant into the
+ * Written by tools/regen_table 0.1.0; the same bytes as ebike36v.bin. Do not edit:
+ * change the TOML file and run ./tools/dev table. CONFIG_SECTION places the constant into the
  * section that can be flashed alone.
  */
 #include "config/config.h"

@@ -2,8 +2,8 @@
 /*
  * Configuration "ipm400v": 400 V interior-magnet traction motor.
  *
- * Written by tools/regen_table 0.1.0 from ipm400v.toml; the same bytes as ipm400v.bin. Do not
- * edit: change the TOML file and run ./tools/dev table. CONFIG_SECTION places the constant into the
+ * Written by tools/regen_table 0.1.0; the same bytes as ipm400v.bin. Do not edit:
+ * change the TOML file and run ./tools/dev table. CONFIG_SECTION places the constant into the
  * section that can be flashed alone.
  */
 #include "config/config.h"

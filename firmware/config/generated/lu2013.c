@@ -2,8 +2,8 @@
 /*
  * Configuration "lu2013": Lu 2013 in-wheel motor.
  *
- * Written by tools/regen_table 0.1.0 from lu2013.toml; the same bytes as lu2013.bin. Do not
- * edit: change the TOML file and run ./tools/dev table. CONFIG_SECTION places the constant into the
+ * Written by tools/regen_table 0.1.0; the same bytes as lu2013.bin. Do not edit:
+ * change the TOML file and run ./tools/dev table. CONFIG_SECTION places the constant into the
  * section that can be flashed alone.
  */
 #include "config/config.h"

@@ -2,8 +2,8 @@
 /*
  * Configuration "scooter48v": 48 V scooter hub, low inductance.
  *
- * Written by tools/regen_table 0.1.0 from scooter48v.toml; the same bytes as scooter48v.bin. Do not
- * edit: change the TOML file and run ./tools/dev table. CONFIG_SECTION places the constant into the
+ * Written by tools/regen_table 0.1.0; the same bytes as scooter48v.bin. Do not edit:
+ * change the TOML file and run ./tools/dev table. CONFIG_SECTION places the constant into the
  * section that can be flashed alone.
  */
 #include "config/config.h"

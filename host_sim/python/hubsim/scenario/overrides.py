@@ -8,7 +8,6 @@ anything is made of it, for plant and controller alike (``battery.initial_soc=0.
 it is (``plant.motor.phase_resistance_ohm=0.04``).
 """
 
-import tomllib
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,6 +15,7 @@ from typing import Any
 
 from regen_table import schema
 from regen_table.schema import Drive
+from regen_table.settings import value_of
 
 from hubsim import engine
 from hubsim.errors import HubsimError
@@ -60,14 +60,6 @@ def put(overrides: Overrides, key: str, value: Any) -> None:  # noqa: ANN401, wh
         overrides.drive[section, name] = value
     else:
         overrides.scenario[key] = value
-
-
-def value_of(text: str) -> Any:  # noqa: ANN401, whatever TOML can say
-    """Read a value as TOML does; any other text is a string without its quotes."""
-    try:
-        return tomllib.loads(f"value = {text}")["value"]
-    except (tomllib.TOMLDecodeError, KeyError):
-        return text
 
 
 def _plant_value(name: str, value: object) -> float:

@@ -353,6 +353,24 @@ def test_a_motor_with_a_share_of_its_own_has_that_of_the_pack_s_limits(change: C
     assert unpack(image.build(change({}))).battery.pack_share_q15 == 0
 
 
+def test_one_file_makes_the_configurations_of_four_wheels() -> None:
+    """They differ in name and wheel alone."""
+    found = []
+    for k, wheel in enumerate(("front_left", "front_right", "rear_left", "rear_right")):
+        drive = schema.load("lu2013", [f"vehicle.wheel_position={wheel}"])
+        assert drive.name == f"lu2013_{wheel}"
+        built = image.fields(drive)
+        assert built["vehicle"].pop("wheel_position") == k
+        found.append(built)
+    assert found == [found[0]] * 4
+
+
+@pytest.mark.parametrize("setting", ["wheel_position=rear_left", "vehicle.=1", "vehicle.mass_kg"])
+def test_a_setting_names_section_and_key(setting: str) -> None:
+    with pytest.raises(ConfigurationError, match=r"accepted: section\.key=value"):
+        schema.load("lu2013", [setting])
+
+
 @pytest.mark.parametrize("path", STORED, ids=lambda path: path.stem)
 def test_the_stored_files_equal_those_generated_from_their_toml(path: Path) -> None:
     generate.check(schema.load(path), GENERATED)
