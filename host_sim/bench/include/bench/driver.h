@@ -52,8 +52,8 @@
     X(fault_reset_every_s,  0.0,  1e3,   "s", \
       "acknowledges faults so often, for half of that time each; 0: never") \
     X(front_bias,          -1.0,  1.0,   "1", \
-      "of the torque demanded: a wheel of the front axle gets 1 + this times the mean, one of the " \
-      "rear axle 1 - this") \
+      "of the torque demanded: a wheel of the front axle gets 1 + this times the mean, one of " \
+      "the rear axle 1 - this") \
     X(abs_active,           0.0,  1.0,   "",      "1: anti-lock intervention") \
     X(abs_motor_share,      0.0,  1.0,   "",      "of the braking torque, that it leaves the motor")
 /* clang-format on */

@@ -240,9 +240,9 @@ class World:
         if scenario is None:
             return SimulatedVehicle(self.drive, key=self._key, rear=self.rear)
         _, chosen, beside = scenarios.load(scenario, {}, self.drive)
-        front, behind = self._files
+        front, back = self._files
         drive = overrides.load_drive(front, overrides.parse([]), chosen)
-        rear = None if behind is None else overrides.load_drive(behind, overrides.parse([]), chosen)
+        rear = None if back is None else overrides.load_drive(back, overrides.parse([]), chosen)
         return SimulatedVehicle(drive, chosen, beside, self._key, rear)
 
     def _begin(self, scenario: str | None) -> None:

@@ -108,13 +108,13 @@ STARTED, BRAKES = 150, 600  # in cycles: a second after the start halls know the
 FOLLOWED = 35  # dead time and five lags of the hydraulic brake
 
 
-ALIKE = {"front_share": 0.5}
-UNLIKE = {"front_share": 2.0 / 3.0}  # 40 and 20 N m
+ALIKE = 0.5
+UNLIKE = 2.0 / 3.0  # 40 and 20 N m
 
 
-@pytest.mark.parametrize("shares", [ALIKE, UNLIKE], ids=["axles alike", "axles that differ"])
+@pytest.mark.parametrize("front_share", [ALIKE, UNLIKE], ids=["axles alike", "axles that differ"])
 def test_a_vehicle_with_one_wheel_at_forty_per_cent_stays_straight(
-    tmp_path: Path, shares: dict[str, float]
+    tmp_path: Path, front_share: float
 ) -> None:
     """Yaw moment at most 5 % of the demanded torque times half the track, also axle by axle.
 
@@ -122,12 +122,12 @@ def test_a_vehicle_with_one_wheel_at_forty_per_cent_stays_straight(
     the demand, as means of 10 ms. The winding of the front right wheel warms within a second, ten
     times as fast as at full current, while the vehicle drives; then it brakes to standstill.
     """
-    files = unlike_axles.files(tmp_path, {}) if shares is UNLIKE else (cli.DEFAULT_CONFIG,) * 2
+    files = unlike_axles.files(tmp_path, {}) if front_share == UNLIKE else (cli.DEFAULT_CONFIG,) * 2
     drive, rear = map(schema.load, files)
     wheels = [Wheel(position) for position in WHEELS]
-    computer = Computer(**shares)
+    computer = Computer(front_share=front_share)
     impulses = []
-    with SimulatedVehicle(drive, rear=rear if shares is UNLIKE else None) as vehicle:
+    with SimulatedVehicle(drive, rear=rear if front_share == UNLIKE else None) as vehicle:
         for ms in range(11000):
             frames = []
             if ms % 10 == 0:
@@ -157,8 +157,7 @@ def test_a_vehicle_with_one_wheel_at_forty_per_cent_stays_straight(
     left, right = total_nm[:, ::2], total_nm[:, 1::2]
     # Of a wheel of each axle.
     drive_nm, brake_nm = (
-        2.0 * nm * np.array([shares["front_share"], 1.0 - shares["front_share"]])
-        for nm in (DRIVE_NM, BRAKE_NM)
+        2.0 * nm * np.array([front_share, 1.0 - front_share]) for nm in (DRIVE_NM, BRAKE_NM)
     )
     assert right[550:590, 0].mean() == pytest.approx(16.0, rel=0.05)
     assert left[550:590, 1].mean() == pytest.approx(drive_nm[1], rel=0.02)  # the rear drives on
