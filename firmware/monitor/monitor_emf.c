@@ -160,11 +160,13 @@ static int32_t weight_of(const view_t *view)
 }
 
 /* A salient motor at full current has e within U up to any speed, and with |i_d| > psi/(L_q - L_d)
- * its observer sees no half turn: the sign of e_q shows it. */
-static bool opposite(const view_t *view, const config_t *config, const measured_t *now)
+ * its observer sees no half turn: the sign of e_q shows it. Not of halls that still show a speed
+ * when the wheel stands or rolls back. */
+static bool opposite(const view_t *view, const config_t *config, const measured_t *now, bool steady)
 {
     const config_motor_t *motor = &config->motor;
-    if (view->along_nV >= 0 || motor->q_inductance_nH <= motor->d_inductance_nH) {
+    const bool known = config->rotor.sensor != CONFIG_ROTOR_HALL || steady;
+    if (view->along_nV >= 0 || motor->q_inductance_nH <= motor->d_inductance_nH || !known) {
         return false;
     }
     const int64_t least_nV = uncertain_along_nV(view, config, now);
@@ -179,7 +181,8 @@ bool monitor_emf_step(monitor_emf_state_t *state, const config_t *config, const 
     }
     const view_t view = view_of(config, now);
     const bool steady = is_steady(state, config, now->speed_mrad_s);
-    const bool judged = view.emf_nV >= MARGIN * view.uncertain_nV || opposite(&view, config, now);
+    const bool judged =
+        view.emf_nV >= MARGIN * view.uncertain_nV || opposite(&view, config, now, steady);
     const bool wrong = magnitude(view.across_nV) >= view.along_nV;
     if (judged && !wrong && steady) {
         watch_flux(state, config, now, &view);

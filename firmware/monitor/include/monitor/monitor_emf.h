@@ -9,8 +9,8 @@
  * than 45 degrees away from the q axis, or if e_q and the speed have opposite signs, and e is at
  * least w psi/2 in its larger component: a smaller one shows no angle but a rotor that is slower
  * than its sensor says. It is checked only where w psi >= 4 U, U the uncertainty of e, or where
- * e_q <= -U_q and w psi >= U_q, U_q the uncertainty of e_q, in a salient motor; and while the
- * voltage is not limited. The error is qualified by monitor.angle_fault_time more implausible than
+ * e_q <= -U_q and w psi >= U_q, U_q the uncertainty of e_q, in a salient motor, with halls at a
+ * steady speed; and while the voltage is not limited. The error is qualified by monitor.angle_fault_time more implausible than
  * plausible steps; a smaller e counts 1/32. DERIVATIONS.md, Angle check. The same e_q against the
  * magnets' flux: DERIVATIONS.md, Flux and bus voltage.
  */

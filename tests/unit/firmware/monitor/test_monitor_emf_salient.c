@@ -16,6 +16,7 @@ void setUp(void)
     config.motor.flux_linkage_nWb = 66000000;
     config.drive.dead_time_ns = 500;
     config.drive.pwm_frequency_Hz = 10000;
+    config.rotor.sensor = CONFIG_ROTOR_ANGLE;
     state.level = 0;
 }
 
@@ -40,6 +41,35 @@ void test_half_a_turn_with_all_the_current_is_a_fault_within_20_ms(void)
             TEST_ASSERT_EQUAL_INT(-1, time_to(back * rpm, -107.0, -169.0, 0.0));
             TEST_ASSERT_EQUAL_INT(-1, time_to(back * rpm, -107.0, 169.0, 0.0));
         }
+    }
+}
+
+/* A hard stop: the rotor stands, and for 250 ms the halls show the speed of their last edges. What
+ * is not compensated of the dead time makes an e_q of -1.8 U_q without a current, more than half of
+ * w psi up to 30 r/min. */
+void test_a_wheel_that_stands_before_its_halls_show_it_is_no_fault(void)
+{
+    const plant_t standing = {.resistance = 1.0, .inductance = 1.0, .dead_time_share = 0.9};
+    config.rotor.sensor = CONFIG_ROTOR_HALL;
+    for (double rpm = 10.0; rpm <= 70.0; rpm *= 1.1) {
+        state = emf_steady_at(mrad_s_of_rpm(1.5 * rpm));
+        const monitor_case_t in = measured(rpm, 0.0, 0.0, 90.0, &standing);
+        TEST_ASSERT_LESS_THAN_INT32(0, in.now.latest_u_q_mV);
+        for (int n = 0; n < 250; n++) {
+            TEST_ASSERT_FALSE(monitor_emf_step(&state, &config, measured_of(&in)));
+        }
+    }
+}
+
+/* The same half turn as above, from a change of speed on: a turn, and the qualify time. */
+void test_halls_half_a_turn_wrong_are_a_fault_after_a_turn(void)
+{
+    config.rotor.sensor = CONFIG_ROTOR_HALL;
+    for (double rpm = 560.0; rpm <= 11000.0; rpm *= 1.2) {
+        state = emf_steady_at(mrad_s_of_rpm(1.5 * rpm));
+        const int turn_ms = (int)ceil(60e3 / (rpm * config.motor.pole_pairs));
+        const int after_ms = time_to(rpm, 107.0, 169.0, 180.0);
+        TEST_ASSERT_INT_WITHIN(1, turn_ms + 20, after_ms);
     }
 }
 
