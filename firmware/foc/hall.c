@@ -5,8 +5,18 @@
 #include "core/q15.h"
 #include "core/reciprocal.h"
 
-/* Sensors 120 degrees apart, forward order 101, 001, 011, 010, 110, 100 (bits C B A). */
-static const uint8_t SECTOR_OF_SENSORS[8] = {HALL_NO_SECTOR, 1, 3, 2, 5, 0, 4, HALL_NO_SECTOR};
+/* Sensors 120 degrees apart, forward order 101, 001, 011, 010, 110, 100 (bits C B A); then the same
+ * with B and C exchanged: 011, 001, 101, 100, 110, 010. */
+static const uint8_t SECTOR_OF_SENSORS[16] = {
+    HALL_NO_SECTOR, 1, 3, 2, 5, 0, 4, HALL_NO_SECTOR,
+    HALL_NO_SECTOR, 1, 5, 0, 3, 2, 4, HALL_NO_SECTOR,
+};
+
+/* By rotor.hall_lines: bits 0 to 2 invert a line, bit 3 chooses the second half of the table. */
+static inline uint8_t sector_of(const config_t *config, uint8_t sensors)
+{
+    return SECTOR_OF_SENSORS[((sensors & 7U) ^ (unsigned)config->rotor.hall_lines) & 15U];
+}
 
 void hall_init(hall_t *hall, const config_t *config)
 {
@@ -414,7 +424,7 @@ static void start(hall_t *hall, const config_t *config, uint8_t sector)
 void hall_process_event(hall_t *hall, const config_t *config, uint8_t sensors,
                         hall_observed_t observed)
 {
-    const uint8_t sector = SECTOR_OF_SENSORS[sensors & 7U];
+    const uint8_t sector = sector_of(config, sensors);
     hall->periods_since_edge = q_min(hall->periods_since_edge + 1, UINT16_MAX);
     if (hall->valid) {
         process_plausible(hall, config, sector, observed);
@@ -485,7 +495,7 @@ static bool expected_edge(const hall_t *hall, const hall_t *before)
 bool hall_process_reading(hall_t *hall, hall_t *before, const config_t *config, uint8_t sensors,
                           hall_observed_t observed)
 {
-    const uint8_t sector = SECTOR_OF_SENSORS[sensors & 7U];
+    const uint8_t sector = sector_of(config, sensors);
     if (before->valid && hall->periods_since_edge == 0 && was_disturbance(hall, before, sector)) {
         take_back(hall, before);
     }

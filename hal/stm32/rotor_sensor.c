@@ -9,6 +9,7 @@
 #include "board.h"
 #include "clock.h"
 #include "registers/tim.h"
+#include "rotor_sensor_sample.h"
 
 #define COLD __attribute__((cold)) /* optimised for size */
 
@@ -17,6 +18,11 @@ enum {
     INPUT_DIRECT = 1,   /* CCxS: input x on its own pin */
     FILTER_8_SAMPLES = 3
 };
+
+/* Levels at this period's first sample, and the latest that two samples of a period agreed on. */
+static struct {
+    uint8_t first, agreed;
+} halls;
 
 COLD static void init_halls(void)
 {
@@ -75,13 +81,27 @@ static bool are_adjacent(pin_t a, pin_t b, pin_t c)
            c.number == b.number + 1;
 }
 
-uint8_t rotor_sensor_hall_state(void)
+static uint8_t levels(void)
 {
     if (are_adjacent(BOARD_ROTOR_A, BOARD_ROTOR_B, BOARD_ROTOR_C)) {
         return (uint8_t)((BOARD_ROTOR_A.port->IDR >> BOARD_ROTOR_A.number) & 7U);
     }
     return (uint8_t)((gpio_read(BOARD_ROTOR_A) ? 1U : 0U) | (gpio_read(BOARD_ROTOR_B) ? 2U : 0U) |
                      (gpio_read(BOARD_ROTOR_C) ? 4U : 0U));
+}
+
+void rotor_sensor_sample(void)
+{
+    halls.first = levels();
+}
+
+uint8_t rotor_sensor_hall_state(void)
+{
+    const uint8_t second = levels();
+    if (second == halls.first) {
+        halls.agreed = second;
+    }
+    return halls.agreed;
 }
 
 rotor_sensor_encoder_t rotor_sensor_encoder(void)

@@ -26,6 +26,7 @@
 #define COLD __attribute__((cold)) /* optimised for size */
 #include "registers/adc.h"
 #include "registers/rcc.h"
+#include "rotor_sensor_sample.h"
 #include "vectors.h"
 
 enum {
@@ -107,6 +108,7 @@ void adc_handler(void)
 {
     ADC1->SR = ~(uint32_t)(ADC_SR_JEOC |
                            ADC_SR_JSTRT); /* flags are cleared by writing 0, the others are left */
+    rotor_sensor_sample();
     app_pwm_period_isr();
 }
 

@@ -20,6 +20,7 @@
 #include "registers/adc.h"
 #include "registers/opamp.h"
 #include "registers/rcc.h"
+#include "rotor_sensor_sample.h"
 #include "vectors.h"
 #include "wait.h"
 
@@ -126,6 +127,7 @@ void analog_start(void)
 void adc_handler(void)
 {
     ADC1->ISR = ADC_ISR_JEOC | ADC_ISR_JEOS; /* cleared by writing 1 */
+    rotor_sensor_sample();
     app_pwm_period_isr();
 }
 

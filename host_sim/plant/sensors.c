@@ -9,6 +9,14 @@ enum { CODE_BITS = 12, CODES = 4096, ANGLE_TURN = 65536 };
 
 static const uint8_t HALL_STATE[SENSORS_HALL_SECTORS] = {5, 1, 3, 2, 6, 4};
 
+/* As the lines show a state: first B and C exchanged, then lines inverted. */
+static uint8_t wired(uint8_t state, unsigned lines)
+{
+    const unsigned exchanged =
+        (lines & 8U) != 0 ? (state & 1U) | (state & 2U) << 1 | (state & 4U) >> 1 : state;
+    return (uint8_t)(exchanged ^ (lines & 7U));
+}
+
 static double within_turn(double turn)
 {
     return turn - floor(turn);
@@ -57,7 +65,7 @@ sensors_t sensors_init(const sensors_params_t *params)
         const double error_deg =
             k % 2 == 0 ? params->hall_edge_error_deg : -params->hall_edge_error_deg;
         out.edge_turn[k] = within_turn((edges_deg[k] + error_deg) / 360.0);
-        out.state_from[k] = HALL_STATE[k];
+        out.state_from[k] = wired(HALL_STATE[k], (unsigned)params->hall_lines);
     }
     sort_edges(&out);
     return out;

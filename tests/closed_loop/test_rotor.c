@@ -452,3 +452,51 @@ void test_light_wheel_comes_to_standstill_and_rolls_back_without_an_angle_fault(
         }
     }
 }
+
+/* ---- sensors wired otherwise ---- */
+
+/* A wheel at 100 r/min, its sensors wired as one and configured as the other. */
+static bench_start_t start_wired(bench_t *bench, double plant, int32_t believed)
+{
+    static bench_params_t params;
+    static config_t config;
+    params = at_speed(100.0);
+    config = fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_HALL);
+    params.sensors.hall_lines = plant;
+    config.rotor.hall_lines = believed;
+    const driver_trace_t none = {.points = 0};
+    bench_init(bench, &params, &config, &none);
+    return bench_start(bench);
+}
+
+void test_a_wheel_drives_alike_with_sensors_of_every_wiring_that_it_is_configured_for(void)
+{
+    static bench_t bench;
+    double speed_m_per_s = 0.0;
+    for (int32_t lines = 0; lines < 16; lines++) {
+        TEST_ASSERT_EQUAL_INT(BENCH_READY, start_wired(&bench, lines, lines));
+        bench.params.driver.drive_demand_nm = 10.0;
+        fixture_run(&bench, 0.3);
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, bench.wheel[0].first_fault);
+        speed_m_per_s = lines == 0 ? bench.vehicle.speed_m_per_s : speed_m_per_s;
+        TEST_ASSERT_EQUAL_DOUBLE(speed_m_per_s, bench.vehicle.speed_m_per_s);
+    }
+}
+
+/* Impossible states, sectors that are skipped, or an angle that the back-EMF contradicts: no start,
+ * a warning and the observer in the sensors' place, or a fault. */
+void test_sensors_that_are_wired_otherwise_than_configured_are_noticed(void)
+{
+    static bench_t bench;
+    for (unsigned lines = 1; lines < 16U; lines++) {
+        if (start_wired(&bench, lines, 0) == BENCH_READY) {
+            bench.params.driver.drive_demand_nm = 10.0;
+            fixture_run(&bench, 0.5);
+            const bool noticed = bench.wheel[0].first_fault != REASON_NONE ||
+                                 bench.wheel[0].slow.warning_reason != REASON_NONE;
+            char text[32];
+            snprintf(text, sizeof text, "lines %u", lines);
+            TEST_ASSERT_TRUE_MESSAGE(noticed, text);
+        }
+    }
+}

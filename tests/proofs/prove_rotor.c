@@ -18,6 +18,7 @@ static void any_rotor_configuration(config_t *config)
     config->rotor.sensor = any_within(0, 2);
     config->rotor.pll_proportional_q16 = any_within(1, 65536);
     config->rotor.pll_integral_q24 = any_within(1, 16777216);
+    config->rotor.hall_lines = any_within(0, 15);
     uint32_t turn = 0;
     for (int k = 0; k < CONFIG_HALL_EDGES; k++) {
         config->rotor.edge_turn[k] = any_within(0, 65535);

@@ -25,18 +25,16 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from regen_table import inputs
+from regen_table import halls, inputs
 from regen_table.errors import ConfigurationError
 
 Array = npt.NDArray[np.float64]
-STATES = (
-    5,
-    1,
-    3,
-    2,
-    6,
-    4,
-)  # of sectors 0 to 5 turning forward, bits C B A, as in firmware/foc/hall.c
+Levels = npt.NDArray[np.bool_]
+# Spacing and order: each of the eight sequences of states that three sensors can turn through.
+WIRINGS = (
+    *((120, order) for order in ("abc", "acb")),
+    *((60, order) for order in ("abc", "acb", "bac", "bca", "cab", "cba")),
+)
 VOLTAGES = ("v_ab_v", "v_bc_v")
 HALLS = ("hall_a", "hall_b", "hall_c")
 INDEX = "index"
@@ -76,6 +74,7 @@ class Calibration:
     """What was found in a recording; edges are in the order of the configuration."""
 
     hall_edges: tuple[Place, ...]
+    hall_wiring: tuple[int, str]
     index: Place | None
 
     @property
@@ -204,36 +203,45 @@ def _at(angle_turn: Array, before: int, share: float) -> float:
     return float(angle_turn[before] + share * (angle_turn[before + 1] - angle_turn[before]))
 
 
-def hall_edges(angle_turn: Array, sensors: Sequence[Array]) -> tuple[Place, ...]:
-    """Return the angles at which sectors 0 to 5 begin when turning forward."""
-    levels, shares = zip(*(_edges(sensor) for sensor in sensors), strict=True)
-    state = sum(level.astype(np.int64) << k for k, level in enumerate(levels))
-    found: list[list[tuple[float, int]]] = [[] for _ in STATES]
+def _edges_if(
+    angle_turn: Array, sensors: Sequence[tuple[Levels, Array]], states: Sequence[int]
+) -> tuple[Place, ...] | str:
+    """Return the edges of sectors with these states, or what there should be instead."""
+    a, b, c = (level.astype(np.int64) for level, _ in sensors)
+    state = a | b << 1 | c << 2
+    found: list[list[tuple[float, int]]] = [[] for _ in states]
     for k in np.flatnonzero(np.diff(state)).tolist():
         here, there = int(state[k]), int(state[k + 1])
-        known = here in STATES and there in STATES
-        way = (STATES.index(there) - STATES.index(here)) % 6 if known else 0
+        known = here in states and there in states
+        way = (states.index(there) - states.index(here)) % 6 if known else 0
         if way not in {1, 5}:
-            raise ConfigurationError(
-                f"halls: state {here} to {there} at row {k + 2}, accepted: one sensor changing at a"
-                " time"
-            )
+            return "one sensor changing at a time, through six states"
         changed = (here ^ there).bit_length() - 1
-        angle = _at(angle_turn, k, float(shares[changed][k]))
+        angle = _at(angle_turn, k, float(sensors[changed][1][k]))
         if math.isfinite(angle):
-            edge = STATES.index(there if way == 1 else here)
+            edge = states.index(there if way == 1 else here)
             found[edge].append((angle, FORWARD if way == 1 else BACKWARD))
     places = tuple(_place(angles, f"hall edge {k}") for k, angles in enumerate(found))
     widths = [
-        (b.angle_deg - a.angle_deg) % 360.0
-        for a, b in zip(places, (*places[1:], places[0]), strict=True)
+        (after.angle_deg - before.angle_deg) % 360.0
+        for before, after in zip(places, (*places[1:], places[0]), strict=True)
     ]
-    if not math.isclose(sum(widths), 360.0) or not all(30.0 <= width <= 90.0 for width in widths):
-        raise ConfigurationError(
-            "halls: not in forward order, 30 to 90 deg apart; swap two hall lines or two motor"
-            " wires"
-        )
-    return places
+    forward = math.isclose(sum(widths), 360.0) and all(30.0 <= width <= 90.0 for width in widths)
+    return places if forward else "edges 30 to 90 deg apart"
+
+
+def hall_edges(
+    angle_turn: Array, sensors: Sequence[Array]
+) -> tuple[tuple[Place, ...], tuple[int, str]]:
+    """Return where sectors 0 to 5 begin when turning forward, and the wiring: of ``WIRINGS``."""
+    seen = [_edges(sensor) for sensor in sensors]
+    wanted = set()
+    for spacing_deg, order in WIRINGS:
+        found = _edges_if(angle_turn, seen, halls.states(spacing_deg, "", order))
+        if not isinstance(found, str):
+            return found, (spacing_deg, order)
+        wanted.add(found)
+    raise ConfigurationError(f"halls: accepted: {', '.join(sorted(wanted))}")
 
 
 def index_place(angle_turn: Array, signal: Array) -> Place:
@@ -253,8 +261,12 @@ def calibrate(table: dict[str, Array]) -> Calibration:
     """Evaluate a recording."""
     angle = rotor_angle_turn(table[VOLTAGES[0]], table[VOLTAGES[1]])
     fitted = all(name in table for name in HALLS)
+    places, wiring = (
+        hall_edges(angle, [table[name] for name in HALLS]) if fitted else ((), WIRINGS[0])
+    )
     return Calibration(
-        hall_edges(angle, [table[name] for name in HALLS]) if fitted else (),
+        places,
+        wiring,
         index_place(angle, table[INDEX]) if INDEX in table else None,
     )
 
@@ -279,6 +291,9 @@ def as_toml(found: Calibration) -> str:
             f"hall_edges_deg = [{edges}]"
             f"  # at least {count} each, {_uncertainty(found.hall_edges)}",
         ]
+        spacing_deg, order = found.hall_wiring
+        lines += ["hall_spacing_deg = 60"] if spacing_deg == 60 else []
+        lines += [f'hall_order = "{order}"'] if order != "abc" else []
     if found.index is not None:
         lines += ['sensor = "encoder"'] if not found.hall_edges else []
         lines.append(

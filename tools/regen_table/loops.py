@@ -12,7 +12,7 @@ shares of the voltage circle's radius.
 import math
 from dataclasses import dataclass
 
-from regen_table import derived, relations
+from regen_table import derived, halls, relations
 from regen_table.sections import Drive
 
 MODULATION_MAX = 0.98
@@ -342,6 +342,7 @@ def field_weakening_gain(drive: Drive) -> float:
 def rotor(drive: Drive) -> dict[str, int | list[int]]:
     """Fill config_rotor_t: a tracking loop with both poles at the bandwidth (damping 1)."""
     natural = 2.0 * math.pi * drive.rotor.pll_bandwidth_hz * bases(drive).period_s
+    wiring = halls.wiring(drive.rotor)
     return {
         "sensor": {"angle": 0, "hall": 1, "encoder": 2}[drive.rotor.sensor],
         "pll_bandwidth_Hz": nearest(drive.rotor.pll_bandwidth_hz),
@@ -353,7 +354,8 @@ def rotor(drive: Drive) -> dict[str, int | list[int]]:
         "encoder_reversed": int(drive.rotor.encoder_reversed),
         "observer_speed_mrad_s": nearest(derived.observer_speed_rad_s(drive) * 1e3),
         "observer_takeover": int(drive.rotor.observer_takeover),
-        "edge_turn": [_turn(edge) for edge in drive.rotor.hall_edges_deg],
+        "hall_lines": wiring.lines,
+        "edge_turn": [_turn(edge) for edge in wiring.edges_deg],
     }
 
 

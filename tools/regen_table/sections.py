@@ -573,9 +573,24 @@ class Rotor(Section):
         tuple[Degrees, Degrees, Degrees, Degrees, Degrees, Degrees],
         Field(
             strict=False,
-            description="electrical angle at which sector k begins when turning forward",
+            description=(
+                "electrical angle at which sector k begins when turning forward; the first where"
+                " sensor a rises"
+            ),
         ),
     ] = (0.0, 60.0, 120.0, 180.0, 240.0, 300.0)
+    hall_spacing_deg: Annotated[
+        Literal[120, 60],
+        Field(description="electrical, from a to b and from b to c, which rise in this order"),
+    ] = 120
+    hall_inverted: Annotated[
+        Literal["", "a", "b", "c", "ab", "ac", "bc", "abc"],
+        Field(description="sensors whose level is inverted"),
+    ] = ""
+    hall_order: Annotated[
+        Literal["abc", "acb", "bac", "bca", "cab", "cba"],
+        Field(description="sensors at the board's inputs A, B, C"),
+    ] = "abc"
     pll_bandwidth_hz: Annotated[float, number(1.0, 1000.0, "Hz", "tracking of the angle")] = 50.0
     encoder_counts: Annotated[
         int | None,

@@ -145,6 +145,9 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
          * from it */
         .observer_speed_mrad_s          = 9068,
         .observer_takeover              = 1, /* 1: it does; 0: it is only reported */
+        /* bits 0 to 2: level of A, B, C inverted; bit 3: then B and C exchanged; 0: 120
+         * degrees apart, in order; 2, 10: 60 degrees apart */
+        .hall_lines                     = 0,
         .edge_turn = {0, 10923, 21845, 32768, 43691, 54613},
     },
     .battery = {
@@ -440,5 +443,5 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
             -282, -352, -283, -480, -539,
         },
     },
-    .crc32 = 0x5A234161,
+    .crc32 = 0xE2DA71E2,
 };

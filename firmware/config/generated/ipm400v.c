@@ -145,6 +145,9 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
          * from it */
         .observer_speed_mrad_s          = 31664,
         .observer_takeover              = 1, /* 1: it does; 0: it is only reported */
+        /* bits 0 to 2: level of A, B, C inverted; bit 3: then B and C exchanged; 0: 120
+         * degrees apart, in order; 2, 10: 60 degrees apart */
+        .hall_lines                     = 0,
         .edge_turn = {0, 10923, 21845, 32768, 43691, 54613},
     },
     .battery = {
@@ -663,5 +666,5 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
             -20041, -21553, -22987, -24353, -25659, -26913, -28121, -29286, -30414,
         },
     },
-    .crc32 = 0xA979E18E,
+    .crc32 = 0x763FB1B3,
 };

@@ -145,6 +145,9 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
          * from it */
         .observer_speed_mrad_s          = 5374,
         .observer_takeover              = 1, /* 1: it does; 0: it is only reported */
+        /* bits 0 to 2: level of A, B, C inverted; bit 3: then B and C exchanged; 0: 120
+         * degrees apart, in order; 2, 10: 60 degrees apart */
+        .hall_lines                     = 0,
         .edge_turn = {0, 10923, 21845, 32768, 43691, 54613},
     },
     .battery = {
@@ -459,5 +462,5 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
             -7364, -7790, -7021, -8871, -9455,
         },
     },
-    .crc32 = 0x0F7ECC21,
+    .crc32 = 0xC5D49F2A,
 };

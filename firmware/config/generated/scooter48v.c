@@ -145,6 +145,9 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
          * from it */
         .observer_speed_mrad_s          = 4418,
         .observer_takeover              = 1, /* 1: it does; 0: it is only reported */
+        /* bits 0 to 2: level of A, B, C inverted; bit 3: then B and C exchanged; 0: 120
+         * degrees apart, in order; 2, 10: 60 degrees apart */
+        .hall_lines                     = 0,
         .edge_turn = {0, 10923, 21845, 32768, 43691, 54613},
     },
     .battery = {
@@ -449,5 +452,5 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
             -5218, -5966, -6796, -7744, -8823, -10033, -11370, -12827, -14396,
         },
     },
-    .crc32 = 0xB5ADB98E,
+    .crc32 = 0x57DD4EEE,
 };

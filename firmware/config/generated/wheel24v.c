@@ -145,6 +145,9 @@ CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
          * from it */
         .observer_speed_mrad_s          = 4800,
         .observer_takeover              = 1, /* 1: it does; 0: it is only reported */
+        /* bits 0 to 2: level of A, B, C inverted; bit 3: then B and C exchanged; 0: 120
+         * degrees apart, in order; 2, 10: 60 degrees apart */
+        .hall_lines                     = 0,
         .edge_turn = {0, 10923, 21845, 32768, 43691, 54613},
     },
     .battery = {
@@ -457,5 +460,5 @@ CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
             -69, -93, -74, -137, -157,
         },
     },
-    .crc32 = 0xC93082E6,
+    .crc32 = 0xD12A4BA5,
 };

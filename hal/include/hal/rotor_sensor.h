@@ -31,7 +31,9 @@ bool rotor_sensor_init(rotor_sensor_kind_t kind);
  * forward. */
 uint16_t rotor_sensor_angle_turn(void);
 
-/* Levels now: bit 0 = hall A, bit 1 = hall B, bit 2 = hall C. */
+/* Levels now: bit 0 = hall A, bit 1 = hall B, bit 2 = hall C. Where they come from pins, two
+ * samples of this period agreed on them; else they are the last that did, so that one wrong sample
+ * has no effect. */
 uint8_t rotor_sensor_hall_state(void);
 
 /* Once a period: reading clears `index`. */

@@ -178,7 +178,10 @@
     X(encoder_reversed, 0, 1, "", "1: the count falls when turning forward") \
     X(observer_speed_mrad_s,                 1,         5000000,    "mrad/s", \
       "mechanical, from which the EMF observer watches the sensor and takes over from it") \
-    X(observer_takeover, 0, 1, "", "1: it does; 0: it is only reported")
+    X(observer_takeover, 0, 1, "", "1: it does; 0: it is only reported") \
+    X(hall_lines,                            0,         15,         "", \
+      "bits 0 to 2: level of A, B, C inverted; bit 3: then B and C exchanged; 0: 120 degrees " \
+      "apart, in order; 2, 10: 60 degrees apart")
 
 #define CONFIG_HALL_ARRAY(Y) \
     Y(edge_turn, CONFIG_HALL_EDGES,          0,         65535,      "turn", \

@@ -9,8 +9,8 @@
  * are offered. The caller provides the shunt currents at that instant (shunts.h).
  *
  * Halls: sector k = 0 .. 5 begins at edge k and shows 5, 1, 3, 2, 6, 4 (bit 0 = A, 1 = B, 2 = C),
- * sensors 120 degrees apart. Misplacement is a parameter of the plant: the controller is configured
- * with hall_edges, without the error.
+ * sensors 120 degrees apart, in order; hall_lines makes others of them. Misplacement is a parameter
+ * of the plant: the controller is configured with hall_edges, without the error.
  */
 #ifndef PLANT_SENSORS_H
 #define PLANT_SENSORS_H
@@ -39,6 +39,8 @@
     X(hall_edge_3_deg,        0.0,   360.0, "deg", "sector 3") \
     X(hall_edge_4_deg,        0.0,   360.0, "deg", "sector 4") \
     X(hall_edge_5_deg,        0.0,   360.0, "deg", "sector 5") \
+    X(hall_lines,             0.0,   15.0,  "", \
+      "lines that are inverted: 1 = A, 2 = B, 4 = C, sums; and 8: B and C exchanged") \
     X(current_drift_a_per_s, -1e3,   1e3,   "A/s", \
       "growth of the offset of phases a and c, and of the opposite in b") \
     X(current_a_gain_error,  -0.5,   0.5,   "1", \

@@ -4,6 +4,7 @@
 The plant's parameters, not the controller's configuration.
 """
 
+from regen_table import halls
 from regen_table.schema import Drive
 
 STANDARD_AIR_KG_PER_M3 = 1.204  # dry, 20 degC, 1013 hPa
@@ -163,9 +164,9 @@ def parameters(drive: Drive) -> dict[str, float]:
     )
     found["inverter.switch_reference_temperature_c"] = SWITCH_REFERENCE_C
     found |= EFFECTS
-    found |= {
-        f"sensors.hall_edge_{k}_deg": edge for k, edge in enumerate(drive.rotor.hall_edges_deg)
-    }
+    wiring = halls.wiring(drive.rotor)
+    found["sensors.hall_lines"] = wiring.lines
+    found |= {f"sensors.hall_edge_{k}_deg": edge for k, edge in enumerate(wiring.edges_deg)}
     return {name: float(value) for name, value in found.items()}
 
 

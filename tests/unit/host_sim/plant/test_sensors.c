@@ -97,6 +97,27 @@ void test_hall_states_follow_the_forward_order_with_one_change_per_edge(void)
     }
 }
 
+/* Sensors rise a third of a turn apart, B and C in turn exchanged, lines inverted, and stuck. */
+void test_lines_exchange_and_invert_what_the_sensors_show(void)
+{
+    for (unsigned lines = 0; lines < 16U; lines++) {
+        params.hall_lines = lines;
+        for (int k = 0; k < 360; k++) {
+            const double turn = (k + 0.5) / 360.0;
+            const bool on[3] = {turn < 0.5, turn >= 1.0 / 3.0 && turn < 5.0 / 6.0,
+                                turn < 1.0 / 6.0 || turn >= 2.0 / 3.0};
+            const bool exchanged = (lines & 8U) != 0;
+            const unsigned expected = ((on[0] ? 1U : 0U) | (on[exchanged ? 2 : 1] ? 2U : 0U) |
+                                       (on[exchanged ? 1 : 2] ? 4U : 0U)) ^
+                                      (lines & 7U);
+            fault.hall_stuck_low = 0U;
+            TEST_ASSERT_EQUAL_UINT8(expected, sample(NO_CURRENT, 50.0, turn).hall_state);
+            fault.hall_stuck_low = 4U;
+            TEST_ASSERT_EQUAL_UINT8(expected & 3U, sample(NO_CURRENT, 50.0, turn).hall_state);
+        }
+    }
+}
+
 /* Angle at which the state after edge k begins, found by search. */
 static double edge_deg(const sensors_t *sensors, uint8_t before, uint8_t after, double around_deg)
 {

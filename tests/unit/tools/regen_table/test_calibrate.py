@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Hall edges and index angle from a recording of a wheel turned by hand."""
 
+import itertools
 import math
+import tomllib
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 import pytest
-from regen_table import calibrate, cli
+from regen_table import calibrate, cli, halls, sections
 from regen_table.errors import ConfigurationError
 
 Array = npt.NDArray[np.float64]
@@ -28,7 +30,7 @@ def spun(speed_turn_per_s: Array, hysteresis_deg: float = 0.0) -> dict[str, Arra
     noise = np.random.default_rng(3).normal(0.0, 0.01, (2, len(turns)))
     late_turn = 0.5 * hysteresis_deg / 360.0 * np.sign(speed_turn_per_s)
     sector = np.searchsorted(EDGES_DEG, (turns - late_turn) % 1.0 * 360.0, side="right") - 1
-    state = np.array(calibrate.STATES)[sector]
+    state = np.array([5, 1, 3, 2, 6, 4])[sector]
     shaft = (turns - INDEX_DEG / 360.0) / POLE_PAIRS
     return {
         "v_ab_v": a - b + noise[0],
@@ -136,10 +138,37 @@ def test_logic_channels_switch_at_the_middle_of_their_own_levels() -> None:
         assert beside_deg(place.angle_deg, truth) < 0.8
 
 
-def test_swapped_lines_are_refused() -> None:
+@pytest.mark.parametrize("inverted", ["", "a", "b", "ac"])
+@pytest.mark.parametrize("inputs", list(itertools.permutations("abc")))
+def test_inverted_lines_in_any_order_give_keys_with_which_every_edge_is_where_it_is(
+    inputs: tuple[str, ...], inverted: str
+) -> None:
+    """Of the controller's sectors with those keys, whatever sectors they are."""
+    right = spun(both_ways(), 4.0)
+    table = dict(right)
+    for at, sensor in zip("abc", inputs, strict=True):
+        level = right[f"hall_{sensor}"]
+        table[f"hall_{at}"] = 1.0 - level if sensor in inverted else level
+    found = calibrate.calibrate(table)
+    keys = tomllib.loads(calibrate.as_toml(found))["rotor"]
+    own = halls.wiring(sections.Rotor(**keys))
+    assert {round(edge) for edge in own.edges_deg} == {round(edge) for edge in EDGES_DEG}
+    for turn in np.linspace(0.0, 1.0, 200, endpoint=False):
+        sector = int(np.searchsorted(EDGES_DEG, turn * 360.0, side="right")) - 1
+        levels = dict(
+            zip("abc", [(5, 1, 3, 2, 6, 4)[sector] >> k & 1 for k in range(3)], strict=True)
+        )
+        shown = [levels[sensor] ^ (sensor in inverted) for sensor in inputs]
+        line = [bit ^ (own.lines >> k & 1) for k, bit in enumerate(shown)]
+        a, b, c = (line[0], line[2], line[1]) if own.lines & 8 else line
+        begins = own.edges_deg[(5, 1, 3, 2, 6, 4).index(a | b << 1 | c << 2)]
+        assert beside_deg(begins, EDGES_DEG[sector]) < 1.0
+
+
+def test_a_sensor_that_never_switches_is_refused() -> None:
     table = spun(slowing_down())
-    table["hall_a"], table["hall_b"] = table["hall_b"], table["hall_a"]
-    with pytest.raises(ConfigurationError, match=r"swap two|order of the inverter"):
+    table["hall_b"] = np.zeros_like(table["hall_b"])
+    with pytest.raises(ConfigurationError, match="one sensor changing at a time"):
         calibrate.calibrate(table)
 
 
