@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "core/reason.h"
 
-/* Codes, identifiers and texts in the order of the lists. The words of a column are one string,
- * each behind the zero of the one before: for shells and logs, in half a kilobyte of flash less
- * than with a pointer to each. */
+#include "core/words.h"
+
+/* Codes and identifiers in the order of the lists, behind them that of a number without a row. */
 #define LIMIT_NUMBER(number, identifier, text) (number),
 #define FAULT_NUMBER(number, identifier, text, clearing, driver) (number),
 static const uint8_t NUMBERS[] = {LIMIT_LIST(LIMIT_NUMBER) FAULT_LIST(FAULT_NUMBER)};
@@ -12,38 +12,22 @@ static const uint8_t NUMBERS[] = {LIMIT_LIST(LIMIT_NUMBER) FAULT_LIST(FAULT_NUMB
 
 #define LIMIT_NAME(number, identifier, text) #identifier "\0"
 #define FAULT_NAME(number, identifier, text, clearing, driver) #identifier "\0"
-static const char NAMES[] = LIMIT_LIST(LIMIT_NAME) FAULT_LIST(FAULT_NAME);
+static const char NAMES[] = LIMIT_LIST(LIMIT_NAME) FAULT_LIST(FAULT_NAME) "unknown reason\0";
 #undef LIMIT_NAME
 #undef FAULT_NAME
 
-#define LIMIT_TEXT(number, identifier, text) text "\0"
-#define FAULT_TEXT(number, identifier, text, clearing, driver) text "\0"
-static const char TEXTS[] = LIMIT_LIST(LIMIT_TEXT) FAULT_LIST(FAULT_TEXT);
-#undef LIMIT_TEXT
-#undef FAULT_TEXT
-
-static const char *word_of(reason_t reason, const char *words)
+uint32_t reason_place(reason_t reason)
 {
-    for (uint32_t k = 0; k < sizeof NUMBERS; k++) {
-        if (NUMBERS[k] == (uint32_t)reason) {
-            return words;
-        }
-        while (*words != '\0') {
-            words++;
-        }
-        words++;
+    uint32_t place = 0;
+    while (place < sizeof NUMBERS && NUMBERS[place] != (uint32_t)reason) {
+        place++;
     }
-    return "unknown reason";
-}
-
-const char *reason_text(reason_t reason)
-{
-    return word_of(reason, TEXTS);
+    return place;
 }
 
 const char *reason_name(reason_t reason)
 {
-    return word_of(reason, NAMES);
+    return words_at(NAMES, reason_place(reason));
 }
 
 bool reason_listed(uint32_t place, reason_t *reason)

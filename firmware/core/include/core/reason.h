@@ -116,11 +116,15 @@ typedef enum { LIMIT_LIST(REASON_LIMIT_ENUM) FAULT_LIST(REASON_FAULT_ENUM) } rea
 enum { REASON_FIRST_FAULT = 64 };
 
 /* The text of a code for shells and logs; "unknown reason" for a number not in the list. Never
- * NULL. */
+ * NULL. A port without space for texts (reason_text_absent.c) has the identifier in its place. */
 const char *reason_text(reason_t reason);
 
 /* The identifier of a code, such as "MAX_TORQUE"; "unknown reason" likewise. */
 const char *reason_name(reason_t reason);
+
+/* The place of a code's row as of reason_listed(); for a number not in the list that behind the
+ * last. */
+uint32_t reason_place(reason_t reason);
 
 /* True, with its code, if there is a row `place`, from 0 on: limits, then faults, in the order of
  * the lists. */

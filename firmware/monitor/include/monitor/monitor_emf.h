@@ -10,9 +10,10 @@
  * least w psi/2 in its larger component: a smaller one shows no angle but a rotor that is slower
  * than its sensor says. It is checked only where w psi >= 4 U, U the uncertainty of e, or where
  * e_q <= -U_q and w psi >= U_q, U_q the uncertainty of e_q, in a salient motor, with halls at a
- * steady speed; and while the voltage is not limited. The error is qualified by monitor.angle_fault_time more implausible than
- * plausible steps; a smaller e counts 1/32. DERIVATIONS.md, Angle check. The same e_q against the
- * magnets' flux: DERIVATIONS.md, Flux and bus voltage.
+ * steady speed; and while the voltage is not limited. The error is qualified by
+ * monitor.angle_fault_time more implausible than plausible steps; a smaller e counts 1/32.
+ * DERIVATIONS.md, Angle check. The same e_q against the magnets' flux: DERIVATIONS.md, Flux and bus
+ * voltage.
  */
 #ifndef MONITOR_MONITOR_EMF_H
 #define MONITOR_MONITOR_EMF_H
