@@ -53,7 +53,8 @@ def run_new(options: argparse.Namespace) -> int:
     if sys.stdin.isatty() and sys.stdout.isatty():
         given |= questions.ask(given)
     written = label.short_file(options.name, given)
-    drive = schema.parse(tomllib.loads(written.text), path.stem, str(path))
+    data, folder = tomllib.loads(written.text), path.parent
+    drive = schema.parse(data, path.stem, str(path), beside=folder).found_in(folder)
     image.build(drive)
     outputs.write_text(path, written.text)
     for line in written.estimated:

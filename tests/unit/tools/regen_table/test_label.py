@@ -164,6 +164,15 @@ def test_a_file_that_is_there_is_not_written_over(
     assert path.read_text() == "kept"
 
 
+def test_what_is_checked_before_it_is_written_is_the_drive_of_the_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    built: list[schema.Drive] = []
+    monkeypatch.setattr(image, "build", built.append)
+    assert new("mine", tmp_path / "mine.toml", *HOVERBOARD) == 0
+    assert built == [schema.load(tmp_path / "mine.toml")]
+
+
 def test_what_was_estimated_and_assumed_is_printed(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
