@@ -29,6 +29,7 @@ void controller_init(controller_t *controller, const config_t *config, int32_t t
     finding_times_t times[FINDING_COUNT];
     finding_times(config, times);
     findings_init(&slow->findings, times, config->driver.no_other_brake != 0);
+    slow->torque_reason = shown_reason_init();
     slow->step_count = 0;
 }
 
@@ -121,7 +122,8 @@ static last_t last_of(const measured_t *now, const monitored_t *watch,
 }
 
 static slow_output_t output_of(const measured_t *now, const monitored_t *watch,
-                               const modes_output_t *mode, const torque_output_t *torque)
+                               const modes_output_t *mode, const torque_output_t *torque,
+                               reason_t torque_reason)
 {
     const available_t *available = &torque->available_now;
     const available_t *ahead = &torque->available_ahead;
@@ -138,7 +140,7 @@ static slow_output_t output_of(const measured_t *now, const monitored_t *watch,
         .i_q_mA = now->i_q_mA,
         .bus_voltage_mV = now->bus_voltage_mV,
         .bus_current_mA = now->bus_current_mA,
-        .torque_reason = torque->reason,
+        .torque_reason = torque_reason,
         .available_reason = torque->available.reason,
         .ahead_reason = ahead->braking.reason,
         .drive_available_reason = available->driving.reason,
@@ -175,5 +177,6 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
     slow->step_count++;
     write_setpoint(slow, config, &now, &watch, &mode, &torque.current, bridge, setpoint);
     slow->last = last_of(&now, &watch, &torque, setpoint);
-    return output_of(&now, &watch, &mode, &torque);
+    const reason_t shown = shown_reason_step(&slow->torque_reason, torque.reason);
+    return output_of(&now, &watch, &mode, &torque, shown);
 }

@@ -39,6 +39,7 @@
 #include "core/findings.h"
 #include "core/last.h"
 #include "core/measured.h"
+#include "core/shown_reason.h"
 #include "core/slow_messages.h"
 #include "core/torque_enable.h"
 #include "foc/foc.h"
@@ -72,6 +73,7 @@ typedef struct {
     bridge_choice_state_t bridge;
     last_t last;
     findings_t findings;
+    shown_reason_t torque_reason;
     uint16_t step_count;
 } controller_slow_t;
 

@@ -94,7 +94,8 @@ typedef struct {
     int32_t i_d_mA, i_q_mA;               /* mean over the latest millisecond, peak phase values */
     int32_t bus_voltage_mV;
     int32_t bus_current_mA;    /* estimate from applied voltage and measured current */
-    reason_t torque_reason;    /* what bounds the motor torque in the demanded direction */
+    reason_t torque_reason;    /* what bounds the motor torque in the demanded direction, at most
+                                  five changes in a second (shown_reason.h) */
     reason_t available_reason; /* what bounds electric_brake_available_mNm */
     reason_t ahead_reason;     /* what will bound electric_brake_ahead_mNm */
     reason_t drive_available_reason, drive_ahead_reason;

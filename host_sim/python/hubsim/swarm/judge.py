@@ -327,14 +327,14 @@ def latched_codes() -> frozenset[int]:
 
 
 def changes(recording: Recording) -> Iterator[Finding]:
-    """How often mode, fault or warning change within a second, the sequence of a start apart."""
+    """How often mode, fault, warning or limit change within a second, a start's sequence apart."""
     start = [_mode(name) for name in START]
     quiet = {
         f"wheel{k}.mode": _without(recording.wheel(k, "mode"), start)
         for k in range(recording.wheels)
     }
     seen = replace(recording, signals={**recording.signals, **quiet})
-    yield from _most_changes(seen, ("mode", "fault_reason", "warning_reason"))
+    yield from _most_changes(seen, ("mode", "fault_reason", "warning_reason", "reason"))
 
 
 def _without(values: Rows, codes: Sequence[int]) -> Rows:
@@ -342,11 +342,6 @@ def _without(values: Rows, codes: Sequence[int]) -> Rows:
     rows = np.where(np.isin(values, codes), -1, np.arange(len(values)))
     before = np.maximum.accumulate(rows)
     return np.where(before >= 0, values[np.maximum(before, 0)], -1.0)
-
-
-def limit_changes(recording: Recording) -> Iterator[Finding]:
-    """How often the shown limit of the torque changes within a second (not judged, see OPEN)."""
-    yield from _most_changes(recording, ("reason",))
 
 
 def charge_current(recording: Recording) -> Iterator[Finding]:
@@ -429,12 +424,10 @@ INVARIANTS: Mapping[str, Check] = {
     )
 }
 HEALTHY: Mapping[str, Check] = {"warning": warning}
-# Measured and shown, but no violation: where two limits are equal within the noise of what they are
-# computed from, the tightest is another one in every millisecond; and each frame of a rising demand
-# is a step, which the torque rate meets a few milliseconds later. The charge limit is kept by the
-# losses of the drive's file, which the parts' tolerances make wrong; what a trim on the pack's
-# measured current leaves is to be judged once there is one.
-OPEN: Mapping[str, Check] = {"limit_changes": limit_changes, "charge_current": charge_current}
+# Measured and shown, but no violation. The charge limit is kept by the losses of the drive's file,
+# which the parts' tolerances make wrong; what a trim on the pack's measured current leaves is to be
+# judged once there is one.
+OPEN: Mapping[str, Check] = {"charge_current": charge_current}
 STORED_SHARE = "stored_share"  # measured beside a healthy run (``stop``)
 PROCESS = "process"  # a crash, a hang, too much memory: found from outside (``isolated``)
 NAMES = (*INVARIANTS, *HEALTHY, *OPEN, STORED_SHARE, PROCESS)
