@@ -72,6 +72,7 @@ static struct {
     report_timer_t report_timer;         /* PWM period */
     fast_input_t fast_input;             /* PWM period; zero what the rotor sensor does not give */
     volatile uint32_t fast_cycles_worst; /* PWM period */
+    scope_t *volatile recording;         /* background; NULL: service_fast_step() is not called */
     recorder_t recorder;                 /* millisecond, and at boot */
     retained_t *retained;                /* likewise; NULL: this board has none */
     recorder_memory_t *volatile samples; /* millisecond; NULL: no more for the black box */
@@ -130,8 +131,12 @@ static void start_as_before(controller_slow_t *slow, retained_t *retained)
 
 static void join_bus(const config_t *config)
 {
+    static const service_link_t LINK = {.fast_output = &app.controller.fast.output,
+                                        .fast_input = &app.fast_input,
+                                        .findings = &app.controller.slow.findings,
+                                        .recording = &app.recording};
     uint16_t identifier;
-    service_init(&app.service, config);
+    service_init(&app.service, config, &LINK);
     const bool serves = service_accepts(&app.service, &identifier);
     (void)can_link_init(&app.can, config, serves ? &identifier : NULL, time_ms());
 }
@@ -245,6 +250,10 @@ void app_pwm_period_isr(void)
         pwm_period_step(&app.controller.fast, config, from_slow, &app.fast_input);
     record(&app.fast_input, out);
     report_when_due();
+    scope_t *recording = app.recording;
+    if (recording != NULL) {
+        service_fast_step(recording);
+    }
 
     const uint32_t cycles = time_cycles() - begin_cycles;
     if (cycles > app.fast_cycles_worst) {
@@ -313,6 +322,7 @@ void app_millisecond_isr(void)
         inverter_clear_fault(); /* the hardware's latch is released with the monitor's, or for the
                                    short circuit that a stuck switch calls for; never on its own */
     }
+    service_slow_step(&app.service, &snapshot->output, &snapshot->input);
     recorder_slow(&app.recorder, &snapshot->output, &snapshot->input.temperature);
     if (app.retained != NULL) {
         kept_temperature_write(&app.retained->temperature,

@@ -1,25 +1,62 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "app/service.h"
 
+#include <stdatomic.h>
 #include <stddef.h>
 
 #include "core/signals.h"
+#include "hal/memory.h"
+#include "hal/packets.h"
 #include "hal/random.h"
 
-enum { ANSWERS_ABOVE_COMMANDS = CONFIG_WHEELS };
+enum {
+    ANSWERS_ABOVE_COMMANDS = CONFIG_WHEELS,
+    CONNECT = 0xFF, /* comms/xcp.h */
+    COMMANDS_A_PASS = 8,
+    PACKETS_A_PASS = 64
+};
 
 #define PLACE(from, type, where) {offsetof(type, where), sizeof(((type *)NULL)->where), (from)},
 #define OUTPUT(name, raw, where, ...) PLACE(XCP_RECORD_OUTPUT, slow_output_t, where)
 #define INPUT(name, raw, where, ...) PLACE(XCP_RECORD_INPUT, slow_input_t, where)
+#define FAST_OUTPUT(name, raw, where, ...) PLACE(XCP_RECORD_FAST_OUTPUT, fast_output_t, where)
+#define FAST_INPUT(name, raw, where, ...) PLACE(XCP_RECORD_FAST_INPUT, fast_input_t, where)
 
-static const xcp_signal_t SIGNALS[] = {SIGNALS_SLOW_OUTPUTS(OUTPUT) SIGNALS_SLOW_INPUTS(INPUT)};
+static const xcp_signal_t SIGNALS[] = {SIGNALS_SLOW_OUTPUTS(OUTPUT) SIGNALS_SLOW_INPUTS(
+    INPUT) SIGNALS_FAST_OUTPUTS(FAST_OUTPUT) SIGNALS_FAST_INPUTS(FAST_INPUT)};
+_Static_assert(sizeof SIGNALS / sizeof SIGNALS[0] <= UINT8_MAX, "places in scope_entry_t");
 
-static xcp_access_t access_of(const service_view_t *view)
+static const daq_line_t CAN = {.packet_bytes = XCP_PACKET_BYTES, .packets_a_ms = 1};
+static const daq_line_t PACKETS = {
+    .packet_bytes = DAQ_PACKET_BYTES, .packets_a_ms = DAQ_QUEUE, .carries_fast_list = true};
+_Static_assert((int)DAQ_PACKET_BYTES <= (int)PACKET_BYTES, "hal/packets.h");
+
+/* Apart from service_t, which a port without XCP has too. */
+static daq_t daq;
+static scope_t scope;
+
+static xcp_table_t table_of(const service_t *service, const slow_output_t *output,
+                            const slow_input_t *input)
 {
-    const xcp_access_t access = {
+    const xcp_table_t table = {
         .signals = SIGNALS,
         .signals_count = sizeof SIGNALS / sizeof SIGNALS[0],
-        .record = {[XCP_RECORD_OUTPUT] = view->output, [XCP_RECORD_INPUT] = view->input},
+        .record = {[XCP_RECORD_OUTPUT] = output,
+                   [XCP_RECORD_INPUT] = input,
+                   [XCP_RECORD_FAST_OUTPUT] = service->link->fast_output,
+                   [XCP_RECORD_FAST_INPUT] = service->link->fast_input},
+    };
+    return table;
+}
+
+static xcp_access_t access_of(service_t *service, const service_view_t *view)
+{
+    const xcp_access_t access = {
+        .table = table_of(service, view->output, view->input),
+        .slow_steps = service->slow_steps,
+        .line = service->by_packets ? &PACKETS : &CAN,
+        .daq = &daq,
+        .scope = &scope,
         .in_force = view->in_force,
         .staging = view->staging,
         .identification = "hubfoc-" HUBFOC_VERSION,
@@ -27,14 +64,48 @@ static xcp_access_t access_of(const service_view_t *view)
     return access;
 }
 
-void service_init(service_t *service, const config_t *config)
+void service_init(service_t *service, const config_t *config, const service_link_t *link)
 {
-    const service_t fresh = {.on_can = config->service.can_base != 0};
+    const service_t fresh = {.on_can = config->service.can_base != 0, .link = link};
     const int32_t command = config->service.can_base + config->vehicle.wheel_position;
+    const memory_window_t memory = memory_scope();
     *service = fresh;
+    *link->recording = NULL;
     service->command_identifier = (uint16_t)command;
     service->answer_identifier = (uint16_t)(command + ANSWERS_ABOVE_COMMANDS);
     xcp_init(&service->slave);
+    daq_init(&daq);
+    /* Not volatile for the scope: app.c, start_recorder(). */
+    scope_init(&scope, (void *)(uintptr_t)memory.begin, 4U * memory.words,
+               (uint32_t)config->drive.pwm_frequency_Hz);
+}
+
+/* What the interrupts are to call from now on, after what the background has changed. */
+static void follow(service_t *service)
+{
+    atomic_signal_fence(memory_order_seq_cst); /* app/double_buffer.h, Memory order */
+    service->samples = daq_runs_slow(&daq);
+    *service->link->recording = scope_runs(&scope) ? &scope : NULL;
+}
+
+void service_slow_step(service_t *service, const slow_output_t *output, const slow_input_t *input)
+{
+    service->slow_steps = (uint16_t)(service->slow_steps + 1U);
+    if (!service->samples && *service->link->recording == NULL) {
+        return;
+    }
+    const xcp_table_t table = table_of(service, output, input);
+    if (service->samples) {
+        daq_slow_step(&daq, &table, service->slow_steps);
+    }
+    if (*service->link->recording != NULL) {
+        scope_slow_step(&scope, &table, service->link->findings);
+    }
+}
+
+void service_fast_step(scope_t *recording)
+{
+    scope_fast_step(recording);
 }
 
 bool service_accepts(const service_t *service, uint16_t *identifier)
@@ -43,47 +114,138 @@ bool service_accepts(const service_t *service, uint16_t *identifier)
     return service->on_can;
 }
 
-static void answer(service_t *service, uint32_t bytes)
+static void answer(service_t *service, const packet_t *packet)
 {
-    if (bytes > 0) {
-        service->answer.identifier = service->answer_identifier;
-        service->answer.length = (uint8_t)bytes;
-        service->answers = true;
+    if (packet->length == 0) {
+        return;
     }
+    if (service->by_packets) {
+        (void)packets_send(packet);
+        return;
+    }
+    service->answer.identifier = service->answer_identifier;
+    service->answer.length = packet->length;
+    for (uint32_t i = 0; i < packet->length; i++) {
+        service->answer.data[i] = packet->bytes[i];
+    }
+    service->answers = true;
+}
+
+static void obey(service_t *service, const service_view_t *view, const uint8_t *command,
+                 uint32_t length, bool by_packets, uint32_t now_ms)
+{
+    packet_t out;
+    if (length > 0 && command[0] == CONNECT) {
+        service->by_packets = by_packets;
+    } else if (service->by_packets != by_packets) {
+        return;
+    }
+    const xcp_access_t access = access_of(service, view);
+    out.length = (uint8_t)xcp_command(&service->slave, &access, now_ms, command, length, out.bytes);
+    follow(service);
+    answer(service, &out);
 }
 
 void service_receive(service_t *service, const service_view_t *view, const can_frame_t *frame,
                      uint32_t now_ms)
 {
-    const xcp_access_t access = access_of(view);
-    answer(service, xcp_command(&service->slave, &access, now_ms, frame->data, frame->length,
-                                service->answer.data));
+    obey(service, view, frame->data, frame->length, false, now_ms);
 }
 
+static void receive_packets(service_t *service, const service_view_t *view, uint32_t now_ms)
+{
+    packet_t packet;
+    for (int i = 0; i < COMMANDS_A_PASS && packets_receive(&packet); i++) {
+        obey(service, view, packet.bytes, packet.length, true, now_ms);
+    }
+}
+
+/* The fence keeps a packet from being overwritten while it is copied. */
+static void take_measured(void)
+{
+    atomic_signal_fence(memory_order_seq_cst);
+    daq_taken(&daq, &scope);
+}
+
+static void send_packets(void)
+{
+    packet_t packet;
+    for (int i = 0; i < PACKETS_A_PASS; i++) {
+        packet.length = (uint8_t)daq_next(&daq, &scope, packet.bytes);
+        if (packet.length == 0 || !packets_send(&packet)) {
+            return;
+        }
+        take_measured();
+    }
+}
+
+static void measure(service_t *service)
+{
+    uint8_t bytes[DAQ_PACKET_BYTES];
+    const uint32_t length = service->measures ? 0U : daq_next(&daq, &scope, bytes);
+    if (length == 0) {
+        return;
+    }
+    service->measured.identifier = service->answer_identifier;
+    service->measured.length = (uint8_t)length;
+    for (uint32_t i = 0; i < length; i++) {
+        service->measured.data[i] = bytes[i];
+    }
+    service->measures = true;
+    take_measured();
+}
+
+static void follow_sent(service_t *service)
+{
+    const can_progress_t progress = can_progress(service->answer_identifier);
+    service->under_way = progress == CAN_PENDING;
+    if (progress == CAN_ABORTED && service->under_way_is_measured) {
+        service->measures = true;
+    } else if (progress == CAN_ABORTED) {
+        service->answers = true;
+    }
+}
+
+/* One frame at a time: answers first. */
 static void transmit(service_t *service)
 {
     if (service->under_way) {
-        const can_progress_t progress = can_progress(service->answer_identifier);
-        service->under_way = progress == CAN_PENDING;
-        service->answers = service->answers || progress == CAN_ABORTED;
+        follow_sent(service);
     }
-    if (service->answers && can_transmit(&service->answer)) {
-        service->answers = false;
-        service->under_way = true;
+    if (service->under_way) {
+        return;
+    }
+    if (service->answers) {
+        service->under_way = can_transmit(&service->answer);
+        service->answers = !service->under_way;
+        service->under_way_is_measured = false;
+        return;
+    }
+    measure(service);
+    if (service->measures) {
+        service->under_way = can_transmit(&service->measured);
+        service->measures = !service->under_way;
+        service->under_way_is_measured = true;
     }
 }
 
 void service_step(service_t *service, const service_view_t *view, uint32_t now_ms)
 {
+    receive_packets(service, view, now_ms);
     if (service->slave.connected) {
-        const xcp_access_t access = access_of(view);
+        const xcp_access_t access = access_of(service, view);
         uint64_t bits;
         xcp_tick(&service->slave, &access, now_ms);
         if (xcp_wants_seed(&service->slave) && random_draw(&bits)) {
             xcp_give_seed(&service->slave, bits);
         }
     }
-    transmit(service);
+    follow(service);
+    if (service->by_packets) {
+        send_packets();
+    } else {
+        transmit(service);
+    }
 }
 
 bool service_wants_store(const service_t *service)
@@ -93,7 +255,9 @@ bool service_wants_store(const service_t *service)
 
 void service_store(service_t *service, xcp_error_t error, uint32_t now_ms)
 {
-    answer(service, xcp_store(&service->slave, error, service->answer.data));
+    packet_t out;
+    out.length = (uint8_t)xcp_store(&service->slave, error, out.bytes);
+    answer(service, &out);
     service->stores = error == XCP_ERROR_NONE;
     service->stores_since_ms = now_ms;
 }

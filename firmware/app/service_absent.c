@@ -1,12 +1,24 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A port without XCP. */
+/* A port without XCP: service_t is not used. */
 #include "app/service.h"
 
-void service_init(service_t *service, const config_t *config)
+void service_init(service_t *service, const config_t *config, const service_link_t *link)
 {
-    const service_t absent = {.on_can = false};
+    (void)service;
     (void)config;
-    *service = absent;
+    (void)link;
+}
+
+void service_slow_step(service_t *service, const slow_output_t *output, const slow_input_t *input)
+{
+    (void)service;
+    (void)output;
+    (void)input;
+}
+
+void service_fast_step(scope_t *recording)
+{
+    (void)recording;
 }
 
 bool service_accepts(const service_t *service, uint16_t *identifier)

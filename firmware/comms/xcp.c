@@ -5,33 +5,15 @@
 
 #include "comms/mac.h"
 #include "config/validate.h"
+#include "xcp_exchange.h"
 
-/* Command codes, packet identifiers and bits of the standard, part 2. */
 enum {
-    CONNECT = 0xFF,
-    DISCONNECT = 0xFE,
-    GET_STATUS = 0xFD,
-    SYNCH = 0xFC,
-    GET_COMM_MODE_INFO = 0xFB,
-    GET_ID = 0xFA,
-    SET_REQUEST = 0xF9,
-    GET_SEED = 0xF8,
-    UNLOCK = 0xF7,
-    SET_MTA = 0xF6,
-    UPLOAD = 0xF5,
-    SHORT_UPLOAD = 0xF4,
-    BUILD_CHECKSUM = 0xF3,
-    DOWNLOAD = 0xF0,
-    SET_CAL_PAGE = 0xEB,
-    GET_CAL_PAGE = 0xEA,
-    GET_PAG_PROCESSOR_INFO = 0xE9,
-    COPY_CAL_PAGE = 0xE4
-};
-enum {
-    FIRST_COMMAND = COPY_CAL_PAGE,
+    FIRST_COMMAND = GET_DAQ_EVENT_INFO,
     POSITIVE = 0xFF,
     ERROR = 0xFE,
     RESOURCE_CALIBRATION = 0x01,
+    RESOURCE_DAQ = 0x04,
+    STATUS_DAQ_RUNNING = 0x40,
     COMM_MODE_OPTIONAL = 0x80, /* GET_COMM_MODE_INFO is there; little endian, bytes, no blocks */
     LAYER_VERSION = 0x01,      /* of protocol and transport */
     DRIVER_VERSION = 0x10,     /* 1.0 */
@@ -66,31 +48,19 @@ static const uint8_t LENGTHS[CONNECT - FIRST_COMMAND + 1] = {
     [GET_CAL_PAGE - FIRST_COMMAND] = 3,
     [GET_PAG_PROCESSOR_INFO - FIRST_COMMAND] = 1,
     [COPY_CAL_PAGE - FIRST_COMMAND] = 5,
+    [CLEAR_DAQ_LIST - FIRST_COMMAND] = 4,
+    [SET_DAQ_PTR - FIRST_COMMAND] = 6,
+    [WRITE_DAQ - FIRST_COMMAND] = 8,
+    [SET_DAQ_LIST_MODE - FIRST_COMMAND] = 8,
+    [GET_DAQ_LIST_MODE - FIRST_COMMAND] = 4,
+    [START_STOP_DAQ_LIST - FIRST_COMMAND] = 4,
+    [START_STOP_SYNCH - FIRST_COMMAND] = 2,
+    [GET_DAQ_CLOCK - FIRST_COMMAND] = 1,
+    [GET_DAQ_PROCESSOR_INFO - FIRST_COMMAND] = 1,
+    [GET_DAQ_RESOLUTION_INFO - FIRST_COMMAND] = 1,
+    [GET_DAQ_LIST_INFO - FIRST_COMMAND] = 4,
+    [GET_DAQ_EVENT_INFO - FIRST_COMMAND] = 4,
 };
-
-/* One command on its way through the functions below: each returns an error, or has written the
- * answer behind its first byte and counted its bytes in. */
-typedef struct {
-    xcp_t *slave;
-    const xcp_access_t *access;
-    uint32_t now_ms;
-    const uint8_t *command;
-    uint32_t length;
-    uint8_t *answer;
-    uint32_t answer_bytes;
-} exchange_t;
-
-static uint32_t word_at(const uint8_t *at)
-{
-    return at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
-}
-
-static void put_word(uint8_t *at, uint32_t value)
-{
-    for (uint32_t i = 0; i < sizeof value; i++) {
-        at[i] = (uint8_t)(value >> 8U * i);
-    }
-}
 
 static bool has_key(const config_t *config)
 {
@@ -101,35 +71,38 @@ static bool has_key(const config_t *config)
     return bits != 0;
 }
 
-static uint8_t resources(const xcp_access_t *access)
+/* Those with a lock. */
+static uint8_t locked_resources(const xcp_access_t *access)
 {
     return has_key(access->in_force) ? RESOURCE_CALIBRATION : 0;
 }
 
 static uint8_t protected_resources(const exchange_t *x)
 {
-    return x->slave->unlocked ? 0 : resources(x->access);
+    return x->slave->unlocked ? 0 : locked_resources(x->access);
 }
 
-static void end_session(xcp_t *slave)
+static void end_session(xcp_t *slave, const xcp_access_t *access)
 {
+    xcp_daq_end(access);
     slave->connected = false;
     slave->unlocked = false;
     slave->store_wanted = false;
     slave->page = XCP_PAGE_IN_FORCE;
-    slave->mta_is_text = false;
+    slave->text = NULL;
     slave->mta = 0;
+    slave->daq_odt = DAQ_ODTS;
     slave->seed_given = false;
 }
 
 static xcp_error_t connect(exchange_t *x)
 {
-    end_session(x->slave);
+    end_session(x->slave, x->access);
     x->slave->connected = true;
-    x->answer[1] = resources(x->access);
+    x->answer[1] = (uint8_t)(locked_resources(x->access) | RESOURCE_DAQ);
     x->answer[2] = COMM_MODE_OPTIONAL;
-    x->answer[3] = XCP_PACKET_BYTES; /* MAX_CTO */
-    x->answer[4] = XCP_PACKET_BYTES; /* MAX_DTO, two bytes */
+    x->answer[3] = XCP_PACKET_BYTES;              /* MAX_CTO */
+    x->answer[4] = x->access->line->packet_bytes; /* MAX_DTO, two bytes */
     x->answer[5] = 0;
     x->answer[6] = LAYER_VERSION;
     x->answer[7] = LAYER_VERSION;
@@ -139,7 +112,7 @@ static xcp_error_t connect(exchange_t *x)
 
 static xcp_error_t get_status(exchange_t *x)
 {
-    x->answer[1] = 0; /* no request is pending, no DAQ runs */
+    x->answer[1] = xcp_daq_runs(x->access) ? STATUS_DAQ_RUNNING : 0; /* no request is pending */
     x->answer[2] = protected_resources(x);
     x->answer[3] = 0;
     x->answer[4] = 0;
@@ -172,11 +145,11 @@ static xcp_error_t get_id(exchange_t *x)
     const uint32_t kind = x->command[1];
     const bool known = kind == ID_TEXT || kind == ID_A2L_NAME;
     x->slave->mta = 0;
-    x->slave->mta_is_text = known;
+    x->slave->text = known ? x->access->identification : NULL;
     x->answer[1] = 0; /* to be uploaded */
     x->answer[2] = 0;
     x->answer[3] = 0;
-    put_word(&x->answer[4], known ? text_length(x->access->identification) : 0);
+    xcp_put(&x->answer[4], known ? text_length(x->access->identification) : 0, sizeof(uint32_t));
     x->answer_bytes = 8;
     return XCP_ERROR_NONE;
 }
@@ -255,7 +228,7 @@ static xcp_error_t unlock(exchange_t *x)
     if (!right) {
         slave->wrong_keys++;
         slave->paused_since_ms = x->now_ms;
-        end_session(slave);
+        end_session(slave, x->access);
         return XCP_ERROR_ACCESS_LOCKED;
     }
     slave->wrong_keys = 0;
@@ -273,7 +246,7 @@ static xcp_error_t set_mta(exchange_t *x)
         return XCP_ERROR_OUT_OF_RANGE;
     }
     x->slave->mta = word_at(&x->command[4]);
-    x->slave->mta_is_text = false;
+    x->slave->text = NULL;
     return XCP_ERROR_NONE;
 }
 
@@ -281,17 +254,6 @@ static xcp_error_t set_mta(exchange_t *x)
 static bool is_within(uint32_t first, uint32_t count, uint32_t begin, uint32_t size)
 {
     return first >= begin && first - begin <= size && count <= size - (first - begin);
-}
-
-static uint32_t signal_value(const xcp_access_t *access, uint32_t place)
-{
-    const xcp_signal_t *signal = &access->signals[place];
-    const uint8_t *at = (const uint8_t *)access->record[signal->record] + signal->offset_bytes;
-    uint32_t value = 0;
-    for (uint32_t i = 0; i < signal->size_bytes; i++) {
-        value |= (uint32_t)at[i] << 8U * i;
-    }
-    return value;
 }
 
 static const uint8_t *page_of(const exchange_t *x)
@@ -304,6 +266,8 @@ static const uint8_t *page_of(const exchange_t *x)
 /* Copies `count` bytes from an address to the answer, behind its first byte. */
 static xcp_error_t read_memory(exchange_t *x, uint32_t address, uint32_t count)
 {
+    const xcp_table_t *table = &x->access->table;
+    scope_t *scope = x->access->scope;
     if (count == 0 || count >= XCP_PACKET_BYTES) {
         return XCP_ERROR_OUT_OF_RANGE;
     }
@@ -311,10 +275,19 @@ static xcp_error_t read_memory(exchange_t *x, uint32_t address, uint32_t count)
         for (uint32_t i = 0; i < count; i++) {
             x->answer[1U + i] = page_of(x)[address - XCP_PAGE_ADDRESS + i];
         }
-    } else if (is_within(address, count, XCP_SIGNALS_ADDRESS, 4U * x->access->signals_count)) {
+    } else if (is_within(address, count, XCP_SIGNALS_ADDRESS, 4U * table->signals_count)) {
         for (uint32_t i = 0; i < count; i++) {
             const uint32_t at = address - XCP_SIGNALS_ADDRESS + i;
-            x->answer[1U + i] = (uint8_t)(signal_value(x->access, at / 4U) >> 8U * (at % 4U));
+            x->answer[1U + i] = (uint8_t)(xcp_signal_value(table, at / 4U) >> 8U * (at % 4U));
+        }
+    } else if (is_within(address, count, XCP_SCOPE_ADDRESS, sizeof(scope_page_t))) {
+        const uint8_t *page = (const uint8_t *)scope_page(scope);
+        for (uint32_t i = 0; i < count; i++) {
+            x->answer[1U + i] = page[address - XCP_SCOPE_ADDRESS + i];
+        }
+    } else if (is_within(address, count, XCP_RECORD_ADDRESS, scope_record_bytes(scope))) {
+        for (uint32_t i = 0; i < count; i++) {
+            x->answer[1U + i] = scope->memory[address - XCP_RECORD_ADDRESS + i];
         }
     } else {
         return XCP_ERROR_ACCESS_DENIED;
@@ -328,11 +301,11 @@ static xcp_error_t read_text(exchange_t *x, uint32_t count)
     if (count == 0 || count >= XCP_PACKET_BYTES) {
         return XCP_ERROR_OUT_OF_RANGE;
     }
-    if (!is_within(x->slave->mta, count, 0, text_length(x->access->identification))) {
+    if (!is_within(x->slave->mta, count, 0, text_length(x->slave->text))) {
         return XCP_ERROR_ACCESS_DENIED;
     }
     for (uint32_t i = 0; i < count; i++) {
-        x->answer[1U + i] = (uint8_t)x->access->identification[x->slave->mta + i];
+        x->answer[1U + i] = (uint8_t)x->slave->text[x->slave->mta + i];
     }
     x->answer_bytes = 1U + count;
     return XCP_ERROR_NONE;
@@ -342,7 +315,7 @@ static xcp_error_t upload(exchange_t *x)
 {
     const uint32_t count = x->command[1];
     const xcp_error_t error =
-        x->slave->mta_is_text ? read_text(x, count) : read_memory(x, x->slave->mta, count);
+        x->slave->text != NULL ? read_text(x, count) : read_memory(x, x->slave->mta, count);
     if (error == XCP_ERROR_NONE) {
         x->slave->mta += count;
     }
@@ -358,7 +331,7 @@ static xcp_error_t short_upload(exchange_t *x)
     const xcp_error_t error = read_memory(x, address, x->command[1]);
     if (error == XCP_ERROR_NONE) {
         x->slave->mta = address + x->command[1];
-        x->slave->mta_is_text = false;
+        x->slave->text = NULL;
     }
     return error;
 }
@@ -368,17 +341,34 @@ static xcp_error_t build_checksum(exchange_t *x)
 {
     const uint32_t count = word_at(&x->command[4]);
     xcp_t *slave = x->slave;
-    if (slave->mta_is_text || !is_within(slave->mta, count, XCP_PAGE_ADDRESS, PAGE_BYTES)) {
+    if (slave->text != NULL || !is_within(slave->mta, count, XCP_PAGE_ADDRESS, PAGE_BYTES)) {
         return XCP_ERROR_ACCESS_DENIED;
     }
     const uint32_t crc = config_crc32(&page_of(x)[slave->mta - XCP_PAGE_ADDRESS], count);
     x->answer[1] = CHECKSUM_CRC_32;
     x->answer[2] = 0;
     x->answer[3] = 0;
-    put_word(&x->answer[4], crc);
+    xcp_put(&x->answer[4], crc, sizeof(uint32_t));
     x->answer_bytes = 8;
     slave->mta += count;
     return XCP_ERROR_NONE;
+}
+
+/* One word of the scope's page. */
+static xcp_error_t download_scope(exchange_t *x, uint32_t count)
+{
+    xcp_t *slave = x->slave;
+    const uint32_t offset = slave->mta - XCP_SCOPE_ADDRESS;
+    if (count != sizeof(int32_t) || offset % sizeof(int32_t) != 0) {
+        return XCP_ERROR_OUT_OF_RANGE;
+    }
+    const xcp_error_t error =
+        scope_write(x->access->scope, &x->access->table, offset / (uint32_t)sizeof(int32_t),
+                    (int32_t)word_at(&x->command[2]));
+    if (error == XCP_ERROR_NONE) {
+        slave->mta += count;
+    }
+    return error;
 }
 
 static xcp_error_t download(exchange_t *x)
@@ -391,7 +381,11 @@ static xcp_error_t download(exchange_t *x)
     if (x->length < 2U + count) {
         return XCP_ERROR_COMMAND_SYNTAX;
     }
-    if (slave->mta_is_text || !is_within(slave->mta, count, XCP_PAGE_ADDRESS, PAGE_BYTES)) {
+    if (slave->text == NULL &&
+        is_within(slave->mta, count, XCP_SCOPE_ADDRESS, sizeof(scope_page_t))) {
+        return download_scope(x, count);
+    }
+    if (slave->text != NULL || !is_within(slave->mta, count, XCP_PAGE_ADDRESS, PAGE_BYTES)) {
         return XCP_ERROR_ACCESS_DENIED;
     }
     if (!slave->unlocked) {
@@ -485,7 +479,7 @@ static xcp_error_t execute(exchange_t *x)
     case CONNECT:
         return connect(x);
     case DISCONNECT:
-        end_session(x->slave);
+        end_session(x->slave, x->access);
         return XCP_ERROR_NONE;
     case GET_STATUS:
         return get_status(x);
@@ -517,8 +511,10 @@ static xcp_error_t execute(exchange_t *x)
         return get_page_processor_info(x);
     case COPY_CAL_PAGE:
         return copy_cal_page(x);
-    default: /* SYNCH: the rest has no length and does not come here */
+    case SYNCH:
         return XCP_ERROR_SYNCH;
+    default: /* the rest has no length and does not come here */
+        return xcp_daq_execute(x);
     }
 }
 
@@ -531,14 +527,14 @@ static uint32_t answer_error(xcp_error_t error, uint8_t *answer)
 
 void xcp_init(xcp_t *slave)
 {
-    const xcp_t fresh = {.connected = false};
+    const xcp_t fresh = {.connected = false, .daq_odt = DAQ_ODTS};
     *slave = fresh;
 }
 
 void xcp_tick(xcp_t *slave, const xcp_access_t *access, uint32_t now_ms)
 {
     if (slave->connected && now_ms - slave->latest_ms >= XCP_IDLE_ms) {
-        end_session(slave);
+        end_session(slave, access);
     }
     if (slave->unlocked && access->staging == NULL) {
         slave->unlocked = false;

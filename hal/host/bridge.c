@@ -50,6 +50,7 @@ void host_connect(const host_plant_t *plant, const void *configuration, uint32_t
     reset(plant);
     board_reset_memory(configuration, size_bytes);
     board_reset_lines();
+    board_reset_packets();
 }
 
 void host_restart(reset_cause_t cause)
@@ -57,6 +58,7 @@ void host_restart(reset_cause_t cause)
     const host_plant_t plant = board.plant;
     reset(&plant);
     board_restart_lines(cause);
+    board_reset_packets();
     if (cause == RESET_POWER) {
         board_forget();
     }

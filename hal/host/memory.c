@@ -7,7 +7,7 @@
 #include "hal/memory.h"
 #include "host/port.h"
 
-enum { WINDOW_WORDS = 64, RETAINED_WORDS = 2048 };
+enum { WINDOW_WORDS = 64, RETAINED_WORDS = 2048, SCOPE_WORDS = 4096 };
 
 /* Stands for the firmware: a text whose CRC-32 is published (the catalogue's check value). */
 static const char FIRMWARE[] = "123456789";
@@ -16,6 +16,7 @@ static const uint32_t FIRMWARE_CRC32 = 0xCBF43926U;
 static _Alignas(8) uint8_t flash[FLASH_SECTORS][HOST_FLASH_BYTES];
 static volatile uint32_t window[WINDOW_WORDS];
 static volatile uint32_t retained[RETAINED_WORDS];
+static volatile uint32_t scope[SCOPE_WORDS];
 
 void board_reset_memory(const void *configuration, uint32_t size_bytes)
 {
@@ -96,6 +97,12 @@ memory_window_t memory_retained(void)
 {
     const memory_window_t kept = {retained, RETAINED_WORDS};
     return kept;
+}
+
+memory_window_t memory_scope(void)
+{
+    const memory_window_t own = {scope, SCOPE_WORDS};
+    return own;
 }
 
 uint32_t memory_stack_free_bytes(void)

@@ -6,6 +6,7 @@
 #include "hal/analog.h"
 #include "hal/can.h"
 #include "hal/inverter.h"
+#include "hal/packets.h"
 #include "hal/power.h"
 #include "hal/random.h"
 #include "hal/rotor_sensor.h"
@@ -119,6 +120,18 @@ bool power_off(void)
 bool random_draw(uint64_t *bits)
 {
     *bits = 0;
+    return false;
+}
+
+bool packets_receive(packet_t *packet)
+{
+    packet->length = 0;
+    return false;
+}
+
+bool packets_send(const packet_t *packet)
+{
+    (void)packet;
     return false;
 }
 

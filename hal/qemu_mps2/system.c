@@ -28,7 +28,8 @@ enum {
 
 extern const uint32_t link_image_begin[], link_image_end[], link_image_crc32[];
 extern const uint32_t link_configuration_begin[], link_configuration_end[];
-extern uint32_t link_guard_begin[], link_stack_begin[], link_retained_begin[], link_retained_end[];
+extern uint32_t link_guard_begin[], link_stack_begin[], link_retained_begin[], link_retained_end[],
+    link_scope_begin[], link_scope_end[];
 
 static volatile uint32_t milliseconds;
 static uint32_t run_ms;
@@ -215,6 +216,13 @@ memory_window_t memory_retained(void)
 {
     const memory_window_t window = {link_retained_begin,
                                     (uint32_t)(link_retained_end - link_retained_begin)};
+    return window;
+}
+
+memory_window_t memory_scope(void)
+{
+    const memory_window_t window = {link_scope_begin,
+                                    (uint32_t)(link_scope_end - link_scope_begin)};
     return window;
 }
 

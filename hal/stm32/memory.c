@@ -5,7 +5,8 @@
 
 enum { PATTERN = 0x5AA5C33CU, MARGIN_BYTES = 256 /* for the frames of whoever uses the window */ };
 
-extern uint32_t link_stack_begin[], link_retained_begin[], link_retained_end[];
+extern uint32_t link_stack_begin[], link_retained_begin[], link_retained_end[], link_scope_begin[],
+    link_scope_end[];
 
 memory_window_t memory_unused(void)
 {
@@ -29,6 +30,13 @@ memory_window_t memory_retained(void)
 {
     const memory_window_t window = {link_retained_begin,
                                     (uint32_t)(link_retained_end - link_retained_begin)};
+    return window;
+}
+
+memory_window_t memory_scope(void)
+{
+    const memory_window_t window = {link_scope_begin,
+                                    (uint32_t)(link_scope_end - link_scope_begin)};
     return window;
 }
 

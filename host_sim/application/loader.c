@@ -283,3 +283,37 @@ int hubsim_steps_config(hubsim_t *sim, int wheel, void *image, uint32_t size_byt
     memcpy(image, &application->recording->config, sizeof(config_t));
     return HUBSIM_OK;
 }
+
+int hubsim_packet_send(hubsim_t *sim, int wheel, const void *bytes, int length)
+{
+    const application_t *application = application_of(sim, wheel);
+    packet_t packet;
+    if (application == NULL) {
+        return no_application(sim);
+    }
+    if (length < 1 || length > PACKET_BYTES) {
+        return handle_fail(sim, HUBSIM_BAD_VALUE, "a packet of %d bytes: accepted: 1 to %d", length,
+                           PACKET_BYTES);
+    }
+    packet.length = (uint8_t)length;
+    memcpy(packet.bytes, bytes, (size_t)length);
+    (void)application->packet_send(&packet);
+    return HUBSIM_OK;
+}
+
+int hubsim_packets_take(hubsim_t *sim, int wheel, void *bytes, int size)
+{
+    const application_t *application = application_of(sim, wheel);
+    unsigned char *to = bytes;
+    int used = 0;
+    packet_t packet;
+    if (application == NULL) {
+        return no_application(sim);
+    }
+    while (size - used > PACKET_BYTES && application->packet_receive(&packet)) {
+        to[used] = packet.length;
+        memcpy(&to[used + 1], packet.bytes, packet.length);
+        used += 1 + packet.length;
+    }
+    return used;
+}

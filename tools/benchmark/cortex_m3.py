@@ -74,7 +74,7 @@ def show_time(image: Path, slow_step: int) -> None:
 
 def show_memory(image: Path) -> None:
     """Compare program, two configurations and RAM with an STM32F103C8."""
-    flash, ram, black_box = memory.sections(image)
+    flash, ram, recordings = memory.sections(image)
     configuration, mark = memory.section(image, CONFIGURATION), 8
     program = flash - configuration - mark
     wanted = program + 2 * (configuration + mark)
@@ -83,7 +83,7 @@ def show_memory(image: Path) -> None:
         f" {FLASH_F103C8} bytes, {abs(FLASH_F103C8 - wanted)}"
         f" {'missing' if wanted > FLASH_F103C8 else 'left'}"
     )
-    wanted = ram - black_box
+    wanted = ram - recordings
     print(
         f"RAM without the black box: {wanted} of {RAM_F103C8} bytes, {abs(RAM_F103C8 - wanted)}"
         f" {'missing' if wanted > RAM_F103C8 else 'left'}"

@@ -26,13 +26,13 @@ from benchmark import elf as elf_reader
 FLASH_AT_MOST = 192 * 1024
 """Of the image for the STM32F405, whose flash has 1 MiB."""
 RAM_AT_MOST = 24 * 1024
-"""Without the black box, whose size a port chooses."""
+"""Without black box and scope, whose sizes a port chooses."""
 STACK_AT_MOST = 2832
 """By analysis; what a port reserves may be more."""
 
 RAM_BEGINS = 0x20000000
-RETAINED = ".retained"
-"""The section of the black box, whose size a port chooses."""
+RECORDINGS = (".retained", ".scope")
+"""The sections of black box and scope."""
 NAMELESS = "constants"
 """Texts, tables that the compiler made, padding: what neither a line nor a variable owns."""
 LIBRARIES = "libraries"
@@ -50,11 +50,11 @@ _REFERS = re.compile(r"DW_AT_(?:abstract_origin|specification) *: (?:\(\w+\) )?<
 
 @dataclass(frozen=True)
 class Memory:
-    """Bytes of an image; RAM with the stack, and of it the black box."""
+    """Bytes of an image; RAM with the stack, and of it black box and scope."""
 
     flash: int
     ram: int
-    black_box: int
+    recordings: int
     stack: int
     """By analysis (stack_report.py); 0: there is none beside the image."""
     modules: dict[str, tuple[int, int]]
@@ -74,14 +74,14 @@ def section(elf: Path, wanted: str) -> int:
 
 
 def sections(elf: Path) -> tuple[int, int, int]:
-    """Return flash, RAM and the black box's part of it."""
-    flash = ram = black_box = 0
+    """Return flash, RAM and of it black box and scope."""
+    flash = ram = recordings = 0
     for name, kind, address, size in _allocated(elf):
         in_ram = address >= RAM_BEGINS
         ram += size if in_ram else 0
         flash += size if kind != "NOBITS" else 0
-        black_box += size if name == RETAINED else 0
-    return flash, ram, black_box
+        recordings += size if name in RECORDINGS else 0
+    return flash, ram, recordings
 
 
 def _owner(path: str) -> str:
@@ -157,10 +157,10 @@ def modules(elf: Path) -> dict[str, tuple[int, int]]:
 
 def of(elf: Path) -> Memory:
     """Measure an image."""
-    flash, ram, black_box = sections(elf)
+    flash, ram, recordings = sections(elf)
     analysis = stack_report.result_of(elf)
     stack = json.loads(analysis.read_text())["bytes"] if analysis.is_file() else 0
-    return Memory(flash, ram, black_box, stack, modules(elf))
+    return Memory(flash, ram, recordings, stack, modules(elf))
 
 
 def firmware(image: Path) -> dict[str, Any] | None:
@@ -173,7 +173,7 @@ def judge(image: Path, flash_at_most: int) -> list[dict[str, Any]]:
     size = of(image)
     found = (
         ("flash", flash_at_most, size.flash),
-        ("RAM without the black box", RAM_AT_MOST, size.ram - size.black_box),
+        ("RAM without recordings", RAM_AT_MOST, size.ram - size.recordings),
         ("stack by analysis", STACK_AT_MOST, size.stack),
     )
     # An image without an analysis of its stack has not met the budget.
@@ -190,6 +190,7 @@ def show(console: Console, report: dict[str, Any]) -> None:
             parts = [f"{name} {flash} ({ram})" for name, (flash, ram) in size["modules"].items()]
             console.print(
                 f"Firmware {port}: {size['flash']} bytes of flash, {size['ram']} of RAM with the"
-                f" stack ({size['stack']} used) and {size['black_box']} of the black box; flash"
-                " (RAM) by module: " + ", ".join(parts) + f"; at most {FLASH_AT_MOST} of flash"
+                f" stack ({size['stack']} used) and {size['recordings']} of black box and scope;"
+                " flash (RAM) by module: " + ", ".join(parts) + f"; at most {FLASH_AT_MOST}"
+                " of flash"
             )

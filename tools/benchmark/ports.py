@@ -77,8 +77,8 @@ def ride_rows(port: dict[str, Any]) -> dict[str, str]:
 def memory_rows(size: dict[str, Any]) -> dict[str, str]:
     """Cells of one port that are known when it is linked."""
     rows = {
-        "bytes of flash; of RAM without the black box": (
-            f"{size['flash']}, {size['ram'] - size['black_box']}"
+        "bytes of flash; of RAM without black box and scope": (
+            f"{size['flash']}, {size['ram'] - size['recordings']}"
         ),
         "bytes of stack, by analysis": str(size["stack"]),
     }

@@ -26,6 +26,9 @@ void memory_mark_stack(void);
  * anything. Nothing else uses them. Any context. */
 memory_window_t memory_retained(void);
 
+/* For recordings of the service protocol, 16 KiB or none. Nothing else uses them. Any context. */
+memory_window_t memory_scope(void);
+
 /* Bytes that the stack has not used since memory_mark_stack(); 0 if it was never called. Background
  * context: the time grows with the number of free bytes. */
 uint32_t memory_stack_free_bytes(void);

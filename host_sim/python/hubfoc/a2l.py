@@ -15,6 +15,7 @@ from regen_table import installation, outputs
 
 from hubfoc import addresses
 from hubfoc.addresses import Field, Signal
+from hubfoc.cli import SERVICE_BASE
 
 SIGNED = {2: ("SWORD", "word"), 4: ("SLONG", "long")}
 _SCALES = {1: "plain", 100: "hundredths", 1000: "thousandths"}
@@ -28,6 +29,8 @@ def _text(text: str) -> str:
 def _per_unit(signal: Signal) -> int:
     """Return how many of the raw value are one of the unit."""
     raw = signal.variable.raw_name
+    if signal.is_fast:
+        return 1
     if signal.variable.kind != variables.REAL:
         return 1
     if raw.endswith("_cC"):
@@ -49,15 +52,77 @@ def _name_of(unit: str, per_unit: int) -> str:
 
 
 def _measurement(signal: Signal) -> list[str]:
-    row, per_unit = signal.variable, _per_unit(signal)
+    row, per_unit, unit = signal.variable, _per_unit(signal), _unit_of(signal)
     low, high = (max(-(2**31), row.lowest_raw), min(2**31 - 1, row.highest_raw))
     return [
         f"    /begin MEASUREMENT {signal.name} {_text(row.text)}",
-        f"      SLONG {_name_of(row.unit, per_unit)} 0 0"
-        f" {low / per_unit:.12g} {high / per_unit:.12g}",
+        f"      SLONG {_name_of(unit, per_unit)} 0 0 {low / per_unit:.12g} {high / per_unit:.12g}",
         f"      ECU_ADDRESS 0x{signal.address:08X}",
         f'      SYMBOL_LINK "measurement_page.{signal.name}" 0',
         "    /end MEASUREMENT",
+    ]
+
+
+def _unit_of(signal: Signal) -> str:
+    """Return the unit; a signal of the PWM period is raw."""
+    return "" if signal.is_fast else signal.variable.unit
+
+
+def _scope() -> list[str]:
+    """Return settings and state of the scope (firmware/comms/include/comms/scope.h)."""
+    method = _name_of("", 1)
+    lines = []
+    for name, address in addresses.scope_words().items():
+        link = f'      SYMBOL_LINK "scope_page.{name}" 0'
+        if name in addresses.SETTINGS:
+            lines += [
+                f"    /begin CHARACTERISTIC scope.{name} {_text(addresses.SETTINGS[name])}",
+                f"      VALUE 0x{address:08X} RL_long 0 {method} {-(2**31)} {2**31 - 1}",
+                link,
+                "    /end CHARACTERISTIC",
+            ]
+        else:
+            lines += [
+                f"    /begin MEASUREMENT scope.{name} {_text(addresses.STATES[name])}",
+                f"      SLONG {method} 0 0 {-(2**31)} {2**31 - 1}",
+                f"      ECU_ADDRESS 0x{address:08X}",
+                link,
+                "    /end MEASUREMENT",
+            ]
+    return lines
+
+
+def _interface() -> list[str]:
+    """Return what a tool has to know of the slave: packets, DAQ lists, events, identifiers."""
+    base = SERVICE_BASE
+    events = (("slow step", 1, 6), ("PWM period", 0, 3))  # cycle, unit; 0: GET_DAQ_EVENT_INFO
+    lists = [
+        f"          /begin DAQ_LIST 0x{k:04X} DAQ_LIST_TYPE DAQ MAX_ODT {odts} MAX_ODT_ENTRIES 8"
+        f" EVENT_FIXED 0x{k:04X} /end DAQ_LIST"
+        for k, odts in enumerate((8, 1))
+    ]
+    described = [
+        f'          /begin EVENT "{name}" "{name[:8]}" 0x{k:04X} DAQ 1 {cycle} {unit} 0 /end EVENT'
+        for k, (name, cycle, unit) in enumerate(events)
+    ]
+    return [
+        "    /begin IF_DATA XCP",
+        "      /begin PROTOCOL_LAYER",
+        "        0x0100 1000 1000 0 0 0 0 0 8 8",
+        "        BYTE_ORDER_MSB_LAST ADDRESS_GRANULARITY_BYTE",
+        "      /end PROTOCOL_LAYER",
+        "      /begin DAQ",
+        "        STATIC 2 2 0 OPTIMISATION_TYPE_DEFAULT ADDRESS_EXTENSION_FREE",
+        "        IDENTIFICATION_FIELD_TYPE_ABSOLUTE GRANULARITY_ODT_ENTRY_SIZE_DAQ_BYTE 4",
+        "        OVERLOAD_INDICATION_PID PRESCALER_SUPPORTED",
+        "        /begin TIMESTAMP_SUPPORTED 1 SIZE_WORD UNIT_10US TIMESTAMP_FIXED"
+        " /end TIMESTAMP_SUPPORTED",
+        *lists,
+        *described,
+        "      /end DAQ",
+        f"      /begin XCP_ON_CAN 0x0100 CAN_ID_MASTER 0x{base:X} CAN_ID_SLAVE 0x{base + 4:X}"
+        " BAUDRATE 500000 /end XCP_ON_CAN",
+        "    /end IF_DATA",
     ]
 
 
@@ -83,7 +148,7 @@ def _unit(field: Field) -> str:
 
 
 def _methods(signals: Iterable[Signal], fields: Iterable[Field]) -> list[str]:
-    wanted = {(row.variable.unit, _per_unit(row)) for row in signals}
+    wanted = {(_unit_of(row), _per_unit(row)) for row in signals}
     wanted |= {(_unit(row), 1) for row in fields}
     return [
         line
@@ -124,10 +189,12 @@ def text() -> str:
         "      BYTE_ORDER MSB_LAST",
         "    /end MOD_COMMON",
         *_segment(),
+        *_interface(),
         *_methods(signals, fields),
         *layouts,
         *(line for row in signals for line in _measurement(row)),
         *(line for row in fields for line in _characteristic(row)),
+        *_scope(),
         "  /end MODULE",
         "/end PROJECT",
     ]

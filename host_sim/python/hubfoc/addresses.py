@@ -12,16 +12,54 @@ from regen_table import layout
 
 SIGNALS = 0xA0000000
 PAGE = 0xB0000000
+SCOPE = 0xC0000000
+RECORD = 0xD0000000
 SIGNAL_BYTES = 4
+CHANNELS = 8  # of the scope
+SETTINGS = {
+    **{f"signal_{k}": f"signal {k}: its place in the table, -1: none" for k in range(CHANNELS)},
+    "trigger": "0 none, 1 above, 2 below, 3 rises, 4 falls, 5 a finding appears",
+    "trigger_signal": "its place in the table",
+    "level": "raw; of a finding its reason, 0: any",
+    "before_rows": "rows before the trigger's",
+    "rows": "of the record, 0: as many as fit",
+    "periods": "PWM periods a row",
+    "run": "1 begins, 0 ends",
+}
+STATES = {
+    "phase": "0 off, 1 armed, 2 triggered, 3 complete, 4 the memory is that of a DAQ list",
+    "record_rows": "rows of the record",
+    "row_bytes": "bytes of a row",
+    "row_layout": "bytes of signal k in bits 4k to 4k + 3",
+    "first_row": "number of the oldest row",
+    "memory_bytes": "0: there is no scope",
+}
+_FAST = (variables.FAST_OUTPUT, variables.FAST_INPUT)
 
 
 @dataclass(frozen=True)
 class Signal:
-    """One row of the table, a signed word; ``name`` begins with ``output.`` or ``input.``."""
+    """One row of the table, a signed word.
+
+    ``name`` begins with ``output.`` or ``input.`` of the slow step, and with ``fast_output.`` or
+    ``fast_input.`` of the PWM period, whose values are raw.
+    """
 
     name: str
     address: int
     variable: variables.Variable
+    is_fast: bool
+
+    @property
+    def place(self) -> int:
+        """Return its number in the table."""
+        return (self.address - SIGNALS) // SIGNAL_BYTES
+
+    @property
+    def least_bytes(self) -> int:
+        """Return how many bytes hold every value."""
+        low, high = self.variable.lowest_raw, self.variable.highest_raw
+        return next((n for n in (1, 2) if low >= 0 and high < 1 << 8 * n), SIGNAL_BYTES)
 
 
 @dataclass(frozen=True)
@@ -37,11 +75,24 @@ class Field:
 @cache
 def signals() -> tuple[Signal, ...]:
     """Return the table in the order of the addresses."""
-    ports = ((variables.SLOW_OUTPUT, "output"), (variables.SLOW_INPUT, "input"))
-    rows = [(f"{side}.{row.name}", row) for port, side in ports for row in variables.of_port(port)]
+    ports = (
+        (variables.SLOW_OUTPUT, "output"), (variables.SLOW_INPUT, "input"),
+        (variables.FAST_OUTPUT, "fast_output"), (variables.FAST_INPUT, "fast_input"),
+    )  # fmt: skip
+    rows = [
+        (f"{side}.{row.raw_name if port in _FAST else row.name}", row, port in _FAST)
+        for port, side in ports
+        for row in variables.of_port(port)
+    ]
     return tuple(
-        Signal(name, SIGNALS + SIGNAL_BYTES * place, row) for place, (name, row) in enumerate(rows)
+        Signal(name, SIGNALS + SIGNAL_BYTES * place, row, is_fast)
+        for place, (name, row, is_fast) in enumerate(rows)
     )
+
+
+def scope_words() -> dict[str, int]:
+    """Return the address of each word of the scope's page, settings first."""
+    return {name: SCOPE + 4 * k for k, name in enumerate((*SETTINGS, *STATES))}
 
 
 @cache

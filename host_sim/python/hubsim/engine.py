@@ -39,6 +39,7 @@ _BUILT_IN = Path(__file__).resolve().parent / LIBRARY.name
 _NAME_BYTES = 96
 _FRAMES = 512  # more than a millisecond of any bus has
 _SERIAL_BYTES = 4096
+_PACKETS_BYTES = 1 << 16  # more than a wheel sends in 20 ms
 _MOST_CODE = 2**31 - 1  # a bit that flipped makes a code beyond what the library takes
 
 Rows = npt.NDArray[np.float64]
@@ -234,6 +235,21 @@ class Engine:
         image = self._ffi.new("char[]", size_bytes)
         self._check(self._lib.hubsim_steps_config(self._sim, wheel, image, size_bytes))
         return bytes(self._ffi.buffer(image))
+
+    def packet_send(self, wheel: int, packet: bytes) -> None:
+        """Give the application of a wheel a packet of the service protocol, beside CAN."""
+        self._check(self._lib.hubsim_packet_send(self._sim, wheel, packet, len(packet)))
+
+    def packets_take(self, wheel: int) -> list[bytes]:
+        """Return the packets of the service protocol that a wheel sent since last time."""
+        buffer = self._ffi.new("unsigned char[]", _PACKETS_BYTES)
+        count = self._lib.hubsim_packets_take(self._sim, wheel, buffer, _PACKETS_BYTES)
+        self._check(min(count, 0))
+        taken, at, packets = bytes(self._ffi.buffer(buffer, count)), 0, []
+        while at < count:
+            packets.append(taken[at + 1 : at + 1 + taken[at]])
+            at += 1 + taken[at]
+        return packets
 
     def start(self) -> None:
         """Boot the controllers and bring the vehicle to its initial speed; time is 0 afterwards."""

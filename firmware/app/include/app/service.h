@@ -1,9 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * service.h: moves XCP packets between CAN and the slave (comms/xcp.h), gives it the table of
- * signals (core/signals.h) and fresh seeds. Background context, every pass.
+ * service.h: moves XCP packets between CAN, or a line of its own (hal/packets.h), and the slave
+ * (comms/xcp.h), gives it the table of signals (core/signals.h) and fresh seeds. Background
+ * context, every pass, but for the two steps.
  *
- *     service.c         the protocol
+ * The latest CONNECT decides which of the two lines has the session; the other one's commands are
+ * not answered. On CAN answers and DAQ share one identifier and one place of the CAN controller,
+ * and DAQ has one packet a millisecond, 0.27 ms of the bus at most.
+ *
+ *     service.c         the protocol; lists and scope are its own, one a program
  *     service_absent.c  for a port whose flash has no space for it: no identifier is received
  */
 #ifndef APP_SERVICE_H
@@ -14,21 +19,40 @@
 
 #include "comms/xcp.h"
 #include "config/config.h"
+#include "controller/controller.h"
+#include "core/findings.h"
 #include "core/slow_messages.h"
 #include "hal/can.h"
 
 /* From SET_REQUEST's answer until the page is stored at the latest, whether it left or not. */
 enum { SERVICE_ANSWER_ms = 100 };
 
+/* What it reads besides the slow step's messages, and whom it tells what to do in a PWM period. */
+typedef struct {
+    const fast_output_t *fast_output;
+    const fast_input_t *fast_input;
+    const findings_t *findings;
+    /* What service_fast_step() is to be called with in each PWM period; NULL: it is not to be
+     * called. */
+    scope_t *volatile *recording;
+} service_link_t;
+
 typedef struct {
     xcp_t slave;
     uint16_t command_identifier;
     uint16_t answer_identifier;
     bool on_can;
+    bool by_packets; /* the session */
+    const service_link_t *link;
+    volatile uint16_t slow_steps; /* since the start, wrapping */
+    volatile bool samples;        /* daq_slow_step() is to be called */
     can_frame_t answer;
-    bool answers;   /* the CAN controller has not taken it yet */
-    bool under_way; /* it has one */
-    bool stores;    /* the staging page, when the answer has left */
+    bool answers;         /* the CAN controller has not taken it yet */
+    can_frame_t measured; /* of DAQ */
+    bool measures;        /* likewise */
+    bool under_way;       /* it has one */
+    bool under_way_is_measured;
+    bool stores; /* the staging page, when the answer has left */
     uint32_t stores_since_ms;
 } service_t;
 
@@ -40,7 +64,14 @@ typedef struct {
     config_t *staging; /* NULL: another uses its memory */
 } service_view_t;
 
-void service_init(service_t *service, const config_t *config);
+/* The memory of recordings (hal/memory.h) is the service's. link: stays where it is. */
+void service_init(service_t *service, const config_t *config, const service_link_t *link);
+
+/* Millisecond, after the slow step. */
+void service_slow_step(service_t *service, const slow_output_t *output, const slow_input_t *input);
+
+/* PWM period, after the fast step. */
+void service_fast_step(scope_t *recording);
 
 /* True, with the identifier that the CAN controller is to accept, if there is XCP on CAN. */
 bool service_accepts(const service_t *service, uint16_t *identifier);

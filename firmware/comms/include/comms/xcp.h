@@ -6,6 +6,8 @@
  *     a tool's address                      what is there
  *     XCP_SIGNALS_ADDRESS + 4 * place       signal `place` of the table, an int32_t, read only
  *     XCP_PAGE_ADDRESS + place in config_t  the page: in force (0, read only) or staging (1)
+ *     XCP_SCOPE_ADDRESS                     scope_page_t, written a word at a time, without a key
+ *     XCP_RECORD_ADDRESS                    the scope's record, read only, while it is COMPLETE
  *
  * Nothing else can be read or written, whatever address a command names. The pages end before
  * config_t's checksum, and with it before the key.
@@ -13,6 +15,8 @@
  * Pages: segment 0 has page 0, which the controller uses, and page 1, the staging page in RAM.
  * Writing is locked until UNLOCK; it fills the staging page from the one in force. SET_REQUEST
  * (store) asks the caller to check, store and use the staging page as a whole.
+ *
+ * DAQ: two static lists (comms/daq.h), always with time. A session's end stops lists and scope.
  *
  * Lock: GET_SEED returns six fresh bytes, UNLOCK takes the first six of mac_of() them and two zero
  * bytes. A wrong key ends the session, after three of them there is no seed for XCP_WRONG_KEYS_ms:
@@ -26,6 +30,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "comms/daq.h"
+#include "comms/scope.h"
+#include "comms/xcp_error.h"
+#include "comms/xcp_signals.h"
 #include "config/config.h"
 
 enum {
@@ -38,41 +46,19 @@ enum {
 /* Addresses of the protocol, where no port has memory: the same in every image. */
 #define XCP_SIGNALS_ADDRESS UINT32_C(0xA0000000)
 #define XCP_PAGE_ADDRESS UINT32_C(0xB0000000)
+#define XCP_SCOPE_ADDRESS UINT32_C(0xC0000000)
+#define XCP_RECORD_ADDRESS UINT32_C(0xD0000000)
 #define XCP_SEED_MASK UINT64_C(0xFFFFFFFFFFFF)
 
 typedef enum { XCP_PAGE_IN_FORCE = 0, XCP_PAGE_STAGING = 1, XCP_PAGES } xcp_page_t;
 
-/* Error codes of the standard, part 2. */
-typedef enum {
-    XCP_ERROR_NONE = -1,
-    XCP_ERROR_SYNCH = 0x00,
-    XCP_ERROR_COMMAND_UNKNOWN = 0x20,
-    XCP_ERROR_COMMAND_SYNTAX = 0x21,
-    XCP_ERROR_OUT_OF_RANGE = 0x22,
-    XCP_ERROR_WRITE_PROTECTED = 0x23,
-    XCP_ERROR_ACCESS_DENIED = 0x24,
-    XCP_ERROR_ACCESS_LOCKED = 0x25,
-    XCP_ERROR_PAGE_NOT_VALID = 0x26,
-    XCP_ERROR_MODE_NOT_VALID = 0x27,
-    XCP_ERROR_SEGMENT_NOT_VALID = 0x28,
-    XCP_ERROR_SEQUENCE = 0x29,
-    XCP_ERROR_NOT_ACCESSIBLE_NOW = 0x33
-} xcp_error_t;
-
-enum { XCP_RECORD_OUTPUT = 0, XCP_RECORD_INPUT = 1, XCP_RECORDS };
-
-/* Where a signal is: unsigned or bool in one or two bytes, int32_t or unsigned in four. */
-typedef struct {
-    uint16_t offset_bytes;
-    uint8_t size_bytes;
-    uint8_t record; /* of xcp_access_t */
-} xcp_signal_t;
-
 /* What a slave may read and write. */
 typedef struct {
-    const xcp_signal_t *signals;
-    uint32_t signals_count;
-    const void *record[XCP_RECORDS]; /* of one slow step */
+    xcp_table_t table;   /* of which the slow records are of one slow step */
+    uint16_t slow_steps; /* that one's number, wrapping: the clock of DAQ */
+    const daq_line_t *line;
+    daq_t *daq;
+    scope_t *scope; /* without memory: this port has none */
     const config_t *in_force;
     config_t *staging;          /* NULL: not to be had now */
     const char *identification; /* of GET_ID: the name of the image's A2L */
@@ -83,9 +69,10 @@ typedef struct {
     bool unlocked;
     bool store_wanted; /* SET_REQUEST is not answered yet */
     xcp_page_t page;   /* which the tool reads and writes */
-    bool mta_is_text;  /* the memory transfer address counts in access->identification */
+    const char *text;  /* not NULL: the memory transfer address counts in it */
     uint32_t mta;
-    uint32_t latest_ms; /* the latest command */
+    uint8_t daq_odt, daq_entry; /* of SET_DAQ_PTR; daq_odt DAQ_ODTS: none */
+    uint32_t latest_ms;         /* the latest command */
     uint64_t seed;
     bool seed_drawn;          /* and not used yet */
     bool seed_given;          /* by GET_SEED */

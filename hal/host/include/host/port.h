@@ -22,6 +22,7 @@
 
 #include "hal/can.h"
 #include "hal/inverter.h"
+#include "hal/packets.h"
 #include "hal/rotor_sensor.h"
 #include "hal/watchdog.h"
 
@@ -83,6 +84,10 @@ void host_hang(bool pwm_period, bool millisecond);
  * first; without a call none leaves. */
 void host_can_send(const can_frame_t *frame);
 bool host_can_receive(can_frame_t *frame);
+
+/* The other end of hal/packets.h: false, there is no place, and there is none. */
+bool host_packet_send(const packet_t *packet);
+bool host_packet_receive(packet_t *packet);
 
 /* Everything written to the serial line so far, zero terminated; and typing on it. */
 const char *host_serial_output(void);

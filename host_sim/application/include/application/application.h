@@ -32,10 +32,13 @@ typedef struct {
     recording_t *recording;    /* of its steps */
     /* Power on with this configuration and a motor at rest. */
     void (*start)(board_t *board, const config_t *config);
-    /* A frame of another node on the bus, and the serial line (host/port.h). */
+    /* A frame of another node on the bus, the serial line, and packets of the service protocol
+     * (host/port.h). */
     void (*can_send)(const can_frame_t *frame);
     uint32_t (*serial_take)(char *bytes, uint32_t size);
     void (*serial_type)(const char *text);
+    bool (*packet_send)(const packet_t *packet);
+    bool (*packet_receive)(packet_t *packet);
 } application_t;
 
 const application_t *application_entry(void);

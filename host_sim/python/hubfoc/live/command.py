@@ -96,13 +96,14 @@ def keep_running(
         received += bus.receive(0.0)
         own = [] if desk is None else desk.before(received)
         try:
-            sent = world.vehicle.step([*received, *own, *gateways.receive()])
+            gateways.receive(world.vehicle)
+            sent = world.vehicle.step([*received, *own])
         except HubsimError as error:
             if world.ends:
                 raise
             world.stop(str(error))
             continue
-        gateways.send(sent)
+        gateways.send(world.vehicle)
         for identifier, data in (*own, *sent):
             bus.send(identifier, data)
         if desk is not None:

@@ -150,6 +150,14 @@ class SimulatedVehicle:
             )
             self._engine.set("driver.brake_demand_nm", values["brake_torque_nm"] / share)
 
+    def packet_send(self, wheel: int, packet: bytes) -> None:
+        """Give a wheel a packet of the service protocol."""
+        self._engine.packet_send(wheel, packet)
+
+    def packets_take(self, wheel: int) -> list[bytes]:
+        """Return the packets of the service protocol that a wheel sent."""
+        return self._engine.packets_take(wheel)
+
     def serial_take(self, wheel: int) -> bytes:
         """Return what a wheel's shell wrote."""
         return self._engine.serial_take(wheel)

@@ -1,30 +1,37 @@
 # SPDX-License-Identifier: Apache-2.0
-"""XCP by UDP, a port a wheel: packets to and from the wheel's two CAN identifiers.
+"""XCP by UDP, a port a wheel: packets to and from the wheel's line beside CAN.
 
-A datagram is a packet of at most eight bytes behind its length and a counter, two bytes each, as
-the standard lays them out for Ethernet. The wheel itself knows CAN alone, so whoever is on the bus
-reads the answers as well.
+A packet is behind its length and a counter, two bytes each, as the standard lays them out for
+Ethernet. A command is a datagram of its own; what a wheel sends in a step shares datagrams.
 """
 
 import socket
 import struct
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Self
-
-from hubfoc.bus import Frame
+from typing import Protocol, Self
 
 HOST = "127.0.0.1"
-WHEELS = 4  # answers have the identifiers behind the commands of all wheels
-PACKET_BYTES = 8
+PACKET_BYTES = 40  # hal/packets.h
+DATAGRAM_BYTES = 1400
 _HEAD = struct.Struct("<HH")
+
+
+class Wheels(Protocol):
+    """Those behind the ports."""
+
+    def packet_send(self, wheel: int, packet: bytes) -> None:
+        """Give a wheel a packet."""
+
+    def packets_take(self, wheel: int) -> list[bytes]:
+        """Return what a wheel has sent since last time."""
 
 
 @dataclass
 class Gateway:
     """One wheel's port."""
 
-    command: int  # identifier
+    command: int  # identifiers of the same service on CAN
     answer: int
     _socket: socket.socket = field(
         default_factory=lambda: socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -43,8 +50,8 @@ class Gateway:
         host, port = self._socket.getsockname()
         return f"{host}:{port}"
 
-    def receive(self) -> Frame | None:
-        """Return the next packet as the wheel gets it; what is none is left out."""
+    def receive(self) -> bytes | None:
+        """Return the next packet; what is none is left out."""
         try:
             datagram, tool = self._socket.recvfrom(_HEAD.size + PACKET_BYTES + 1)
         except (BlockingIOError, ConnectionError):
@@ -55,17 +62,27 @@ class Gateway:
         if _HEAD.unpack_from(datagram)[0] != len(packet):
             return None
         self._tool = tool
-        return self.command, packet
+        return packet
 
-    def send(self, packet: bytes) -> None:
-        """Send what the wheel answered to the tool that asked last."""
+    def send(self, packets: Sequence[bytes]) -> None:
+        """Send what the wheel sent to the tool that spoke last."""
+        datagram = b""
+        for packet in packets:
+            if len(datagram) + _HEAD.size + len(packet) > DATAGRAM_BYTES:
+                self._put(datagram)
+                datagram = b""
+            datagram += _HEAD.pack(len(packet), self._counter) + packet
+            self._counter = (self._counter + 1) % 0x10000
+        if datagram:
+            self._put(datagram)
+
+    def _put(self, datagram: bytes) -> None:
         if self._tool is None:
             return
         try:
-            self._socket.sendto(_HEAD.pack(len(packet), self._counter) + packet, self._tool)
+            self._socket.sendto(datagram, self._tool)
         except (BlockingIOError, ConnectionError):
             return
-        self._counter = (self._counter + 1) % 0x10000
 
     def close(self) -> None:
         """Give the port back."""
@@ -75,9 +92,12 @@ class Gateway:
 class Gateways:
     """The ports of all wheels; none where the configuration has no XCP."""
 
+    WHEELS = 4  # answers have the identifiers behind the commands of all wheels
+
     def __init__(self, base: int, wheels: int) -> None:
-        self.wheels = [Gateway(base + k, base + WHEELS + k) for k in range(wheels if base else 0)]
-        self._by_answer = {wheel.answer: wheel for wheel in self.wheels}
+        self.wheels = [
+            Gateway(base + k, base + self.WHEELS + k) for k in range(wheels if base else 0)
+        ]
 
     def __enter__(self) -> Self:
         """Return the ports themselves."""
@@ -88,13 +108,14 @@ class Gateways:
         for wheel in self.wheels:
             wheel.close()
 
-    def receive(self) -> list[Frame]:
-        """Return at most one packet for each wheel, as frames."""
-        found = [wheel.receive() for wheel in self.wheels]
-        return [frame for frame in found if frame is not None]
+    def receive(self, to: Wheels) -> None:
+        """Hand at most one packet to each wheel."""
+        for wheel, gateway in enumerate(self.wheels):
+            packet = gateway.receive()
+            if packet is not None:
+                to.packet_send(wheel, packet)
 
-    def send(self, frames: Sequence[Frame]) -> None:
-        """Hand the answers among the vehicle's frames to the tools."""
-        for identifier, data in frames:
-            if identifier in self._by_answer:
-                self._by_answer[identifier].send(data)
+    def send(self, of: Wheels) -> None:
+        """Hand what the wheels sent to the tools."""
+        for wheel, gateway in enumerate(self.wheels):
+            gateway.send(of.packets_take(wheel))

@@ -19,6 +19,7 @@
 #include "mock_flash.h"
 #include "mock_inverter.h"
 #include "mock_memory.h"
+#include "mock_packets.h"
 #include "mock_rotor_sensor.h"
 #include "mock_serial.h"
 #include "mock_time.h"
@@ -50,6 +51,9 @@ void setUp(void)
     watchdog_feed_StubWithCallback(feed);
     memory_unused_StubWithCallback(unused);
     memory_retained_StubWithCallback(retained);
+    static const memory_window_t NO_SCOPE = {NULL, 0};
+    memory_scope_IgnoreAndReturn(NO_SCOPE);
+    packets_receive_IgnoreAndReturn(false);
     memory_mark_stack_Ignore();
     memory_stack_free_bytes_IgnoreAndReturn(1000);
     flash_firmware_StubWithCallback(firmware);

@@ -18,7 +18,12 @@ enum { COMMANDS = 0x7F0 + 2, ANSWERS = COMMANDS + 4, PERIODS_A_ms = 20, ANSWER_M
 /* Places in the table by its names. */
 #define OUTPUT_PLACE(name, ...) PLACE_##name,
 #define INPUT_PLACE(name, ...) PLACE_INPUT_##name,
-enum { SIGNALS_SLOW_OUTPUTS(OUTPUT_PLACE) SIGNALS_SLOW_INPUTS(INPUT_PLACE) PLACES };
+#define FAST_OUTPUT_PLACE(name, ...) PLACE_FAST_OUTPUT_##name,
+#define FAST_INPUT_PLACE(name, ...) PLACE_FAST_INPUT_##name,
+enum {
+    SIGNALS_SLOW_OUTPUTS(OUTPUT_PLACE) SIGNALS_SLOW_INPUTS(INPUT_PLACE)
+        SIGNALS_FAST_OUTPUTS(FAST_OUTPUT_PLACE) SIGNALS_FAST_INPUTS(FAST_INPUT_PLACE) PLACES
+};
 
 static config_t config;
 static can_frame_t answer;
@@ -219,4 +224,125 @@ void test_another_wheels_commands_and_a_base_of_zero_are_not_answered(void)
     app_boot();
     run_for(20000);
     TEST_ASSERT_FALSE(ask(connecting, sizeof connecting));
+}
+
+/* ---- DAQ and scope ---- */
+
+static void write_entry(uint32_t place, uint8_t bytes)
+{
+    ASK(0xE1, 0xFF, bytes, 0, BYTES(XCP_SIGNALS_ADDRESS + 4U * place));
+    assert_positive();
+}
+
+/* Mode and warning of each slow step, in one frame a millisecond. */
+static void start_list(void)
+{
+    ASK(0xE2, 0, 0, 0, 0, 0);
+    assert_positive();
+    write_entry(PLACE_bus_voltage_v, 4);
+    write_entry(PLACE_mode, 1);
+    ASK(0xE0, 0x10, 0, 0, 0, 0, 1, 0);
+    assert_positive();
+    ASK(0xDE, 1, 0, 0);
+    assert_positive();
+}
+
+/* Between the frames another node reads the page and gets its answers. */
+void test_a_minute_of_daq_on_can_has_no_gap(void)
+{
+    enum { MINUTE_ms = 60000, ASKS_EVERY_ms = 7 };
+    const can_frame_t status = {.identifier = COMMANDS, .length = 1, .data = {0xFD}};
+    uint32_t packets = 0, answers = 0, before = 0;
+    start(0);
+    start_list();
+    for (int half_ms = 0; half_ms < 2 * MINUTE_ms; half_ms++) {
+        if (half_ms % (2 * ASKS_EVERY_ms) == 0) {
+            host_can_send(&status);
+        }
+        run_for(PERIODS_A_ms / 2);
+        can_frame_t frame;
+        while (host_can_receive(&frame)) {
+            if (frame.identifier != ANSWERS || frame.data[0] == 0xFF) {
+                answers += frame.identifier == ANSWERS ? 1U : 0U;
+                continue;
+            }
+            const uint32_t ticks = frame.data[1] | (uint32_t)frame.data[2] << 8;
+            TEST_ASSERT_EQUAL_UINT8(0, frame.data[0]);
+            TEST_ASSERT_EQUAL_UINT8(8, frame.length);
+            if (packets > 0) {
+                TEST_ASSERT_EQUAL_UINT32(100, (ticks - before) & 0xFFFFU);
+            }
+            TEST_ASSERT_EQUAL_UINT8(MODE_READY, frame.data[7]);
+            before = ticks;
+            packets++;
+        }
+    }
+    TEST_ASSERT_UINT32_WITHIN(2, MINUTE_ms, packets);
+    TEST_ASSERT_EQUAL_UINT32((MINUTE_ms + ASKS_EVERY_ms - 1) / ASKS_EVERY_ms, answers);
+}
+
+static void write_scope(size_t offset, uint32_t value)
+{
+    ASK(0xF6, 0, 0, 0, BYTES(XCP_SCOPE_ADDRESS + (uint32_t)offset));
+    ASK(0xF0, 4, BYTES(value));
+    assert_positive();
+}
+
+static uint32_t read_scope(size_t offset)
+{
+    ASK(0xF4, 4, 0, 0, BYTES(XCP_SCOPE_ADDRESS + (uint32_t)offset));
+    assert_positive();
+    return answer.data[1] | (uint32_t)answer.data[2] << 8 | (uint32_t)answer.data[3] << 16 |
+           (uint32_t)answer.data[4] << 24;
+}
+
+enum { ROWS = 300, ROW_BYTES = 4 };
+
+static uint8_t record[ROWS * ROW_BYTES];
+
+static void upload_record(void)
+{
+    for (uint32_t at = 0; at < sizeof record; at += ROW_BYTES) {
+        ASK(0xF4, ROW_BYTES, 0, 0, BYTES(XCP_RECORD_ADDRESS + at));
+        assert_positive();
+        memcpy(&record[at], &answer.data[1], ROW_BYTES);
+    }
+}
+
+/* Rows equal to what the sensors give from here on. */
+static uint32_t rows_as_of(sensors_t sensors_then)
+{
+    uint32_t equal = 0;
+    bool same = true;
+    while (same && equal < ROWS) {
+        const host_sample_t expected = next_sample(&sensors_then);
+        const uint8_t *row = &record[ROW_BYTES * equal];
+        same = expected.phase_current_code[0] == (row[0] | row[1] << 8) &&
+               expected.phase_current_code[1] == (row[2] | row[3] << 8);
+        equal += same ? 1U : 0U;
+    }
+    return equal;
+}
+
+/* The sensors' numbers in each period, from the one in which it begins. */
+void test_the_scope_has_what_the_sensors_gave_in_each_period(void)
+{
+    start(8000000);
+    write_scope(offsetof(scope_page_t, signal[0]), PLACE_FAST_INPUT_phase_a_a);
+    write_scope(offsetof(scope_page_t, signal[5]), PLACE_FAST_INPUT_phase_b_a);
+    write_scope(offsetof(scope_page_t, rows), ROWS);
+    sensors_t twin = sensors;
+    write_scope(offsetof(scope_page_t, run), 1);
+    run_for(2 * ROWS);
+    TEST_ASSERT_EQUAL_UINT32(SCOPE_COMPLETE, read_scope(offsetof(scope_page_t, phase)));
+    TEST_ASSERT_EQUAL_UINT32(ROW_BYTES, read_scope(offsetof(scope_page_t, row_bytes)));
+    TEST_ASSERT_EQUAL_UINT32(0, read_scope(offsetof(scope_page_t, first_row)));
+    upload_record();
+    uint32_t most = 0;
+    for (int periods = 0; periods < 3 * ANSWER_MOST_ms * PERIODS_A_ms && most < ROWS; periods++) {
+        const uint32_t equal = rows_as_of(twin);
+        most = equal > most ? equal : most;
+        (void)next_sample(&twin);
+    }
+    TEST_ASSERT_EQUAL_UINT32(ROWS, most);
 }

@@ -33,7 +33,10 @@ static const uint64_t SEED = UINT64_C(0x665544332211);
 
 static record_t record;
 static config_t in_force, staging;
+static const daq_line_t CAN = {.packet_bytes = 8, .packets_a_ms = 1};
 static xcp_access_t access;
+static daq_t daq;
+static scope_t scope;
 static xcp_t slave;
 static uint32_t now_ms;
 static uint8_t answer[XCP_PACKET_BYTES];
@@ -89,27 +92,33 @@ void setUp(void)
         in_force.service_key[i] = 0xA5A50000U + i;
     }
     memset(&staging, 0, sizeof staging);
-    const xcp_access_t all = {.signals = SIGNALS,
-                              .signals_count = sizeof SIGNALS / sizeof SIGNALS[0],
-                              .record = {&record, &record},
+    const xcp_access_t all = {.table = {.signals = SIGNALS,
+                                        .signals_count = sizeof SIGNALS / sizeof SIGNALS[0],
+                                        .record = {&record, &record}},
+                              .line = &CAN,
+                              .daq = &daq,
+                              .scope = &scope,
                               .in_force = &in_force,
                               .staging = &staging,
                               .identification = "hubfoc-1.2.3"};
     access = all;
     now_ms = UINT32_MAX - 500U;
     xcp_init(&slave);
+    daq_init(&daq);
+    scope_init(&scope, NULL, 0, 20000);
 }
 
 void tearDown(void) {}
 
-/* Resources: calibration with a key; little endian, bytes, no blocks; packets of 8 bytes. */
+/* Resources: DAQ, and calibration with a key; little endian, bytes, no blocks; packets of 8 bytes.
+ */
 void test_connect_names_what_the_slave_can(void)
 {
     COMMAND(0xFF, 0);
-    ASSERT_ANSWER(0xFF, 0x01, 0x80, 8, 8, 0, 1, 1);
+    ASSERT_ANSWER(0xFF, 0x05, 0x80, 8, 8, 0, 1, 1);
     memset(in_force.service_key, 0, sizeof in_force.service_key);
     COMMAND(0xFF, 0);
-    ASSERT_ANSWER(0xFF, 0x00, 0x80, 8, 8, 0, 1, 1);
+    ASSERT_ANSWER(0xFF, 0x04, 0x80, 8, 8, 0, 1, 1);
 }
 
 void test_without_a_session_only_connect_is_answered(void)
@@ -141,11 +150,13 @@ void test_synch_is_answered_by_its_error(void)
     ASSERT_ANSWER(0xFE, 0x00);
 }
 
-/* Not there: SHORT_DOWNLOAD (0xED), for whose data a packet has no space; DAQ; programming. */
+/* Not there: SHORT_DOWNLOAD (0xED), for whose data a packet has no space; READ_DAQ and dynamic
+ * lists; programming. */
 void test_unknown_and_short_commands_are_refused(void)
 {
-    static const uint8_t KNOWN[] = {0xFF, 0xFE, 0xFD, 0xFC, 0xFB, 0xFA, 0xF9, 0xF8, 0xF7,
-                                    0xF6, 0xF5, 0xF4, 0xF3, 0xF0, 0xEB, 0xEA, 0xE9, 0xE4};
+    static const uint8_t KNOWN[] = {0xFF, 0xFE, 0xFD, 0xFC, 0xFB, 0xFA, 0xF9, 0xF8, 0xF7, 0xF6,
+                                    0xF5, 0xF4, 0xF3, 0xF0, 0xEB, 0xEA, 0xE9, 0xE4, 0xE3, 0xE2,
+                                    0xE1, 0xE0, 0xDF, 0xDE, 0xDD, 0xDC, 0xDA, 0xD9, 0xD8, 0xD7};
     for (uint32_t code = 0; code < 0x100U; code++) {
         connect();
         COMMAND((uint8_t)code);

@@ -13,15 +13,23 @@ from regen_table import layout
 
 ROOT = Path(__file__).resolve().parents[4]
 A2LTOOL = Path(sys.executable).parent / "a2ltool"
-OBJECTS = len(addresses.signals()) + len(addresses.fields())
+OBJECTS = len(addresses.signals()) + len(addresses.fields()) + len(addresses.scope_words())
 # What the slave shows, for the debugger's information of a compiler.
 PAGES = """
 #include "config/config.h"
 #include "core/signals.h"
 #define WORD(name, ...) int32_t name;
-struct { struct { SIGNALS_SLOW_OUTPUTS(WORD) } output; struct { SIGNALS_SLOW_INPUTS(WORD) } input; }
-    measurement_page __attribute__((section("signals"))) = {{1}, {1}};
+#define RAW(name, raw, ...) int32_t raw;
+struct {
+    struct { SIGNALS_SLOW_OUTPUTS(WORD) } output; struct { SIGNALS_SLOW_INPUTS(WORD) } input;
+    struct { SIGNALS_FAST_OUTPUTS(RAW) } fast_output;
+    struct { SIGNALS_FAST_INPUTS(RAW) } fast_input;
+} measurement_page __attribute__((section("signals"))) = {{1}, {1}};
 config_t calibration_page __attribute__((section("page"))) = {1};
+struct {
+    int32_t signal_0, signal_1, signal_2, signal_3, signal_4, signal_5, signal_6, signal_7;
+    int32_t SCOPE;
+} scope_page __attribute__((section("scope"))) = {1};
 """
 
 
@@ -43,16 +51,20 @@ def file(tmp_path: Path) -> Path:
 def pages(tmp_path: Path) -> Path:
     """Compile both pages to the addresses that the slave's header names."""
     header = (ROOT / "firmware/comms/include/comms/xcp.h").read_text(encoding="utf-8")
-    at = dict(re.findall(r"XCP_(SIGNALS|PAGE)_ADDRESS UINT32_C\((0x\w+)\)", header))
+    at = dict(re.findall(r"XCP_(SIGNALS|PAGE|SCOPE)_ADDRESS UINT32_C\((0x\w+)\)", header))
     source, image = tmp_path / "pages.c", tmp_path / "pages.elf"
-    source.write_text(PAGES, encoding="utf-8")
+    scope = (ROOT / "firmware/comms/include/comms/scope.h").read_text(encoding="utf-8")
+    page = scope.partition("int32_t signal[SCOPE_CHANNELS];")[2].partition("} scope_page_t;")[0]
+    words = ", ".join(re.findall(r"int32_t (\w+);", page))
+    source.write_text(PAGES.replace("SCOPE;", f"{words};"), encoding="utf-8")
     compiler = shutil.which("gcc") or "cc"
     subprocess.run(
         [
             compiler, "-std=c11", "-g", "-no-pie", "-nostdlib", "-static", "-Wl,--entry=0",
             f"-I{ROOT / 'firmware/core/include'}", f"-I{ROOT / 'firmware/config/include'}",
             f"-Wl,--section-start=signals={at['SIGNALS']}",
-            f"-Wl,--section-start=page={at['PAGE']}", "-o", image, source,
+            f"-Wl,--section-start=page={at['PAGE']}",
+            f"-Wl,--section-start=scope={at['SCOPE']}", "-o", image, source,
         ],
         check=True,
     )  # fmt: skip
@@ -88,6 +100,14 @@ def test_a_wrong_name_does_not_pass_the_strict_update(file: Path, tmp_path: Path
         capture_output=True, check=False,
     )  # fmt: skip
     assert done.returncode != 0
+
+
+def test_the_interface_is_that_of_the_slave() -> None:
+    text = a2l.text()
+    assert re.search(r"EVENT \"slow step\" \"slow ste\" 0x0000 DAQ 1 1 6 0", text)
+    assert re.search(r"EVENT \"PWM period\" \"PWM peri\" 0x0001 DAQ 1 0 3 0", text)
+    assert "CAN_ID_MASTER 0x7F0 CAN_ID_SLAVE 0x7F4" in text
+    assert "TIMESTAMP_SUPPORTED 1 SIZE_WORD UNIT_10US TIMESTAMP_FIXED" in text
 
 
 def test_units_and_texts_are_those_of_the_lists() -> None:

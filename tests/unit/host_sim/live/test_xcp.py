@@ -87,7 +87,7 @@ class Tool:
         self.master.setCalPage(OF_TOOL, 0, STAGING)
 
 
-def master_of(address: str, key: bytes) -> Any:  # noqa: ANN401, pyxcp's own types are incomplete
+def master_of(address: str, key: bytes, policy: object = None) -> Any:  # noqa: ANN401, pyxcp's own types are incomplete
     host, port = address.split(":")
     application = create_application_from_config(
         {
@@ -100,7 +100,7 @@ def master_of(address: str, key: bytes) -> Any:  # noqa: ANN401, pyxcp's own typ
         log_level=logging.ERROR,
     )
     application.transport.timeout = 20.0
-    return Master("eth", config=application)
+    return Master("eth", config=application, policy=policy)
 
 
 @pytest.fixture(scope="module")
@@ -130,12 +130,13 @@ def test_what_the_slave_says_of_itself(tool: Tool) -> None:
     properties = master.slaveProperties
     assert properties.maxCto == 8
     assert properties.supportsCalpag
-    assert not properties.supportsDaq
+    assert properties.supportsDaq
+    assert properties.maxDto == 35
     assert master.getCommModeInfo().xcpDriverVersionNumber == 0x10
     assert master.identifier(1).startswith("hubfoc-")
     assert master.getCurrentProtectionStatus()["calpag"]
     assert bytes(master.synch()) == b"\x00"  # the error of that name, its answer
-    tool.refused(0x20, master.getDaqProcessorInfo)
+    tool.refused(0x20, master.getPgmProcessorInfo)
 
 
 def test_measuring_needs_no_key(tool: Tool) -> None:
@@ -149,6 +150,7 @@ def test_measuring_needs_no_key(tool: Tool) -> None:
     for address in PLACES.values():
         tool.word(address)
     tool.refused(0x24, tool.word, max(PLACES.values()) + 4)
+    assert tool.word(PLACES["fast_input.bus_voltage_code"]) in range(4096)
     tool.refused(0x24, tool.word, 0x20000000)
 
 

@@ -65,7 +65,7 @@ def test_stack_by_analysis_is_held_at_2832_bytes(
         monkeypatch.setattr(memory, "of", lambda _: size)
         outcomes = {o["function"]: o["met"] for o in memory.judge(Path("image"), 114688)}
         assert outcomes["flash"]
-        assert outcomes["RAM without the black box"]
+        assert outcomes["RAM without recordings"]
         return bool(outcomes["stack by analysis"])
 
     assert [met(stack) for stack in (2832, 2833, 0)] == [True, False, False]

@@ -32,7 +32,7 @@ def port(worst: int) -> dict[str, Any]:
         "memory": {
             "flash": 117000,
             "ram": 31000,
-            "black_box": 8192,
+            "recordings": 8192,
             "stack": 2500,
             "modules": {"app": (14000, 14200), "foc": (10900, 0)},
         },
@@ -49,7 +49,7 @@ def test_the_table_has_a_column_for_each_port_and_is_written_between_its_marks()
     assert text.endswith("after\n")
     assert "another time" not in text
     assert "| PWM interrupt, cycles, warm: worst | 1100 to 1200 |" in text
-    assert "| bytes of flash; of RAM without the black box | 117000, 22808 |" in text
+    assert "| bytes of flash; of RAM without black box and scope | 117000, 22808 |" in text
     assert "| 31.9 %, 40.7 % |" in text
     assert "| PWM interrupt, cycles, warm: worst, stop | 1000 to 1150 |" in text
     assert "| bytes of stack, by analysis | 2500 |" in text
