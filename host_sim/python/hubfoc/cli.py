@@ -2,6 +2,7 @@
 """The command line: ``hubfoc COMMAND ...``."""
 
 import argparse
+import importlib
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -100,9 +101,64 @@ def _add_live(commands: Commands) -> None:
 
 
 def _add_watch(commands: Commands) -> None:
-    text = "what the wheels of a vehicle say, as it changes"
-    command = commands.add_parser("watch", help=text, description=f"{text[0].upper()}{text[1:]}.")
+    command = commands.add_parser(
+        "watch", help="what the wheels of a vehicle say, as it changes",
+        description="What the wheels of a vehicle say, as it changes; with --signals, raw values of"
+        " one wheel by XCP, ten lines a second.",
+    )  # fmt: skip
     _add_vehicle(command)
+    command.add_argument(
+        "--signals", type=_names, metavar="NAME,...", help="of 'hubfoc a2l', such as output.mode"
+    )
+    _add_wheel(command)
+
+
+def _names(text: str) -> list[str]:
+    return text.split(",")
+
+
+def _add_wheel(command: Parser) -> None:
+    """Add which wheel speaks XCP, and where."""
+    command.add_argument("--wheel", choices=WHEELS, default=WHEELS[0], help="on the bus")
+    command.add_argument(
+        "--xcp-base", type=lambda text: int(text, 0), default=SERVICE_BASE, metavar="IDENTIFIER",
+        help=f"of XCP, [service] can_base; default: {SERVICE_BASE:#x}",
+    )  # fmt: skip
+    command.add_argument(
+        "--udp", metavar="HOST:PORT", help="in the place of a bus: xcp of 'hubfoc live'"
+    )
+
+
+def _add_scope(commands: Commands) -> None:
+    command = commands.add_parser(
+        "scope", help="record up to eight signals at the PWM frequency, by XCP",
+        description="Record signals of a wheel at its PWM frequency around a trigger, in raw"
+        " values, and write them as a table whose time begins with the trigger.",
+    )  # fmt: skip
+    command.add_argument(
+        "--signals", type=_names, required=True, metavar="NAME,...",
+        help="at most eight, of 'hubfoc a2l', such as fast_input.phase_current_code_a",
+    )  # fmt: skip
+    command.add_argument(
+        "--trigger", default="none", metavar="TRIGGER",
+        help="above, below, rises or falls :SIGNAL:VALUE, with a raw value; finding or"
+        " finding:REASON, when it appears; default: none, at once",
+    )  # fmt: skip
+    for name, default, text in (
+        ("before", 0, "rows before the trigger's"),
+        ("rows", 0, "of the record; default: as many as the wheel's memory holds"),
+        ("every", 1, "PWM periods a row"),
+    ):
+        command.add_argument(f"--{name}", type=int, default=default, metavar="N", help=text)
+    command.add_argument(
+        "--wait", type=float, metavar="SECONDS", help="for the trigger; default: until Ctrl-C"
+    )
+    command.add_argument(
+        "-o", "--output", type=output_file(".csv", ".parquet"), required=True, metavar="FILE",
+        help=".csv, or .parquet with 'hubfoc[formats]'",
+    )  # fmt: skip
+    _add_bus(command)
+    _add_wheel(command)
 
 
 def _add_demand(commands: Commands) -> None:
@@ -166,31 +222,30 @@ def parser() -> argparse.ArgumentParser:
     commands = out.add_subparsers(
         title="commands", required=True, metavar="COMMAND", parser_class=Parser, dest="command"
     )
-    for add in (_add_live, _add_watch, _add_demand, _add_a2l, _add_params):
+    for add in (_add_live, _add_watch, _add_demand, _add_a2l, _add_params, _add_scope):
         add(commands)
     return out
+
+
+def _do(options: argparse.Namespace) -> int:
+    """Import a command's module and run it: a help needs neither simulator nor bus."""
+    name = options.command
+    if name == "live":
+        from hubfoc.live import command  # noqa: PLC0415
+
+        return command.run(options)
+    if name == "scope" or getattr(options, "signals", None):
+        name = "scope"
+    elif name in {"watch", "demand"}:
+        name = "commands"
+    return int(importlib.import_module(f"hubfoc.{name}").run(options))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; a mistake is one line and exit status 2, Ctrl-C one line and 130."""
     options = parser().parse_args(arguments)
     try:
-        # A help needs neither simulator nor bus.
-        if options.command == "live":
-            from hubfoc.live import command  # noqa: PLC0415
-
-            return command.run(options)
-        if options.command == "a2l":
-            from hubfoc import a2l  # noqa: PLC0415
-
-            return a2l.run(options)
-        if options.command == "params":
-            from hubfoc import params  # noqa: PLC0415
-
-            return params.run(options)
-        from hubfoc import commands  # noqa: PLC0415
-
-        return commands.watch(options) if options.command == "watch" else commands.demand(options)
+        return _do(options)
     except (HubfocError, HubsimError, ConfigurationError) as error:
         print(f"hubfoc {options.command}: {error}", file=sys.stderr)
         return REFUSED

@@ -110,3 +110,8 @@ def demand(options: argparse.Namespace) -> int:
         )  # fmt: skip
         _follow(car, options.duration)
     return 0
+
+
+def run(options: argparse.Namespace) -> int:
+    """Do ``hubfoc watch`` or ``hubfoc demand``."""
+    return {"watch": watch, "demand": demand}[options.command](options)

@@ -6,15 +6,18 @@
 ...     wheel.unlock(key)
 ...     wheel.write("driver.lost_hold_ms", [250])
 ...     wheel.store()
+...     for sample in wheel.daq(["output.speed_rad_per_s"]): ...
+...     wheel.scope(["fast_input.phase_current_code_a"], before=100)
 """
 
 import socket
 import struct
 import time
-from collections.abc import Sequence
+from collections import deque
+from collections.abc import Generator, Sequence
 from typing import Protocol, Self
 
-from hubfoc import addresses
+from hubfoc import addresses, measuring
 from hubfoc.bus import Bus
 from hubfoc.errors import HubfocError
 
@@ -25,14 +28,20 @@ WHEELS = 4
 STAGING = 1
 CALIBRATION = 1
 _HEAD = struct.Struct("<HH")
+_DATAGRAM_BYTES = 1 << 16
+_LEAST_ANSWER = 0xFE  # numbers of packets from here on are answers, below them of DAQ
+_ALIVE_S = 20.0  # between two commands: without any the wheel ends the session after a minute
+_LATE_S = 60.0  # without a packet of a list
 _MASK = 2**64 - 1
 _REFUSALS = {
     0x22: "refused: the wheel's validator does not accept it (its shell says which field)",
     0x23: "refused: this wheel has no key, nothing can be changed; accepted: an image whose TOML"
           " has [service] key",
     0x25: "locked: accepted: the key of this wheel's [service] key",
+    0x2A: "refused: more than the line carries: accepted: at most one packet a millisecond on CAN"
+          " (every=), signals of the PWM period by UDP alone",
     0x33: "refused for now: only with the wheel at rest and switched off, and 10 s after three"
-          " wrong keys",
+          " wrong keys; the scope's memory serves one at a time",
 }  # fmt: skip
 
 
@@ -59,6 +68,7 @@ class Udp:
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.connect((host, int(port)))
         self._counter = 0
+        self._received: deque[bytes] = deque()  # a datagram has any number of packets
 
     def send(self, packet: bytes) -> None:
         """Send one packet."""
@@ -67,11 +77,18 @@ class Udp:
 
     def receive(self, wait_s: float) -> bytes | None:
         """Return the next packet; None: there is none in this time."""
-        self._socket.settimeout(max(wait_s, 1e-3))
-        try:
-            return self._socket.recv(_HEAD.size + PACKET_BYTES)[_HEAD.size :]
-        except (TimeoutError, ConnectionError):
-            return None
+        if not self._received:
+            self._socket.settimeout(max(wait_s, 1e-3))
+            try:
+                datagram = self._socket.recv(_DATAGRAM_BYTES)
+            except (TimeoutError, ConnectionError):
+                return None
+            at = 0
+            while at + _HEAD.size <= len(datagram):
+                begin = at + _HEAD.size
+                at = begin + _HEAD.unpack_from(datagram, at)[0]
+                self._received.append(datagram[begin:at])
+        return self._received.popleft() if self._received else None
 
     def close(self) -> None:
         """Give the port back."""
@@ -136,6 +153,8 @@ class Service:
         self._line = line
         self._signals = {row.name: row for row in addresses.signals()}
         self._fields = {row.name: row for row in addresses.fields()}
+        self._measured: deque[bytes] = deque()
+        self._packet_bytes = PACKET_BYTES
         self.connect()
 
     def __enter__(self) -> Self:
@@ -149,20 +168,40 @@ class Service:
 
     def connect(self) -> None:
         """Begin a session; what was unlocked is locked."""
-        self.ask(b"\xff\x00")
+        self._packet_bytes = int.from_bytes(self.ask(b"\xff\x00")[3:5], "little")
+        self._measured.clear()
 
     def ask(self, packet: bytes) -> bytes:
         """Send a command and return its answer."""
-        while self._line.receive(0.0) is not None:
-            pass  # an answer that came too late
+        while self._answer(0.0) is not None:
+            pass  # it came too late
         self._line.send(packet)
-        answer = self._line.receive(TIMEOUT_S)
+        answer = self._answer(TIMEOUT_S)
         if answer is None:
             raise HubfocError("no answer: accepted: a wheel that runs, with XCP")
         if answer[:1] == b"\xff":
             return answer[1:]
         code = answer[1] if len(answer) > 1 else -1
         raise HubfocError(_REFUSALS.get(code, f"refused with the code 0x{code:02X} of XCP"))
+
+    def _answer(self, wait_s: float) -> bytes | None:
+        """Return the next answer; packets of DAQ before it are kept."""
+        end_s = time.monotonic() + wait_s
+        while True:
+            packet = self._line.receive(max(0.0, end_s - time.monotonic()))
+            if packet is None or packet[0] >= _LEAST_ANSWER:
+                return packet
+            self._measured.append(packet)
+
+    def _next_measured(self) -> bytes:
+        end_s = time.monotonic() + _LATE_S
+        while not self._measured:
+            packet = self._line.receive(TIMEOUT_S)
+            if packet is not None and packet[0] < _LEAST_ANSWER:
+                return packet
+            if time.monotonic() > end_s:
+                raise HubfocError("no packets any more: accepted: a wheel that runs")
+        return self._measured.popleft()
 
     def read(self, address: int, count: int) -> bytes:
         """Return bytes of signals or of the page."""
@@ -178,6 +217,120 @@ class Service:
             raise HubfocError(f"{name}: no such signal, accepted: those of 'hubfoc a2l'")
         answer = self.ask(b"\xf4\x04\x00\x00" + struct.pack("<I", self._signals[name].address))
         return int(struct.unpack("<i", answer)[0])
+
+    def _chosen(self, names: Sequence[str]) -> list[addresses.Signal]:
+        for name in names:
+            if name not in self._signals:
+                raise HubfocError(f"{name}: no such signal, accepted: those of 'hubfoc a2l'")
+        return [self._signals[name] for name in names]
+
+    def daq(
+        self, names: Sequence[str], *, fast: bool = False, every: int | None = None
+    ) -> Generator[measuring.Sample]:
+        """Yield raw values of each slow step, until the iterator is closed.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Signals, of the slow step and of the PWM period.
+        fast : bool
+            Of each PWM period, at most eight signals, by UDP alone.
+        every : int, optional
+            How many steps or periods lie between two samples; default: as few as the line carries.
+        """
+        plan = measuring.plan(self._chosen(names), self._packet_bytes, fast=fast)
+        self._set_list(plan, plan.least if every is None else every)
+        try:
+            asked_s = 0.0
+            for sample in measuring.samples(plan, self._next_measured):
+                if sample.time_s - asked_s > _ALIVE_S:
+                    asked_s = sample.time_s
+                    self.ask(b"\xfd")
+                yield sample
+        finally:
+            self.ask(b"\xe3\x00" + plan.list_number)
+            self._measured.clear()
+
+    def _set_list(self, plan: measuring.Plan, every: int) -> None:
+        self.ask(b"\xe3\x00" + plan.list_number)
+        for number, odt in enumerate(plan.odts):
+            for k, signal in enumerate(odt):
+                self.ask(b"\xe2\x00" + plan.list_number + bytes([number, k]))
+                entry = bytes([0xE1, 0xFF, signal.least_bytes, 0])
+                self.ask(entry + struct.pack("<I", signal.address))
+        if not 1 <= every <= measuring.EVERY_MOST:
+            raise HubfocError(f"every: {every}, accepted: 1 to {measuring.EVERY_MOST}")
+        mode = b"\xe0\x10" + plan.list_number + plan.list_number
+        self.ask(mode + bytes([every, 0]))
+        self._measured.clear()
+        self.ask(b"\xde\x01" + plan.list_number)
+
+    def _scope_word(self, name: str) -> int:
+        address = addresses.scope_words()[name]
+        answer = self.ask(b"\xf4\x04\x00\x00" + struct.pack("<I", address))
+        return int(struct.unpack("<i", answer)[0])
+
+    def _set_scope(self, name: str, value: int) -> None:
+        self.ask(b"\xf6\x00\x00\x00" + struct.pack("<I", addresses.scope_words()[name]))
+        self.ask(b"\xf0\x04" + struct.pack("<i", value))
+
+    def scope(
+        self, names: Sequence[str], *, trigger: measuring.Trigger | None = None, before: int = 0,
+        rows: int = 0, every: int = 1, wait_s: float | None = None,
+    ) -> measuring.Recording:  # fmt: skip
+        """Record up to eight signals at the PWM frequency around a trigger.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Signals, in raw values.
+        trigger : Trigger, optional
+            What it waits for; default: nothing.
+        before : int
+            Rows before the trigger's.
+        rows : int
+            Of the record; 0: as many as the wheel's memory holds.
+        every : int
+            PWM periods a row.
+        wait_s : float, optional
+            For the trigger and the rows after it; default: for ever.
+        """
+        chosen = self._chosen(names)
+        if self._scope_word("memory_bytes") == 0:
+            raise HubfocError("this wheel has no scope")
+        self._arm(chosen, trigger or measuring.Trigger(), before, rows, every)
+        end_s = None if wait_s is None else time.monotonic() + wait_s
+        while self._scope_word("phase") != measuring.COMPLETE:
+            if end_s is not None and time.monotonic() > end_s:
+                self._set_scope("run", 0)
+                raise HubfocError(f"nothing has triggered in {wait_s:g} s")
+            time.sleep(measuring.LOOK_S)
+        state = {name: self._scope_word(name) for name in addresses.STATES}
+        data = self.read(addresses.RECORD, state["record_rows"] * state["row_bytes"])
+        frequency_hz = self._values("drive.pwm_frequency_Hz")[0]
+        return measuring.recording(chosen, state, data, before, every / frequency_hz)
+
+    def _arm(
+        self, chosen: Sequence[addresses.Signal], trigger: measuring.Trigger, before: int,
+        rows: int, every: int,
+    ) -> None:  # fmt: skip
+        if not 1 <= len(chosen) <= addresses.CHANNELS:
+            raise HubfocError(f"{len(chosen)} signals, accepted: 1 to {addresses.CHANNELS}")
+        self._set_scope("run", 0)
+        for k in range(addresses.CHANNELS):
+            self._set_scope(f"signal_{k}", chosen[k].place if k < len(chosen) else -1)
+        self._set_scope("trigger", trigger.kind)
+        self._set_scope("level", trigger.level)
+        if trigger.signal is not None:
+            self._set_scope("trigger_signal", self._chosen([trigger.signal])[0].place)
+        for name, value in (("before_rows", before), ("rows", rows), ("periods", every)):
+            self._set_scope(name, value)
+        self._set_scope("run", 1)
+
+    def _values(self, name: str) -> list[int]:
+        field = self._fields[name]
+        data = self.read(field.address, (field.info.count or 1) * field.value_bytes)
+        return values_of(bytes(field.address - addresses.PAGE) + data, field)
 
     def values(self) -> dict[str, list[int]]:
         """Return every field of the configuration in force."""
