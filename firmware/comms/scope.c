@@ -32,6 +32,12 @@ void scope_init(scope_t *scope, void *memory, uint32_t bytes, uint32_t pwm_frequ
     }
 }
 
+static uint8_t *row_at(const scope_t *scope, uint32_t row)
+{
+    const uint32_t at = row * (uint32_t)scope->page.row_bytes;
+    return &scope->memory[at];
+}
+
 const scope_page_t *scope_page(scope_t *scope)
 {
     scope->page.phase = scope->phase;
@@ -200,7 +206,7 @@ uint32_t scope_next_row(const scope_t *scope, uint8_t *to)
         return 0;
     }
     const uint32_t bytes = (uint32_t)scope->page.row_bytes;
-    const uint8_t *row = &scope->memory[read % scope->rows * bytes];
+    const uint8_t *row = row_at(scope, read % scope->rows);
     for (uint32_t i = 0; i < bytes; i++) {
         to[i] = row[i];
     }
@@ -279,7 +285,7 @@ static bool is_triggered(scope_t *scope)
 static void record_row(scope_t *scope)
 {
     const bool triggered = is_triggered(scope);
-    put_row(scope, &scope->memory[scope->next_row * (uint32_t)scope->page.row_bytes]);
+    put_row(scope, row_at(scope, scope->next_row));
     scope->next_row = scope->next_row + 1U < scope->rows ? scope->next_row + 1U : 0U;
     if (scope->phase == SCOPE_TRIGGERED) {
         scope->left_rows--;
@@ -304,7 +310,7 @@ static void stream_row(scope_t *scope)
         scope->lost = true;
         return;
     }
-    uint8_t *row = &scope->memory[written % scope->rows * (uint32_t)scope->page.row_bytes];
+    uint8_t *row = row_at(scope, written % scope->rows);
     xcp_put(row, scope->time_q16 >> Q16, SCOPE_TIME_BYTES);
     put_row(scope, row + SCOPE_TIME_BYTES);
     scope->written_rows = written + 1U == 2U * scope->rows ? 0U : written + 1U;

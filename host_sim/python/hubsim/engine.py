@@ -114,6 +114,7 @@ class Engine:
             raise HubsimError("no memory for a simulated vehicle")
         self._sim = self._ffi.gc(handle, self._lib.hubsim_delete)
         self._chosen: list[str] = []
+        self._packets = self._ffi.new("unsigned char[]", _PACKETS_BYTES)
         self.ended = False
 
     def __enter__(self) -> Self:
@@ -242,10 +243,9 @@ class Engine:
 
     def packets_take(self, wheel: int) -> list[bytes]:
         """Return the packets of the service protocol that a wheel sent since last time."""
-        buffer = self._ffi.new("unsigned char[]", _PACKETS_BYTES)
-        count = self._lib.hubsim_packets_take(self._sim, wheel, buffer, _PACKETS_BYTES)
+        count = self._lib.hubsim_packets_take(self._sim, wheel, self._packets, _PACKETS_BYTES)
         self._check(min(count, 0))
-        taken, at, packets = bytes(self._ffi.buffer(buffer, count)), 0, []
+        taken, at, packets = bytes(self._ffi.buffer(self._packets, count)), 0, []
         while at < count:
             packets.append(taken[at + 1 : at + 1 + taken[at]])
             at += 1 + taken[at]
