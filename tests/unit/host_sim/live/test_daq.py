@@ -95,7 +95,12 @@ def master_with(policy: Kept, stepped: Stepped) -> Any:  # noqa: ANN401, pyxcp's
     return master
 
 
-def configure(master: Any, number: int, signals: dict[str, int], prescaler: int) -> None:  # noqa: ANN401
+def configure(
+    master: Any,  # noqa: ANN401
+    number: int,
+    signals: dict[str, int],
+    prescaler: int,
+) -> None:
     master.clearDaqList(number)
     master.setDaqPtr(number, 0, 0)
     for name, size in signals.items():
