@@ -267,8 +267,13 @@ static void fill_slow_input(slow_input_t *in, const node_command_t *command)
     in->demand_age_ms = node_demand_age_ms(command, time_ms());
     in->bms = command->bms;
     in->hydraulic = node_hydraulic(command, time_ms());
-    in->temperature.winding_cC = analog_winding_temperature_cC();
-    in->temperature.switch_cC = analog_switch_temperature_cC();
+    const config_temperature_t *sensors = &app.config->temperature;
+    const analog_curve_t winding = {sensors->winding_cC, sensors->winding_lowest_code,
+                                    sensors->winding_highest_code};
+    const analog_curve_t switches = {sensors->switch_cC, sensors->switch_lowest_code,
+                                     sensors->switch_highest_code};
+    in->temperature.winding_cC = analog_winding_temperature_cC(&winding);
+    in->temperature.switch_cC = analog_switch_temperature_cC(&switches);
     in->selftest_passed = boot_selftest_passed(&app.boot) && app.memory_good;
     in->config_accepted = app.config_good; /* accepted at boot, or no slow step runs */
 }

@@ -13,7 +13,7 @@
     X(x, -32767) X(x, -20000) X(x, -10000) X(x, -5000) X(x, 0) X(x, 1) X(x, 2) X(x, 3) X(x, 5)     \
     X(x, 6) X(x, 8) X(x, 10) X(x, 15) X(x, 16) X(x, 17) X(x, 20) X(x, 40) X(x, 60) X(x, 65)        \
     X(x, 100) X(x, 128) X(x, 164) X(x, 250) X(x, 328) X(x, 500) X(x, 512) X(x, 999) X(x, 1000)     \
-    X(x, 1024) X(x, 1856) X(x, 2000) X(x, 2040) X(x, 3276) X(x, 4000) X(x, 5000) X(x, 8192)        \
+    X(x, 1024) X(x, 1856) X(x, 2000) X(x, 2040) X(x, 3276) X(x, 4000) X(x, 4031) X(x, 5000) X(x, 8192)        \
     X(x, 10000) X(x, 15000) X(x, 16384) X(x, 20000) X(x, 25000) X(x, 29998) X(x, 30000)            \
     X(x, 32112) X(x, 32440) X(x, 32767) X(x, 32768) X(x, 60000) X(x, 65520) X(x, 65535)            \
     X(x, 65536) X(x, 100000) X(x, 1000000) X(x, 1048576) X(x, 1638200) X(x, 2000000)               \
@@ -26,7 +26,8 @@
     CONFIG_ROTOR_FIELDS(X) CONFIG_HALL_ARRAY(Y) CONFIG_BATTERY_FIELDS(X) CONFIG_BRAKE_FIELDS(X)    \
     CONFIG_VEHICLE_FIELDS(X) CONFIG_DRIVER_FIELDS(X) CONFIG_PEDALS_FIELDS(X)                       \
     CONFIG_PEDALS_ARRAY(Y) CONFIG_SERVICE_FIELDS(X) CONFIG_MODES_FIELDS(X)                         \
-    CONFIG_MONITOR_FIELDS(X) CONFIG_THERMAL_FIELDS(X) CONFIG_REGEN_MAP_FIELDS(X)                   \
+    CONFIG_MONITOR_FIELDS(X) CONFIG_THERMAL_FIELDS(X) CONFIG_TEMPERATURE_FIELDS(X) \
+    CONFIG_TEMPERATURE_ARRAY(Y) CONFIG_REGEN_MAP_FIELDS(X)                   \
     CONFIG_REGEN_MAP_ARRAY(Y) CONFIG_CURRENT_MAP_FIELDS(X) CONFIG_CURRENT_MAP_ARRAY(Y)
 /* clang-format on */
 
@@ -62,12 +63,15 @@ typedef struct {
 #define SIZE(section, name, count) {(uint16_t)offsetof(config_t, section.name), (count)},
 #define ROTOR_SIZE(name, count, lowest, highest, unit, text) SIZE(rotor, name, count)
 #define PEDALS_SIZE(name, count, lowest, highest, unit, text) SIZE(pedals, name, count)
+#define CURVE_SIZE(name, count, lowest, highest, unit, text) SIZE(temperature, name, count)
 #define REGEN_SIZE(name, count, lowest, highest, unit, text) SIZE(regen_map, name, count)
 #define CURRENT_SIZE(name, count, lowest, highest, unit, text) SIZE(current_map, name, count)
 
 /* The fields of more than one value. */
-static const array_t ARRAYS[] = {CONFIG_HALL_ARRAY(ROTOR_SIZE) CONFIG_PEDALS_ARRAY(
-    PEDALS_SIZE) CONFIG_REGEN_MAP_ARRAY(REGEN_SIZE) CONFIG_CURRENT_MAP_ARRAY(CURRENT_SIZE)};
+static const array_t ARRAYS[] = {CONFIG_HALL_ARRAY(ROTOR_SIZE) CONFIG_PEDALS_ARRAY(PEDALS_SIZE)
+                                     CONFIG_TEMPERATURE_ARRAY(CURVE_SIZE)
+                                         CONFIG_REGEN_MAP_ARRAY(REGEN_SIZE)
+                                             CONFIG_CURRENT_MAP_ARRAY(CURRENT_SIZE)};
 
 #define NAME(name, lowest, highest, unit, text) #name "\0"
 #define ARRAY_NAME(name, count, lowest, highest, unit, text) #name "\0"
@@ -98,6 +102,7 @@ static const section_t SECTIONS[] = {
     SECTION(modes, CONFIG_MODES_FIELDS(NAME)),
     SECTION(monitor, CONFIG_MONITOR_FIELDS(NAME)),
     SECTION(thermal, CONFIG_THERMAL_FIELDS(NAME)),
+    SECTION(temperature, CONFIG_TEMPERATURE_FIELDS(NAME) CONFIG_TEMPERATURE_ARRAY(ARRAY_NAME)),
     SECTION(regen_map, CONFIG_REGEN_MAP_FIELDS(NAME) CONFIG_REGEN_MAP_ARRAY(ARRAY_NAME)),
     SECTION(current_map, CONFIG_CURRENT_MAP_FIELDS(NAME) CONFIG_CURRENT_MAP_ARRAY(ARRAY_NAME))};
 

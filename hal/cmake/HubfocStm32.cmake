@@ -3,8 +3,8 @@
 # object library: what the chips have in common (hal/stm32) and the sources of the chip, from whose
 # folder this is called.
 set(HUBFOC_STM32 "${PROJECT_SOURCE_DIR}/hal/stm32")
-set(HUBFOC_STM32_SOURCES dead_time.c flash.c gpio.c interrupts.c inverter.c memory.c ntc.c packets.c
-  power.c   rotor_sensor.c serial.c startup.c stop_timer.c time.c watchdog.c)
+set(HUBFOC_STM32_SOURCES dead_time.c flash.c gpio.c interrupts.c inverter.c memory.c packets.c
+  power.c rotor_sensor.c serial.c startup.c stop_timer.c time.c watchdog.c)
 list(TRANSFORM HUBFOC_STM32_SOURCES PREPEND "${HUBFOC_STM32}/")
 set(HUBFOC_STM32_APART flash.c startup.c)
 list(TRANSFORM HUBFOC_STM32_APART PREPEND "${HUBFOC_STM32}/")

@@ -164,13 +164,15 @@ void analog_read(analog_sample_t *sample)
     sample->bus_voltage_code = MAILBOX->bus_voltage_code;
 }
 
-int32_t analog_winding_temperature_cC(void)
+int32_t analog_winding_temperature_cC(const analog_curve_t *curve)
 {
+    (void)curve;
     return MAILBOX->winding_temperature_cC;
 }
 
-int32_t analog_switch_temperature_cC(void)
+int32_t analog_switch_temperature_cC(const analog_curve_t *curve)
 {
+    (void)curve;
     return MAILBOX->switch_temperature_cC;
 }
 

@@ -22,7 +22,6 @@
 #include "current_code.h"
 #include "hal/upcall.h"
 #include "interrupts.h"
-#include "ntc.h"
 #define COLD __attribute__((cold)) /* optimised for size */
 #include "registers/adc.h"
 #include "registers/rcc.h"
@@ -37,7 +36,6 @@ enum {
     TRIGGER_TIM1_TRGO = 1,   /* JEXTSEL */
     TRIGGER_RISING_EDGE = 1, /* JEXTEN */
     TWO_CONVERSIONS = 1,     /* JL: takes JSQ3 and JSQ4, results in JDR1 and JDR2 */
-    CODE_RANGE = 4096,
     INVERTED = BOARD_CURRENT_INVERTED != 0,
     TWO_CURRENTS = BOARD_CURRENT_CHANNELS == 2,
     /* What ADC2 and ADC3 convert together with current a. */
@@ -137,14 +135,14 @@ analog_scale_t analog_scale(void)
     return scale;
 }
 
-int32_t analog_winding_temperature_cC(void)
+int32_t analog_winding_temperature_cC(const analog_curve_t *curve)
 {
-    return ntc_temperature_cC((int32_t)ADC2->JDR2, ANALOG_TEMPERATURE_BROKEN_cC);
+    return analog_curve_cC(curve, (int32_t)ADC2->JDR2);
 }
 
-int32_t analog_switch_temperature_cC(void)
+int32_t analog_switch_temperature_cC(const analog_curve_t *curve)
 {
-    return ntc_temperature_cC(CODE_RANGE - (int32_t)ADC3->JDR2, ANALOG_TEMPERATURE_BROKEN_cC);
+    return analog_curve_cC(curve, (int32_t)ADC3->JDR2);
 }
 
 /* Takes the conversions started a millisecond ago; reading clears their flags. */

@@ -60,9 +60,6 @@ _Static_assert(BOARD_SHUNTS == BOARD_SHUNTS_IN_PHASES || BOARD_AMPLIFIER_SETTLIN
                "amplifiers of low-side shunts settle in every period");
 _Static_assert(BOARD_CURRENT_FULL_SCALE_mA / 1000 >= BOARD_CURRENT_MOST_A,
                "the amplifiers show what the board may carry");
-/* ntc.c: 3 % of B are 2 K at 100 C. */
-_Static_assert(BOARD_SWITCH_NTC_BETA_K > 3380 - 100 && BOARD_SWITCH_NTC_BETA_K < 3380 + 100,
-               "the table of ntc.c");
 /* V_DS at which the DRV8301 trips, by OC_ADJ_SET (SLOS719, table 13; the same in the DRV8301-Q1's
  * SLOS842, table 10), within 20 %. */
 #define BOARD_V_DS_mV(code)                                                                        \

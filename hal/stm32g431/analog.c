@@ -16,7 +16,6 @@
 #include "current_code.h"
 #include "hal/upcall.h"
 #include "interrupts.h"
-#include "ntc.h"
 #include "registers/adc.h"
 #include "registers/opamp.h"
 #include "registers/rcc.h"
@@ -37,8 +36,7 @@ enum {
     GAIN_16_BIAS_AT_VINM0 = 11, /* PGA_GAIN */
     POLLS_REGULATOR = 1500,     /* 30 us at least; the data sheet says 20 */
     POLLS_CALIBRATION = 20000,  /* 116 cycles: 3 us */
-    POLLS_AMPLIFIER = 500,      /* 10 us at least; the data sheet says 3 .. 6 us to wake up */
-    CODE_RANGE = 4096
+    POLLS_AMPLIFIER = 500       /* 10 us at least; the data sheet says 3 .. 6 us to wake up */
 };
 
 static void start_amplifier(volatile uint32_t *control, pin_t in, pin_t bias, pin_t out)
@@ -152,15 +150,15 @@ analog_scale_t analog_scale(void)
 }
 
 /* The board has no input for one: the firmware estimates it. */
-int32_t analog_winding_temperature_cC(void)
+int32_t analog_winding_temperature_cC(const analog_curve_t *curve)
 {
+    (void)curve;
     return ANALOG_TEMPERATURE_BROKEN_cC;
 }
 
-int32_t analog_switch_temperature_cC(void)
+int32_t analog_switch_temperature_cC(const analog_curve_t *curve)
 {
-    const int32_t code = ntc_code_of_divider((int32_t)ADC1->JDR3, BOARD_SWITCH_NTC_GROUND_Ohm);
-    return ntc_temperature_cC(code, ANALOG_TEMPERATURE_BROKEN_cC);
+    return analog_curve_cC(curve, (int32_t)ADC1->JDR3);
 }
 
 /* Converted in every period. */

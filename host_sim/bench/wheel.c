@@ -6,6 +6,7 @@
 
 #include "bench/feed.h"
 #include "config/bases.h"
+#include "hal/analog_curve.h"
 #include "plant/numbers.h"
 
 enum { MILLI = 1000, CENTI = 100, PERCENT = 100 };
@@ -157,19 +158,40 @@ static void warm(wheel_t *wheel, const wheel_world_t *world)
     }
 }
 
+/* What a port makes of a sensor's code by the configuration's curve; of a sensor that is no
+ * resistance what it reports. */
+static double measured_c(const winding_sensor_params_t *params, temperature_sensor_t *sensor,
+                         double temperature_c, bool broken, const analog_curve_t *curve)
+{
+    const double before_c = sensor->reported_c;
+    double seen_c = temperature_sensor_step(params, sensor, temperature_c, broken, SLOW_STEP_S);
+    if (params->kind > 0.5) {
+        const int32_t code = temperature_sensor_code(params, sensor, broken);
+        seen_c = params->stuck > 0.5 ? before_c : 0.01 * analog_curve_cC(curve, code);
+        sensor->reported_c = seen_c;
+    }
+    return seen_c;
+}
+
 /* The winding's temperature by its sensor. */
-static double measured_winding_c(wheel_t *wheel, const bench_params_t *params)
+static double measured_winding_c(wheel_t *wheel, const bench_params_t *params,
+                                 const config_temperature_t *believed)
 {
     const one_wheel_params_t *own = &params->wheel[wheel->index];
     const bool broken = own->winding_sensor_open > 0.5 || own->winding_sensor_shorted > 0.5;
-    return temperature_sensor_step(&params->winding_sensor, &wheel->winding_sensor,
-                                   wheel->winding.temperature_c, broken, SLOW_STEP_S);
+    const analog_curve_t curve = {believed->winding_cC, believed->winding_lowest_code,
+                                  believed->winding_highest_code};
+    return measured_c(&params->winding_sensor, &wheel->winding_sensor, wheel->winding.temperature_c,
+                      broken, &curve);
 }
 
-static double measured_switches_c(wheel_t *wheel, const bench_params_t *params)
+static double measured_switches_c(wheel_t *wheel, const bench_params_t *params,
+                                  const config_temperature_t *believed)
 {
-    return temperature_sensor_step(&params->switch_sensor, &wheel->switch_sensor,
-                                   wheel->switches.temperature_c, false, SLOW_STEP_S);
+    const analog_curve_t curve = {believed->switch_cC, believed->switch_lowest_code,
+                                  believed->switch_highest_code};
+    return measured_c(&params->switch_sensor, &wheel->switch_sensor, wheel->switches.temperature_c,
+                      false, &curve);
 }
 
 static injection_target_t target_of(wheel_t *wheel, const wheel_world_t *world)
@@ -236,8 +258,12 @@ void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t 
         .hydraulic = {.torque_mNm = rounded(brake.torque_nm, MILLI),
                       .age_ms = (uint32_t)brake.age_ms,
                       .valid = brake.valid},
-        .temperature = {.winding_cC = rounded(measured_winding_c(wheel, world->params), CENTI),
-                        .switch_cC = rounded(measured_switches_c(wheel, world->params), CENTI)},
+        .temperature = {.winding_cC = rounded(
+                            measured_winding_c(wheel, world->params, &world->config->temperature),
+                            CENTI),
+                        .switch_cC = rounded(
+                            measured_switches_c(wheel, world->params, &world->config->temperature),
+                            CENTI)},
         .selftest_passed = true,
         .config_accepted = !world->config_damaged,
     };

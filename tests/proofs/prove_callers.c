@@ -8,7 +8,6 @@
 #include "field_weakening.h"
 #include "hal/analog.h"
 #include "invariants.h"
-#include "ntc.h"
 #include "transforms.h"
 #include "vectors.h"
 
@@ -30,8 +29,12 @@ config_t proof_config;
  * supply. */
 void prove_board_temperatures(void)
 {
-    const int32_t code = any_within(-65535, 65535);
-    const int32_t result_cC = ntc_temperature_cC(code, ANALOG_TEMPERATURE_BROKEN_cC);
+    static int16_t point_cC[CONFIG_CURVE_POINTS];
+    for (int k = 0; k < CONFIG_CURVE_POINTS; k++) {
+        point_cC[k] = (int16_t)any_within(-32767, 32767);
+    }
+    const analog_curve_t curve = {point_cC, any_within(0, 4031), any_within(0, 4031)};
+    const int32_t result_cC = analog_curve_cC(&curve, any_within(-65535, 65535));
     PROVE(is_within(result_cC, -100000, 100000));
     PROOF_END();
 }

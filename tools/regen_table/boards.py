@@ -43,6 +43,8 @@ class Board:
         Of a cold switch; None where the header names no switch.
     offset_tolerance_codes : int or None
         Where the header states that zero current lies beside the middle of the range.
+    switch_sensor_beta_k, switch_sensor_divider_ohm : float
+        Of the thermistor beside the switches, 10 kOhm at 25 degC, to the supply; to ground.
     """
 
     name: str
@@ -56,6 +58,8 @@ class Board:
     min_pulse_s: float | None
     switch_resistance_ohm: float | None
     offset_tolerance_codes: int | None
+    switch_sensor_beta_k: float
+    switch_sensor_divider_ohm: float
 
 
 @cache
@@ -96,6 +100,8 @@ def _read(path: Path) -> Board:
         min_pulse_s=window_s if settling_s > 0.0 else None,
         switch_resistance_ohm=None if hot is None else hot * 1e-6 / HOT_OVER_COLD,
         offset_tolerance_codes=facts.get("OFFSET_TOLERANCE_codes"),
+        switch_sensor_beta_k=float(facts["SWITCH_NTC_BETA_K"]),
+        switch_sensor_divider_ohm=float(facts["SWITCH_NTC_GROUND_Ohm"]),
     )
 
 

@@ -245,6 +245,21 @@ def offset_tolerance(known: Known) -> int | None:
     return None if of_board is None else of_board.offset_tolerance_codes
 
 
+# ---- [monitor] ----
+
+
+def switch_sensor_beta(known: Known) -> float | None:
+    """Return what the board's header states."""
+    of_board = board(known)
+    return None if of_board is None else of_board.switch_sensor_beta_k
+
+
+def switch_sensor_divider(known: Known) -> float | None:
+    """Return what the board's header states."""
+    of_board = board(known)
+    return None if of_board is None else of_board.switch_sensor_divider_ohm
+
+
 # ---- [battery] ----
 
 

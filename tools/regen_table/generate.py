@@ -31,6 +31,7 @@ from regen_table import (
     refusals,
     relations,
     service_key,
+    thermometers,
 )
 from regen_table.errors import CheckFailedError
 from regen_table.schema import Drive
@@ -234,6 +235,7 @@ class Report:
     d_current_losses: list[current_audit.CurrentLoss]
     d_current_power_loss_worst: float
     bus_voltage_loss: float
+    temperature_sensors: list[str]
 
 
 def make_report(drive: Drive) -> Report:
@@ -261,6 +263,7 @@ def make_report(drive: Drive) -> Report:
         d_current_losses=current_audit.losses(drive, currents),
         d_current_power_loss_worst=current_audit.worst_power_loss(drive, currents),
         bus_voltage_loss=current_audit.bus_voltage_loss(drive),
+        temperature_sensors=thermometers.describe(drive),
     )
 
 
@@ -332,7 +335,7 @@ def report_text(report: Report) -> str:
         f"{report.name}: i_d: i_d = 0 would lose {costliest.without_d_current:.2%}"
         f" ({costliest.manoeuvre}), bus voltage as an axis would save {report.bus_voltage_loss:.3%}"
     )
-    return "\n".join(lines)
+    return "\n".join(lines + report.temperature_sensors)
 
 
 def _filled(proof: envelope.Proof) -> float:

@@ -20,6 +20,7 @@ from regen_table import (
     margins,
     models,
     refusals,
+    thermometers,
 )
 from regen_table.errors import ConfigurationError
 from regen_table.loops import nearest
@@ -196,6 +197,7 @@ def _computed(drive: Drive) -> Values:
         "driver": _driver(drive),
         "pedals": _pedals(drive),
         "monitor": _monitor(drive),
+        "temperature": _temperature(drive),
         "regen_map": {
             "speed_points": table.torque_mNm.shape[1],
             "speed_step_log2": table.speed_step_log2,
@@ -350,4 +352,18 @@ def _monitor(drive: Drive) -> dict[str, Any]:
         "short_release_permille": nearest(monitor.short_release_share * 1e3),
         "winding_sensor_fitted": int(monitor.winding_sensor != "none"),
         "switch_sensor_fitted": int(monitor.switch_sensor != "none"),
+    }
+
+
+def _temperature(drive: Drive) -> dict[str, Any]:
+    winding, switches = (
+        thermometers.curve(thermometers.of_drive(drive, which)) for which in ("winding", "switch")
+    )
+    return {
+        "winding_lowest_code": winding.lowest_code,
+        "winding_highest_code": winding.highest_code,
+        "switch_lowest_code": switches.lowest_code,
+        "switch_highest_code": switches.highest_code,
+        "winding_cC": list(winding.point_cc),
+        "switch_cC": list(switches.point_cc),
     }

@@ -90,7 +90,7 @@ CHOICES = (
     Choice("--kv-of", ("dc", "line-rms"), "volts of Kv: of the bus, or rms between two wires"),
     Choice("--emf", ("sine", "trapezoid"), "shape of the back-EMF"),
     Choice("--rotor-sensor", ("hall", "angle"), "three halls, or an absolute angle"),
-    Choice("--winding-sensor", ("none", "thermistor"), "in the motor"),
+    Choice("--winding-sensor", ("none", "ntc", "kty84", "pt1000"), "in the motor"),
 )
 
 
@@ -428,8 +428,9 @@ def _rest(
     if (hydraulic := _number(known, "hydraulic_torque")) is not None:
         sheet.add("brake.max_hydraulic_torque_nm", hydraulic, "of each driven wheel")
     sheet.add("rotor.sensor", str(known["rotor_sensor"]), "edges: regen_table calibrate")
-    if known["winding_sensor"] == "none":
-        sheet.add("monitor.winding_sensor", "none", "temperature estimated")
+    if (sensor := str(known["winding_sensor"])) != "ntc":
+        how = "temperature estimated" if sensor == "none" else "in the motor"
+        sheet.add("monitor.winding_sensor", sensor, how)
 
 
 def proposed_board(rated_peak_a: float, cells: int) -> str:

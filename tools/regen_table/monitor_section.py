@@ -7,7 +7,10 @@ from pydantic import Field
 
 from regen_table import defaults
 from regen_table.assumed import Assumed
-from regen_table.plant_sections import Section, number
+from regen_table.plant_sections import Section, Temperature, number
+
+Resistance = Annotated[float, number(0.1, 10e6, "ohm", "a resistance")]
+SensorPoint = Annotated[tuple[Temperature, Resistance], Field(strict=False)]
 
 
 class Monitor(Section):
@@ -148,13 +151,49 @@ class Monitor(Section):
         ),
     ] = 0.9
     winding_sensor: Annotated[
-        Literal["thermistor", "none"],
+        Literal["ntc", "kty84", "pt1000", "table", "none"],
         Field(description="none: the controller estimates the winding's temperature alone"),
-    ] = "thermistor"
+    ] = "ntc"
+    winding_sensor_ohm_25c: Annotated[float, number(10.0, 1e6, "ohm", "of an ntc at 25 degC")] = (
+        10e3
+    )
+    winding_sensor_beta_k: Annotated[float, number(500.0, 10e3, "K", "B of an ntc")] = 3380.0
+    winding_sensor_points: Annotated[
+        tuple[SensorPoint, ...] | None,
+        Field(
+            strict=False, min_length=2, description="of a table: [degC, ohm], temperature rising"
+        ),
+    ] = None
+    winding_sensor_divider_ohm: Annotated[
+        float, number(10.0, 1e6, "ohm", "the board's resistor in series")
+    ] = 10e3
+    winding_sensor_to_supply: Annotated[
+        bool, Field(description="the sensor hangs on the supply, its divider's resistor on ground")
+    ] = False
     switch_sensor: Annotated[
-        Literal["thermistor", "none"],
+        Literal["ntc", "kty84", "pt1000", "table", "none"],
         Field(description="none: likewise of the switches"),
-    ] = "thermistor"
+    ] = "ntc"
+    switch_sensor_ohm_25c: Annotated[float, number(10.0, 1e6, "ohm", "of an ntc at 25 degC")] = 10e3
+    switch_sensor_beta_k: Annotated[
+        float,
+        number(500.0, 10e3, "K", "B of an ntc"),
+        Assumed(defaults.switch_sensor_beta, "2 K at 100 degC for 3 %"),
+    ] = 3380.0
+    switch_sensor_points: Annotated[
+        tuple[SensorPoint, ...] | None,
+        Field(
+            strict=False, min_length=2, description="of a table: [degC, ohm], temperature rising"
+        ),
+    ] = None
+    switch_sensor_divider_ohm: Annotated[
+        float,
+        number(10.0, 1e6, "ohm", "the board's resistor in series"),
+        Assumed(defaults.switch_sensor_divider, "all temperatures wrong"),
+    ] = 10e3
+    switch_sensor_to_supply: Annotated[
+        bool, Field(description="the sensor hangs on the supply, its divider's resistor on ground")
+    ] = True
     coldest_ambient_c: Annotated[
         float,
         number(-50.0, 50.0, "degC", "the controller's estimate never starts below it"),

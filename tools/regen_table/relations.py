@@ -12,6 +12,7 @@ import math
 from collections.abc import Callable, Iterator
 
 from regen_table import boards, derived
+from regen_table.monitor_section import Monitor
 from regen_table.plant_sections import Section
 from regen_table.sections import Drive
 from regen_table.suggest import suggestion
@@ -134,7 +135,7 @@ def _temperature_sensors(drive: Drive) -> Iterator[str]:
     hottest = drive.inverter.max_switch_temperature_c
     if monitor.winding_sensor == "none" and thermal.winding_heat_capacity_j_per_k == 0.0:
         yield (
-            'monitor.winding_sensor: "none", accepted: "thermistor", or an estimate by'
+            'monitor.winding_sensor: "none", accepted: a sensor, or an estimate by'
             " thermal.winding_heat_capacity_j_per_k and its kin"
         )
     if (
@@ -143,11 +144,30 @@ def _temperature_sensors(drive: Drive) -> Iterator[str]:
         and thermal.switch_heat_capacity_j_per_k == 0.0
     ):
         yield (
-            'monitor.switch_sensor: "none", accepted: "thermistor", an estimate by'
+            'monitor.switch_sensor: "none", accepted: a sensor, an estimate by'
             " thermal.switch_heat_capacity_j_per_k and its kin, or no"
             " inverter.max_switch_temperature_c"
         )
     yield from _at_most(monitor, "monitor", "coldest_ambient_c", "warmest_ambient_c", "degC")
+    for which in ("winding", "switch"):
+        yield from _sensor_points(monitor, which)
+
+
+def _sensor_points(monitor: Monitor, which: str) -> Iterator[str]:
+    """Refuse a table whose temperature does not rise, or whose resistance turns back."""
+    kind, points = getattr(monitor, f"{which}_sensor"), getattr(monitor, f"{which}_sensor_points")
+    if (kind == "table") != (points is not None):
+        yield f'monitor.{which}_sensor_points: accepted: with {which}_sensor = "table", and only so'
+    if points is None:
+        return
+    pairs = list(itertools.pairwise(points))
+    rises = all(after[0] > before[0] for before, after in pairs)
+    ways = {after[1] > before[1] for before, after in pairs if after[1] != before[1]}
+    if not rises or len(ways) != 1 or any(after[1] == before[1] for before, after in pairs):
+        yield (
+            f"monitor.{which}_sensor_points: accepted: rising temperatures, and resistances that"
+            " all rise or all fall"
+        )
 
 
 def _identifiers(drive: Drive) -> Iterator[str]:

@@ -401,6 +401,16 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         .heatsink_heat_capacity_mJ_K      = 900000,
         .heatsink_thermal_resistance_mK_W = 25, /* [mK/W] heat sink to ambient; 0: insulated */
     },
+    .temperature = {
+        /* [code] least code of the winding's sensor; above winding_highest_code: none is
+         * fitted */
+        .winding_lowest_code  = 65,
+        .winding_highest_code = 3929, /* [code] its largest */
+        .switch_lowest_code   = 167, /* [code] likewise of the switches' sensor */
+        .switch_highest_code  = 4031, /* [code] its largest */
+        .winding_cC = {32767, 19672, 15456, 13289, 11857, 10798, 9959, 9267, 8678, 8165, 7710, 7301, 6929, 6588, 6271, 5976, 5699, 5438, 5190, 4954, 4729, 4512, 4303, 4102, 3907, 3717, 3533, 3352, 3176, 3003, 2833, 2665, 2500, 2336, 2174, 2013, 1853, 1694, 1534, 1375, 1214, 1053, 891, 727, 561, 393, 221, 46, -134, -319, -510, -708, -915, -1132, -1361, -1605, -1868, -2154, -2472, -2831, -3249, -3759, -4432, -5480},
+        .switch_cC = {-15448, -5480, -4432, -3759, -3249, -2831, -2472, -2154, -1868, -1605, -1361, -1132, -915, -708, -510, -319, -134, 46, 221, 393, 561, 727, 891, 1053, 1214, 1375, 1534, 1694, 1853, 2013, 2174, 2336, 2500, 2665, 2833, 3003, 3176, 3352, 3533, 3717, 3907, 4102, 4303, 4512, 4729, 4954, 5190, 5438, 5699, 5976, 6271, 6588, 6929, 7301, 7710, 8165, 8678, 9267, 9959, 10798, 11857, 13289, 15456, 19672},
+    },
     .regen_map = {
         .speed_points          = 47, /* points along speed, from standstill */
         .speed_step_log2       = 9, /* distance of the points is 2^this mrad/s, mechanical */
@@ -666,5 +676,5 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
             -20041, -21553, -22987, -24353, -25659, -26913, -28121, -29286, -30414,
         },
     },
-    .crc32 = 0x763FB1B3,
+    .crc32 = 0x3B6B189D,
 };

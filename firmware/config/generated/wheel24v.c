@@ -399,6 +399,16 @@ CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
         .heatsink_heat_capacity_mJ_K      = 15000,
         .heatsink_thermal_resistance_mK_W = 10000, /* [mK/W] heat sink to ambient; 0: insulated */
     },
+    .temperature = {
+        /* [code] least code of the winding's sensor; above winding_highest_code: none is
+         * fitted */
+        .winding_lowest_code  = 1,
+        .winding_highest_code = 0, /* [code] its largest */
+        .switch_lowest_code   = 77, /* [code] likewise of the switches' sensor */
+        .switch_highest_code  = 3967, /* [code] its largest */
+        .winding_cC = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0},
+        .switch_cC = {-15442, -4291, -3138, -2396, -1832, -1369, -971, -619, -301, -8, 264, 519, 761, 992, 1214, 1427, 1634, 1835, 2032, 2224, 2413, 2600, 2784, 2966, 3148, 3328, 3508, 3687, 3867, 4048, 4230, 4413, 4597, 4784, 4974, 5167, 5363, 5563, 5767, 5977, 6192, 6414, 6643, 6881, 7128, 7385, 7655, 7938, 8237, 8554, 8892, 9255, 9648, 10075, 10547, 11072, 11665, 12348, 13151, 14128, 15367, 17049, 19612, 24663},
+    },
     .regen_map = {
         .speed_points          = 7, /* points along speed, from standstill */
         .speed_step_log2       = 12, /* distance of the points is 2^this mrad/s, mechanical */
@@ -460,5 +470,5 @@ CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
             -69, -93, -74, -137, -157,
         },
     },
-    .crc32 = 0xD12A4BA5,
+    .crc32 = 0x4BF94F8E,
 };

@@ -14,10 +14,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Reported for a temperature sensor that is broken or not connected: above any active limit, so
- * that the derating makes the torque zero, but below 300 C, which in the configuration means that
- * the limit is off. */
-enum { ANALOG_TEMPERATURE_BROKEN_cC = 29999 };
+#include "hal/analog_curve.h"
 
 typedef struct {
     /* Phases a, b, c: 2048 = zero current, rising with current into the motor. */
@@ -40,10 +37,10 @@ analog_scale_t analog_scale(void);
 /* The sample of this PWM period. Only from app_pwm_period_isr(). */
 void analog_read(analog_sample_t *sample);
 
-/* Hundredths of a degree Celsius, -4000 .. 20000 or ANALOG_TEMPERATURE_BROKEN_cC, from the latest
- * sample, unfiltered. Any context. */
-int32_t analog_winding_temperature_cC(void);
-int32_t analog_switch_temperature_cC(void);
+/* Hundredths of a degree Celsius or ANALOG_TEMPERATURE_BROKEN_cC, from the latest sample,
+ * unfiltered. curve: of the sensor; a port without converters does not look at it. Any context. */
+int32_t analog_winding_temperature_cC(const analog_curve_t *curve);
+int32_t analog_switch_temperature_cC(const analog_curve_t *curve);
 
 enum { ANALOG_PEDAL_CHANNELS = 4 };
 

@@ -20,6 +20,7 @@ enum {
     BOARD_DIVIDER_UPPER_Ohm = 39000,
     BOARD_DIVIDER_LOWER_Ohm = 2200,
     BOARD_SWITCH_NTC_BETA_K = 3380,
+    BOARD_SWITCH_NTC_GROUND_Ohm = 10000,
     BOARD_AMPLIFIER_SETTLING_ns = 0, /* the shunts carry the current all the time */
     BOARD_CHANNEL_CURRENT_A = 10,
     BOARD_CHANNEL_CURRENT_B = 11,

@@ -62,7 +62,8 @@ enum {
     BOARD_DIVIDER_LOWER_Ohm = 18000,
     /* FOC-Stim, src/bsp: measured 1.3 us after a switch is off. */
     BOARD_AMPLIFIER_SETTLING_ns = 1300,
-    BOARD_SWITCH_NTC_GROUND_Ohm = 4700, /* 10 kOhm, B = 3425 K at the supply: FOC-Stim */
+    BOARD_SWITCH_NTC_BETA_K = 3425, /* 10 kOhm at 25 C, to the supply: FOC-Stim */
+    BOARD_SWITCH_NTC_GROUND_Ohm = 4700,
     BOARD_CHANNEL_CURRENT_A = 3,
     BOARD_CHANNEL_CURRENT_B = 3,
     BOARD_CHANNEL_BUS_VOLTAGE = 1,

@@ -34,6 +34,7 @@
 #define CONFIG_CAN_IDENTIFIERS 160 /* from vehicle.can_base on: those of the messages are below */
 #define CONFIG_SERVICE_BASE_STEP 8 /* of service.can_base */
 #define CONFIG_SERVICE_KEY_WORDS 4
+#define CONFIG_CURVE_POINTS 64      /* of a temperature sensor, hal/analog_curve.h */
 #define CONFIG_REGEN_POINTS_MAX 800 /* such as 47 speeds at 17 temperatures, or 65 at 12 */
 /* such as 31 torques and 19 speeds at 2 temperatures */
 #define CONFIG_CURRENT_MAP_POINTS_MAX 1178
@@ -434,6 +435,23 @@
     X(heatsink_thermal_resistance_mK_W,      0,         1000000,    "mK/W", \
       "heat sink to ambient; 0: insulated")
 
+/* Codes of the converter below the lowest or above the highest are those of a broken sensor: open,
+ * shorted, or of another kind. */
+#define CONFIG_TEMPERATURE_FIELDS(X) \
+    X(winding_lowest_code,                   0,         4031,       "code", \
+      "least code of the winding's sensor; above winding_highest_code: none is fitted") \
+    X(winding_highest_code,                  0,         4031,       "code",   "its largest") \
+    X(switch_lowest_code,                    0,         4031,       "code", \
+      "likewise of the switches' sensor") \
+    X(switch_highest_code,                   0,         4031,       "code",   "its largest")
+
+/* Between two points by linear interpolation. */
+#define CONFIG_TEMPERATURE_ARRAY(Y) \
+    Y(winding_cC, CONFIG_CURVE_POINTS,       -32767,    32767,      "cC", \
+      "temperature of the winding at code 0, 64, 128 .. 4032") \
+    Y(switch_cC,  CONFIG_CURVE_POINTS,       -32767,    32767,      "cC", \
+      "likewise of the switches")
+
 /* The entries of a map have 16 bits: half the flash, and in the finest power of two of a milli-unit
  * in which the largest one fits, which costs less than a ten-thousandth of a per cent of the
  * energy. */
@@ -527,6 +545,10 @@ typedef struct { CONFIG_MODES_FIELDS(CONFIG_SCALAR_MEMBER) } config_modes_t;
 typedef struct { CONFIG_MONITOR_FIELDS(CONFIG_SCALAR_MEMBER) } config_monitor_t;
 typedef struct { CONFIG_THERMAL_FIELDS(CONFIG_SCALAR_MEMBER) } config_thermal_t;
 typedef struct {
+    CONFIG_TEMPERATURE_FIELDS(CONFIG_SCALAR_MEMBER)
+    CONFIG_TEMPERATURE_ARRAY(CONFIG_MAP_MEMBER)
+} config_temperature_t;
+typedef struct {
     CONFIG_REGEN_MAP_FIELDS(CONFIG_SCALAR_MEMBER)
     CONFIG_REGEN_MAP_ARRAY(CONFIG_MAP_MEMBER)
 } config_regen_map_t;
@@ -556,6 +578,7 @@ typedef struct {
     config_modes_t modes;
     config_monitor_t monitor;
     config_thermal_t thermal;
+    config_temperature_t temperature;
     config_regen_map_t regen_map;
     config_current_map_t current_map;
     uint32_t crc32; /* CRC-32 (IEEE 802.3, reflected, initial and final 0xFFFFFFFF) of all bytes

@@ -178,3 +178,70 @@ void test_fixed_temperature_follows_its_parameter_during_the_run(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1.0 + 0.00393 * 95.0,
                               bench->wheel[0].machine.resistance_ohm / cold_ohm);
 }
+
+/* ---- temperature sensors by kind, converted by the configuration's curve: an NTC, 10 kOhm ---- */
+
+static const winding_sensor_params_t NTC = {
+    .kind = 1.0, .ohm_25c = 10e3, .beta_k = 3380.0, .divider_ohm = 10e3};
+/* As IEC 60751 within 0.1 K from 0 to 200 degC. */
+static const winding_sensor_params_t PT1000 = {.kind = 2.0,
+                                               .ohm_25c = 1097.35,
+                                               .linear_per_k = 3.5353e-3,
+                                               .square_per_k2 = -5.263e-7,
+                                               .divider_ohm = 10e3};
+
+static bench_t *ride_with(winding_sensor_params_t sensor, double winding_c)
+{
+    params.driver.brake_demand_nm = 5.0;
+    params.thermal.winding_temperature_c = winding_c;
+    params.winding_sensor = sensor;
+    bench_t *bench = fixture_start(&params, &config);
+    fixture_run(bench, 0.3);
+    return bench;
+}
+
+void test_a_sensor_of_the_configured_kind_is_read_within_the_error_of_its_curve(void)
+{
+    const double windings_c[] = {-20.0, 25.0, 80.0, 120.0};
+    for (int k = 0; k < 4; k++) {
+        const bench_t *bench = ride_with(NTC, windings_c[k]);
+        TEST_ASSERT_DOUBLE_WITHIN(1.5, bench->wheel[0].winding.temperature_c,
+                                  bench->wheel[0].winding_sensor.reported_c);
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, bench->wheel[0].slow.warning_reason);
+    }
+}
+
+/* PT1000 at 25 degC: 1097 Ohm, which a thermistor has at
+ * 1/(1/298.15 + ln(0.1097)/3380) - 273.15 = 97.2 degC. */
+void test_a_sensor_of_another_kind_shows_what_its_resistance_means_to_the_configured_one(void)
+{
+    const bench_t *bench = ride_with(PT1000, 25.0);
+    TEST_ASSERT_DOUBLE_WITHIN(1.5, 97.2, bench->wheel[0].winding_sensor.reported_c);
+}
+
+void test_open_and_shorted_lines_of_a_sensor_are_named_in_either_divider(void)
+{
+    for (int to_supply = 0; to_supply < 2; to_supply++) {
+        for (int open = 0; open < 2; open++) {
+            winding_sensor_params_t sensor = NTC;
+            sensor.to_supply = to_supply;
+            bench_t *bench = ride_with(NTC, 40.0);
+            sensor.open = open;
+            sensor.shorted = 1 - open;
+            bench->params.winding_sensor = sensor;
+            bench_refresh(bench);
+            fixture_run(bench, 0.2);
+            TEST_ASSERT_EQUAL_DOUBLE(299.99, bench->wheel[0].winding_sensor.reported_c);
+            TEST_ASSERT_TRUE(bench->wheel[0].slow.warning_reason == REASON_WINDING_SENSOR ||
+                             bench->wheel[0].first_fault != REASON_NONE);
+        }
+    }
+}
+
+void test_a_gain_error_of_a_sensor_is_read_as_such(void)
+{
+    winding_sensor_params_t sensor = NTC;
+    sensor.gain_error = 0.1;
+    const bench_t *bench = ride_with(sensor, 80.0);
+    TEST_ASSERT_DOUBLE_WITHIN(1.5, 88.0, bench->wheel[0].winding_sensor.reported_c);
+}

@@ -69,3 +69,46 @@ void test_a_stuck_sensor_goes_on_with_its_last_reading_also_without_its_line(voi
     params.stuck = 0.0;
     TEST_ASSERT_EQUAL_DOUBLE(90.0, temperature_sensor_step(&params, &sensor, 90.0, false, 1e-3));
 }
+
+/* 10 kOhm, B = 3380 K at 25 degC in a divider with 10 kOhm: half the supply. At 100 degC by hand:
+ * R = 10 kOhm exp(3380 (1/373.15 - 1/298.15)) = 1023.9 Ohm, code 4096 R/(R + 10 kOhm) = 380.4. */
+void test_a_thermistor_s_code_is_that_of_its_divider(void)
+{
+    const winding_sensor_params_t own = {
+        .kind = 1.0, .ohm_25c = 10e3, .beta_k = 3380.0, .divider_ohm = 10e3};
+    temperature_sensor_t sensor = temperature_sensor_at(25.0);
+    TEST_ASSERT_EQUAL_INT32(2048, temperature_sensor_code(&own, &sensor, false));
+    sensor.sensor_c = 100.0;
+    TEST_ASSERT_EQUAL_INT32(380, temperature_sensor_code(&own, &sensor, false));
+}
+
+/* PT1000 at 100 degC: 1385.06 Ohm (IEC 60751), code 4096 1385/11385 = 498.3; to the supply 4096
+ * less that. */
+void test_a_sensor_that_rises_with_temperature_is_read_from_either_side_of_its_divider(void)
+{
+    winding_sensor_params_t own = {.kind = 2.0,
+                                   .ohm_25c = 1097.35,
+                                   .linear_per_k = 3.5353e-3,
+                                   .square_per_k2 = -5.263e-7,
+                                   .divider_ohm = 10e3};
+    temperature_sensor_t sensor = temperature_sensor_at(100.0);
+    TEST_ASSERT_EQUAL_INT32(498, temperature_sensor_code(&own, &sensor, false));
+    own.to_supply = 1.0;
+    TEST_ASSERT_EQUAL_INT32(3597, temperature_sensor_code(&own, &sensor, false));
+}
+
+void test_open_and_shorted_lines_are_the_ends_of_the_converter(void)
+{
+    winding_sensor_params_t own = {
+        .kind = 1.0, .ohm_25c = 10e3, .beta_k = 3380.0, .divider_ohm = 10e3, .open = 1.0};
+    const temperature_sensor_t sensor = temperature_sensor_at(25.0);
+    TEST_ASSERT_EQUAL_INT32(4095, temperature_sensor_code(&own, &sensor, false));
+    own.to_supply = 1.0;
+    TEST_ASSERT_EQUAL_INT32(0, temperature_sensor_code(&own, &sensor, false));
+    own.open = 0.0;
+    own.shorted = 1.0;
+    TEST_ASSERT_EQUAL_INT32(4095, temperature_sensor_code(&own, &sensor, false));
+    own.to_supply = 0.0;
+    TEST_ASSERT_EQUAL_INT32(0, temperature_sensor_code(&own, &sensor, false));
+    TEST_ASSERT_EQUAL_INT32(4095, temperature_sensor_code(&own, &sensor, true));
+}
