@@ -399,6 +399,59 @@ void test_largest_valid_grid_is_read_up_to_its_last_point(void)
     TEST_ASSERT_EQUAL_INT32(31, map_d_mA(&config, 1 << 20, -10000, -most_mNm));
 }
 
+/* Everything in both maps is the same, so everything read from them is. */
+static void assert_within_the_maps(void)
+{
+    static const int32_t SPEEDS_mrad_s[] = {0, 1 << 14, 1 << 20, INT32_MAX};
+    static const int32_t TEMPERATURES_cC[] = {-INT32_MAX, 2500, 1 << 17, INT32_MAX};
+    for (int s = 0; s < 4; s++) {
+        for (int t = 0; t < 4; t++) {
+            TEST_ASSERT_EQUAL_INT32(
+                5 * TORQUE_LSB_mNm,
+                loss_maps_torque_mNm(&config, SPEEDS_mrad_s[s], TEMPERATURES_cC[t]));
+            for (int32_t along_mNm = -(1 << 30); along_mNm <= 1 << 29; along_mNm += 1 << 29) {
+                TEST_ASSERT_EQUAL_INT32(
+                    -7, map_d_mA(&config, SPEEDS_mrad_s[s], TEMPERATURES_cC[t], along_mNm));
+            }
+        }
+    }
+}
+
+/* Until the check of the image finds it: whatever the number says, on the finest grid, whose
+ * positions are the largest. */
+void test_a_number_of_points_that_flips_reads_nothing_beside_the_maps(void)
+{
+    int32_t *const points[] = {
+        &config.regen_map.speed_points,         &config.regen_map.temperature_points,
+        &config.current_map.torque_points,      &config.current_map.speed_points,
+        &config.current_map.temperature_points,
+    };
+    random_map(1);
+    config.regen_map.speed_step_log2 = 6;
+    config.regen_map.temperature_step_log2 = 6;
+    config.current_map.speed_step_log2 = 6;
+    config.current_map.temperature_step_log2 = 6;
+    config.current_map.lsb_log2 = 0;
+    for (int k = 0; k < CONFIG_REGEN_POINTS_MAX; k++) {
+        config.regen_map.torque_lsb[k] = 5;
+    }
+    for (int k = 0; k < CONFIG_CURRENT_MAP_POINTS_MAX; k++) {
+        config.current_map.current_d_lsb[k] = -7;
+    }
+    for (int field = 0; field < 5; field++) {
+        const int32_t is = *points[field];
+        for (int32_t value = -1; value <= 1; value++) {
+            *points[field] = value;
+            assert_within_the_maps();
+        }
+        for (uint32_t bit = 0; bit < 32; bit++) {
+            *points[field] = (int32_t)((uint32_t)is ^ UINT32_C(1) << bit);
+            assert_within_the_maps();
+        }
+        *points[field] = is;
+    }
+}
+
 void test_d_current_of_the_paper_s_vehicle_is_that_of_least_iron_and_copper_loss(void)
 {
     /* L_d = L_q: i_d makes no torque. Without inverter the least of 3/2 R i_d^2 + 3/2 w^2 (L i_d +
