@@ -11,7 +11,16 @@ from typing import TypeAlias
 from hubsim import can_protocol
 from hubsim.cli.arguments import DEFAULT_CONFIG, TWO_DRIVES, Axles
 from hubsim.errors import HubsimError
-from regen_table.cli import REFUSED, Parser, ShowVersion, drive_file, interrupted, output_file
+from regen_table import installation
+from regen_table.cli import (
+    FAILED,
+    REFUSED,
+    Parser,
+    ShowVersion,
+    drive_file,
+    interrupted,
+    output_file,
+)
 from regen_table.errors import ConfigurationError
 
 from hubfoc.errors import HubfocError
@@ -19,6 +28,7 @@ from hubfoc.errors import HubfocError
 Commands: TypeAlias = "argparse._SubParsersAction[Parser]"
 WHEELS = ("front_left", "front_right", "rear_left", "rear_right")
 SERVICE_BASE = 0x7F0
+# Who does a command, imported only then: a help needs neither simulator nor bus.
 DIRECTIONS = ("neutral", "forward", "reverse")
 LIVE = (
     "A virtual vehicle in real time: in every wheel the whole application (boot, CAN, shell,"
@@ -215,6 +225,42 @@ def _add_params(commands: Commands) -> None:
         )
 
 
+def _add_record(commands: Commands) -> None:
+    command = commands.add_parser(
+        "record", help="record a virtual vehicle, every step of its controllers",
+        description="Let a virtual vehicle begin again and record everything that its controllers"
+        " get and command, at the PWM frequency, until Ctrl-C or the end of the time.",
+    )  # fmt: skip
+    command.add_argument("file", type=Path, metavar="FILE", help=".parquet or .csv")
+    command.add_argument("--url", required=True, help="of the vehicle, as 'hubfoc live' prints it")
+    command.add_argument(
+        "--scenario", metavar="NAME", help="begin with this one; default: with the present one"
+    )
+    command.add_argument(
+        "--for", dest="duration", type=float, metavar="SECONDS",
+        help="of the simulation; default: until Ctrl-C",
+    )  # fmt: skip
+
+
+def _add_replay(commands: Commands) -> None:
+    command = commands.add_parser(
+        "replay", help="run a recording through the controllers again",
+        description="Run what was recorded through the same C again and compare every output;"
+        " exit status 1 if one differs with the recorded parameters.",
+    )  # fmt: skip
+    command.add_argument("file", type=Path, metavar="FILE", help=".parquet or .csv")
+    command.add_argument(
+        "--config", type=drive_file, metavar="DRIVE",
+        help="other parameters: what the controllers would have commanded (open loop)",
+    )  # fmt: skip
+    command.add_argument(
+        "--simulate",
+        action="store_true",
+        help="the whole vehicle again (closed loop), with what came from outside",
+    )
+    command.add_argument("--json", type=Path, metavar="FILE", help="what was found, for programs")
+
+
 def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
     out = Parser(prog="hubfoc", description="Talk to wheels with hubfoc controllers.")
@@ -222,7 +268,10 @@ def parser() -> argparse.ArgumentParser:
     commands = out.add_subparsers(
         title="commands", required=True, metavar="COMMAND", parser_class=Parser, dest="command"
     )
-    for add in (_add_live, _add_watch, _add_demand, _add_a2l, _add_params, _add_scope):
+    for add in (
+        _add_live, _add_watch, _add_demand, _add_a2l, _add_params, _add_scope, _add_record,
+        _add_replay,
+    ):  # fmt: skip
         add(commands)
     return out
 
@@ -231,10 +280,8 @@ def _do(options: argparse.Namespace) -> int:
     """Import a command's module and run it: a help needs neither simulator nor bus."""
     name = options.command
     if name == "live":
-        from hubfoc.live import command  # noqa: PLC0415
-
-        return command.run(options)
-    if name == "scope" or getattr(options, "signals", None):
+        name = "live.command"
+    elif name == "scope" or getattr(options, "signals", None):
         name = "scope"
     elif name in {"watch", "demand"}:
         name = "commands"
@@ -249,5 +296,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (HubfocError, HubsimError, ConfigurationError) as error:
         print(f"hubfoc {options.command}: {error}", file=sys.stderr)
         return REFUSED
+    except ModuleNotFoundError as error:
+        print(f"hubfoc {options.command}: {installation.missing(error)}", file=sys.stderr)
+        return FAILED
     except KeyboardInterrupt as interrupt:
         return interrupted(f"hubfoc {options.command}", interrupt)

@@ -3,6 +3,7 @@
 
 import json
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 from urllib.error import HTTPError, URLError
 from urllib.request import Request, urlopen
@@ -61,6 +62,14 @@ class Simulation:
     def scenario(self, name: str | None) -> dict[str, Any]:
         """Begin again with a scenario, whose driver drives; None: the vehicle stands."""
         return self._change({"scenario": name})
+
+    def record(self, file: str | Path) -> dict[str, Any]:
+        """Begin again, from the boot on with a recording into a new ``.parquet`` or ``.csv``."""
+        return self._change({"record": str(Path(file).absolute())})
+
+    def stop_recording(self) -> dict[str, Any]:
+        """Complete the recording; the vehicle goes on."""
+        return self._change({"record": None})
 
     def pause(self) -> dict[str, Any]:
         """Let the time stand: nothing moves, and nothing is sent on the bus."""

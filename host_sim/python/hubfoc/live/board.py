@@ -124,6 +124,14 @@ class BoardVehicle:
     def serial_type(self, wheel: int, text: bytes) -> None:
         """Do nothing: the shells are on serial lines of their own."""
 
+    def packet_send(self, wheel: int, packet: bytes) -> None:
+        """Do nothing: real wheels have XCP by CAN alone."""
+
+    def packets_take(self, wheel: int) -> list[bytes]:
+        """Return nothing: real wheels have XCP by CAN alone."""
+        del wheel
+        return []
+
     @staticmethod
     def _values(wheel: Wheel) -> dict[str, float]:
         out = {}

@@ -2,15 +2,15 @@
 """The simulated vehicle behind a bus: whole applications, plant, battery management and brakes."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Protocol, Self
 
-from hubsim import can_protocol, configuration, engine, run
-from hubsim.engine import Rows
+from hubsim import can_protocol, configuration, engine, run, steps
+from hubsim.engine import Rows, Steps
 from hubsim.run import axles
 from hubsim.scenario import Scenario
-from regen_table import service_key
+from regen_table import layout, service_key
 from regen_table.schema import Drive
 
 from hubfoc.bus import Frame
@@ -20,6 +20,7 @@ FRONT_WHEELS = 2
 STEP_S = 1e-3  # of simulated time between two looks at the bus
 DRY_ROAD = 1.0
 LEAST_BUS_F = 1e-4
+BEFORE = -1  # the millisecond of all steps before time 0
 NOBODY_DRIVES = Scenario(
     description="a vehicle that stands and is driven by what comes by CAN",
     initial_speed_kmh=0.0,
@@ -77,6 +78,28 @@ class LiveVehicle(Protocol):
     def serial_type(self, wheel: int, text: bytes) -> None:
         """Type into a wheel's shell."""
 
+    def packet_send(self, wheel: int, packet: bytes) -> None:
+        """Give a wheel a packet of the service protocol, beside CAN."""
+
+    def packets_take(self, wheel: int) -> list[bytes]:
+        """Return the packets of the service protocol that a wheel sent."""
+
+
+class Log(Protocol):
+    """Who is told everything that goes into a vehicle, in the millisecond in which it does."""
+
+    def frame(self, millisecond: int, identifier: int, data: bytes) -> None:
+        """Take a frame from outside."""
+
+    def changed(self, millisecond: int, parameter: str, value: float) -> None:
+        """Take a parameter of the simulated world."""
+
+    def typed(self, millisecond: int, wheel: int, text: bytes) -> None:
+        """Take what was typed into a wheel's shell."""
+
+    def stepped(self, millisecond: int, wheel: int, found: Steps, image: bytes | None) -> None:
+        """Take the steps of a wheel's controller; ``image`` with a boot among them."""
+
 
 class SimulatedVehicle:
     """Four wheels (or as many as the drive has) that see a bus and are seen on it.
@@ -85,12 +108,15 @@ class SimulatedVehicle:
     that others send, as a real one does, and takes its own path where a wheel hands over.
 
     ``key`` opens the lock of XCP in every wheel: that of the drive, else one drawn for this run.
-    ``rear``: of the wheels of the rear axle, where they differ.
+    ``rear``: of the wheels of the rear axle, where they differ. ``parameters``: returns another
+    image of the controllers than a drive's. ``log``: takes what goes in, and the controllers'
+    steps.
     """
 
     def __init__(
         self, drive: Drive, scenario: Scenario | None = None, beside: Path = Path(),
         key: bytes | None = None, rear: Drive | None = None,
+        parameters: Callable[[bytes], bytes] | None = None, log: Log | None = None,
     ) -> None:  # fmt: skip
         self._base = drive.vehicle.can_base
         self.service_base = drive.service.can_base
@@ -99,17 +125,26 @@ class SimulatedVehicle:
         chosen = scenario if scenario is not None else NOBODY_DRIVES
         own_key = key or service_key.of(drive) or service_key.draw()
         self.key = own_key
+
+        def image_of(axle: Drive) -> bytes:
+            image = configuration.image_of(axle)
+            own = image if parameters is None else parameters(image)
+            return service_key.with_key(own, own_key)
+
         self._engine, planned_s = run.prepare(
-            drive, chosen, beside, {} if self._driven else _changeable(drive, rear), rear,
-            lambda axle: service_key.with_key(configuration.image_of(axle), own_key),
-        )  # fmt: skip
+            drive, chosen, beside, {} if self._driven else _changeable(drive, rear), rear, image_of
+        )
         self._engine.attach_application(engine.application_path())
+        self._log, self._milliseconds = log, 0
+        if log is not None:
+            self._engine.record()
         if not self._driven:
             self._engine.set("driver.silent", 1.0)
         self._engine.start()
-        self._happening = run.timeline(chosen, beside)
         self.wheels = int(self._engine.get("vehicle.driven_wheels"))
         self.wheel_radius_m = self._engine.get("vehicle.wheel_radius_m")
+        self._read_steps(BEFORE)
+        self._happening = run.timeline(chosen, beside)
         self.time_s = 0.0
         self._end_s = planned_s if self._driven else math.inf
 
@@ -129,13 +164,33 @@ class SimulatedVehicle:
     def step(self, received: Sequence[Frame]) -> list[Frame]:
         """Go on by ``STEP_S`` with what came by the bus; return what the vehicle sent."""
         for identifier, data in received:
+            if self._log is not None:
+                self._log.frame(self._milliseconds, identifier, data)
             self._engine.bus_send(identifier, data)
             if not self._driven:
                 self._hear(identifier, data)
         self._happening.apply(self._engine, self.time_s)
         self._engine.advance(self.time_s + STEP_S)
+        self._read_steps(self._milliseconds)
+        self._milliseconds += 1
         self.time_s = self._engine.value("time_s")
         return self._engine.bus_read()
+
+    def end_log(self) -> None:
+        """Tell the log nothing more."""
+        self._log = None
+        self._engine.record_end()
+
+    def _read_steps(self, millisecond: int) -> None:
+        if self._log is None:
+            return
+        for wheel in range(self.wheels):
+            found = self._engine.steps_read(wheel)
+            image = None
+            if (found["kind"] == steps.BOOT).any():
+                whole = self._engine.steps_config(wheel, layout.load().size_bytes)
+                image = service_key.with_key(whole, None)  # a key is in no recording
+            self._log.stepped(millisecond, wheel, found, image)
 
     def _hear(self, identifier: int, data: bytes) -> None:
         """Tell the brake system what was last demanded of any wheel, in its axle's share."""
@@ -164,11 +219,15 @@ class SimulatedVehicle:
 
     def serial_type(self, wheel: int, text: bytes) -> None:
         """Type into a wheel's shell."""
+        if self._log is not None:
+            self._log.typed(self._milliseconds, wheel, text)
         self._engine.serial_type(wheel, text)
 
     def set(self, parameter: str, value: float) -> None:
         """Change a parameter of the simulated world (``hubsim list --parameters``)."""
         self._engine.set(parameter, value)
+        if self._log is not None:
+            self._log.changed(self._milliseconds, parameter, value)
 
     def meanings(self) -> dict[str, tuple[str, str]]:
         """Return unit and meaning of every signal by name."""

@@ -3,6 +3,7 @@
 
 import contextlib
 import math
+import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Protocol, Self
@@ -11,10 +12,12 @@ from hubsim import scenario as scenarios
 from hubsim.errors import HubsimError
 from hubsim.scenario import faults as known_faults
 from hubsim.scenario import overrides
-from regen_table import schema
+from regen_table import installation, schema
+from regen_table.errors import OutputError
 
 from hubfoc.errors import HubfocError
 from hubfoc.live.faults import Active, Faults, can_be_of_one_wheel
+from hubfoc.live.recorder import Recorder, axle, provenance
 from hubfoc.live.vehicle import POSITIONS, LiveVehicle, SimulatedVehicle
 
 # What can be changed by its short name: the engine's parameter.
@@ -139,6 +142,9 @@ class World:
         self.ended: str | None = None  # why the time stands for good
         self._scenarios: dict[str, str] = {}
         self._key: bytes | None = None  # drawn by the first vehicle, and that of all
+        self.recorder: Recorder | None = None
+        self.recorded: Path | None = None  # the latest complete recording
+        self._folder: tempfile.TemporaryDirectory[str] | None = None
         self.vehicle = self._prepared(scenario)
         self._key = self.vehicle.key
         self._begin(scenario)
@@ -149,7 +155,10 @@ class World:
 
     def __exit__(self, *exc: object) -> None:
         """Free the vehicle."""
+        self.stop_recording()
         self.vehicle.__exit__(*exc)
+        if self._folder is not None:
+            self._folder.cleanup()
 
     @property
     def time_s(self) -> float:
@@ -171,6 +180,8 @@ class World:
                 for name, active in self.faults.active.items()
             },
             "scenario": self.scenario,
+            "recording_s": None if self.recorder is None else self.recorder.milliseconds / 1e3,
+            "recorded": None if self.recorded is None else str(self.recorded),
             "paused": self.paused,
             "ended": self.ended,
         }
@@ -200,11 +211,13 @@ class World:
 
     def change(self, wanted: Mapping[str, Any]) -> dict[str, Any]:
         """Change what is named, and return the state after it."""
-        accepted = (*SETTINGS, "fault", "on", "wheel", "scenario", "paused")
+        accepted = (*SETTINGS, "fault", "on", "wheel", "scenario", "record", "paused")
         if unknown := set(wanted) - set(accepted):
             raise HubfocError(f"{min(unknown)!r} is not accepted, accepted: {', '.join(accepted)}")
         if "scenario" in wanted:
             self._restart(_text(wanted, "scenario"))
+        if "record" in wanted:
+            self._record(wanted["record"])
         for name in SETTINGS:
             if name in wanted:
                 self._set(name, wanted[name])
@@ -218,6 +231,40 @@ class World:
         """Let the vehicle go no further, for this reason."""
         self.ended = why
         self.paused = True
+
+    def stop_recording(self) -> None:
+        """Complete the recording, if there is one."""
+        recorder, self.recorder = self.recorder, None
+        if recorder is None:
+            return
+        self.vehicle.end_log()
+        recorder.close()
+        if recorder.failure is not None:
+            raise HubfocError(recorder.failure)
+        self.recorded = recorder.path
+
+    def _record(self, wanted: object) -> None:
+        """Begin again with a recording: a path, true for one of this world's own; null ends it."""
+        if wanted is None:
+            self.stop_recording()
+            return
+        if wanted is True:
+            if self._folder is None:
+                self._folder = tempfile.TemporaryDirectory(prefix="hubfoc-")
+            wanted = str(Path(self._folder.name) / f"{self.drive.name}-{self.number}.parquet")
+        if not isinstance(wanted, str):
+            raise HubfocError(f"record: {wanted!r} is not accepted, accepted: a file, true, null")
+        self._restart(self.scenario, Path(wanted))
+
+    def _recorder(self, scenario: str | None, path: Path) -> Recorder:
+        drives = zip((self.drive, self.rear), self._files, strict=True)
+        axles = [axle(drive, file) for drive, file in drives if drive is not None and file]
+        try:
+            return Recorder(path, provenance(axles, scenario))
+        except OutputError as error:
+            raise HubfocError(str(error)) from error
+        except ModuleNotFoundError as error:
+            raise HubfocError(installation.missing(error)) from error
 
     def _change_fault(self, wanted: Mapping[str, Any]) -> None:
         name = _text(wanted, "fault") or ""
@@ -236,14 +283,14 @@ class World:
         except HubsimError as error:
             raise HubfocError(f"{name}: {error}") from error
 
-    def _prepared(self, scenario: str | None) -> SimulatedVehicle:
+    def _prepared(self, scenario: str | None, log: Recorder | None = None) -> SimulatedVehicle:
         if scenario is None:
-            return SimulatedVehicle(self.drive, key=self._key, rear=self.rear)
+            return SimulatedVehicle(self.drive, key=self._key, rear=self.rear, log=log)
         _, chosen, beside = scenarios.load(scenario, {}, self.drive)
         front, back = self._files
         drive = overrides.load_drive(front, overrides.parse([]), chosen)
         rear = None if back is None else overrides.load_drive(back, overrides.parse([]), chosen)
-        return SimulatedVehicle(drive, chosen, beside, self._key, rear)
+        return SimulatedVehicle(drive, chosen, beside, self._key, rear, log=log)
 
     def _begin(self, scenario: str | None) -> None:
         self.scenario = scenario
@@ -251,15 +298,20 @@ class World:
         self.faults = Faults(self.vehicle)
         self.number += 1
 
-    def _restart(self, scenario: str | None) -> None:
+    def _restart(self, scenario: str | None, recording: Path | None = None) -> None:
+        self.stop_recording()
+        recorder = None if recording is None else self._recorder(scenario, recording)
         try:
-            vehicle = self._prepared(scenario)
+            vehicle = self._prepared(scenario, recorder)
         except HubsimError as error:
+            if recorder is not None:
+                recorder.close(complete=False)
             raise HubfocError(str(error)) from error
         if vehicle.wheels != self.vehicle.wheels:
             vehicle.__exit__()
             raise HubfocError(f"{scenario}: has another number of wheels")
         self.vehicle.__exit__()
+        self.recorder = recorder
         self.vehicle = vehicle
         self.paused = False
         self._begin(scenario)

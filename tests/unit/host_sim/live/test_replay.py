@@ -1,0 +1,283 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What was recorded of a virtual vehicle, and run through the same C again."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.parquet as pq
+import pytest
+from hubfoc import HubfocError, Simulation, cli, replay
+from hubfoc.live.vehicle import POSITIONS
+from hubfoc.live.world import World
+from hubfoc.recording import Part, Recording
+from hubsim import configuration, steps
+from hubsim.cli import DEFAULT_CONFIG
+from hubsim.engine import Steps
+from regen_table import layout
+
+from tests.unit.host_sim.live.support import running, until
+
+DRIVEN_MS = 1500
+Run = Callable[..., tuple[int, str, dict[str, Any]]]
+
+
+def _drive(world: World, milliseconds: int) -> None:
+    for _ in range(milliseconds):
+        world.vehicle.step([])
+
+
+def _record(world: World, path: Path) -> None:
+    """Record a stop, in the middle of which a wheel loses a current sensor and the road rises."""
+    world.change({"scenario": "stop"})
+    world.change({"record": str(path)})
+    _drive(world, DRIVEN_MS // 2)
+    world.change({"slope": 0.03})
+    world.change({"fault": "current_a_dead", "wheel": "rear_left"})
+    _drive(world, DRIVEN_MS // 2)
+    world.change({"record": None})
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return where a vehicle was recorded as stop.parquet and stop.csv."""
+    out = tmp_path_factory.mktemp("recordings")
+    with World(DEFAULT_CONFIG) as world:
+        _record(world, out / "stop.parquet")
+        _record(world, out / "stop.csv")
+    return out
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Run:
+    def call(file: Path, *options: str) -> tuple[int, str, dict[str, Any]]:
+        found = tmp_path / "found.json"
+        found.unlink(missing_ok=True)
+        status = cli.main(["replay", str(file), *options, "--json", str(found)])
+        shown = "".join(capsys.readouterr())
+        return status, shown, json.loads(found.read_text()) if found.exists() else {}
+
+    return call
+
+
+def _other_parameters(tmp_path: Path) -> Path:
+    """Return the drive with a current loop of two thirds of its bandwidth."""
+    text = Path(DEFAULT_CONFIG).read_text(encoding="utf-8")
+    line = next(row for row in text.splitlines() if row.startswith("current_bandwidth_hz"))
+    hertz = float(line.split("=")[1].split("#")[0])
+    path = tmp_path / f"{Path(DEFAULT_CONFIG).name}"
+    path.write_text(text.replace(line, f"current_bandwidth_hz = {hertz / 1.5:.0f}.0"))
+    return path
+
+
+@pytest.mark.parametrize("ending", ["parquet", "csv"])
+def test_the_recorded_parameters_give_every_output_bit_for_bit(
+    folder: Path, run: Run, ending: str
+) -> None:
+    status, shown, found = run(folder / f"stop.{ending}")
+    assert status == 0
+    assert "every output equal" in shown
+    assert found["equal"] and found["inputs_complete"] and not found["open_loop"]
+    assert found["first_difference"] is None
+    # Every millisecond has a slow step of each wheel, and those before time 0.
+    assert found["slow_steps"] >= DRIVEN_MS * len(POSITIONS)
+    drive = configuration.load(DEFAULT_CONFIG).drive
+    assert drive is not None
+    pwm_hz = drive.inverter.pwm_frequency_hz
+    assert found["fast_steps"] == pytest.approx(found["slow_steps"] * pwm_hz / 1e3, rel=1e-3)
+
+
+def test_one_bit_of_one_input_is_found(folder: Path, tmp_path: Path, run: Run) -> None:
+    """The lowest bit of one converter's code, in the middle of the stop."""
+    table = pq.read_table(folder / "stop.parquet")
+    name = "fast_input.phase_current_code_b"
+    column = table[name].to_numpy(zero_copy_only=False).copy()
+    chosen = pc.and_(pc.equal(table["wheel"], 1), pc.equal(table["step"], "fast"))
+    row = np.flatnonzero(chosen.to_numpy(zero_copy_only=False))[-2000]
+    column[row] += 1 - 2 * (int(column[row]) & 1)
+    changed = table.set_column(
+        table.schema.get_field_index(name), table.schema.field(name),
+        pa.array(column, pa.int32(), mask=np.isnan(column)),
+    )  # fmt: skip
+    pq.write_table(changed, tmp_path / "flipped.parquet", row_group_size=100_000)
+    status, shown, found = run(tmp_path / "flipped.parquet")
+    assert status == 1
+    first = found["first_difference"]
+    assert first["wheel"] == "front_right"
+    assert first["signal"].startswith("fast_output.compare_counts_")
+    assert first["recorded"] != first["replayed"]
+    # The voltage of this very sample's step is another one.
+    assert first["step"] == table["number"][row].as_py()
+    assert "first difference" in shown
+
+
+def test_other_parameters_are_said_to_be_open_loop(folder: Path, tmp_path: Path, run: Run) -> None:
+    status, shown, found = run(
+        folder / "stop.parquet", "--config", str(_other_parameters(tmp_path))
+    )
+    assert status == 0
+    assert found["open_loop"] and not found["equal"]
+    assert "no motor turned by it" in shown
+    assert found["largest"]["fast_output.compare_counts_a"] > 0
+
+
+def test_the_same_parameters_in_another_file_are_not_others(
+    folder: Path, tmp_path: Path, run: Run
+) -> None:
+    copy = tmp_path / "copy.toml"
+    copy.write_bytes(Path(DEFAULT_CONFIG).read_bytes())
+    status, _, found = run(folder / "stop.parquet", "--config", str(copy))
+    assert status == 0
+    assert found["equal"] and not found["open_loop"]
+
+
+def test_a_vehicle_simulated_again_repeats_itself(folder: Path, run: Run) -> None:
+    """Fault and slope come again in their milliseconds, so plant and controllers are the same."""
+    status, shown, found = run(folder / "stop.parquet", "--simulate")
+    assert status == 0
+    assert found["equal"] and found["simulated"] and not found["open_loop"]
+    assert "closed loop" in shown
+
+
+def test_with_other_parameters_the_simulated_wheels_brake_by_them(
+    folder: Path, tmp_path: Path
+) -> None:
+    """A quarter of the current into the battery leaves its voltage lower, where it is simulated."""
+    drive = configuration.load(DEFAULT_CONFIG).drive
+    assert drive is not None
+    image = configuration.image_of(drive)
+    config: Any = layout.load().ffi.from_buffer("config_t *", image)
+    quarter_ma = config.battery.max_charge_current_mA // 4
+    limited = configuration.changed_image(image, {("battery", "max_charge_current_mA"): quarter_ma})
+    place = len(steps.inputs(steps.SLOW)) + steps.outputs(steps.SLOW).index("bus_voltage_mV")
+    highest_mv: list[int] = []
+    for image_now, simulate in ((None, False), (limited, True)):
+        voltages_mv = [0]
+
+        def take(part: Part, now: Steps, into: list[int] = voltages_mv) -> None:
+            rows = (now["kind"] == steps.SLOW) & (part.time_s > 0.0)
+            into.append(int(now["values"][rows, place].max()))
+
+        found = replay.compared(
+            Recording(folder / "stop.parquet"), image_now, simulate=simulate, take=take
+        )
+        assert not found.open_loop
+        assert found.equal is (image_now is None)
+        highest_mv.append(max(voltages_mv))
+    assert highest_mv[1] < highest_mv[0]
+
+
+@pytest.mark.parametrize(
+    ("change", "why"),
+    [
+        (lambda t: t.drop_columns(["slow_input.drive_torque_mNm"]), "no column slow_input."),
+        (lambda t: t.replace_schema_metadata({}), "no provenance"),
+        (lambda t: pa.concat_tables([t.slice(0, 9000), t.slice(9001)]), "steps of wheel 0 are"),
+        (lambda t: t.slice(0, 0), "no step"),
+    ],
+)  # fmt: skip
+def test_an_incomplete_recording_is_refused_in_one_line(
+    folder: Path, tmp_path: Path, run: Run, change: Callable[[pa.Table], pa.Table], why: str
+) -> None:
+    pq.write_table(change(pq.read_table(folder / "stop.parquet")), tmp_path / "part.parquet")
+    status, shown, _ = run(tmp_path / "part.parquet")
+    assert status == 2
+    assert shown.count("\n") == 1
+    assert "not the complete inputs of a controller" in shown
+    assert why in shown
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "why"),
+    [
+        ("absent.parquet", None, "file not found"),
+        ("stop.mf4", b"", "accepted: a file that ends in"),
+        ("text.parquet", b"no table", "cannot be read"),
+        ("text.csv", b"no table\n", "not the complete inputs"),
+    ],
+)
+def test_what_is_no_recording_is_refused_in_one_line(
+    tmp_path: Path, run: Run, name: str, content: bytes | None, why: str
+) -> None:
+    if content is not None:
+        (tmp_path / name).write_bytes(content)
+    status, shown, _ = run(tmp_path / name)
+    assert (status, shown.count("\n")) == (2, 1)
+    assert why in shown
+
+
+def test_a_recording_holds_no_key(folder: Path) -> None:
+    """The vehicle's key opens its service; a recording is given away."""
+    size = layout.load().size_bytes
+    at = layout.load().ffi.offsetof("config_t", "service_key")
+    images = {
+        image
+        for group in Recording(folder / "stop.parquet").groups()
+        for part in group.parts
+        for image in part.images
+    }
+    assert len(images) == len(POSITIONS)
+    for image in images:
+        assert len(image) == size
+        assert not any(image[at : at + 16])
+
+
+def test_a_recording_says_where_it_is_from(folder: Path) -> None:
+    origin = Recording(folder / "stop.parquet").provenance
+    assert origin["start"] == "boot"
+    assert origin["scenario"] == "stop"
+    assert len(origin["commit"].rstrip("+")) in {7, 40}
+    stored = configuration.load(DEFAULT_CONFIG).image
+    at = layout.load().ffi.offsetof("config_t", "crc32")
+    (axle,) = origin["axles"]
+    assert int(axle["config_crc32"], 16) == int.from_bytes(stored[at : at + 4], "little")
+
+
+def test_record_takes_what_others_do_to_the_vehicle(
+    tmp_path: Path, run: Run, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A vehicle that runs begins again, and a slope set by another program is in the file."""
+    path = tmp_path / "live.parquet"
+    with running(paced=False) as live:
+        status = cli.main(["record", str(path), "--url", live.url, "--for", "0.5"])
+        assert status == 0
+        assert f"{path}: recorded" in capsys.readouterr().out
+        world = Simulation(live.url)
+        world.record(tmp_path / "second.parquet")
+        world.set(slope=0.02)
+        until(lambda: world.state()["recording_s"] > 0.3)
+        world.stop_recording()
+    events = [e for g in Recording(tmp_path / "second.parquet").groups() for e in g.events]
+    assert any(e.parameter == "road.slope" and e.value == 0.02 for e in events)
+    for file in (path, tmp_path / "second.parquet"):
+        for options in ((), ("--simulate",)):
+            assert run(file, *options)[2]["equal"]
+
+
+def test_a_recording_ends_where_the_vehicle_begins_again(tmp_path: Path) -> None:
+    with World(DEFAULT_CONFIG) as world:
+        world.change({"record": str(tmp_path / "a.parquet")})
+        _drive(world, 20)
+        state = world.change({"scenario": None})
+        assert state["recording_s"] is None
+        assert state["recorded"] == str(tmp_path / "a.parquet")
+        _drive(world, 20)
+    found = replay.compared(Recording(tmp_path / "a.parquet"), None, simulate=False)
+    assert found.slow_steps == 20 * len(POSITIONS)
+
+
+def test_a_file_that_cannot_be_written_is_refused_and_nothing_begins_again(
+    tmp_path: Path,
+) -> None:
+    with World(DEFAULT_CONFIG) as world:
+        _drive(world, 5)
+        number = world.number
+        with pytest.raises(HubfocError, match=r"\.parquet or \.csv"):
+            world.change({"record": str(tmp_path / "a.txt")})
+        with pytest.raises(HubfocError, match="a\\.parquet"):
+            world.change({"record": str(tmp_path / "absent" / "a.parquet")})
+        assert world.number == number
