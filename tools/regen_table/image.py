@@ -111,6 +111,8 @@ def generator_version() -> int:
 def checked_fields(drive: Drive) -> Values:
     """Return every field of every section in the header's order; refuse out-of-range values."""
     header, values = layout.load(), fields(drive)
+    for (section, name), value in drive.fields.values().items():
+        values[section][name] = value
     for section, known in header.sections.items():
         odd = set(known) ^ set(values.get(section, {}))
         if odd:

@@ -77,6 +77,7 @@ def parse(data: Mapping[str, Any], name: str, source: str, beside: Path = _HERE)
             constants = _constants(data, filled.tree, replaced, beside)
             filled = filling.fill(_placeheld(data, constants), name)
         drive = Drive.model_validate(filled.tree).named(name)
+        drive.fields.values()
     except ValidationError as error:
         lines = _single_mistakes(_placeheld(data, replaced), filled, error, name)
         raise _refusal(source, [x for x in lines if not any(k in x for k in replaced)]) from error
@@ -249,7 +250,9 @@ def _explain(details: ErrorDetails, keys: list[str]) -> str:
         return f"unknown {what}, {suggestion(keys[-1], parent.model_fields)}"
     if parent is Drive:
         return f"must be a section, found {_show(value)}"
-    info = parent.model_fields[keys[1]]
+    info = parent.model_fields.get(keys[1])
+    if info is None:  # of [fields], whose names are those of config.h
+        return f"{_show(value)} is not accepted, accepted: a whole number or a list of them"
     accepted, rule = accepted_values(info), filling.rule_of(info)
     if kind != "missing" or len(details["loc"]) != 2:
         return f"{_show(value)} is not accepted, accepted: {accepted}"

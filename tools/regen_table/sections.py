@@ -21,6 +21,7 @@ from regen_table.assumed import Assumed
 from regen_table.brake_section import Brake
 from regen_table.driver_section import Driver
 from regen_table.errors import ConfigurationError
+from regen_table.fields_section import Fields
 from regen_table.monitor_section import Monitor
 from regen_table.pedals_section import Pedals
 from regen_table.plant_sections import (
@@ -652,6 +653,7 @@ class Drive(Section):
     thermal: Thermal = Thermal()
     chassis: Chassis = Chassis()
     tyre: Tyre = Tyre()
+    fields: Fields = Fields()
     _name: str = "unnamed"
     _folder: Path = Path()
 

@@ -199,7 +199,7 @@ def _add_params(commands: Commands) -> None:
     params = commands.add_parser(
         "params", help="the parameters of a wheel, by XCP",
         description="Show what a wheel is configured with, compare it with a TOML, store other"
-        " values; whole numbers in the units of the fields.",
+        " values, export it; whole numbers in the units of the fields.",
     )  # fmt: skip
     actions = params.add_subparsers(
         title="actions", required=True, metavar="ACTION", parser_class=Parser, dest="action"
@@ -213,7 +213,14 @@ def _add_params(commands: Commands) -> None:
     change.add_argument(
         "--key", type=Path, required=True, metavar="FILE", help="of the TOML's [service] key"
     )
-    for action in (get, diff, change):
+    export = actions.add_parser(
+        "export", help="write a TOML that makes the wheel's image",
+        description="Write a drive's TOML with a section [fields], which has what differs in the"
+        " wheel; the image made of it is the wheel's, byte for byte, but for its key.",
+    )  # fmt: skip
+    export.add_argument("config", type=drive_file, metavar="DRIVE", help="to begin with")
+    export.add_argument("file", type=output_file(".toml"), metavar="FILE.toml")
+    for action in (get, diff, change, export):
         _add_bus(action)
         action.add_argument("--wheel", choices=WHEELS, default=WHEELS[0], help="on the bus")
         action.add_argument(

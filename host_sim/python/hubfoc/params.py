@@ -2,10 +2,14 @@
 """``hubfoc params``: what a wheel is configured with, against a TOML, and other values for it."""
 
 import argparse
+import re
 import time
+from collections.abc import Mapping
+from pathlib import Path
 
-from hubsim import configuration
-from regen_table import schema, service_key
+from hubsim import configuration, files
+from regen_table import layout, schema, service_key
+from regen_table.fields_section import Value
 
 from hubfoc import addresses, bus
 from hubfoc.errors import HubfocError
@@ -16,6 +20,7 @@ FAILED = 1
 SHOWN_VALUES = 8
 RESTART_S = 10.0
 WAIT_S = 0.2
+_FIELDS = re.compile(r"^\[fields\][^\n]*\n(?:(?!\[)[^\n]*\n?)*", re.MULTILINE)
 # Each wheel's own, whatever the TOML says.
 _OF_THE_WHEEL = "vehicle.wheel_position"
 
@@ -90,6 +95,58 @@ def _set(options: argparse.Namespace) -> int:
             raise HubfocError("stored, but the wheel has not come back with it: its shell says why")
 
 
+def exported(body: bytes, base: Path) -> str:
+    """Return a TOML file that makes an image: a drive's, and [fields] with what differs from it.
+
+    Parameters
+    ----------
+    body : bytes
+        The image up to its checksum, as a wheel shows it.
+    base : path
+        The drive's file; what is in its own [fields] may be replaced.
+    """
+    drive = schema.load(base)
+    image = configuration.image_of(drive)
+    given: dict[str, Value] = {
+        f"{section}.{name}": value for (section, name), value in drive.fields.values().items()
+    }
+    for field in addresses.fields():
+        found = values_of(body, field)
+        if found != values_of(image, field):
+            given[field.name] = found if field.info.count else found[0]
+    return _with_fields(files.read_text(base), given)
+
+
+def _with_fields(text: str, given: Mapping[str, Value]) -> str:
+    """Return the text of a TOML file with another section [fields], at its end."""
+    rest = _FIELDS.sub("", text).rstrip("\n")
+    lines = [f'"{name}" = {value}' for name, value in given.items()]
+    return "\n".join([rest, "", "[fields]", *lines] if lines else [rest]) + "\n"
+
+
+def _image_name(body: bytes) -> str:
+    begin = layout.load().ffi.offsetof("config_t", "name")
+    return body[begin:].partition(b"\0")[0].decode("ascii", "replace")
+
+
+def _export(options: argparse.Namespace) -> int:
+    files.check_writable(options.file)
+    with _session(options) as wheel:
+        body = wheel.read(addresses.PAGE, addresses.page_bytes())
+    name = _image_name(body)
+    if options.file.name != f"{name}.toml":
+        raise HubfocError(f"{options.file}: the wheel's image has the name of its file, accepted:"
+                          f" a file {name}.toml")  # fmt: skip
+    files.write_text(options.file, exported(body, options.config))
+    made = configuration.image_of(schema.load(options.file))
+    if made[: len(body)] != body:
+        raise HubfocError(
+            f"{options.file}: another version's image, accepted: a wheel with one of this version"
+        )
+    return 0
+
+
 def run(options: argparse.Namespace) -> int:
-    """Do ``hubfoc params get``, ``diff`` or ``set``."""
-    return {"get": _get, "diff": _diff, "set": _set}[options.action](options)
+    """Do ``hubfoc params get``, ``diff``, ``set`` or ``export``."""
+    actions = {"get": _get, "diff": _diff, "set": _set, "export": _export}
+    return actions[options.action](options)

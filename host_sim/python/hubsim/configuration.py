@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from regen_table import STRATEGIES, installation, layout, schema, stored
 from regen_table.errors import ConfigurationError
+from regen_table.fields_section import Fields
 from regen_table.schema import Drive
 
 from hubsim import files
@@ -101,7 +102,7 @@ _lock = threading.Lock()
 
 
 def image_of(drive: Drive) -> bytes:
-    """Return the image of a drive; drives that differ in their strategy only share the work.
+    """Return the image of a drive; drives that differ in strategy or [fields] only share the work.
 
     Raises
     ------
@@ -110,15 +111,19 @@ def image_of(drive: Drive) -> bytes:
     """
     data = drive.model_dump()
     strategy = data["brake"].pop("strategy")
+    given = data.pop("fields")
     key = f"{drive.name} {data!r}"
     with _lock:  # runs begin in several threads: the second one waits for the work of the first
         if key not in _known:
             if len(_known) >= _KEPT:
                 _known.pop(next(iter(_known)))
             content = (*program(), key.encode())
-            _known[key] = stored.by_content("image", content, partial(_computed, drive))
+            plain = drive.model_copy(update={"fields": Fields()}) if given else drive
+            _known[key] = stored.by_content("image", content, partial(_computed, plain))
         found = _known[key]
-    return changed_image(found, {("brake", "strategy"): STRATEGIES.index(strategy)})
+    own: dict[tuple[str, str], int | list[int]]
+    own = {("brake", "strategy"): STRATEGIES.index(strategy)}
+    return changed_image(found, own | drive.fields.values())
 
 
 def _computed(drive: Drive) -> bytes:

@@ -9,10 +9,12 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from hubfoc import HubfocError, cli, service
+from hubfoc import HubfocError, addresses, cli, params, service
 from hubfoc.service import Service, Udp
+from hubsim import configuration
 from hubsim.cli import DEFAULT_CONFIG
-from regen_table import service_key
+from hubsim.engine import ROOT
+from regen_table import installation, schema, service_key
 
 Run = Callable[..., tuple[int, str]]
 FIELD = "driver.lost_hold_ms"
@@ -104,3 +106,56 @@ def test_a_signal_is_read_by_its_name(ready: dict[str, object]) -> None:
         assert wheel.signal("input.selftest_passed") == 1
         with pytest.raises(HubfocError, match="no such signal"):
             wheel.signal("output.none")
+
+
+def _changed(image: bytes) -> bytes:
+    """Return an image with another value in a scalar and in a list of each section."""
+    values: dict[tuple[str, str], int | list[int]] = {}
+    for field in addresses.fields():
+        section, _, name = field.name.partition(".")
+        found = service.values_of(image, field)
+        other = [field.info.lowest if value != field.info.lowest else value + 1 for value in found]
+        kind = (section, "list" if field.info.count else "scalar")
+        if kind not in {(key[0], "list" if isinstance(v, list) else "scalar")
+                        for key, v in values.items()}:  # fmt: skip
+            values[section, name] = other if field.info.count else other[0]
+    return configuration.changed_image(image, values)
+
+
+@pytest.mark.parametrize("base_name", ["its own", "another"])
+@pytest.mark.parametrize("name", ["ebike36v", "ipm400v", "lu2013", "scooter48v", "wheel24v"])
+def test_an_exported_file_makes_the_image_byte_for_byte(
+    tmp_path: Path, name: str, base_name: str
+) -> None:
+    """Of every drive that comes along, as it is and with other values, by any drive's file."""
+    shipped = (ROOT / "firmware" / "config" / "generated" / f"{name}.bin").read_bytes()
+    base = installation.drive_file(name if base_name == "its own" else "m365")
+    for image in (shipped, _changed(shipped)):
+        path = tmp_path / f"{name}.toml"
+        path.write_text(params.exported(image[: addresses.page_bytes()], base), encoding="utf-8")
+        assert configuration.image_of(schema.load(path)) == image
+        # Exported once more, by the file that was exported: the same again.
+        again = params.exported(shipped[: addresses.page_bytes()], path)
+        path.write_text(again, encoding="utf-8")
+        assert configuration.image_of(schema.load(path)) == shipped
+
+
+def test_a_file_without_differences_is_the_drive_s_own(tmp_path: Path) -> None:
+    base = installation.drive_file("lu2013")
+    image = configuration.load(base).image
+    assert params.exported(image[: addresses.page_bytes()], base) == base.read_text("utf-8")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_wheel_s_parameters_come_back_as_a_file(
+    run: Run, ready: dict[str, object], tmp_path: Path
+) -> None:
+    """What ``set`` has stored stands in the file, and the file is what ``diff`` finds equal."""
+    assert run("set", f"{FIELD}=210", "--key", str(ready["key"])) == (0, "")
+    path = tmp_path / "lu2013.toml"
+    assert run("export", "lu2013", str(path)) == (0, "")
+    assert f'"{FIELD}" = 210' in path.read_text(encoding="utf-8")
+    assert run("diff", str(path)) == (0, "")
+    status, shown = run("export", "lu2013", str(tmp_path / "mine.toml"))
+    assert (status, shown.count("\n")) == (2, 1)
+    assert "accepted: a file lu2013.toml" in shown
