@@ -50,7 +50,7 @@ def main() -> int:
     command = [sys.executable, "-m", "hubfoc", "live", "--ready-json", "--can", "virtual"]
     with (
         subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as live,
-        tempfile.TemporaryDirectory() as profile,
+        tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile,
     ):
         try:
             assert live.stdout is not None

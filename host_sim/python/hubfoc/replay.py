@@ -229,21 +229,20 @@ def _advance(vehicle: SimulatedVehicle, group: Group) -> None:
 
 
 def compared(
-    recording: Recording, image: bytes | None, *, simulate: bool,
+    recording: Recording, parameters: Parameters | None, *, simulate: bool,
     take: Callable[[Part, Steps], None] | None = None,
 ) -> Comparison:  # fmt: skip
     """Replay a recording and compare all outputs with the recorded ones.
 
     Parameters
     ----------
-    image : bytes, optional
-        Other parameters than those that were recorded.
+    parameters : callable, optional
+        Returns other parameters than those that a wheel booted with.
     simulate : bool
         The whole vehicle again; else each controller, with the inputs that it got.
     take : callable, optional
         Gets every part as it was recorded, and its steps now.
     """
-    parameters = None if image is None else parameters_of(image)
     out = Comparison(open_loop=False, simulated=simulate)
     for part, replayed in (simulated if simulate else open_loop)(recording, parameters):
         if parameters is not None and not simulate:
@@ -255,7 +254,8 @@ def compared(
     return out
 
 
-def _shown(found: Comparison, *, others: bool) -> str:
+def in_words(found: Comparison, *, others: bool) -> str:
+    """Return what was found, for a person."""
     what = f"{found.fast_steps} fast and {found.slow_steps} slow steps"
     if found.simulated:
         how = "simulated again, closed loop" + (", with other parameters" if others else "")
@@ -282,11 +282,11 @@ def _shown(found: Comparison, *, others: bool) -> str:
 def run(options: argparse.Namespace) -> int:
     """Do ``hubfoc replay``."""
     recording = Recording(options.file)
-    image = None if options.config is None else configuration.load(options.config).image
+    other = options.config and parameters_of(configuration.load(options.config).image)
     if options.json is not None:
         files.check_writable(options.json)
-    found = compared(recording, image, simulate=options.simulate)
-    print(_shown(found, others=image is not None))
+    found = compared(recording, other, simulate=options.simulate)
+    print(in_words(found, others=other is not None))
     if options.json is not None:
         files.write_text(options.json, json.dumps(asdict(found), indent=1) + "\n")
-    return FAILED if image is None and not found.equal else 0
+    return FAILED if other is None and not found.equal else 0

@@ -8,6 +8,8 @@ inputs first and then outputs in the order of ``variables``.
 from typing import Any, Self
 
 from hubsim import variables
+from hubsim.configuration import Configuration
+from hubsim.controller import Controller
 from hubsim.engine import STEP, STEP_VALUES, Steps, library
 from hubsim.errors import HubsimError
 
@@ -55,9 +57,8 @@ class Replay:
             self._handle, self._ffi.from_buffer(image), len(image)
         )
         if status < 0:
-            raise HubsimError(
-                "the firmware refuses this configuration, accepted: one of this version"
-            )
+            Controller(Configuration("replay", image))  # which names what the firmware refuses
+            raise AssertionError("refused by one interface and not by the other")
 
     def run(self, recorded: Steps) -> Steps:
         """Run steps with their inputs; return them with what the controller returns now."""

@@ -41,6 +41,7 @@ class Cockpit:
         self._ends_nm = [_ends_nm(axle) for axle in (drive, rear or drive)]
         self.drive_nm, self.brake_nm = self._ends_nm[0]
         self.owner: object | None = None
+        self.switched_off = False  # the page's demands ask for no torque
         self._base = drive.vehicle.can_base
         self._pedals = Pedals()
         self._reached = [0.0, 0.0]  # accelerator and brake, at most FULL_S for the whole travel
@@ -53,6 +54,7 @@ class Cockpit:
 
     def begin(self) -> None:
         """Start with another vehicle, whose time is zero."""
+        self.switched_off = False
         self._reached = [0.0, 0.0]
         self._foreign_s = self._acknowledge_until_s = -math.inf
         self._due_s = self._time_s = 0.0
@@ -130,7 +132,7 @@ class Cockpit:
         sign = -1.0 if pedals.direction == "reverse" else 1.0
         return [
             {
-                "enable": 1.0,
+                "enable": float(not self.switched_off),
                 "fault_reset": float(acknowledges),
                 "direction": float(DIRECTIONS[pedals.direction]),
                 "abs_motor_share_percent": 0.0,

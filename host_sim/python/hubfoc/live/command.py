@@ -139,6 +139,7 @@ def answers(world: LiveWorld, clock: Clock, orders: Orders, desk: Desk | None = 
         },
         change=lambda wanted: orders.call(lambda: world.change(wanted)),
         page=None if desk is None else page.document,
+        recording=lambda: world.recorded if isinstance(world, World) else None,
         stream=None if desk is None else lambda handler: serve(desk, orders, handler),
     )
 
@@ -178,7 +179,7 @@ def run(options: argparse.Namespace) -> int:
     ):
         key = Path(folder) / "xcp.key"
         service_key.write(key, world.vehicle.key)
-        page_desk = None if options.no_page else Desk(world, clock)
+        page_desk = None if options.no_page else Desk(world, clock, gateways)
         desk = Desk(world, clock) if page_desk is None and viewers is not None else page_desk
         bus = reserve(options.can)
         try:

@@ -5,10 +5,12 @@ All but ``History.rows`` and ``History.latest`` belongs to the thread that steps
 """
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from typing import Any
 
 from hubsim import engine, reasons
 from hubsim.scenario import cycles
+from regen_table.schema import Drive
 
 from hubfoc.bus import Frame
 from hubfoc.client import WHEELS
@@ -18,7 +20,9 @@ from hubfoc.live.cockpit import Cockpit
 from hubfoc.live.findings import Findings
 from hubfoc.live.history import DRAWN, RETURNED, History
 from hubfoc.live.limits import Inquiry, texts
-from hubfoc.live.world import LiveWorld
+from hubfoc.live.replays import signals
+from hubfoc.live.world import LiveWorld, World
+from hubfoc.live.xcp import Gateways
 
 OF_WHEEL = (
     *("motor_torque_nm", "hydraulic_torque_nm", "speed_rad_per_s", "available_nm"),
@@ -32,13 +36,16 @@ OF_VEHICLE = (
     *("energy.battery_j", "energy.bearing_j"),
 )
 MODES = range(8)
+REAR = 2  # the first wheel of the rear axle
+RECORDED_MS = 120_000  # of a recording that a page has begun
 
 
 class Desk:
     """The pages' side of one live vehicle."""
 
-    def __init__(self, world: LiveWorld, clock: Clock) -> None:
+    def __init__(self, world: LiveWorld, clock: Clock, gateways: Gateways | None = None) -> None:
         self.world = world
+        self._gateways = gateways
         self._clock = clock
         self.cockpit = Cockpit(world.drive, world.rear)
         self.inquiry = Inquiry()
@@ -57,6 +64,24 @@ class Desk:
         names = [f"wheel{k}.{name}" for k in range(vehicle.wheels) for name in OF_WHEEL]
         self.shown = [n for n in (*names, *OF_VEHICLE) if n in self.history.meanings]
 
+    @property
+    def simulation(self) -> World:
+        """The world, if it is a simulated one."""
+        if not isinstance(self.world, World):
+            raise HubfocError("these wheels are real, accepted: of a virtual vehicle")
+        return self.world
+
+    def drive_of(self, wheel: int) -> Drive:
+        """Return what drives a wheel."""
+        rear = self.world.rear
+        return rear if rear is not None and wheel >= REAR else self.world.drive
+
+    def address(self, wheel: int) -> str:
+        """Return where XCP reaches a wheel."""
+        if self._gateways is None or not self._gateways.wheels:
+            raise HubfocError("this drive has no XCP, accepted: one with [service] can_base")
+        return self._gateways.wheels[wheel].address
+
     def before(self, received: Sequence[Frame]) -> list[Frame]:
         """Return the frames of the pages for this millisecond."""
         if self.number != self.world.number:
@@ -66,6 +91,10 @@ class Desk:
 
     def after(self) -> None:
         """Take notice of what the millisecond has brought."""
+        world = self.world
+        if isinstance(world, World) and world.records_itself and world.recorded_ms >= RECORDED_MS:
+            with suppress(HubfocError):  # of the disk; the page sees that there is no file
+                world.stop_recording()
         row = self.history.record(self.world.vehicle)
         self.findings.look(self.world.time_s, row, self.world.faults.active)
         if not self.world.real:
@@ -98,12 +127,15 @@ class Desk:
             "modes": [engine.mode_text(mode) for mode in MODES],
             "waits_for": {str(k): reasons.waits_for(k) for k in range(32)},
             "limits": texts(),
+            "commands": signals(),
             "faults": world.fault_list(),
             "scenarios": world.scenarios(),
         }
 
     def state(self, page: object) -> dict[str, Any]:
         """Return what changes slowly, for one page."""
+        if self.number != self.world.number:
+            self.begin()  # else this were the new vehicle's state under the old one's number
         cockpit, wheel = self.cockpit, self._wheels_of.get(page, 0)
         controls = (
             "own"

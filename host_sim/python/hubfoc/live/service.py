@@ -7,10 +7,12 @@ page of another origin makes is refused, as is one under another host name.
 
 import json
 import secrets
+import shutil
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
 from threading import Thread
 from typing import Any, Self
 
@@ -29,11 +31,15 @@ POLICY = (
 
 @dataclass(frozen=True)
 class Answers:
-    """Who answers what: GET by path, POST to ``simulation``, a WebSocket to ``stream``."""
+    """Who answers what: GET by path, POST to ``simulation``, a WebSocket to ``stream``.
+
+    ``recording`` is the latest complete one, to be had as a file.
+    """
 
     get: Mapping[str, Callable[[], Any]]
     change: Callable[[Mapping[str, Any]], Any]
     page: Callable[[], str] | None = None
+    recording: Callable[[], Path | None] = lambda: None
     stream: Callable[["Handler"], None] | None = None
 
 
@@ -55,6 +61,8 @@ class Handler(BaseHTTPRequestHandler):
         elif path == "stream" and self.answers.stream is not None:
             self.close_connection = True
             self.answers.stream(self)
+        elif path == "recording" and (file := self.answers.recording()) is not None:
+            self._send_file(file)
         elif path in self.answers.get:
             self._answer(self.answers.get[path])
         else:
@@ -110,18 +118,29 @@ class Handler(BaseHTTPRequestHandler):
         self._send(status, "application/json", json.dumps(value).encode())
 
     def _send(self, status: HTTPStatus, kind: str, body: bytes) -> None:
+        self._send_head(status, kind, len(body))
+        self.wfile.write(body)
+
+    def _send_file(self, file: Path) -> None:
+        with file.open("rb") as content:
+            named = ("Content-Disposition", f'attachment; filename="{file.name}"')
+            size = file.stat().st_size
+            self._send_head(HTTPStatus.OK, "application/octet-stream", size, named)
+            shutil.copyfileobj(content, self.wfile)
+
+    def _send_head(self, status: HTTPStatus, kind: str, size: int, *more: tuple[str, str]) -> None:
         self.send_response(status)
         for name, value in (
             ("Content-Type", kind),
-            ("Content-Length", str(len(body))),
+            ("Content-Length", str(size)),
             ("Cache-Control", "no-store"),
             ("Referrer-Policy", "no-referrer"),
             ("X-Content-Type-Options", "nosniff"),
             ("Content-Security-Policy", POLICY),
+            *more,
         ):
             self.send_header(name, value)
         self.end_headers()
-        self.wfile.write(body)
 
     def log_message(self, *_: object) -> None:
         """Say nothing."""

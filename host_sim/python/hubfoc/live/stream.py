@@ -5,19 +5,25 @@ To the page, as text (JSON with ``kind``): ``hello`` once for each vehicle, ``st
 second, ``refused`` with the reason. As binary, little endian, sixty times a second: the vehicle's
 number, the first row, how many rows, how many curves (4 bytes each), then as 32-bit floats the
 signals of hello's ``shown`` now, and the rows of the chosen curves. From the page, as text: JSON
-with ``do`` (``Desk.do``), or ``curves`` with their names.
+with ``do`` (``Desk.do``), or ``curves`` with their names. ``parameters``, ``store`` and ``replay``
+take seconds: a thread of their own does one at a time for a page, and answers with ``parameters``
+or ``replay``; ``replayed`` asks for another signal of the latest replay.
 """
 
 import json
 import struct
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from threading import Thread
 from typing import Any
 
 import numpy as np
+from hubsim.errors import HubsimError
+from regen_table.errors import ConfigurationError
 
 from hubfoc.errors import HubfocError
+from hubfoc.live import parameters, replays
 from hubfoc.live.desk import Desk
 from hubfoc.live.orders import Orders
 from hubfoc.live.service import Handler
@@ -26,6 +32,13 @@ from hubfoc.live.websocket import WebSocket, opened
 UPDATE_S = 1.0 / 60.0
 STATE_S = 0.2
 CURVES = 24
+SLOW = ("parameters", "store", "replay")  # take seconds
+# Of whoever wrote what a page wants, or of the vehicle.
+MISTAKES = (
+    *(HubfocError, HubsimError, ConfigurationError),
+    *(ValueError, KeyError, TypeError, AttributeError, OverflowError),
+)
+ABOUT = ("wheel", "words", "open_loop", "simulated", "equal")  # of a replay
 ROWS_AT_ONCE = 60000
 
 
@@ -38,6 +51,8 @@ class Page:
         self._next = 0  # row
         self._number = -1  # of the vehicle that the page knows
         self._closed = False
+        self._busy = False
+        self._replayed: replays.Replayed | None = None
 
     def run(self) -> None:
         """Serve the page until it is gone."""
@@ -59,10 +74,71 @@ class Page:
             wanted = json.loads(text)
             if wanted.get("do") == "curves":
                 self._choose([str(name) for name in wanted["names"]])
+            elif wanted.get("do") in SLOW:
+                self._begin(wanted)
+            elif wanted.get("do") == "replayed":
+                self._send_curve(str(wanted["signal"]))
             else:
                 self._orders.call(lambda: self._desk.do(self, wanted))
         except (HubfocError, ValueError, KeyError, TypeError, AttributeError) as error:
-            self._send({"kind": "refused", "why": str(error)})
+            self._refuse(str(error))
+
+    def _begin(self, wanted: dict[str, Any]) -> None:
+        """Do what takes seconds, in a thread of its own."""
+        if self._busy:
+            raise HubfocError("still at work, accepted: one at a time")
+        self._busy = True
+        Thread(target=self._do_slowly, args=(wanted,), daemon=True).start()
+
+    def _do_slowly(self, wanted: dict[str, Any]) -> None:
+        doing = {"parameters": self._show_parameters, "store": self._store, "replay": self._replay}
+        try:
+            doing[wanted["do"]](wanted)
+        except MISTAKES as error:
+            self._refuse(str(error))
+        except OSError:
+            pass  # the page is gone
+        finally:
+            self._busy = False
+
+    def _show_parameters(self, wanted: Mapping[str, Any]) -> None:
+        wheel = int(wanted["wheel"])
+        rows = parameters.rows(self._desk.address(wheel), self._desk.drive_of(wheel))
+        self._send({"kind": "parameters", "wheel": wheel, "rows": rows})
+
+    def _store(self, wanted: Mapping[str, Any]) -> None:
+        """Switch the vehicle off for as long as wheels keep values and restart."""
+        desk, cockpit = self._desk, self._desk.cockpit
+        wheels = [int(wheel) for wheel in wanted["wheels"]]
+        self._orders.call(lambda: cockpit.check(self))
+        cockpit.switched_off = True
+        try:
+            for wheel in wheels:
+                parameters.store(desk.address(wheel), desk.simulation.vehicle.key, wanted["values"])
+        finally:
+            cockpit.switched_off = False
+        self._show_parameters({"wheel": wheels[0]})
+
+    def _replay(self, wanted: Mapping[str, Any]) -> None:
+        file = self._desk.simulation.recorded
+        if file is None:
+            raise HubfocError("nothing is recorded, accepted: after a recording")
+        found = replays.run(
+            file, int(wanted["wheel"]), wanted["values"], simulate=bool(wanted["simulate"])
+        )
+        self._replayed = found
+        self._send_curve(str(wanted["signal"]))
+
+    def _send_curve(self, signal: str) -> None:
+        found = self._replayed
+        if found is None:
+            return
+        about = {name: getattr(found, name) for name in ABOUT}
+        self._send({"kind": "replay", **about, **replays.curve(found, signal)})
+
+    def _refuse(self, why: str) -> None:
+        with suppress(OSError):
+            self._send({"kind": "refused", "why": why})
 
     def _choose(self, names: Sequence[str]) -> None:
         known = self._desk.history.meanings

@@ -144,6 +144,7 @@ class World:
         self._key: bytes | None = None  # drawn by the first vehicle, and that of all
         self.recorder: Recorder | None = None
         self.recorded: Path | None = None  # the latest complete recording
+        self.records_itself = False  # into a file of its own
         self._folder: tempfile.TemporaryDirectory[str] | None = None
         self.vehicle = self._prepared(scenario)
         self._key = self.vehicle.key
@@ -180,7 +181,7 @@ class World:
                 for name, active in self.faults.active.items()
             },
             "scenario": self.scenario,
-            "recording_s": None if self.recorder is None else self.recorder.milliseconds / 1e3,
+            "recording_s": None if self.recorder is None else self.recorded_ms / 1e3,
             "recorded": None if self.recorded is None else str(self.recorded),
             "paused": self.paused,
             "ended": self.ended,
@@ -232,6 +233,11 @@ class World:
         self.ended = why
         self.paused = True
 
+    @property
+    def recorded_ms(self) -> int:
+        """How much is recorded until now."""
+        return 0 if self.recorder is None else self.recorder.milliseconds
+
     def stop_recording(self) -> None:
         """Complete the recording, if there is one."""
         recorder, self.recorder = self.recorder, None
@@ -248,13 +254,15 @@ class World:
         if wanted is None:
             self.stop_recording()
             return
-        if wanted is True:
+        own = wanted is True
+        if own:
             if self._folder is None:
                 self._folder = tempfile.TemporaryDirectory(prefix="hubfoc-")
             wanted = str(Path(self._folder.name) / f"{self.drive.name}-{self.number}.parquet")
         if not isinstance(wanted, str):
             raise HubfocError(f"record: {wanted!r} is not accepted, accepted: a file, true, null")
         self._restart(self.scenario, Path(wanted))
+        self.records_itself = own
 
     def _recorder(self, scenario: str | None, path: Path) -> Recorder:
         drives = zip((self.drive, self.rear), self._files, strict=True)

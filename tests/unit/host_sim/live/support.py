@@ -53,7 +53,7 @@ def running(*, paced: bool = True) -> Iterator[Running]:
         terminals.Terminals(own.vehicle.wheels) as lines,
         xcp.Gateways(own.vehicle.service_base, own.vehicle.wheels) as gateways,
     ):
-        pages = desk.Desk(own, pace)
+        pages = desk.Desk(own, pace, gateways)
         with service.Service(0, command.answers(own, pace, calls, pages)) as server:
             thread = threading.Thread(
                 target=command.keep_running,

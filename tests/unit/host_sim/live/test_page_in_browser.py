@@ -189,6 +189,72 @@ def test_curves_of_many_samples_show_the_bounds_of_each_group(browser: Browser) 
     assert wrong == 0
 
 
+def test_a_recording_is_replayed_bit_for_bit(browser: Browser, tmp_path: Path) -> None:
+    words = "document.querySelector('#replay-words').innerText"
+    browser.click("#record")
+    browser.until("document.querySelector('#record').innerText.startsWith('Stop')")
+    browser.until("hubfoc.last.rows?.now['wheel0.mode'] === 4")
+    browser.slide("#accelerator", 1.0)
+    browser.until("hubfoc.last.rows.now['vehicle.speed_m_per_s'] > 0.8")
+    browser.slide("#accelerator", 0.0)
+    browser.slide("#brake", 0.3)
+    browser.until("hubfoc.last.rows.now['vehicle.speed_m_per_s'] < 0.01")
+    browser.slide("#brake", 0.0)
+    browser.click("#record")
+    browser.until("!document.querySelector('#open-replay').disabled")
+    browser.click("#open-replay")
+    browser.until(f"{words}.includes('every output equal')")
+    assert browser.text("#replay-legend").startswith("recorded\nreplayed, equal")
+    browser.call("Page.setDownloadBehavior", behavior="allow", downloadPath=str(tmp_path))
+    browser.click("#replay-file")
+    browser.until_true(lambda: any(tmp_path.glob("*.parquet")), "no file")
+    browser.click("#replay-simulate")
+    browser.click("#replay-run")
+    browser.until(f"{words}.includes('closed loop') && {words}.includes('every output equal')")
+    browser.click("#replay-close")
+
+
+def test_a_parameter_is_edited_replayed_and_stored(browser: Browser, tmp_path: Path) -> None:
+    """The recorded vehicle was driven with all of its motors' torque.
+
+    A wheel with seven eighths of it would have commanded less. Once that is stored, the drive's
+    file says another value.
+    """
+    field = "motor.max_torque_mNm"
+    lines = "document.querySelector('#parameter-lines')"
+    words = "document.querySelector('#replay-words').innerText"
+    browser.click("#open-parameters")
+    browser.until(f"{lines}.children.length > 100")
+    before = int(browser.evaluate(f"{lines}.querySelector('[data-name=\"{field}\"] input').value"))
+    edit = f"{lines}.querySelector('[data-name=\"{field}\"] input')"
+    for wanted, stored in (("-1", False), (str(before * 7 // 8), True)):
+        browser.evaluate(
+            f"{edit}.value = '{wanted}', {edit}.dispatchEvent(new Event('change')), null"
+        )
+        assert browser.evaluate("document.querySelector('#parameter-store').disabled") is not stored
+    assert browser.evaluate(f"{edit}.closest('tr').className") == "edited"
+    browser.click("#parameter-close")
+    browser.click("#open-replay")
+    browser.until(f"{words}.includes('closed loop, with other parameters')")
+    assert "first difference" in browser.text("#replay-words")
+    browser.click("#replay-steps")
+    browser.click("#replay-run")
+    browser.until(f"{words}.includes('open loop')")
+    assert "commanded for these sensor values" in browser.text("#replay-legend")
+    browser.click("#replay-close")
+
+    browser.click("#open-parameters")
+    browser.until("!document.querySelector('#parameter-store').disabled")
+    browser.click("#parameter-store")
+    browser.until("document.querySelector('#parameter-note').innerText.startsWith('0 edited')")
+    assert browser.evaluate(f"{edit}.closest('tr').className") == "other"
+    assert browser.evaluate(f"{edit}.value") == str(before * 7 // 8)
+    assert f"the file says {before}" in browser.text("#parameter-lines")
+    browser.picture(tmp_path / "parameters.png")
+    browser.click("#parameter-close")
+    browser.until("hubfoc.last.rows.now['wheel0.mode'] === 4")
+
+
 def test_nothing_has_moved_and_the_console_is_empty(browser: Browser) -> None:
     """Less than 0.1 is called good; here bars and numbers change sixty times a second."""
     assert browser.evaluate("globalThis.shifts") < 0.01
@@ -210,7 +276,7 @@ def test_no_element_exceeds_the_page(
     assert width < 1400 or high <= 900
     out = browser.evaluate(
         "[...document.querySelectorAll('.wheel span, header *, button')].filter((e) => {"
-        " const box = e.closest('.wheel, section, header').getBoundingClientRect();"
+        " const box = e.closest('.wheel, section, header, dialog').getBoundingClientRect();"
         " const own = e.getBoundingClientRect(); return own.right > box.right + 0.5 }).length"
     )
     assert out == 0

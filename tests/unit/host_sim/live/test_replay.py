@@ -11,13 +11,17 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 import pytest
-from hubfoc import HubfocError, Simulation, cli, replay
+from hubfoc import HubfocError, Simulation, Vehicle, cli, replay
+from hubfoc.live import desk, parameters, replays
+from hubfoc.live.clock import Clock
 from hubfoc.live.vehicle import POSITIONS
 from hubfoc.live.world import World
 from hubfoc.recording import Part, Recording
+from hubfoc.service import Service, Udp
 from hubsim import configuration, steps
 from hubsim.cli import DEFAULT_CONFIG
 from hubsim.engine import Steps
+from hubsim.errors import HubsimError
 from regen_table import layout
 
 from tests.unit.host_sim.live.support import running, until
@@ -155,7 +159,7 @@ def test_with_other_parameters_the_simulated_wheels_brake_by_them(
     limited = configuration.changed_image(image, {("battery", "max_charge_current_mA"): quarter_ma})
     place = len(steps.inputs(steps.SLOW)) + steps.outputs(steps.SLOW).index("bus_voltage_mV")
     highest_mv: list[int] = []
-    for image_now, simulate in ((None, False), (limited, True)):
+    for other, simulate in ((None, False), (replay.parameters_of(limited), True)):
         voltages_mv = [0]
 
         def take(part: Part, now: Steps, into: list[int] = voltages_mv) -> None:
@@ -163,10 +167,10 @@ def test_with_other_parameters_the_simulated_wheels_brake_by_them(
             into.append(int(now["values"][rows, place].max()))
 
         found = replay.compared(
-            Recording(folder / "stop.parquet"), image_now, simulate=simulate, take=take
+            Recording(folder / "stop.parquet"), other, simulate=simulate, take=take
         )
         assert not found.open_loop
-        assert found.equal is (image_now is None)
+        assert found.equal is (other is None)
         highest_mv.append(max(voltages_mv))
     assert highest_mv[1] < highest_mv[0]
 
@@ -281,3 +285,80 @@ def test_a_file_that_cannot_be_written_is_refused_and_nothing_begins_again(
         with pytest.raises(HubfocError, match="a\\.parquet"):
             world.change({"record": str(tmp_path / "absent" / "a.parquet")})
         assert world.number == number
+
+
+def test_a_page_s_recording_ends_by_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(desk, "RECORDED_MS", 30)
+    with World(DEFAULT_CONFIG) as world:
+        own = desk.Desk(world, Clock(paced=False))
+        world.change({"record": True})
+        for _ in range(40):
+            world.vehicle.step(own.before([]))
+            own.after()
+        state = own.state(None)
+        assert state["recording_s"] is None
+        found = replay.compared(Recording(Path(state["recorded"])), None, simulate=False)
+    assert found.equal
+    assert found.slow_steps == 30 * len(POSITIONS)
+    assert not Path(state["recorded"]).exists()  # in a folder that goes with its vehicle
+
+
+@pytest.mark.parametrize("groups", [10, 100_000])
+def test_a_curve_shows_the_bounds_of_what_was_recorded_and_replayed(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, groups: int
+) -> None:
+    """In engineering units: mrad/s are rad/s, against the table's own column."""
+    monkeypatch.setattr(replays, "GROUPS", groups)
+    found = replays.run(folder / "stop.parquet", 2, {}, simulate=False)
+    assert found.equal
+    drawn = replays.curve(found, "speed_rad_per_s")
+    table = pq.read_table(folder / "stop.parquet")
+    chosen = pc.and_(pc.equal(table["wheel"], 2), pc.equal(table["step"], "slow"))
+    rad_s = table.filter(chosen)["slow_output.speed_mrad_s"].to_numpy() / 1e3
+    assert drawn["recorded"] == drawn["replayed"]
+    assert len(drawn["time_s"]) == len(drawn["recorded"]) <= max(2 * groups, len(rad_s))
+    assert max(drawn["recorded"]) == pytest.approx(rad_s.max())
+    assert min(drawn["recorded"]) == pytest.approx(rad_s.min())
+    assert drawn["time_s"] == sorted(drawn["time_s"])
+    if groups > len(rad_s):
+        assert drawn["recorded"] == pytest.approx(list(rad_s))
+
+
+def test_other_values_of_a_field_are_replayed_open_loop(folder: Path) -> None:
+    """The stop was made with all of the motor's 40 N m, of which 30 would be commanded."""
+    values = {"motor.max_torque_mNm": [30000]}
+    found = replays.run(folder / "stop.parquet", 0, values, simulate=False)
+    assert found.open_loop
+    commanded = replays.curve(found, "motor_torque_command_nm")
+    assert min(commanded["recorded"]) == -40.0
+    assert min(commanded["replayed"]) == -30.0
+    with pytest.raises(HubsimError, match=r"configuration refused: motor\.max_torque_mNm: 0,"):
+        replays.run(folder / "stop.parquet", 0, {"motor.max_torque_mNm": [0]}, simulate=False)
+
+
+def test_a_wheel_that_is_switched_on_stores_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not while a program's demand is on the bus; when the page has switched off it is stored."""
+    field = "driver.lost_hold_ms"
+    with running() as live:
+        address, key = live.gateways.wheels[1].address, live.world.vehicle.key
+        before = _values(address)[field]
+        wanted = {field: [before[0] + 1]}
+        with Vehicle(live.channel) as car, monkeypatch.context() as patched:
+            car.demand()
+            until(lambda: car.front_right.status().mode == "RUN")
+            patched.setattr(parameters, "OFF_S", 0.2)
+            with pytest.raises(HubfocError, match="switched on, accepted: while nobody drives"):
+                parameters.store(address, key, wanted)
+            assert _values(address)[field] == before
+        cockpit = live.desk.cockpit
+        until(lambda: not cockpit.foreign)
+        cockpit.switched_off = True
+        live.do(lambda: cockpit.take(object()))
+        parameters.store(address, key, wanted)
+        assert _values(address)[field] == wanted[field]
+        assert _values(live.gateways.wheels[2].address)[field] == before
+
+
+def _values(address: str) -> dict[str, list[int]]:
+    with Service(Udp(address)) as wheel:
+        return wheel.values()

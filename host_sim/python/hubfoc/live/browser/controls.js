@@ -174,6 +174,10 @@ export function showControls(state) {
   allow(own);
 }
 
+export function drives() {
+  return own;
+}
+
 export function loseControls() {
   own = false;
   release();
@@ -197,7 +201,7 @@ const KEYS = {
 };
 
 function key(event) {
-  const typing = event.target.matches("input:not([type=range]):not([type=radio]), select");
+  const typing = event.target.matches("input:not([type=range]):not([type=radio]), select") || document.querySelector("dialog[open]");
   if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
   const pressed = event.key.toLowerCase();
   if (/^[1-9]$/.test(pressed)) choice(Number(pressed) - 1);

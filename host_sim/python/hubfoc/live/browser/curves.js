@@ -87,7 +87,7 @@ function showHold() {
   byId("hold").setAttribute("aria-pressed", String(held !== null));
 }
 
-function colour(name) {
+export function colour(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 }
 

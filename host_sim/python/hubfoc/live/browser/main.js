@@ -7,6 +7,8 @@ import { buildLimits, showLimits } from "./limits.js";
 import { buildControls, greetControls, loseControls, showControls } from "./controls.js";
 import { buildFaults, greetFaults, showFaults, showFindings } from "./faults.js";
 import { addRows, buildCurves, greetCurves, showCurves } from "./curves.js";
+import { buildParameters, greetParameters, refuseParameters, showParameters } from "./parameters.js";
+import { buildRecording, greetRecording, refuseReplay, showRecording, showReplay } from "./recording.js";
 import { Samples } from "./samples.js";
 
 const STALE_MS = 500;
@@ -29,6 +31,8 @@ const hears = {
     greetControls(told);
     greetFaults(told);
     greetCurves(told);
+    greetParameters(told);
+    greetRecording(told);
     last.rows = null;
   },
   state(told) {
@@ -40,7 +44,10 @@ const hears = {
     showLimits(told.limits);
     showFaults(told);
     showFindings(told);
+    showRecording(told);
   },
+  parameters: showParameters,
+  replay: showReplay,
   rows(told) {
     counts.updates++;
     last.rows = told;
@@ -49,6 +56,8 @@ const hears = {
     addRows(told);
   },
   refused({ why }) {
+    refuseParameters(why);
+    refuseReplay(why);
     write(byId("refused"), why);
     setTimeout(() => write(byId("refused"), ""), REFUSED_MS);
   },
@@ -87,6 +96,8 @@ function frame(now_ms) {
 buildControls();
 buildFaults();
 buildCurves();
+buildParameters();
+buildRecording();
 loseControls();
 connect(hears);
 requestAnimationFrame(frame);
