@@ -274,6 +274,23 @@ def test_a_recording_ends_where_the_vehicle_begins_again(tmp_path: Path) -> None
     assert found.slow_steps == 20 * len(POSITIONS)
 
 
+def test_each_axle_is_replayed_with_its_own_parameters(tmp_path: Path) -> None:
+    rear = tmp_path / "rear.toml"
+    rear.write_bytes(_other_parameters(tmp_path).read_bytes())
+    with World(DEFAULT_CONFIG, rear=rear) as world:
+        world.change({"record": str(tmp_path / "axles.parquet")})
+        _drive(world, 200)
+        world.change({"record": None})
+    recording = Recording(tmp_path / "axles.parquet")
+    assert [axle["drive"] for axle in recording.provenance["axles"]] == ["lu2013", "rear"]
+    images = {part.wheel: part.images[0] for group in recording.groups() for part in group.parts}
+    for wheel, of_the_same_axle in ((1, True), (2, False)):
+        of_the_first = replay.parameters_of(images[wheel])(images[0])
+        assert replay.same_parameters(of_the_first, images[0]) is of_the_same_axle
+    for simulate in (False, True):
+        assert replay.compared(recording, None, simulate=simulate).equal
+
+
 def test_a_file_that_cannot_be_written_is_refused_and_nothing_begins_again(
     tmp_path: Path,
 ) -> None:
