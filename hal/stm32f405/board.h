@@ -20,6 +20,7 @@
 #define BOARD_SHUNTS_IN_PHASES 1
 #define BOARD_DRIVER_DRV8301 1
 #define BOARD_DRIVER_DRV8302 2
+#define BOARD_DRIVER_NONE 3 /* no line to or from it but the gates */
 #define BOARD_CHANNEL_NONE 255
 
 #ifndef HUBFOC_BOARD_HEADER
@@ -46,7 +47,7 @@ enum {
 enum {
     /* Codes span the reference: half of it either way for a current, all of it for the voltage. */
     BOARD_CURRENT_FULL_SCALE_mA =
-        (int)((int64_t)BOARD_REFERENCE_mV * 500000 / (BOARD_SHUNT_uOhm * BOARD_AMPLIFIER_GAIN)),
+        (int)((int64_t)BOARD_REFERENCE_mV * 500000000 / (BOARD_SHUNT_nOhm * BOARD_AMPLIFIER_GAIN)),
     BOARD_VOLTAGE_FULL_SCALE_mV =
         (int)((int64_t)BOARD_REFERENCE_mV * (BOARD_DIVIDER_UPPER_Ohm + BOARD_DIVIDER_LOWER_Ohm) /
               BOARD_DIVIDER_LOWER_Ohm)

@@ -4,7 +4,8 @@
  * driver takes SDI at the falling edge of the clock and changes SDO at the rising one; the answer
  * to a frame comes in the next. Section numbers are those of SLOS719.
  *
- * A DRV8302 has no bus: a short low pulse at its enable pin releases its latch (7.4.1 of SLES267).
+ * A driver without any line of its own is left alone. A DRV8302 has no bus: a short low pulse at
+ * its enable pin releases its latch (7.4.1 of SLES267).
  */
 #include "gate_driver.h"
 
@@ -96,6 +97,9 @@ static bool configure(void)
 
 bool gate_driver_start(void)
 {
+    if (!GATE_DRIVER_IS_WIRED) {
+        return true;
+    }
     gpio_make_input(BOARD_DRIVER_FAULT, GPIO_PULL_UP);
     if (has_bus()) {
         gpio_make_output(BOARD_DRIVER_SELECT, true);
@@ -113,6 +117,9 @@ bool gate_driver_start(void)
 
 void gate_driver_watch(void)
 {
+    if (!GATE_DRIVER_IS_WIRED) {
+        return;
+    }
     const uint32_t line = BOARD_DRIVER_FAULT.number;
     const uint32_t port = (uint32_t)(((uintptr_t)BOARD_DRIVER_FAULT.port - (uintptr_t)GPIOA) /
                                      ((uintptr_t)GPIOB - (uintptr_t)GPIOA));

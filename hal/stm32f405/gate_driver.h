@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * gate_driver.h: the TI DRV8301 by its serial bus (data sheet SLOS719), or the DRV8302, which has
- * pins only. README, Gate driver.
+ * pins only, or one without a line to the controller, which cannot report a fault. README, Gate
+ * driver.
  */
 #ifndef STM32F405_GATE_DRIVER_H
 #define STM32F405_GATE_DRIVER_H
@@ -10,6 +11,8 @@
 #include <stdint.h>
 
 #include "board.h"
+
+enum { GATE_DRIVER_IS_WIRED = BOARD_DRIVER_KIND != BOARD_DRIVER_NONE };
 
 /* Enables the driver, waits until it takes commands (10 ms), writes its control registers and reads
  * them back. False if they are not as written: the bridge must stay off. Background context, once.
@@ -36,7 +39,8 @@ void gate_driver_release(void);
 /* The driver reports a fault now. Any context. */
 static inline bool gate_driver_pulls_fault(void)
 {
-    return (BOARD_DRIVER_FAULT.port->IDR & (1U << BOARD_DRIVER_FAULT.number)) == 0;
+    return GATE_DRIVER_IS_WIRED &&
+           (BOARD_DRIVER_FAULT.port->IDR & (1U << BOARD_DRIVER_FAULT.number)) == 0;
 }
 
 #endif

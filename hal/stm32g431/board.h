@@ -21,8 +21,8 @@
 enum {
     /* Codes span the reference: half of it either way for a current, all of it for the voltage. */
     BOARD_CURRENT_FULL_SCALE_mA =
-        (int)((int64_t)BOARD_REFERENCE_mV * 500000 * BOARD_AMPLIFIER_GAIN_DENOMINATOR /
-              (BOARD_SHUNT_uOhm * BOARD_AMPLIFIER_GAIN_NUMERATOR)),
+        (int)((int64_t)BOARD_REFERENCE_mV * 500000000 * BOARD_AMPLIFIER_GAIN_DENOMINATOR /
+              (BOARD_SHUNT_nOhm * BOARD_AMPLIFIER_GAIN_NUMERATOR)),
     BOARD_VOLTAGE_FULL_SCALE_mV =
         (int)((int64_t)BOARD_REFERENCE_mV * (BOARD_DIVIDER_UPPER_Ohm + BOARD_DIVIDER_LOWER_Ohm) /
               BOARD_DIVIDER_LOWER_Ohm)

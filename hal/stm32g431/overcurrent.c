@@ -30,7 +30,7 @@ enum {
 
 /* Codes of the threshold above the level without current; what the inputs see of a shunt. */
 enum {
-    TRIP_uV = (int)((int64_t)BOARD_TRIP_A * BOARD_SHUNT_uOhm * BOARD_NETWORK_NUMERATOR /
+    TRIP_uV = (int)((int64_t)BOARD_TRIP_A * BOARD_SHUNT_nOhm / 1000 * BOARD_NETWORK_NUMERATOR /
                     BOARD_NETWORK_DENOMINATOR),
     TRIP_CODES = TRIP_uV * CODES / (BOARD_REFERENCE_mV * 1000),
     LEVEL_LEAST_CODE = BOARD_NETWORK_LEVEL_LEAST_mV * CODES / BOARD_REFERENCE_mV,

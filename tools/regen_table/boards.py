@@ -10,12 +10,17 @@ import re
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from regen_table import installation
+
+if TYPE_CHECKING:
+    from regen_table.sections import Drive
 
 TIMER_CLOCK_HZ = {"stm32f405": 168_000_000, "stm32g431": 170_000_000}  # CLOCK_TIMER1_Hz
 SAMPLING_S = {"stm32f405": 714e-9, "stm32g431": 302e-9}  # ANALOG_SAMPLING_ns
 HOT_OVER_COLD = 1.6  # resistance of a silicon MOSFET at 125 degC over that at 25 degC
+DESCRIPTION = "gate_board"  # of an inverter of one's own: no board that exists
 WINDOW_MARGIN_S = 10e-9  # a count of the timer and the rounding to it
 
 _CONSTANT = re.compile(r"\bBOARD_(\w+) = (-?\d+)\b")
@@ -62,6 +67,21 @@ class Board:
     switch_sensor_divider_ohm: float
 
 
+def fitting(drive: "Drive", over_current_margin: float) -> str:
+    """Return which boards bear a drive as it is, and what the others would cost it."""
+    volts, amperes = drive.battery.max_voltage_v, drive.motor.max_phase_current_a
+    fits, costs = [], []
+    for board in sorted(known().values(), key=lambda one: (one.voltage_most_v, one.name)):
+        carried = board.current_most_a / over_current_margin
+        if volts > board.voltage_most_v:
+            costs.append(f"{board.name} bears {board.voltage_most_v:g} of {volts:g} V")
+        elif amperes > carried:
+            costs.append(f"{board.name} carries {carried:.0f} of {amperes:g} A")
+        else:
+            fits.append(board.name)
+    return "; ".join([f"boards that fit: {', '.join(fits) or 'none'}", *costs])
+
+
 @cache
 def known() -> dict[str, Board]:
     """Return all boards by name, those of the stm32f405 first."""
@@ -91,7 +111,7 @@ def _read(path: Path) -> Board:
     return Board(
         name=path.stem,
         port=port,
-        current_full_scale_a=reference_v / 2.0 / (facts["SHUNT_uOhm"] * 1e-6 * gain),
+        current_full_scale_a=reference_v / 2.0 / (facts["SHUNT_nOhm"] * 1e-9 * gain),
         voltage_full_scale_v=full_scale_v,
         current_most_a=float(facts["CURRENT_MOST_A"]),
         voltage_most_v=float(facts.get("VOLTAGE_MOST_V", full_scale_v)),

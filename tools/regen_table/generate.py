@@ -17,9 +17,11 @@ from typing import Any
 from regen_table import (
     __version__,
     audit,
+    boards,
     bus_capacitor,
     current_audit,
     current_map,
+    defaults,
     envelope,
     flux_constants,
     image,
@@ -236,6 +238,7 @@ class Report:
     d_current_power_loss_worst: float
     bus_voltage_loss: float
     temperature_sensors: list[str]
+    boards: str
 
 
 def make_report(drive: Drive) -> Report:
@@ -264,6 +267,7 @@ def make_report(drive: Drive) -> Report:
         d_current_power_loss_worst=current_audit.worst_power_loss(drive, currents),
         bus_voltage_loss=current_audit.bus_voltage_loss(drive),
         temperature_sensors=thermometers.describe(drive),
+        boards=boards.fitting(drive, defaults.OVERCURRENT_MARGIN),
     )
 
 
@@ -335,7 +339,8 @@ def report_text(report: Report) -> str:
         f"{report.name}: i_d: i_d = 0 would lose {costliest.without_d_current:.2%}"
         f" ({costliest.manoeuvre}), bus voltage as an axis would save {report.bus_voltage_loss:.3%}"
     )
-    return "\n".join(lines + report.temperature_sensors)
+    lines += [*report.temperature_sensors, f"{report.name}: {report.boards}"]
+    return "\n".join(lines)
 
 
 def _filled(proof: envelope.Proof) -> float:

@@ -444,13 +444,17 @@ def proposed_board(rated_peak_a: float, cells: int) -> str:
 
 def _by_size() -> Iterator[boards.Board]:
     """Return the boards, the smallest and those with shunts in the phases first."""
+    shipped = (board for board in boards.known().values() if board.name != boards.DESCRIPTION)
     yield from sorted(
-        boards.known().values(),
+        shipped,
         key=lambda board: (board.voltage_most_v, board.min_pulse_s is not None, board.name),
     )
 
 
 def _why(board: str) -> str:
     if board == OWN_BOARD:
-        return "no board with a header stands this pack and current; a bridge of one's own"
+        return (
+            "no board with a header stands this pack and current; a bridge of one's own, such as"
+            f" {boards.DESCRIPTION} describes"
+        )
     return "the smallest that stands the pack and carries the rated current"

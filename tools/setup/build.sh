@@ -7,7 +7,8 @@
 readonly PORTS=(stm32f405 stm32g431 qemu) DEFAULT_CONFIG=lu2013
 # The boards of each port in CMakeLists.txt, the default first; all of them.
 # shellcheck disable=SC2034
-readonly BOARDS_stm32f405=(vesc6_mk3 vesc6_mk6 vesc4_10) BOARDS_stm32g431=(b_g431b_esc1)
+readonly BOARDS_stm32f405=(vesc6_mk3 vesc6_mk6 vesc4_10 vesc75_300 mks84_200_hp gate_board)
+readonly BOARDS_stm32g431=(b_g431b_esc1)
 # shellcheck disable=SC2034
 readonly BOARDS_qemu=()
 # shellcheck disable=SC2034

@@ -13,7 +13,7 @@ enum {
     BOARD_DEAD_TIME_LEAST_ns = 300,
     BOARD_SHUNTS = BOARD_SHUNTS_IN_PHASES,
     BOARD_CURRENT_CHANNELS = 3,
-    BOARD_SHUNT_uOhm = 500,
+    BOARD_SHUNT_nOhm = 500000,
     BOARD_AMPLIFIER_GAIN = 20,
     BOARD_CURRENT_INVERTED = 1, /* the amplifiers' output falls with current into the motor */
     BOARD_REFERENCE_mV = 3300,

@@ -35,7 +35,7 @@ enum {
     BOARD_CRYSTAL_Hz = 8000000,
     /* NuttX takes 500 ns; the driver adds none of its own that could be relied on. */
     BOARD_DEAD_TIME_LEAST_ns = 500,
-    BOARD_SHUNT_uOhm = 3000,
+    BOARD_SHUNT_nOhm = 3000000,
     /* Amplifier 16, and the network before it takes 4/7: 64/7, SimpleFOC's figure as well. */
     BOARD_AMPLIFIER_GAIN_NUMERATOR = 64,
     BOARD_AMPLIFIER_GAIN_DENOMINATOR = 7,

@@ -85,6 +85,35 @@ def test_the_tools_read_from_a_header_what_a_compiler_makes_of_it(
         assert window_ns < 1e9 * read.min_pulse_s < window_ns + 50.0
 
 
+# V_REG, CURRENT_SHUNT_RES, CURRENT_AMP_GAIN, VIN_R1, VIN_R2, HW_DEAD_TIME_NSEC and the ends of
+# HW_LIM_CURRENT_ABS and HW_LIM_VIN of vedderb/bldc, commit b9d287b: hwconf/trampa/75_300/
+# hw_75_300_core.h and hwconf/makerbase/84_200_HP/hw_mksesc_84_200_hp.h.
+SOURCES = {
+    "vesc75_300": (3.44, 0.0005 / 3.0, 20.0, 56e3, 2.2e3, 1000.0, 480.0, 72.0),
+    "mks84_200_hp": (3.30, 0.0005 / 3.0, 20.0, 56e3, 2.2e3, 660.0, 450.0, 120.0),
+}
+
+
+@pytest.mark.parametrize("name", SOURCES)
+def test_scales_dead_time_and_limits_of_a_board_are_those_of_its_source(name: str) -> None:
+    reference_v, shunt_ohm, gain, upper, lower, dead_ns, most_a, most_v = SOURCES[name]
+    read = boards.known()[name]
+    assert read.current_full_scale_a == pytest.approx(
+        reference_v / 2.0 / shunt_ohm / gain, rel=1e-5
+    )
+    assert read.voltage_full_scale_v == pytest.approx(reference_v * (upper + lower) / lower)
+    assert 1e9 * read.dead_time_s == pytest.approx(dead_ns)
+    assert read.current_most_a == most_a <= read.current_full_scale_a
+    assert read.voltage_most_v == int(min(most_v, read.voltage_full_scale_v))
+    assert read.min_pulse_s is None
+
+
+def test_the_gate_board_shows_a_kiloampere_and_800_volts() -> None:
+    read = boards.known()["gate_board"]
+    assert read.current_full_scale_a > 1000.0 == read.current_most_a
+    assert read.voltage_full_scale_v > 800.0 == read.voltage_most_v
+
+
 @pytest.fixture(scope="module")
 def bench() -> Drive:
     return schema.load(SOURCE / "tools" / "motors" / "bench" / "wheel24v.toml")

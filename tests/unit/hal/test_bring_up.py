@@ -56,7 +56,7 @@ def test_a_vesc_has_the_full_scales_of_its_column(board: str) -> None:
     fact = {name: int(value) for name, value in re.findall(r"(BOARD_\w+) = (\d+)", header)}
     inverter = tomllib.loads(changed(2))["inverter"]
     half_v = fact["BOARD_REFERENCE_mV"] / 2e3
-    shunt_v_per_a = fact["BOARD_SHUNT_uOhm"] * 1e-6 * fact["BOARD_AMPLIFIER_GAIN"]
+    shunt_v_per_a = fact["BOARD_SHUNT_nOhm"] * 1e-9 * fact["BOARD_AMPLIFIER_GAIN"]
     divider = 1.0 + fact["BOARD_DIVIDER_UPPER_Ohm"] / fact["BOARD_DIVIDER_LOWER_Ohm"]
     assert inverter["current_full_scale_a"] == pytest.approx(half_v / shunt_v_per_a, rel=1e-3)
     assert inverter["voltage_full_scale_v"] == pytest.approx(2.0 * half_v * divider, rel=1e-3)
