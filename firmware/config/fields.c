@@ -13,12 +13,12 @@
     X(x, -32767) X(x, -20000) X(x, -10000) X(x, -5000) X(x, 0) X(x, 1) X(x, 2) X(x, 3) X(x, 5)     \
     X(x, 6) X(x, 8) X(x, 10) X(x, 15) X(x, 16) X(x, 17) X(x, 20) X(x, 40) X(x, 60) X(x, 65)        \
     X(x, 100) X(x, 128) X(x, 164) X(x, 250) X(x, 328) X(x, 500) X(x, 512) X(x, 999) X(x, 1000)     \
-    X(x, 1024) X(x, 1856) X(x, 2000) X(x, 2040) X(x, 3276) X(x, 4000) X(x, 4031) X(x, 5000) X(x, 8192)        \
-    X(x, 10000) X(x, 15000) X(x, 16384) X(x, 20000) X(x, 25000) X(x, 29998) X(x, 30000)            \
-    X(x, 32112) X(x, 32440) X(x, 32767) X(x, 32768) X(x, 60000) X(x, 65520) X(x, 65535)            \
-    X(x, 65536) X(x, 100000) X(x, 1000000) X(x, 1048576) X(x, 1638200) X(x, 2000000)               \
-    X(x, 3000000) X(x, 3276600) X(x, 3276700) X(x, 4000000) X(x, 5000000) X(x, 16777216)           \
-    X(x, 20000000) X(x, 100000000) X(x, 1000000000) X(x, 2000000000)
+    X(x, 1024) X(x, 1856) X(x, 2000) X(x, 2040) X(x, 3276) X(x, 4000) X(x, 4031) X(x, 5000)        \
+    X(x, 8192) X(x, 10000) X(x, 15000) X(x, 16384) X(x, 20000) X(x, 25000) X(x, 29998)             \
+    X(x, 30000) X(x, 32112) X(x, 32440) X(x, 32767) X(x, 32768) X(x, 60000) X(x, 65520)            \
+    X(x, 65535) X(x, 65536) X(x, 100000) X(x, 1000000) X(x, 1048576) X(x, 1638200)                 \
+    X(x, 2000000) X(x, 3000000) X(x, 3276600) X(x, 3276700) X(x, 4000000) X(x, 5000000)            \
+    X(x, 16777216) X(x, 20000000) X(x, 100000000) X(x, 1000000000) X(x, 2000000000)
 
 /* In the order of config_t. */
 #define ALL_FIELDS(X, Y)                                                                           \
@@ -26,9 +26,9 @@
     CONFIG_ROTOR_FIELDS(X) CONFIG_HALL_ARRAY(Y) CONFIG_BATTERY_FIELDS(X) CONFIG_BRAKE_FIELDS(X)    \
     CONFIG_VEHICLE_FIELDS(X) CONFIG_DRIVER_FIELDS(X) CONFIG_PEDALS_FIELDS(X)                       \
     CONFIG_PEDALS_ARRAY(Y) CONFIG_SERVICE_FIELDS(X) CONFIG_MODES_FIELDS(X)                         \
-    CONFIG_MONITOR_FIELDS(X) CONFIG_THERMAL_FIELDS(X) CONFIG_TEMPERATURE_FIELDS(X) \
-    CONFIG_TEMPERATURE_ARRAY(Y) CONFIG_REGEN_MAP_FIELDS(X)                   \
-    CONFIG_REGEN_MAP_ARRAY(Y) CONFIG_CURRENT_MAP_FIELDS(X) CONFIG_CURRENT_MAP_ARRAY(Y)
+    CONFIG_MONITOR_FIELDS(X) CONFIG_THERMAL_FIELDS(X) CONFIG_TEMPERATURE_FIELDS(X)                 \
+    CONFIG_TEMPERATURE_ARRAY(Y) CONFIG_REGEN_MAP_FIELDS(X) CONFIG_REGEN_MAP_ARRAY(Y)               \
+    CONFIG_CURRENT_MAP_FIELDS(X) CONFIG_CURRENT_MAP_ARRAY(Y)
 /* clang-format on */
 
 #define BOUND(x, bound) (bound),

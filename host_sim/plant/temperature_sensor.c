@@ -12,12 +12,12 @@ static double shown_c(const winding_sensor_params_t *params, const temperature_s
 
 static double resistance_ohm(const winding_sensor_params_t *params, double celsius)
 {
-    static const double ROOM_C = 25.0, ZERO_K = 273.15;
+    static const double REFERENCE_C = 25.0, ZERO_K = 273.15;
     if (params->kind < 1.5) {
-        const double inverse = 1.0 / (celsius + ZERO_K) - 1.0 / (ROOM_C + ZERO_K);
+        const double inverse = 1.0 / (celsius + ZERO_K) - 1.0 / (REFERENCE_C + ZERO_K);
         return params->ohm_25c * exp(params->beta_k * inverse);
     }
-    const double above_k = celsius - ROOM_C;
+    const double above_k = celsius - REFERENCE_C;
     return params->ohm_25c *
            (1.0 + params->linear_per_k * above_k + params->square_per_k2 * above_k * above_k);
 }

@@ -27,7 +27,7 @@ Which = Literal["winding", "switch"]
 
 CODES, STEP, POINTS = 4096, 64, 64
 LOWEST_CODE, HIGHEST_CODE = 16, STEP * (POINTS - 1) - 1  # beyond: shorted, open
-CELSIUS_K, ROOM_C = 273.15, 25.0
+CELSIUS_K, REFERENCE_C = 273.15, 25.0
 AUDITED_C = (-40.0, 150.0)
 LARGEST_ERROR_K = 2.5
 KTY84 = (
@@ -68,7 +68,7 @@ class Sensor:
     def resistance_ohm(self, celsius: Array) -> Array:
         """Return R(T)."""
         if self.kind == "ntc":
-            exponent = self.beta_k * (1.0 / (celsius + CELSIUS_K) - 1.0 / (ROOM_C + CELSIUS_K))
+            exponent = self.beta_k * (1.0 / (celsius + CELSIUS_K) - 1.0 / (REFERENCE_C + CELSIUS_K))
             return np.asarray(self.ohm_25c * np.exp(exponent))
         if self.kind == "pt1000":
             cold = PT1000_C * (celsius - 100.0) * celsius**3 * (celsius < 0.0)
@@ -161,8 +161,8 @@ def instead(sensor: Sensor, made: Curve) -> dict[str, float | None]:
         for kind in RANGE_C
         if kind != sensor.kind
     }
-    at_room = np.array([ROOM_C])
-    return {kind: made.celsius(float(other.code(at_room)[0])) for kind, other in others.items()}
+    at_25c = np.array([REFERENCE_C])
+    return {kind: made.celsius(float(other.code(at_25c)[0])) for kind, other in others.items()}
 
 
 def describe(drive: "Drive") -> list[str]:

@@ -193,15 +193,15 @@ def test_low_side_shunts_get_their_window_and_shunts_in_the_phases_none() -> Non
 def test_the_boards_that_fit_a_drive_are_named_with_what_the_others_would_cost() -> None:
     """Of the public drives: 84 V and 320 A; 403 V and 370 A. Over-currents trip 5 % above."""
     folder = Path(__file__).parents[4] / "tools" / "motors" / "public"
-    said = {
+    named = {
         name: boards.fitting(schema.load(folder / f"{name}.toml"), 1.05)
         for name in ("qs273", "elaphe700", "mxus3k")
     }
-    assert said["qs273"].startswith("boards that fit: mks84_200_hp, gate_board;")
-    assert "vesc75_300 bears 72 of 84 V" in said["qs273"]
-    assert said["elaphe700"].startswith("boards that fit: gate_board;")
-    assert "vesc6_mk3" in said["mxus3k"].partition(";")[0]
-    assert "b_g431b_esc1 bears 25 of 58.8 V" in said["mxus3k"]
+    assert named["qs273"].startswith("boards that fit: mks84_200_hp, gate_board;")
+    assert "vesc75_300 bears 72 of 84 V" in named["qs273"]
+    assert named["elaphe700"].startswith("boards that fit: gate_board;")
+    assert "vesc6_mk3" in named["mxus3k"].partition(";")[0]
+    assert "b_g431b_esc1 bears 25 of 58.8 V" in named["mxus3k"]
 
 
 def test_each_public_drive_has_a_board() -> None:
