@@ -58,12 +58,12 @@ static scope_channel_t channel_of(scope_t *scope, const xcp_table_t *table, uint
     const xcp_signal_t *signal = &table->signals[place];
     const bool fast = xcp_signal_is_fast(signal);
     const scope_channel_t channel = {
-        .at = fast ? xcp_signal_at(table, (uint32_t)place) : &scope->held[k],
-        .at_bytes = fast ? signal->size_bytes : (uint8_t)sizeof scope->held[k],
+        .at = fast ? xcp_signal_at(table, (uint32_t)place) : &scope->of_slow_step[k],
+        .at_bytes = fast ? signal->size_bytes : (uint8_t)sizeof scope->of_slow_step[k],
         .row_bytes = signal->size_bytes,
     };
     scope->place[k] = fast ? NO_SIGNAL : place;
-    scope->held[k] = xcp_signal_value(table, (uint32_t)place);
+    scope->of_slow_step[k] = xcp_signal_value(table, (uint32_t)place);
     return channel;
 }
 
@@ -241,7 +241,7 @@ void scope_slow_step(scope_t *scope, const xcp_table_t *table, const findings_t 
 {
     for (uint32_t k = 0; k <= TRIGGER; k++) {
         if (scope->place[k] != NO_SIGNAL) {
-            scope->held[k] = xcp_signal_value(table, (uint32_t)scope->place[k]);
+            scope->of_slow_step[k] = xcp_signal_value(table, (uint32_t)scope->place[k]);
         }
     }
     if (scope->phase == SCOPE_ARMED && scope->page.trigger == SCOPE_FINDING) {

@@ -93,11 +93,11 @@ typedef struct {
     scope_channel_t channel[SCOPE_CHANNELS];
     uint32_t channels;
     scope_channel_t trigger;
-    int32_t place[SCOPE_CHANNELS + 1]; /* of the channels and of the trigger */
-    uint32_t held[SCOPE_CHANNELS + 1]; /* those of the slow step */
-    uint32_t periods, periods_left;    /* of a row */
-    uint32_t time_q16, period_q16;     /* in units of DAQ_TICK_us */
-    uint32_t rows, next_row, taken;    /* of the ring; taken: saturates at before_rows + 1 */
+    int32_t place[SCOPE_CHANNELS + 1];         /* of the channels and of the trigger */
+    uint32_t of_slow_step[SCOPE_CHANNELS + 1]; /* those values */
+    uint32_t periods, periods_left;            /* of a row */
+    uint32_t time_q16, period_q16;             /* in units of DAQ_TICK_us */
+    uint32_t rows, next_row, taken; /* of the ring; taken: saturates at before_rows + 1 */
     uint32_t before_rows, left_rows;
     int32_t value_before; /* of the trigger, in the row before */
     uint8_t phase;        /* scope_phase_t */

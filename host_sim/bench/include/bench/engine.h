@@ -117,9 +117,9 @@ int hubsim_bus_read(hubsim_t *sim, hubsim_frame_t *frames, int capacity);
 int hubsim_serial_take(hubsim_t *sim, int wheel, char *bytes, int size);
 int hubsim_serial_type(hubsim_t *sim, int wheel, const char *text);
 
-/* The service protocol of one wheel's application, beside CAN: a packet to it, of 1 to 40 bytes; and
- * those that it sent, each behind a byte with its length, as many as fit into `size`, the bytes of
- * all returned. */
+/* The service protocol of one wheel's application, beside CAN: a packet to it, of 1 to 40 bytes;
+ * and those that it sent, each behind a byte with its length, as many as fit into `size`, the bytes
+ * of all returned. */
 int hubsim_packet_send(hubsim_t *sim, int wheel, const void *bytes, int length);
 int hubsim_packets_take(hubsim_t *sim, int wheel, void *bytes, int size);
 

@@ -33,11 +33,11 @@
     X(shorted,     0.0,   1.0,   "",  "1: the sensor's line is shorted") \
     X(stuck,       0.0,   1.0,   "",  "1: reports for ever what it reported last") \
     X(kind,        0.0,   2.0,   "",  "0: no resistance, 1: NTC, 2: rising with temperature") \
-    X(ohm_25c,     0.0,   1e6,   "Ohm", "at 25 degC") \
+    X(ohm_25c,     0.0,   1e6,   "ohm", "at 25 degC") \
     X(beta_k,      0.0,   1e4,   "K", "B of kind 1") \
     X(linear_per_k, 0.0,  0.1,   "1/K", "A of kind 2") \
     X(square_per_k2, -1e-4, 1e-4, "1/K2", "B of kind 2") \
-    X(divider_ohm, 0.0,   1e6,   "Ohm", "in series") \
+    X(divider_ohm, 0.0,   1e6,   "ohm", "in series") \
     X(to_supply,   0.0,   1.0,   "",  "1: the sensor hangs on the supply, else on ground")
 /* clang-format on */
 

@@ -87,7 +87,7 @@ class Tool:
         self.master.setCalPage(OF_TOOL, 0, STAGING)
 
 
-def master_of(address: str, key: bytes, policy: object = None) -> Any:  # noqa: ANN401, pyxcp's own types are incomplete
+def master_of(address: str, key: bytes, policy: object = None) -> Any:  # noqa: ANN401
     host, port = address.split(":")
     application = create_application_from_config(
         {
