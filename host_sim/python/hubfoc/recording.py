@@ -44,7 +44,7 @@ _EVENT = {
     "changed.value": ("float64", ""),
     "typed.text": ("string", "into the wheel's shell, in hexadecimal digits"),
 }
-_GROUP_ROWS = 1 << 17  # of a CSV that is read
+_GROUP_ROWS = 100_000  # of a file, at least
 
 Column = npt.NDArray[Any]
 
@@ -203,7 +203,8 @@ class Writer:
         outputs.check_writable(path)
         self._part = path.with_name(f".{path.name}.part")
         self._columns = schema(provenance)
-        self.rows = 0
+        self._waiting: list[pa.Table] = []
+        self._rows = 0  # of those
         if path.suffix == ".csv":
             import pyarrow.csv as pc  # noqa: PLC0415, as above
 
@@ -217,16 +218,26 @@ class Writer:
             self._writer = pq.ParquetWriter(self._part, self._columns, compression="zstd")
 
     def write(self, group: Group) -> None:
-        """Add a group."""
+        """Add some milliseconds; several such are a group of the file."""
         table = table_of(group, self._columns)
-        self.rows += len(table)
-        if self._file is None:
-            self._writer.write_table(table, row_group_size=max(len(table), 1))
-        else:
-            self._writer.write_table(table)
+        self._waiting.append(table)
+        self._rows += len(table)
+        if self._rows >= _GROUP_ROWS:
+            self._flush()
+
+    def _flush(self) -> None:
+        import pyarrow as pa  # noqa: PLC0415, as above
+
+        if self._rows > 0:
+            table = pa.concat_tables(self._waiting)
+            whole = {} if self._file is not None else {"row_group_size": len(table)}
+            self._writer.write_table(table, **whole)
+        self._waiting, self._rows = [], 0
 
     def close(self, *, complete: bool = True) -> None:
         """Give the file its name; without ``complete`` there is none."""
+        if complete:
+            self._flush()
         self._writer.close()
         if self._file is not None:
             self._file.close()

@@ -3,6 +3,7 @@
 
 import zlib
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from queue import Queue
 from threading import Thread
@@ -10,14 +11,14 @@ from typing import Any
 
 import numpy as np
 from hubsim import configuration, steps
-from hubsim.engine import Steps
+from hubsim.engine import STEP, Steps
 from regen_table import installation, layout
 from regen_table.schema import Drive
 
 from hubfoc.recording import Event, Group, Part, Writer
 
-GROUP_MS = 1000
-QUEUED_GROUPS = 4  # that wait for the disk; then the vehicle waits
+GROUP_MS = 200  # at once: Python converts them, and the vehicle waits for no more than that
+QUEUED_GROUPS = 80  # that wait for the disk; then the vehicle waits
 MILLISECOND_S = 1e-3
 
 
@@ -64,7 +65,7 @@ class Recorder:
         self.failure: str | None = None
         self._wheels: dict[int, _Wheel] = {}
         self._events: list[Event] = []
-        self._groups: Queue[Group | None] = Queue(QUEUED_GROUPS)
+        self._groups: Queue[tuple[list[_Taken], list[Event]] | None] = Queue(QUEUED_GROUPS)
         self._writer = Writer(path, origin)
         self._thread = Thread(target=self._write, daemon=True)
         self._thread.start()
@@ -97,21 +98,48 @@ class Recorder:
         self._writer.close(complete=complete and self.failure is None)
 
     def _pass_on(self) -> None:
-        parts = tuple(wheel.part() for wheel in self._wheels.values())
-        self._groups.put(Group(parts, tuple(self._events)))
+        taken = [wheel.taken() for wheel in self._wheels.values()]
+        self._groups.put((taken, self._events))
         self._events = []
 
     def _write(self) -> None:
-        while (group := self._groups.get()) is not None:
+        while (found := self._groups.get()) is not None:
             if self.failure is None:
+                parts = tuple(taken.part() for taken in found[0])
                 try:
-                    self._writer.write(group)
+                    self._writer.write(Group(parts, tuple(found[1])))
                 except OSError as error:
                     self.failure = f"{self.path}: cannot be written: {error.strerror or error}"
 
 
+@dataclass(frozen=True)
+class _Taken:
+    """The steps of one wheel in some milliseconds, as they came."""
+
+    wheel: int
+    first: int  # number of the first step
+    period_s: float
+    blocks: list[tuple[int, Steps]]  # with their milliseconds
+    images: list[bytes]
+
+    def part(self) -> Part:
+        """Return them as one, each with its time: a period after the fast step before it."""
+        blocks = [(number, block) for number, block in self.blocks if len(block)]
+        found = np.concatenate([np.empty(0, STEP), *(block for _, block in blocks)])
+        lengths = np.array([len(block) for _, block in blocks], dtype=np.int64)
+        milliseconds = np.repeat([number for number, _ in blocks], lengths).astype(np.int32)
+        is_fast = found["kind"] == steps.FAST
+        before = np.cumsum(is_fast) - is_fast  # fast steps before each step of this part
+        periods = before - np.repeat(before[np.cumsum(lengths) - lengths], lengths)
+        early = milliseconds < 0
+        periods[early] -= np.count_nonzero(is_fast & early)
+        time_s = np.maximum(milliseconds, 0) * MILLISECOND_S + periods * self.period_s
+        numbers = np.arange(self.first, self.first + len(found), dtype=np.int64)
+        return Part(self.wheel, numbers, milliseconds, time_s, found, tuple(self.images))
+
+
 class _Wheel:
-    """What one wheel's controller did since the last part."""
+    """What one wheel's controller did since it was taken."""
 
     def __init__(self, wheel: int) -> None:
         self._wheel = wheel
@@ -127,23 +155,8 @@ class _Wheel:
             self._period_s = 1.0 / float(config.drive.pwm_frequency_Hz)
             self._images += [image] * int(np.count_nonzero(found["kind"] == steps.BOOT))
 
-    def part(self) -> Part:
-        found = np.concatenate([block for _, block in self._blocks])
-        milliseconds = np.repeat(
-            np.array([number for number, _ in self._blocks], dtype=np.int32),
-            [len(block) for _, block in self._blocks],
-        )
-        time_s = np.concatenate([self._times(number, block) for number, block in self._blocks])
-        numbers = np.arange(self._number, self._number + len(found), dtype=np.int64)
-        out = Part(self._wheel, numbers, milliseconds, time_s, found, tuple(self._images))
-        self._number += len(found)
+    def taken(self) -> _Taken:
+        out = _Taken(self._wheel, self._number, self._period_s, self._blocks, self._images)
+        self._number += sum(len(block) for _, block in self._blocks)
         self._blocks, self._images = [], []
         return out
-
-    def _times(self, millisecond: int, block: Steps) -> Any:  # noqa: ANN401, an array
-        """Return when each step was: a period after the fast step before it."""
-        is_fast = block["kind"] == steps.FAST
-        periods = np.cumsum(is_fast) - is_fast
-        if millisecond < 0:
-            periods = periods - np.count_nonzero(is_fast)
-        return max(millisecond, 0) * MILLISECOND_S + periods * self._period_s
