@@ -2,6 +2,7 @@
 """The simulated world of a virtual vehicle, reached through its local service."""
 
 import json
+import time
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ from urllib.request import Request, urlopen
 from hubfoc.errors import HubfocError
 
 TIMEOUT_S = 30.0
+LOOK_S = 0.05
 
 
 class Simulation:
@@ -68,8 +70,14 @@ class Simulation:
         return self._change({"record": str(Path(file).absolute())})
 
     def stop_recording(self) -> dict[str, Any]:
-        """Complete the recording; the vehicle goes on."""
-        return self._change({"record": None})
+        """Complete the recording, while the vehicle goes on."""
+        state = self._change({"record": None})
+        while state["completes"]:
+            time.sleep(LOOK_S)
+            state = self.state()
+        if state["recording_failed"]:
+            raise HubfocError(state["recording_failed"])
+        return state
 
     def pause(self) -> dict[str, Any]:
         """Let the time stand: nothing moves, and nothing is sent on the bus."""

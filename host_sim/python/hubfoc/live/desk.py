@@ -5,7 +5,6 @@ All but ``History.rows`` and ``History.latest`` belongs to the thread that steps
 """
 
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from typing import Any
 
 from hubsim import engine, reasons
@@ -93,8 +92,7 @@ class Desk:
         """Take notice of what the millisecond has brought."""
         world = self.world
         if isinstance(world, World) and world.records_itself and world.recorded_ms >= RECORDED_MS:
-            with suppress(HubfocError):  # of the disk; the page sees that there is no file
-                world.stop_recording()
+            world.stop_recording()
         row = self.history.record(self.world.vehicle)
         self.findings.look(self.world.time_s, row, self.world.faults.active)
         if not self.world.real:

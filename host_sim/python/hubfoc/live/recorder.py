@@ -2,7 +2,8 @@
 """Records a virtual vehicle from its boot on: what goes in, and every step of its controllers."""
 
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from queue import Queue
@@ -63,6 +64,7 @@ class Recorder:
         self.path = path
         self.milliseconds = 0
         self.failure: str | None = None
+        self._complete = True
         self._wheels: dict[int, _Wheel] = {}
         self._events: list[Event] = []
         self._groups: Queue[tuple[list[_Taken], list[Event]] | None] = Queue(QUEUED_GROUPS)
@@ -89,13 +91,21 @@ class Recorder:
         self._wheels.setdefault(wheel, _Wheel(wheel)).take(millisecond, found, image)
         self.milliseconds = millisecond + 1
 
-    def close(self, *, complete: bool = True) -> None:
-        """Complete the file, or have none."""
+    def end(self, *, complete: bool = True) -> None:
+        """Take nothing more; the file is completed meanwhile, or there is none."""
+        self._complete = complete
         if complete:
             self._pass_on()
         self._groups.put(None)
+
+    def wait(self) -> None:
+        """Wait for the end of the file."""
         self._thread.join()
-        self._writer.close(complete=complete and self.failure is None)
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether the file is complete, or cannot be."""
+        return not self._thread.is_alive()
 
     def _pass_on(self) -> None:
         taken = [wheel.taken() for wheel in self._wheels.values()]
@@ -103,13 +113,21 @@ class Recorder:
         self._events = []
 
     def _write(self) -> None:
+        """Write until the end; after a failure take what comes and write no more."""
         while (found := self._groups.get()) is not None:
             if self.failure is None:
                 parts = tuple(taken.part() for taken in found[0])
-                try:
+                with self._noted():
                     self._writer.write(Group(parts, tuple(found[1])))
-                except OSError as error:
-                    self.failure = f"{self.path}: cannot be written: {error.strerror or error}"
+        with self._noted():
+            self._writer.close(complete=self._complete and self.failure is None)
+
+    @contextmanager
+    def _noted(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            self.failure = f"{self.path}: cannot be written: {error.strerror or error}"
 
 
 @dataclass(frozen=True)

@@ -143,7 +143,7 @@ class World:
         self._scenarios: dict[str, str] = {}
         self._key: bytes | None = None  # drawn by the first vehicle, and that of all
         self.recorder: Recorder | None = None
-        self.recorded: Path | None = None  # the latest complete recording
+        self._latest: Recorder | None = None  # whose file is, or will be, complete
         self.records_itself = False  # into a file of its own
         self._folder: tempfile.TemporaryDirectory[str] | None = None
         self.vehicle = self._prepared(scenario)
@@ -157,6 +157,8 @@ class World:
     def __exit__(self, *exc: object) -> None:
         """Free the vehicle."""
         self.stop_recording()
+        if self._latest is not None:
+            self._latest.wait()
         self.vehicle.__exit__(*exc)
         if self._folder is not None:
             self._folder.cleanup()
@@ -183,6 +185,8 @@ class World:
             "scenario": self.scenario,
             "recording_s": None if self.recorder is None else self.recorded_ms / 1e3,
             "recorded": None if self.recorded is None else str(self.recorded),
+            "completes": self._latest is not None and not self._latest.has_ended,
+            "recording_failed": self._latest and self._latest.failure,
             "paused": self.paused,
             "ended": self.ended,
         }
@@ -239,15 +243,19 @@ class World:
         return 0 if self.recorder is None else self.recorder.milliseconds
 
     def stop_recording(self) -> None:
-        """Complete the recording, if there is one."""
+        """Record no more; the file is completed meanwhile (``recorded``)."""
         recorder, self.recorder = self.recorder, None
         if recorder is None:
             return
         self.vehicle.end_log()
-        recorder.close()
-        if recorder.failure is not None:
-            raise HubfocError(recorder.failure)
-        self.recorded = recorder.path
+        recorder.end()
+        self._latest = recorder
+
+    @property
+    def recorded(self) -> Path | None:
+        """The latest complete recording."""
+        latest = self._latest
+        return latest.path if latest and latest.has_ended and latest.failure is None else None
 
     def _record(self, wanted: object) -> None:
         """Begin again with a recording: a path, true for one of this world's own; null ends it."""
@@ -308,12 +316,14 @@ class World:
 
     def _restart(self, scenario: str | None, recording: Path | None = None) -> None:
         self.stop_recording()
+        if recording is not None and self._latest is not None:
+            self._latest.wait()  # it may be the same file
         recorder = None if recording is None else self._recorder(scenario, recording)
         try:
             vehicle = self._prepared(scenario, recorder)
         except HubsimError as error:
             if recorder is not None:
-                recorder.close(complete=False)
+                recorder.end(complete=False)
             raise HubfocError(str(error)) from error
         if vehicle.wheels != self.vehicle.wheels:
             vehicle.__exit__()

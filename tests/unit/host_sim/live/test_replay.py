@@ -266,9 +266,8 @@ def test_a_recording_ends_where_the_vehicle_begins_again(tmp_path: Path) -> None
     with World(DEFAULT_CONFIG) as world:
         world.change({"record": str(tmp_path / "a.parquet")})
         _drive(world, 20)
-        state = world.change({"scenario": None})
-        assert state["recording_s"] is None
-        assert state["recorded"] == str(tmp_path / "a.parquet")
+        assert world.change({"scenario": None})["recording_s"] is None
+        until(lambda: world.recorded == tmp_path / "a.parquet")
         _drive(world, 20)
     found = replay.compared(Recording(tmp_path / "a.parquet"), None, simulate=False)
     assert found.slow_steps == 20 * len(POSITIONS)
@@ -312,6 +311,7 @@ def test_a_page_s_recording_ends_by_itself(monkeypatch: pytest.MonkeyPatch) -> N
         for _ in range(40):
             world.vehicle.step(own.before([]))
             own.after()
+        until(lambda: world.recorded is not None)
         state = own.state(None)
         assert state["recording_s"] is None
         found = replay.compared(Recording(Path(state["recorded"])), None, simulate=False)
