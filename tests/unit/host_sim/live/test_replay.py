@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What was recorded of a virtual vehicle, and run through the same C again."""
 
+import errno
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -16,7 +17,7 @@ from hubfoc.live import desk, parameters, replays
 from hubfoc.live.clock import Clock
 from hubfoc.live.vehicle import POSITIONS
 from hubfoc.live.world import World
-from hubfoc.recording import Part, Recording
+from hubfoc.recording import Part, Recording, Writer
 from hubfoc.service import Service, Udp
 from hubsim import configuration, steps
 from hubsim.cli import DEFAULT_CONFIG
@@ -379,3 +380,21 @@ def test_a_wheel_that_is_switched_on_stores_nothing(monkeypatch: pytest.MonkeyPa
 def _values(address: str) -> dict[str, list[int]]:
     with Service(Udp(address)) as wheel:
         return wheel.values()
+
+
+def test_a_disk_that_is_full_is_said_and_leaves_no_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "no space left on device")
+
+    monkeypatch.setattr(Writer, "write", fail)
+    with World(DEFAULT_CONFIG) as world:
+        world.change({"record": str(tmp_path / "a.parquet")})
+        _drive(world, 20)
+        world.change({"record": None})
+        until(lambda: not world.state()["completes"])
+        failure = world.state()["recording_failed"]
+        assert failure == f"{tmp_path / 'a.parquet'}: cannot be written: no space left on device"
+        assert world.recorded is None
+    assert not list(tmp_path.iterdir())
