@@ -492,6 +492,7 @@ void app_background(void)
             double_buffer_swap(&app.to_slow);
         }
         serve(snapshot, now_ms);
+        energy_step(&app.journal.energy, &snapshot->output, snapshot->counts.slow_steps);
         write_journal(snapshot, now_ms);
         if (pedals_wired(app.config)) {
             pedal_sender_transmit(&app.pedal_sender, app.config, &snapshot->pedals, now_ms);

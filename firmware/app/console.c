@@ -50,6 +50,16 @@ static bool answer_boot(const console_t *console, uint32_t number, text_t *line)
     return true;
 }
 
+static bool answer_status(const console_t *console, uint32_t number, text_t *line)
+{
+    if (number > 0) {
+        return console->status.control &&
+               energy_line(&console->status.journal->energy, number - 1U, line);
+    }
+    report_status(&console->status, line);
+    return true;
+}
+
 /* The whole answer shows the table of one slow step, however long the line takes. */
 static bool answer_limits(console_t *console, uint32_t number, text_t *line)
 {
@@ -63,8 +73,7 @@ static bool answer(console_t *console, const shell_request_t *asked, text_t *lin
 {
     switch (asked->command) {
     case STATUS:
-        report_status(&console->status, line);
-        return asked->number == 0;
+        return answer_status(console, asked->number, line);
     case WATCH:
         console->watching = true;
         text_add(line, "any key ends it");

@@ -8,8 +8,14 @@
 #define MAGIC UINT32_C(0x4C4E4A46) /* "FJNL", little endian */
 
 _Static_assert(RECORDER_COUNTED % 2 == 0 && sizeof(fault_record_t) % FLASH_UNIT_BYTES == 0 &&
-                   offsetof(fault_record_t, crc32) + 4U == sizeof(fault_record_t),
+                   offsetof(fault_record_t, tail) + 4U * (FAULT_JOURNAL_ENERGIES + 1U) ==
+                       sizeof(fault_record_t),
                "whole units of the flash without padding");
+
+static const uint32_t ENERGIES = FAULT_JOURNAL_ENERGIES;
+
+/* Of the record of format 1, which ends where that of format 2 has the energies. */
+#define FORMAT_1_BYTES (uint32_t)(offsetof(fault_record_t, tail) + 4U)
 
 static uint32_t places(flash_sector_t sector)
 {
@@ -26,10 +32,12 @@ static flash_sector_t other(flash_sector_t sector)
     return sector == FLASH_JOURNAL_A ? FLASH_JOURNAL_B : FLASH_JOURNAL_A;
 }
 
-static bool is_whole(const fault_record_t *record)
+/* The CRC is the last of size_bytes. */
+static bool is_whole(const fault_record_t *record, uint32_t size_bytes)
 {
-    return record->magic == MAGIC && record->size_bytes == sizeof *record &&
-           record->crc32 == config_crc32(record, (uint32_t)offsetof(fault_record_t, crc32));
+    const uint32_t *const words = (const uint32_t *)record;
+    return record->magic == MAGIC && record->size_bytes == size_bytes &&
+           words[size_bytes / 4U - 1U] == config_crc32(record, size_bytes - 4U);
 }
 
 /* Index behind the last place that is not erased. */
@@ -44,26 +52,44 @@ static uint32_t used(flash_sector_t sector)
     return (at + words_a_place - 1U) / words_a_place;
 }
 
-static void look_at(fault_journal_t *journal, flash_sector_t sector)
+/* For records of one format; those of the other are none of it, wherever they begin. */
+static void look_at(fault_journal_t *journal, flash_sector_t sector, uint32_t size_bytes)
 {
-    for (uint32_t i = 0; i < places(sector); i++) {
-        const fault_record_t *record = record_at(sector, i);
+    const flash_image_t image = flash_sector(sector);
+    const uint32_t *const words = (const uint32_t *)image.begin;
+    for (uint32_t at = 0; at + size_bytes <= image.size_bytes; at += size_bytes) {
+        const fault_record_t *record = (const fault_record_t *)(words + at / 4U);
         const bool is_later = journal->newest == NULL ||
                               record->sequence - journal->newest->sequence < UINT32_C(0x80000000);
-        if (is_later && is_whole(record)) {
+        if (is_later && is_whole(record, size_bytes)) {
             journal->newest = record;
             journal->sector = sector;
         }
     }
 }
 
+static uint32_t stored_energy_10J(const fault_journal_t *journal, uint32_t kind)
+{
+    const fault_record_t *newest = journal->newest;
+    return newest != NULL && newest->size_bytes == sizeof *newest ? newest->tail[kind] : 0U;
+}
+
 void fault_journal_init(fault_journal_t *journal)
 {
-    const fault_journal_t empty = {.newest = NULL, .sector = FLASH_JOURNAL_A};
+    static const fault_journal_t empty = {.newest = NULL, .sector = FLASH_JOURNAL_A};
     *journal = empty;
-    look_at(journal, FLASH_JOURNAL_A);
-    look_at(journal, FLASH_JOURNAL_B);
-    journal->next = used(journal->sector);
+    if (FAULT_JOURNAL_ENERGIES > 0) {
+        look_at(journal, FLASH_JOURNAL_A, FORMAT_1_BYTES);
+        look_at(journal, FLASH_JOURNAL_B, FORMAT_1_BYTES);
+    }
+    look_at(journal, FLASH_JOURNAL_A, (uint32_t)sizeof(fault_record_t));
+    look_at(journal, FLASH_JOURNAL_B, (uint32_t)sizeof(fault_record_t));
+    const fault_record_t *newest = journal->newest;
+    const bool is_format_1 =
+        FAULT_JOURNAL_ENERGIES > 0 && newest != NULL && newest->size_bytes == FORMAT_1_BYTES;
+    journal->next = is_format_1 ? places(journal->sector) : used(journal->sector);
+    const bool has = newest != NULL && newest->size_bytes == sizeof *newest;
+    energy_init(&journal->energy, has ? newest->tail : empty.energy.life_10J);
 }
 
 static uint32_t next_sequence(const fault_journal_t *journal)
@@ -118,6 +144,10 @@ bool fault_journal_is_due(const fault_journal_t *journal, const recorder_memory_
     for (uint32_t i = 0; i < RECORDER_COUNTED; i++) {
         due = due || fresh(journal, box->supply, i, box->counts[i]) > 0;
     }
+    for (uint32_t k = 0; k < ENERGIES; k++) {
+        const uint32_t grown_10J = journal->energy.life_10J[k] - stored_energy_10J(journal, k);
+        due = due || grown_10J >= FAULT_JOURNAL_ENERGY_10J;
+    }
     return due;
 }
 
@@ -128,8 +158,12 @@ static uint32_t word_of(const fault_journal_t *journal, const recorder_memory_t 
 {
     enum {
         INCLUDED = offsetof(fault_record_t, included) / 4,
-        TOTAL = offsetof(fault_record_t, total) / 4
+        TOTAL = offsetof(fault_record_t, total) / 4,
+        TAIL = offsetof(fault_record_t, tail) / 4
     };
+    if (FAULT_JOURNAL_ENERGIES > 0 && word >= TAIL) {
+        return journal->energy.life_10J[word - TAIL];
+    }
     if (word >= TOTAL) {
         const uint32_t i = 2U * (word - TOTAL);
         return total(journal, box->supply, i, place->included[i]) |
@@ -163,7 +197,7 @@ flash_status_t fault_journal_append(fault_journal_t *journal, const recorder_mem
     const fault_record_t *place = record_at(journal->sector, journal->next);
     const uint32_t begin = journal->next * (uint32_t)sizeof(fault_record_t);
     uint32_t unit[2] = {word_of(journal, box, place, at / 4U), 0};
-    unit[1] = at + 4U < offsetof(fault_record_t, crc32)
+    unit[1] = at + FLASH_UNIT_BYTES < sizeof(fault_record_t)
                   ? word_of(journal, box, place, at / 4U + 1U)
                   : config_crc32_continue(config_crc32(place, at), unit, 4U);
     const flash_status_t status = flash_program(journal->sector, begin + at, unit, sizeof unit);

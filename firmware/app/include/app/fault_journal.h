@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * fault_journal.h: how often each fault and warning, and each start but those by the supply, came
- * since production, in flash. Background context.
+ * since production, and the energy account for life (energy.h), in flash. Background context.
  *
  *     black box (RAM, since the supply came) --difference--> record (flash, since production)
  *
@@ -14,8 +14,13 @@
  * one is nearly full: an erase takes up to a second. A record is written one unit of the flash at a
  * time, because the core may stand still meanwhile (a double word of an STM32G431: 83 us, two PWM
  * interrupts that do not come): a record at a stretch would be a fault of the program flow. A
- * sector lasts 10 000 erases: of 16 KiB, which hold 60 records, 600 000 records; of 2 KiB, seven
+ * sector lasts 10 000 erases: of 16 KiB, which hold 56 records, 560 000 records; of 2 KiB, seven
  * records, 70 000.
+ *
+ * Energy alone makes a record where it has grown by FAULT_JOURNAL_ENERGY_10J: one each time the
+ * driver switches off at rest. Two sectors of 16 KiB last 1.1 million of these.
+ *
+ * A journal of format 1, whose records lack the energies, is read; its sector counts as full.
  *
  * Warnings are counted only while torque may be enabled and written only while it is not, so a
  * warning that stays, or comes and goes, makes one record at most each time the driver switches
@@ -30,20 +35,31 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "app/energy.h"
 #include "app/recorder.h"
 #include "hal/flash.h"
 
 /* Fewer free records than this in the sector in use at a start: the other one is erased. */
 enum { FAULT_JOURNAL_RESERVE = 16 };
 
+/* A port without the energy account (energy.h) writes format 1. */
+#ifdef HUBFOC_NO_ENERGY
+enum { FAULT_JOURNAL_ENERGIES = 0 };
+#else
+enum { FAULT_JOURNAL_ENERGIES = ENERGY_KINDS };
+#endif
+
+enum { FAULT_JOURNAL_ENERGY_10J = 100 };
+
 typedef struct {
     uint32_t magic;
     uint32_t sequence;
     uint16_t size_bytes;
-    uint16_t supply;                     /* recorder_memory_t.supply that `included` is of */
-    uint16_t included[RECORDER_COUNTED]; /* counters of the black box within the totals */
-    uint16_t total[RECORDER_COUNTED];    /* since production, saturating */
-    uint32_t crc32;                      /* of all bytes before it */
+    uint16_t supply;                           /* recorder_memory_t.supply that `included` is of */
+    uint16_t included[RECORDER_COUNTED];       /* counters of the black box within the totals */
+    uint16_t total[RECORDER_COUNTED];          /* since production, saturating */
+    uint32_t tail[FAULT_JOURNAL_ENERGIES + 1]; /* energies for life in 10 J, and the CRC-32 of all
+                                                  bytes before it; format 1 has no energies */
 } fault_record_t;
 
 typedef struct {
@@ -51,6 +67,7 @@ typedef struct {
     flash_sector_t sector;        /* that the next record goes to */
     uint32_t next;                /* its index there */
     uint32_t written_bytes;       /* of a record that is being written; 0: none is */
+    energy_t energy;              /* began with what the newest record had; the owner counts on */
 } fault_journal_t;
 
 /* Finds the newest record. Reads only. */
@@ -68,7 +85,7 @@ uint32_t fault_journal_total(const fault_journal_t *journal, const recorder_memo
                              uint32_t index);
 
 /* A record is being written, or the black box has counted something that the newest one does not
- * include. */
+ * include, or the energies have grown. */
 bool fault_journal_is_due(const fault_journal_t *journal, const recorder_memory_t *box);
 
 /* Appends a record, one unit a call; journal->written_bytes is 0 again with the last one, and after

@@ -27,7 +27,7 @@ typedef struct {
     uint32_t stack_free_bytes;
     uint32_t driver_status;             /* of the gate driver, inverter_driver_status() */
     const recorder_memory_t *black_box; /* NULL: this board has none, or no control runs */
-    const fault_journal_t *journal;     /* meaningful with a black box */
+    const fault_journal_t *journal;     /* its counts: meaningful with a black box */
     bool bus_off;
     bool control; /* the control steps run; otherwise the pointers are meaningless */
 } report_status_t;

@@ -19,6 +19,7 @@ static slow_output_t output;
 static node_t node;
 static torque_limits_t limits;
 static report_status_t status;
+static fault_journal_t journal;
 static char screen[65536];
 static uint32_t screen_bytes, line_takes;
 static const char *keys;
@@ -60,7 +61,7 @@ void setUp(void)
     torque_limits_state_t state;
     torque_limits_init(&state, &limits);
     const report_status_t running = {
-        .output = &output, .limits = &limits, .node = &node, .control = true};
+        .output = &output, .limits = &limits, .node = &node, .journal = &journal, .control = true};
     status = running;
     console_init(&console, &boot);
     screen_bytes = 0;
@@ -128,6 +129,7 @@ void test_every_command_that_help_lists_has_an_answer(void)
     }
     type_and_wait("status\r");
     assert_shows("READY, torque not enabled in this mode; ");
+    assert_shows("\r\nenergy since the start: drawn 0 Wh, returned 0 Wh\r\nenergy for life: ");
     type_and_wait("can\r");
     assert_shows("demand NO_DATA; ");
     type_and_wait("faults ROTOR_LOST\r");

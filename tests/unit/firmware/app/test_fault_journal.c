@@ -5,6 +5,7 @@
 
 #include "app/fault_journal.h"
 #include "app/report.h"
+#include "config/validate.h"
 #include "flash_fake.h"
 #include "unity.h"
 
@@ -311,6 +312,114 @@ void test_a_word_that_is_not_taken_leaves_the_record_before_and_uses_the_place_u
     TEST_ASSERT_EQUAL_UINT32(3, journal.next);
     come_with_supply();
     TEST_ASSERT_EQUAL_UINT32(5, since_production(FAULT));
+}
+
+/* ---- energies ---- */
+
+static void spend(uint32_t steps_10J)
+{
+    for (uint32_t k = 0; k < FAULT_JOURNAL_ENERGIES; k++) {
+        journal.energy.life_10J[k] += steps_10J * (k + 1U);
+    }
+}
+
+static void assert_energies(uint32_t steps_10J)
+{
+    for (uint32_t k = 0; k < FAULT_JOURNAL_ENERGIES; k++) {
+        TEST_ASSERT_EQUAL_UINT32(steps_10J * (k + 1U), journal.energy.life_10J[k]);
+    }
+}
+
+void test_energies_are_stored_where_one_of_them_has_grown_by_a_kilojoule(void)
+{
+    journal.energy.life_10J[FAULT_JOURNAL_ENERGIES - 1] = FAULT_JOURNAL_ENERGY_10J - 1;
+    TEST_ASSERT_FALSE(fault_journal_is_due(&journal, &box));
+    journal.energy.life_10J[FAULT_JOURNAL_ENERGIES - 1]++;
+    TEST_ASSERT_TRUE(fault_journal_is_due(&journal, &box));
+    append();
+    TEST_ASSERT_FALSE(fault_journal_is_due(&journal, &box));
+    journal.energy.life_10J[0] = FAULT_JOURNAL_ENERGY_10J;
+    TEST_ASSERT_TRUE(fault_journal_is_due(&journal, &box));
+}
+
+void test_energies_outlast_supplies_and_full_sectors(void)
+{
+    for (uint32_t n = 1; n <= 5 * PLACES; n++) {
+        spend(100);
+        append();
+        come_with_supply();
+        assert_energies(100 * n);
+    }
+}
+
+/* 73 points of a record, 140 patterns of half-written words at each. */
+void test_of_ten_thousand_cuts_each_leaves_the_old_energies_or_the_new_ones(void)
+{
+    uint32_t cuts = 0;
+    for (uint32_t at = 1; at <= WORDS; at++) {
+        for (uint32_t seed = 0; seed < 140; seed++) {
+            setUp();
+            spend(1000);
+            append();
+            spend(500);
+            TEST_ASSERT_TRUE(append_with_cut(at, seed * 0x9E3779B9U));
+            cuts++;
+            come_with_supply();
+            assert_energies(at == WORDS && journal.energy.life_10J[0] != 1000 ? 1500 : 1000);
+        }
+    }
+    TEST_ASSERT_GREATER_OR_EQUAL_UINT32(10000, cuts);
+}
+
+/* ---- journals of format 1: the same without energies ---- */
+
+enum { OLD_WORDS = WORDS - FAULT_JOURNAL_ENERGIES, OLD_PLACES = FAKE_BYTES / (4 * OLD_WORDS) };
+
+static void put_old(flash_sector_t sector, uint32_t index, uint32_t sequence, uint16_t total)
+{
+    fault_record_t record = {.magic = 0x4C4E4A46,
+                             .sequence = sequence,
+                             .size_bytes = 4 * OLD_WORDS,
+                             .supply = (uint16_t)sequence};
+    record.total[FAULT] = total;
+    record.included[FAULT] = total;
+    uint32_t *words = &fake.word[sector][index * OLD_WORDS];
+    memcpy(words, &record, 4 * OLD_WORDS);
+    words[OLD_WORDS - 1] = config_crc32(words, 4 * (OLD_WORDS - 1));
+}
+
+void test_the_newest_record_of_format_1_is_read_and_goes_on_in_the_other_sector(void)
+{
+    for (uint32_t i = 0; i < OLD_PLACES; i++) {
+        put_old(FLASH_JOURNAL_A, i, i + 1U, (uint16_t)(i + 1U));
+    }
+    come_with_supply();
+    TEST_ASSERT_EQUAL_UINT32(OLD_PLACES, since_production(FAULT));
+    assert_energies(0);
+    box.counts[FAULT] = 2;
+    spend(300);
+    append();
+    TEST_ASSERT_EQUAL_INT(FLASH_JOURNAL_B, journal.sector);
+    come_with_supply();
+    TEST_ASSERT_EQUAL_UINT32(OLD_PLACES + 2U, since_production(FAULT));
+    assert_energies(300);
+}
+
+void test_two_sectors_of_format_1_lose_the_older_one_at_a_start_by_the_supply(void)
+{
+    put_old(FLASH_JOURNAL_A, 0, 1, 1);
+    put_old(FLASH_JOURNAL_A, 1, 2, 2);
+    put_old(FLASH_JOURNAL_B, 0, 3, 3);
+    come_with_reset();
+    box.counts[FAULT] = 1;
+    TEST_ASSERT_EQUAL_INT(FLASH_TOO_LARGE, record());
+    come_with_supply();
+    TEST_ASSERT_EQUAL_UINT32(3, since_production(FAULT));
+    box.counts[FAULT] = 1;
+    append();
+    TEST_ASSERT_EQUAL_INT(FLASH_JOURNAL_A, journal.sector);
+    come_with_supply();
+    TEST_ASSERT_EQUAL_UINT32(4, since_production(FAULT));
 }
 
 /* ---- as the shell shows them ---- */
