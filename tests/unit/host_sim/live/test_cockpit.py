@@ -3,9 +3,12 @@
 
 import itertools
 import time
+from pathlib import Path
 
 import pytest
+import unlike_axles
 from hubfoc import HubfocError
+from hubfoc.bus import Frame
 from hubfoc.live.cockpit import FULL_S, SILENT_S, Cockpit
 from hubsim import can_protocol, cli
 from regen_table import schema
@@ -43,6 +46,20 @@ def test_every_ten_milliseconds_all_wheels_get_the_demand_of_the_pedal(cockpit: 
     assert demands(cockpit, 1.0, 1.1)[-1]["drive_torque_nm"] == pytest.approx(
         -0.5 * cockpit.drive_nm
     )
+
+
+def test_wheels_of_two_kinds_get_the_same_part_of_their_torques(tmp_path: Path) -> None:
+    """Half the pedal: 20 N m of 40 in front, 10 of 20 at the rear."""
+    front, rear = map(schema.load, unlike_axles.files(tmp_path, {}))
+    cockpit = Cockpit(front, rear)
+    cockpit.take(FIRST)
+    cockpit.drive(FIRST, 0.5, 0.0, "forward")
+    frames: list[Frame] = []
+    for k in range(500):
+        frames = cockpit.frames(1e-3 * k, [], silent=False) or frames
+    found = [can_protocol.decode("Demand", data) for _, data in frames]
+    torques_nm = [values["drive_torque_nm"] for values in found if values is not None]
+    assert torques_nm == pytest.approx([20.0, 20.0, 10.0, 10.0], abs=0.11)
 
 
 def test_counter_and_checksum_are_those_of_a_sender(cockpit: Cockpit) -> None:
