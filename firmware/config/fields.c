@@ -28,7 +28,8 @@
     CONFIG_PEDALS_ARRAY(Y) CONFIG_SERVICE_FIELDS(X) CONFIG_MODES_FIELDS(X)                         \
     CONFIG_MONITOR_FIELDS(X) CONFIG_THERMAL_FIELDS(X) CONFIG_TEMPERATURE_FIELDS(X)                 \
     CONFIG_TEMPERATURE_ARRAY(Y) CONFIG_REGEN_MAP_FIELDS(X) CONFIG_REGEN_MAP_ARRAY(Y)               \
-    CONFIG_CURRENT_MAP_FIELDS(X) CONFIG_CURRENT_MAP_ARRAY(Y)
+    CONFIG_CURRENT_MAP_FIELDS(X) CONFIG_CURRENT_MAP_ARRAY(Y) CONFIG_FLUX_MAP_FIELDS(X)             \
+    CONFIG_FLUX_MAP_ARRAY(Y)
 /* clang-format on */
 
 #define BOUND(x, bound) (bound),
@@ -66,12 +67,14 @@ typedef struct {
 #define CURVE_SIZE(name, count, lowest, highest, unit, text) SIZE(temperature, name, count)
 #define REGEN_SIZE(name, count, lowest, highest, unit, text) SIZE(regen_map, name, count)
 #define CURRENT_SIZE(name, count, lowest, highest, unit, text) SIZE(current_map, name, count)
+#define FLUX_SIZE(name, count, lowest, highest, unit, text) SIZE(flux_map, name, count)
 
 /* The fields of more than one value. */
 static const array_t ARRAYS[] = {CONFIG_HALL_ARRAY(ROTOR_SIZE) CONFIG_PEDALS_ARRAY(PEDALS_SIZE)
                                      CONFIG_TEMPERATURE_ARRAY(CURVE_SIZE)
                                          CONFIG_REGEN_MAP_ARRAY(REGEN_SIZE)
-                                             CONFIG_CURRENT_MAP_ARRAY(CURRENT_SIZE)};
+                                             CONFIG_CURRENT_MAP_ARRAY(CURRENT_SIZE)
+                                                 CONFIG_FLUX_MAP_ARRAY(FLUX_SIZE)};
 
 #define NAME(name, lowest, highest, unit, text) #name "\0"
 #define ARRAY_NAME(name, count, lowest, highest, unit, text) #name "\0"
@@ -104,7 +107,8 @@ static const section_t SECTIONS[] = {
     SECTION(thermal, CONFIG_THERMAL_FIELDS(NAME)),
     SECTION(temperature, CONFIG_TEMPERATURE_FIELDS(NAME) CONFIG_TEMPERATURE_ARRAY(ARRAY_NAME)),
     SECTION(regen_map, CONFIG_REGEN_MAP_FIELDS(NAME) CONFIG_REGEN_MAP_ARRAY(ARRAY_NAME)),
-    SECTION(current_map, CONFIG_CURRENT_MAP_FIELDS(NAME) CONFIG_CURRENT_MAP_ARRAY(ARRAY_NAME))};
+    SECTION(current_map, CONFIG_CURRENT_MAP_FIELDS(NAME) CONFIG_CURRENT_MAP_ARRAY(ARRAY_NAME)),
+    SECTION(flux_map, CONFIG_FLUX_MAP_FIELDS(NAME) CONFIG_FLUX_MAP_ARRAY(ARRAY_NAME))};
 
 /* Range and size of the field with this number, and its section where one begins. */
 static void describe(config_field_t *field)

@@ -8,6 +8,7 @@
 #include "config/derived.h"
 #include "config/fields.h"
 #include "core/sqrt3.h"
+#include "flux_relations.h"
 #include "physics.h"
 
 _Static_assert(sizeof(config_t) % sizeof(int32_t) == 0, "no padding at the end");
@@ -440,6 +441,7 @@ static bool relations_hold(const config_t *c, config_result_t *refusal)
     relation = relation == NULL ? broken_in_drive(c) : relation;
     relation = relation == NULL ? broken_in_battery(c) : relation;
     relation = relation == NULL ? broken_in_vehicle(c) : relation;
+    relation = relation == NULL ? flux_map_broken(c) : relation;
     if (relation != NULL) {
         refuse(refusal, CONFIG_RESULT_RELATION, relation);
         return false;

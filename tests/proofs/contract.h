@@ -78,6 +78,7 @@ static inline void any_configuration(void)
     CONTRACT_SECTION(thermal, CONFIG_THERMAL_FIELDS)
     CONTRACT_SECTION(regen_map, CONFIG_REGEN_MAP_FIELDS)
     CONTRACT_SECTION(current_map, CONFIG_CURRENT_MAP_FIELDS)
+    CONTRACT_SECTION(flux_map, CONFIG_FLUX_MAP_FIELDS)
 }
 
 #endif

@@ -208,6 +208,22 @@ def _array(name: str, values: list[int], packed: Any) -> list[str]:  # noqa: ANN
             head,
             [f"{w:g} rad/s, {t:g} degC" for t in layers for w in speeds],
         )
+    if name in {"psi_d_lsb", "psi_q_lsb"} and packed.flux_map.d_points > 0:
+        points = packed.flux_map
+        currents = [
+            (row - points.d_negative_points) * points.d_step_mA / 1000
+            for row in range(points.d_points)
+        ]
+        step = points.q_step_mA / 1000
+        return _rows(
+            name,
+            values,
+            points.q_points,
+            f"a column every {step:g} A of i_q; in {1 << points.lsb_log2} nWb",
+            [f"i_d {current:g} A" for current in currents],
+        )
+    if not any(values):
+        return [f"        .{name} = {{0}},\n"]
     return [f"        .{name} = {{{', '.join(str(value) for value in values)}}},\n"]
 
 

@@ -20,6 +20,7 @@ from regen_table import (
     margins,
     models,
     refusals,
+    stored_flux,
     thermometers,
 )
 from regen_table.errors import ConfigurationError
@@ -188,6 +189,7 @@ def _computed(drive: Drive) -> Values:
     margins.refuse_thin_margins(drive, margins.current_loop(drive))
     currents = current_audit.choose(drive)
     table = current_audit.braking_table(drive)
+    flux = stored_flux.of(drive)
     return {
         "motor": _motor(drive),
         "drive": _drive(drive),
@@ -222,6 +224,7 @@ def _computed(drive: Drive) -> Values:
                 int(value) >> currents.lsb_log2 for value in currents.current_d_mA.ravel()
             ],
         },
+        "flux_map": stored_flux.NONE if flux is None else flux.fields(),
     }
 
 

@@ -676,5 +676,18 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
             -20041, -21553, -22987, -24353, -25659, -26913, -28121, -29286, -30414,
         },
     },
-    .crc32 = 0x3B6B189D,
+    .flux_map = {
+        /* points along i_d; 0: no map, motor.d_inductance_nH, q_inductance_nH and
+         * flux_linkage_nWb are the motor */
+        .d_points          = 0,
+        .d_negative_points = 0, /* of them below i_d = 0 */
+        .d_step_mA         = 0, /* [mA] distance of the points along i_d */
+        .q_points          = 0, /* points along i_q, from zero */
+        .q_step_mA         = 0, /* [mA] distance of the points along i_q */
+        /* the entries count in 2^this nWb, the finest in which the largest fits */
+        .lsb_log2          = 0,
+        .psi_d_lsb = {0},
+        .psi_q_lsb = {0},
+    },
+    .crc32 = 0x8987F817,
 };

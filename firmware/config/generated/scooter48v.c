@@ -462,5 +462,18 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
             -5218, -5966, -6796, -7744, -8823, -10033, -11370, -12827, -14396,
         },
     },
-    .crc32 = 0x4C4F541D,
+    .flux_map = {
+        /* points along i_d; 0: no map, motor.d_inductance_nH, q_inductance_nH and
+         * flux_linkage_nWb are the motor */
+        .d_points          = 0,
+        .d_negative_points = 0, /* of them below i_d = 0 */
+        .d_step_mA         = 0, /* [mA] distance of the points along i_d */
+        .q_points          = 0, /* points along i_q, from zero */
+        .q_step_mA         = 0, /* [mA] distance of the points along i_q */
+        /* the entries count in 2^this nWb, the finest in which the largest fits */
+        .lsb_log2          = 0,
+        .psi_d_lsb = {0},
+        .psi_q_lsb = {0},
+    },
+    .crc32 = 0x64277C35,
 };

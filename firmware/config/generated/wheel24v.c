@@ -406,7 +406,7 @@ CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
         .winding_highest_code = 0, /* [code] its largest */
         .switch_lowest_code   = 77, /* [code] likewise of the switches' sensor */
         .switch_highest_code  = 3967, /* [code] its largest */
-        .winding_cC = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0},
+        .winding_cC = {0},
         .switch_cC = {-15442, -4291, -3138, -2396, -1832, -1369, -971, -619, -301, -8, 264, 519, 761, 992, 1214, 1427, 1634, 1835, 2032, 2224, 2413, 2600, 2784, 2966, 3148, 3328, 3508, 3687, 3867, 4048, 4230, 4413, 4597, 4784, 4974, 5167, 5363, 5563, 5767, 5977, 6192, 6414, 6643, 6881, 7128, 7385, 7655, 7938, 8237, 8554, 8892, 9255, 9648, 10075, 10547, 11072, 11665, 12348, 13151, 14128, 15367, 17049, 19612, 24663},
     },
     .regen_map = {
@@ -470,5 +470,18 @@ CONFIG_SECTION const config_t CONFIG_WHEEL24V = {
             -69, -93, -74, -137, -157,
         },
     },
-    .crc32 = 0x4BF94F8E,
+    .flux_map = {
+        /* points along i_d; 0: no map, motor.d_inductance_nH, q_inductance_nH and
+         * flux_linkage_nWb are the motor */
+        .d_points          = 0,
+        .d_negative_points = 0, /* of them below i_d = 0 */
+        .d_step_mA         = 0, /* [mA] distance of the points along i_d */
+        .q_points          = 0, /* points along i_q, from zero */
+        .q_step_mA         = 0, /* [mA] distance of the points along i_q */
+        /* the entries count in 2^this nWb, the finest in which the largest fits */
+        .lsb_log2          = 0,
+        .psi_d_lsb = {0},
+        .psi_q_lsb = {0},
+    },
+    .crc32 = 0x425F81ED,
 };

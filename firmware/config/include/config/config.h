@@ -38,6 +38,7 @@
 #define CONFIG_REGEN_POINTS_MAX 800 /* such as 47 speeds at 17 temperatures, or 65 at 12 */
 /* such as 31 torques and 19 speeds at 2 temperatures */
 #define CONFIG_CURRENT_MAP_POINTS_MAX 1178
+#define CONFIG_FLUX_MAP_POINTS_MAX 290 /* such as 17 d by 17 q currents, or 29 by 10 */
 
 #define CONFIG_MOTOR_SPMSM 0
 #define CONFIG_MOTOR_IPMSM 1
@@ -500,6 +501,27 @@
     Y(current_d_lsb, CONFIG_CURRENT_MAP_POINTS_MAX, -32767, 32767, "2^lsb_log2 mA", \
       "terminal i_d of least loss, before field weakening; all 0: i_d = 0")
 
+/* Flux linkages of the torque-producing currents at motor.reference_temperature_cC, peak phase,
+ * bilinear; for i_q < 0 psi_d is the same and psi_q negative. */
+#define CONFIG_FLUX_MAP_FIELDS(X) \
+    X(d_points,                              0,         65,         "1", \
+      "points along i_d; 0: no map, motor.d_inductance_nH, q_inductance_nH and flux_linkage_nWb " \
+      "are the motor") \
+    X(d_negative_points,                     0,         65,         "1", \
+      "of them below i_d = 0") \
+    X(d_step_mA, 0, 1000000, "mA", "distance of the points along i_d") \
+    X(q_points, 0, 65, "1", "points along i_q, from zero") \
+    X(q_step_mA, 0, 1000000, "mA", "distance of the points along i_q") \
+    X(lsb_log2,                              0,         16,         "", \
+      "the entries count in 2^this nWb, the finest in which the largest fits")
+
+/* Row after row of equal i_d: psi[d * q_points + q]; unused entries are 0. */
+#define CONFIG_FLUX_MAP_ARRAY(Y) \
+    Y(psi_d_lsb, CONFIG_FLUX_MAP_POINTS_MAX, -32767,    32767,      "2^lsb_log2 nWb", \
+      "flux linkage of the d axis, magnets included") \
+    Y(psi_q_lsb, CONFIG_FLUX_MAP_POINTS_MAX, -32767,    32767,      "2^lsb_log2 nWb", \
+      "flux linkage of the q axis")
+
 /* Relations of two fields: BELOW(lower, upper) for lower < upper, AT_MOST for lower <= upper. */
 #define CONFIG_ORDERS(BELOW, AT_MOST) \
     AT_MOST(motor.rated_torque_mNm, motor.max_torque_mNm) \
@@ -556,6 +578,10 @@ typedef struct {
     CONFIG_CURRENT_MAP_FIELDS(CONFIG_SCALAR_MEMBER)
     CONFIG_CURRENT_MAP_ARRAY(CONFIG_MAP_MEMBER)
 } config_current_map_t;
+typedef struct {
+    CONFIG_FLUX_MAP_FIELDS(CONFIG_SCALAR_MEMBER)
+    CONFIG_FLUX_MAP_ARRAY(CONFIG_MAP_MEMBER)
+} config_flux_map_t;
 /* clang-format on */
 
 typedef struct {
@@ -581,6 +607,7 @@ typedef struct {
     config_temperature_t temperature;
     config_regen_map_t regen_map;
     config_current_map_t current_map;
+    config_flux_map_t flux_map;
     uint32_t crc32; /* CRC-32 (IEEE 802.3, reflected, initial and final 0xFFFFFFFF) of all bytes
                        before this field */
     /* Of the lock of XCP, little endian; all zero: none, nothing can be unlocked. Behind the

@@ -35,11 +35,15 @@ typedef struct {
 #define CURRENT(name, lowest, highest, unit, text) FIELD(current_map, name, lowest, highest)
 #define CURRENTS(name, count, lowest, highest, unit, text)                                         \
     FIELD_OF(current_map, name, sizeof(int16_t), lowest, highest)
+#define FLUX(name, lowest, highest, unit, text) FIELD(flux_map, name, lowest, highest)
+#define FLUXES(name, count, lowest, highest, unit, text)                                           \
+    FIELD_OF(flux_map, name, sizeof(int16_t), lowest, highest)
 
 static const expected_t EXPECTED[] = {
     CONFIG_MOTOR_FIELDS(MOTOR) CONFIG_ROTOR_FIELDS(ROTOR) CONFIG_HALL_ARRAY(HALL)
         CONFIG_PEDALS_FIELDS(PEDALS) CONFIG_PEDALS_ARRAY(CHANNEL) CONFIG_MONITOR_FIELDS(MONITOR)
-            CONFIG_CURRENT_MAP_FIELDS(CURRENT) CONFIG_CURRENT_MAP_ARRAY(CURRENTS)};
+            CONFIG_CURRENT_MAP_FIELDS(CURRENT) CONFIG_CURRENT_MAP_ARRAY(CURRENTS)
+                CONFIG_FLUX_MAP_FIELDS(FLUX) CONFIG_FLUX_MAP_ARRAY(FLUXES)};
 
 static void assert_is(const expected_t *expected, const config_field_t *field)
 {
@@ -84,8 +88,8 @@ void test_last_field_stays_the_last(void)
     config_field_t last = config_field_at((uint32_t)offsetof(config_t, crc32));
     const config_field_t before = last;
     TEST_ASSERT_FALSE(config_field_next(&last));
-    TEST_ASSERT_EQUAL_STRING("current_map.", last.section);
-    TEST_ASSERT_EQUAL_STRING("current_d_lsb", last.name);
+    TEST_ASSERT_EQUAL_STRING("flux_map.", last.section);
+    TEST_ASSERT_EQUAL_STRING("psi_q_lsb", last.name);
     TEST_ASSERT_EQUAL_UINT32(before.number, last.number);
     TEST_ASSERT_EQUAL_UINT32(before.offset_bytes, last.offset_bytes);
 }

@@ -69,6 +69,9 @@ static void assert_entry_range(const char *field, int16_t *entry, int32_t lowest
     CHECK_SCALAR(current_map, name, lowest, highest)
 #define CHECK_CURRENT_ARRAY(name, count, lowest, highest, unit, text)                              \
     CHECK_ENTRIES(current_map, name, count, lowest, highest)
+#define CHECK_FLUX(name, lowest, highest, unit, text) CHECK_SCALAR(flux_map, name, lowest, highest)
+#define CHECK_FLUX_ARRAY(name, count, lowest, highest, unit, text)                                 \
+    CHECK_ENTRIES(flux_map, name, count, lowest, highest)
 
 void test_every_field_of_the_maps_is_checked_against_the_range_of_the_header(void)
 {
@@ -76,6 +79,8 @@ void test_every_field_of_the_maps_is_checked_against_the_range_of_the_header(voi
     CONFIG_REGEN_MAP_ARRAY(CHECK_MAP_ARRAY)
     CONFIG_CURRENT_MAP_FIELDS(CHECK_CURRENT)
     CONFIG_CURRENT_MAP_ARRAY(CHECK_CURRENT_ARRAY)
+    CONFIG_FLUX_MAP_FIELDS(CHECK_FLUX)
+    CONFIG_FLUX_MAP_ARRAY(CHECK_FLUX_ARRAY)
 }
 
 void test_d_current_map_must_have_a_point_at_zero_torque(void)
