@@ -22,9 +22,9 @@ static motor_point_t on_circle(const motor_model_t *m, int32_t sign, int32_t d_b
  * Written without a difference of two nearly equal numbers, for a small saliency. */
 static int32_t best_d_b(const motor_model_t *m)
 {
-    const int32_t per_flux_b = scaled_multiply(m->saliency_b, m->constants->current_most_b);
-    const int32_t root_b = scaled_root(square(m->flux_b) + 8 * square(per_flux_b));
-    const int32_t d_of_most = scaled_ratio(2 * per_flux_b, q_max(root_b + m->flux_b, 1));
+    const int32_t per_flux_b = scaled_multiply(m->slope_saliency_b, m->constants->current_most_b);
+    const int32_t root_b = scaled_root(square(m->slope_flux_b) + 8 * square(per_flux_b));
+    const int32_t d_of_most = scaled_ratio(2 * per_flux_b, q_max(root_b + m->slope_flux_b, 1));
     return scaled_multiply(d_of_most, m->constants->current_most_b);
 }
 

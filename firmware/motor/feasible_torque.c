@@ -3,6 +3,7 @@
 
 #include "core/fade.h"
 #include "feasible_ellipse.h"
+#include "motor/flux_map.h"
 
 enum {
     TANGENTS = 2,      /* to the torque's hyperbola */
@@ -130,14 +131,13 @@ static bool voltage_end(const feasible_side_t *side, motor_point_t *end, int32_t
  */
 static int32_t voltage_best_d_b(const motor_model_t *m, int32_t voltage_b)
 {
-    const int32_t l_d = m->constants->inductance_d_b;
+    const int32_t l_d = m->inductance_d_b;
     if (m->saliency_b <= 0 && scaled_multiply(l_d, circle_b(m)) <= m->flux_b) {
         return INT32_MIN;
     }
     const int32_t flux_b =
         q_min(scaled_ratio(voltage_b, q_max(m->speed_b, 1)), MOTOR_MODEL_MOST_CURRENT_b);
-    const int32_t magnet =
-        coefficient_of_products((int64_t)m->flux_b * m->constants->inductance_q_b);
+    const int32_t magnet = coefficient_of_products((int64_t)m->flux_b * m->inductance_q_b);
     const int32_t reluctance = coefficient_of_products((int64_t)m->saliency_b * flux_b);
     const int32_t sum = magnet + scaled_root(square(magnet) + 8 * square(reluctance));
     const int32_t d_flux_b =
@@ -170,6 +170,17 @@ feasible_set_t feasible_set_at(const motor_model_t *model, int32_t phase_voltage
         .weakest_d_b = weakest_d_b(model, voltage_b),
     };
     return out;
+}
+
+void feasible_set_around(feasible_set_t *set, motor_model_t *model, motor_current_t around)
+{
+    if (flux_map_present(model->config)) {
+        const int32_t voltage_b = scaled_root(set->voltage_squared);
+        *model = motor_model_around(model->constants, model->config, model->speed_mrad_s,
+                                    model->winding_temperature_cC, around);
+        set->power = feasible_power_of(model);
+        set->weakest_d_b = weakest_d_b(model, voltage_b);
+    }
 }
 
 /* ---- points ---- */

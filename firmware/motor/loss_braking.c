@@ -66,6 +66,7 @@ int32_t loss_braking_torque_mNm(const feasible_side_t *side, loss_braking_t *los
         const int32_t change_b = scaled_ratio(feasible_excess_b(set, at, none), q_max(slope_b, 1));
         at.x_b = q_clamp(at.x_b - change_b, -losses->current_b, 0);
     }
+    losses->at = at;
     losses->torque_mNm = feasible_magnitude_mNm(side, motor_model_airgap_b(m, at));
     return q_max(by_map_mNm, losses->torque_mNm);
 }

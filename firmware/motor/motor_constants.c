@@ -2,6 +2,7 @@
 /* motor_constants_init(), which no control step executes: compiled for size. */
 #include "config/bases.h"
 #include "core/q15.h"
+#include "motor/flux_map.h"
 #include "motor/motor_model.h"
 
 enum {
@@ -28,13 +29,14 @@ static int64_t larger(int64_t a, int64_t b)
     return a > b ? a : b;
 }
 
-/* Largest voltage of the scale: EMF and reactive drop at the highest speed, and
- * the battery's. */
+/* Largest voltage of the scale: EMF and reactive drop at the highest speed, and the battery's. The
+ * chords and tangents of a flux map have no more than a quarter of the range of a ratio. */
 static int64_t largest_voltage_mV(const config_t *config, int64_t w_most_mrad_s)
 {
     const config_motor_t *motor = &config->motor;
     const int64_t emf_mV = w_most_mrad_s * motor->flux_linkage_nWb / BILLION;
-    const int64_t l_nH = larger(motor->d_inductance_nH, motor->q_inductance_nH);
+    const int64_t l_nH = larger(larger(motor->d_inductance_nH, motor->q_inductance_nH),
+                                INT64_C(2) * flux_map_largest_nH(config));
     const int64_t x_uOhm = w_most_mrad_s * l_nH / MILLION;
     const int64_t z_uOhm = larger(q_saturate64(x_uOhm), motor->phase_resistance_uOhm);
     const int64_t drop_mV = z_uOhm * motor->max_phase_current_mA / MILLION;
@@ -68,6 +70,8 @@ void motor_constants_init(motor_constants_t *constants, const config_t *config)
             scaled_constant(motor->d_inductance_nH, INT64_C(1000000000000), 48 + v - c - w),
         .inductance_q_b =
             scaled_constant(motor->q_inductance_nH, INT64_C(1000000000000), 48 + v - c - w),
+        .flux_unit_shift = 34 - v + w,
+        .inductance_unit_shift = 20 - v + c + w,
         .flux_b = scaled_constant(motor->flux_linkage_nWb, BILLION, 24 + v - w),
         .flux_fall_b =
             scaled_constant((int64_t)motor->flux_linkage_nWb * q_abs((int32_t)flux_ppm_K),

@@ -2,6 +2,7 @@
 #include "motor/motor_model.h"
 
 #include "core/q15.h"
+#include "motor/flux_map.h"
 
 enum {
     MOST_b = 1 << 26, /* of any coefficient: products and sums stay within 32 bits */
@@ -30,8 +31,111 @@ static int32_t at_temperature_b(int32_t reference_b, int32_t rise_q16_b, int32_t
     return q_clamp(reference_b + change_b, reference_b / 10, MOST_b);
 }
 
-motor_model_t motor_model_at(const motor_constants_t *constants, const config_t *config,
-                             int32_t speed_mrad_s, int32_t winding_temperature_cC)
+/* psi, L_d and L_q. */
+typedef struct {
+    int32_t flux_b, d_b, q_b;
+    int32_t slope_flux_b, slope_saliency_b;
+} flux_t;
+
+static flux_t of_constants(const motor_constants_t *k, const config_motor_t *motor, int32_t rise_cK)
+{
+    const int32_t change_b = motor->flux_coefficient_ppm_K < 0 ? -k->flux_fall_b : k->flux_fall_b;
+    const int32_t flux_b = q_max(at_temperature_b(k->flux_b, change_b, rise_cK), LEAST_FLUX_b);
+    const flux_t out = {.flux_b = flux_b,
+                        .d_b = k->inductance_d_b,
+                        .q_b = k->inductance_q_b,
+                        .slope_flux_b = flux_b,
+                        .slope_saliency_b = within_b(k->inductance_d_b - k->inductance_q_b)};
+    return out;
+}
+
+/* 2^58 / 10^9, and 2^68 / 10^12: a nWb and a nH in binary scales by a multiplication and a shift.
+ */
+static int32_t flux_of_nWb(const motor_constants_t *k, int32_t flux_nWb)
+{
+    return within_b(q_saturate64(((int64_t)flux_nWb * 288230376) >> k->flux_unit_shift));
+}
+
+static int32_t inductance_of_nH(const motor_constants_t *k, int32_t inductance_nH)
+{
+    return q_clamp(q_saturate64(((int64_t)inductance_nH * 295147905) >> k->inductance_unit_shift),
+                   1, MOST_b);
+}
+
+/* DERIVATIONS.md, Saturated iron: the tangent along i_d and the chord along i_q. */
+static flux_t of_map(const motor_constants_t *k, const config_t *config, int32_t shift_mA,
+                     motor_current_t at)
+{
+    /* Below the first point the chord is the same everywhere. */
+    const int32_t i_q_mA = q_max(q_abs(at.q_mA), q_max(config->flux_map.q_step_mA / 4, 1));
+    const flux_map_point_t map =
+        flux_map_at(config, at.d_mA + shift_mA, at.q_mA < 0 ? -i_q_mA : i_q_mA);
+    const int32_t i_d_b = motor_model_current_b(k, at.d_mA);
+    const int32_t i_q_b = motor_model_current_b(k, i_q_mA);
+    const int32_t d_b = inductance_of_nH(k, map.d_nH);
+    const int32_t flux_d_b = flux_of_nWb(k, map.d_nWb);
+    const int32_t flux_q_b = q_abs(flux_of_nWb(k, map.q_nWb));
+    const int32_t cross_b = inductance_of_nH(k, q_abs(map.cross_nH));
+    const int32_t cross_q_b = scaled_multiply(map.cross_nH < 0 ? -cross_b : cross_b, i_q_b);
+    const int32_t active_b = flux_d_b + (at.q_mA < 0 ? -cross_q_b : cross_q_b) -
+                             scaled_multiply(inductance_of_nH(k, map.q_nH), i_d_b);
+    const int32_t chord_b = q_clamp(scaled_ratio(flux_q_b, q_max(i_q_b, 1)), 1, MOST_b);
+    const int32_t turned = scaled_ratio(
+        scaled_multiply(map.cross_nH < 0 ? -cross_b : cross_b, i_d_b), q_max(i_q_b, 1));
+    const int32_t slope_b = within_b(d_b - chord_b - (at.q_mA < 0 ? -turned : turned));
+    const flux_t out = {
+        .flux_b = q_clamp(flux_d_b - scaled_multiply(d_b, i_d_b), LEAST_FLUX_b, MOST_b),
+        .d_b = d_b,
+        .q_b = chord_b,
+        .slope_flux_b = q_clamp(active_b - scaled_multiply(slope_b, i_d_b), LEAST_FLUX_b, MOST_b),
+        .slope_saliency_b = slope_b,
+    };
+    return out;
+}
+
+/* What flows across the EMF less than the terminal currents; the fluxes are those of the latter. */
+static motor_current_t torque_currents(const motor_constants_t *k, const config_t *config,
+                                       int32_t shift_mA, motor_current_t at, int32_t w_b,
+                                       int32_t conductance)
+{
+    const flux_map_point_t map = flux_map_at(config, at.d_mA + shift_mA, at.q_mA);
+    const int32_t v_d_b = scaled_multiply(w_b, flux_of_nWb(k, map.q_nWb));
+    const int32_t v_q_b = scaled_multiply(w_b, flux_of_nWb(k, map.d_nWb));
+    const int32_t d_b = q_saturate26(scaled_multiply(v_d_b, conductance));
+    const int32_t q_b = q_saturate26(scaled_multiply(v_q_b, conductance));
+    const motor_current_t out = {.d_mA = at.d_mA + motor_model_current_mA(k, d_b),
+                                 .q_mA = at.q_mA - motor_model_current_mA(k, q_b)};
+    return out;
+}
+
+/* 1 / R_i; 0: no iron loss. */
+static int32_t conductance_at(const motor_constants_t *k, int32_t w_b)
+{
+    const int64_t iron_q16_b = k->iron_q16_b + (((int64_t)w_b * k->iron_slope_q16_b) >> 24);
+    if (iron_q16_b <= 0) {
+        return 0;
+    }
+    /* 2^40 / R_i, for all terms of the iron loss. */
+    const uint32_t inverse_q32 = UINT32_MAX / (uint32_t)q_saturate64(iron_q16_b);
+    return (int32_t)(inverse_q32 < (MOST_b >> 8) ? inverse_q32 << 8 : MOST_b);
+}
+
+static flux_t flux_around(const motor_constants_t *k, const config_t *config, int32_t w_b,
+                          int32_t conductance, int32_t winding_temperature_cC,
+                          motor_current_t around)
+{
+    const int32_t most_mA = 2 * config->motor.max_phase_current_mA;
+    const int32_t shift_mA = flux_map_shift_mA(config, winding_temperature_cC);
+    const motor_current_t within = {.d_mA = q_limit(around.d_mA, most_mA),
+                                    .q_mA = q_limit(around.q_mA, most_mA)};
+    const motor_current_t at =
+        conductance > 0 ? torque_currents(k, config, shift_mA, within, w_b, conductance) : within;
+    return of_map(k, config, shift_mA, at);
+}
+
+motor_model_t motor_model_around(const motor_constants_t *constants, const config_t *config,
+                                 int32_t speed_mrad_s, int32_t winding_temperature_cC,
+                                 motor_current_t around)
 {
     const motor_constants_t *k = constants;
     const config_motor_t *motor = &config->motor;
@@ -40,18 +144,24 @@ motor_model_t motor_model_at(const motor_constants_t *constants, const config_t 
     const int32_t rise_cK =
         q_clamp(q_saturate64((int64_t)winding_temperature_cC - motor->reference_temperature_cC),
                 -LARGEST_RISE_cK, LARGEST_RISE_cK);
-    const int32_t flux_change_b =
-        motor->flux_coefficient_ppm_K < 0 ? -k->flux_fall_b : k->flux_fall_b;
+    const int32_t conductance = conductance_at(k, w_b);
+    const flux_t flux = flux_map_present(config) ? flux_around(k, config, w_b, conductance,
+                                                               winding_temperature_cC, around)
+                                                 : of_constants(k, motor, rise_cK);
     motor_model_t m = {
         .constants = k,
         .config = config,
         .speed_mrad_s = speed_mrad_s,
         .winding_temperature_cC = winding_temperature_cC,
         .speed_b = w_b,
-        .flux_b = q_max(at_temperature_b(k->flux_b, flux_change_b, rise_cK), LEAST_FLUX_b),
-        .saliency_b = within_b(k->inductance_d_b - k->inductance_q_b),
-        .reactance_d_b = within_b(scaled_multiply(w_b, k->inductance_d_b)),
-        .reactance_q_b = within_b(scaled_multiply(w_b, k->inductance_q_b)),
+        .inductance_d_b = flux.d_b,
+        .inductance_q_b = flux.q_b,
+        .flux_b = flux.flux_b,
+        .saliency_b = within_b(flux.d_b - flux.q_b),
+        .slope_flux_b = flux.slope_flux_b,
+        .slope_saliency_b = flux.slope_saliency_b,
+        .reactance_d_b = within_b(scaled_multiply(w_b, flux.d_b)),
+        .reactance_q_b = within_b(scaled_multiply(w_b, flux.q_b)),
         .resistance_b = at_temperature_b(k->resistance_b, k->resistance_rise_b, rise_cK),
         .one_plus_a2 = SCALED_ONE,
         .inverse_one_plus_a2 = SCALED_ONE,
@@ -61,12 +171,7 @@ motor_model_t motor_model_at(const motor_constants_t *constants, const config_t 
             scaled_multiply(k->torque_inverse_q24, scaled_ratio(1 << 23, m.flux_b));
     }
     m.emf_b = within_b(scaled_multiply(w_b, m.flux_b));
-    const int64_t iron_q16_b = k->iron_q16_b + (((int64_t)w_b * k->iron_slope_q16_b) >> 24);
-    if (iron_q16_b > 0) {
-        /* 2^40 / R_i, for all terms of the iron loss. */
-        const uint32_t inverse_q32 = UINT32_MAX / (uint32_t)q_saturate64(iron_q16_b);
-        const int32_t conductance =
-            (int32_t)(inverse_q32 < (MOST_b >> 8) ? inverse_q32 << 8 : MOST_b);
+    if (conductance > 0) {
         m.cross_d = within_b(scaled_multiply(m.reactance_d_b, conductance));
         m.cross_q = within_b(scaled_multiply(m.reactance_q_b, conductance));
         m.iron_current_b = q_min(scaled_multiply(m.emf_b, conductance), MOST_CURRENT_b);
@@ -80,6 +185,21 @@ motor_model_t motor_model_at(const motor_constants_t *constants, const config_t 
                                  scaled_multiply(m.reactance_d_b, m.cross_q));
     m.voltage_q_per_d = within_b(m.reactance_d_b + scaled_multiply(m.resistance_b, m.cross_d));
     return m;
+}
+
+motor_model_t motor_model_at(const motor_constants_t *constants, const config_t *config,
+                             int32_t speed_mrad_s, int32_t winding_temperature_cC)
+{
+    const motor_current_t none = {.d_mA = 0, .q_mA = 0};
+    return motor_model_around(constants, config, speed_mrad_s, winding_temperature_cC, none);
+}
+
+motor_current_t motor_model_current(const motor_model_t *model, motor_point_t at)
+{
+    const motor_constants_t *k = model->constants;
+    const motor_current_t out = {.d_mA = motor_model_current_mA(k, at.d_b),
+                                 .q_mA = motor_model_current_mA(k, motor_model_i_q_b(model, at))};
+    return out;
 }
 
 /* Magnet flux plus the reluctance term (L_d - L_q) i_dt. */

@@ -106,16 +106,17 @@ static void expect_inputs(available_ahead_state_t *state, const motor_constants_
 }
 
 static motor_model_t model_then(const available_ahead_state_t *state,
-                                const motor_constants_t *motor, const config_t *config)
+                                const motor_constants_t *motor, const config_t *config,
+                                motor_current_t around)
 {
-    return motor_model_at(motor, config, state->expected.speed_mrad_s,
-                          state->expected.winding_temperature_cC);
+    return motor_model_around(motor, config, state->expected.speed_mrad_s,
+                              state->expected.winding_temperature_cC, around);
 }
 
 static void evaluate_plain(available_ahead_state_t *state, const motor_constants_t *motor,
                            const config_t *config, int32_t brake_torque_mNm)
 {
-    const motor_model_t model = model_then(state, motor, config);
+    const motor_model_t model = model_then(state, motor, config, state->table.at.braking.end);
     torque_limits_plain(&state->table, &model, state->expected.switch_temperature_cC,
                         brake_torque_mNm);
 }
@@ -124,18 +125,19 @@ static void evaluate_plain(available_ahead_state_t *state, const motor_constants
 static void evaluate_solved(available_ahead_state_t *state, const motor_constants_t *motor,
                             const config_t *config, part_t part)
 {
-    const motor_model_t model = model_then(state, motor, config);
-    const feasible_set_t set = feasible_set_at(&model, state->expected.phase_voltage_mV);
     const bool drives = part == PART_DRIVING_ENDS || part == PART_DRIVING_DRAWN;
+    motor_model_t model = model_then(
+        state, motor, config, drives ? state->table.at.driving.end : state->table.at.braking.end);
+    feasible_set_t set = feasible_set_at(&model, state->expected.phase_voltage_mV);
     const side_t sign = drives ? SIDE_DRIVING : SIDE_BRAKING;
     const feasible_side_t side = {.set = &set, .sign = (int32_t)sign, .cap = state->cap};
     if (part == PART_DRIVING_ENDS || part == PART_BRAKING_ENDS) {
         feasible_circle_t circle = {.known = false};
-        state->cap = torque_limits_ends(&state->table, &set, sign, &circle).cap;
+        state->cap = torque_limits_ends(&state->table, &model, &set, sign, &circle).cap;
     } else if (part == PART_BRAKING_RETURNED) {
-        torque_limits_returned(&state->table, &side);
+        torque_limits_returned(&state->table, &model, &set, &side);
     } else {
-        torque_limits_drawn(&state->table, &side);
+        torque_limits_drawn(&state->table, &model, &set, &side);
     }
 }
 

@@ -20,6 +20,8 @@ void torque_init(torque_state_t *state, const config_t *config)
     torque_command_init(&state->command);
     stop_lamp_init(&state->lamp);
     available_ahead_init(&state->ahead);
+    const motor_current_t none = {.d_mA = 0, .q_mA = 0};
+    state->setpoint = none;
 }
 
 hill_hold_kept_t torque_hold(const torque_state_t *state)
@@ -172,9 +174,9 @@ static demand_t seen_demand(demand_t demand, int32_t current_missing_q15)
 }
 
 /* The inputs of the table have a function of their own, so that they share the stack. */
-static void step_limits(torque_state_t *state, const feasible_set_t *set, const measured_t *now,
-                        const torque_enable_t *enable, const demand_t *demand,
-                        motor_point_t flowing, int32_t current_missing_q15,
+static void step_limits(torque_state_t *state, motor_model_t *model, feasible_set_t *set,
+                        const measured_t *now, const torque_enable_t *enable,
+                        const demand_t *demand, motor_point_t flowing, int32_t current_missing_q15,
                         const findings_t *findings)
 {
     const bool contradicts = findings_present(findings, FINDING_BUS_CONTRADICTED) ||
@@ -183,10 +185,10 @@ static void step_limits(torque_state_t *state, const feasible_set_t *set, const 
         .brake_torque_mNm = demand->brake_torque_mNm,
         /* Behind an open contactor it limits what is zero already. */
         .battery_voltage_mV = contradicts ? now->battery->voltage_mV : 0,
-        .charge_beyond_mA = charge_trim_step(&state->trim, set->model, now, flowing),
+        .charge_beyond_mA = charge_trim_step(&state->trim, model, now, flowing),
         .current_missing_q15 = current_missing_q15,
     };
-    torque_limits_step(&state->limits, set, now, enable, &limited_by, &state->table);
+    torque_limits_step(&state->limits, model, set, now, enable, &limited_by, &state->table);
 }
 
 /* What is lost of the flux is missing in the torque; the hydraulic brake makes up for it. */
@@ -245,30 +247,51 @@ static int32_t hold_command_mNm(torque_state_t *state, const config_t *config,
     return alone ? q_max(hold_mNm, state->demand.received_brake_torque_mNm) : hold_mNm;
 }
 
+/* i_q along the rotation. */
+static motor_current_t along_rotation(motor_current_t i, int32_t speed_mrad_s)
+{
+    const motor_current_t out = {.d_mA = i.d_mA,
+                                 .q_mA = speed_mrad_s >= 0 ? i.q_mA : -q_max(i.q_mA, -INT32_MAX)};
+    return out;
+}
+
+/* What is to flow: the fast loop's field weakening is part of it. */
+static motor_current_t setpoint_current(const config_t *config, const measured_t *now,
+                                        const current_setpoint_t *current)
+{
+    const int32_t most_mA = config->motor.max_phase_current_mA;
+    const int32_t weakening_mA = q_clamp(now->i_d_weakening_mA, -most_mA, 0);
+    const motor_current_t flows = {.d_mA = current->i_d_mA + weakening_mA, .q_mA = current->i_q_mA};
+    return along_rotation(flows, now->speed_mrad_s);
+}
+
 torque_output_t torque_step(torque_state_t *state, const config_t *config, const measured_t *now,
                             const last_t *last, const slow_input_t *in, const monitored_t *watch,
                             const torque_enable_t *enable, findings_t *findings)
 {
     const int32_t voltage_mV = phase_voltage_mV(config, now, watch, enable);
-    const motor_model_t model =
-        motor_model_at(&state->motor, config, now->speed_mrad_s, now->winding_temperature_cC);
-    const feasible_set_t set = feasible_set_at(&model, voltage_mV);
     const motor_current_t mean = {.d_mA = now->i_d_mA, .q_mA = now->i_q_mA};
+    motor_model_t model =
+        motor_model_around(&state->motor, config, now->speed_mrad_s, now->winding_temperature_cC,
+                           along_rotation(mean, now->speed_mrad_s));
+    feasible_set_t set = feasible_set_at(&model, voltage_mV);
     const motor_point_t flowing = motor_model_point(&model, mean);
     const motor_now_t motor = motor_now(config, now, watch, motor_model_torque_mNm(&model, flowing),
                                         coasting_mNm(&model, watch, voltage_mV));
     const demand_t demand =
         seen_demand(demand_step(&state->demand, config, in, now->speed_mrad_s), motor.missing_q15);
-    step_limits(state, &set, now, enable, &demand, flowing, motor.missing_q15, findings);
+    step_limits(state, &model, &set, now, enable, &demand, flowing, motor.missing_q15, findings);
     const brake_blending_out_t split = blend(state, config, now, last, in, enable, &demand, &motor);
     const reason_t found = brake_blending_report(&state->blending, findings);
     const lift_off_t lift_off =
         lift_off_split(&state->table, demand.lift_off_mNm, split.electric_mNm, motor.coasting_mNm);
     const torque_command_out_t limited = motor_command(state, config, now, last, enable, &demand,
                                                        &motor, &split, lift_off.motor_mNm);
+    feasible_set_around(&set, &model, state->setpoint);
     current_setpoint_t current = loss_braking_setpoint(
         &set, &state->table.losses, limited.command_mNm,
         current_setpoint_step(&set, limited.command_mNm, now->i_d_weakening_mA));
+    state->setpoint = setpoint_current(config, now, &current);
     /* The bounds are those of the present voltage; the command follows at the torque rate. */
     current.feasible = current.feasible || limited.falling;
 

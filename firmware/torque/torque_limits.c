@@ -5,6 +5,7 @@
 #include "core/fade.h"
 #include "core/q15.h"
 #include "core/scaled.h"
+#include "motor/flux_map.h"
 #include "motor/loss_maps.h"
 
 enum { WHOLE_PERCENT = 100 };
@@ -30,6 +31,8 @@ void torque_limits_clear(torque_limits_t *table)
     table->winding_hotter_cC = 0;
     table->current_missing_q15 = 0;
     table->optimum_mNm = FEASIBLE_UNBOUNDED;
+    const torque_limits_currents_t none = {.returned = {.d_mA = 0, .q_mA = 0}};
+    table->at = none;
     for (torque_line_t line = 0; line < TORQUE_LINE_COUNT; line++) {
         table->driving[line] = limit_init(FEASIBLE_UNBOUNDED, REASON_NONE);
         table->braking[line] = table->driving[line];
@@ -365,32 +368,93 @@ void torque_limits_plain(torque_limits_t *table, const motor_model_t *model,
     table->losses = loss_braking_at(model, table->losses.returned, q_min(winding_q15, switch_q15));
 }
 
-feasible_side_t torque_limits_ends(torque_limits_t *table, const feasible_set_t *set, side_t sign,
-                                   feasible_circle_t *circle)
+feasible_side_t torque_limits_ends(torque_limits_t *table, motor_model_t *model,
+                                   feasible_set_t *set, side_t sign, feasible_circle_t *circle)
 {
     const int32_t cap_mNm = q_min(table->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm,
                                   table->driving[TORQUE_LINE_MAX_POWER].torque_mNm);
-    limit_t *line = sign == SIDE_DRIVING ? table->driving : table->braking;
+    const bool drives = sign == SIDE_DRIVING;
+    limit_t *line = drives ? table->driving : table->braking;
+    motor_current_t *end = drives ? &table->at.driving.end : &table->at.braking.end;
+    if (flux_map_present(model->config)) {
+        feasible_set_around(set, model, *end);
+        circle->known = false;
+    }
     feasible_side_t side = feasible_side_at(set, sign, cap_mNm);
     const feasible_bounds_t ends = feasible_by_voltage_and_current(&side, circle);
     line[TORQUE_LINE_PHASE_CURRENT] = limit_init(ends.current_mNm, REASON_PHASE_CURRENT);
     line[TORQUE_LINE_VOLTAGE] = limit_init(ends.voltage_mNm, REASON_VOLTAGE);
+    if (flux_map_present(model->config)) {
+        *end = motor_model_current(model, side.cap);
+    }
     return side;
 }
 
-void torque_limits_drawn(torque_limits_t *table, const feasible_side_t *side)
+/* A bound that was found with a model that is exact at the end of the side, again with one that is
+ * exact at its own currents, those of the step before. */
+typedef struct {
+    motor_model_t *model;
+    feasible_set_t *set;
+    motor_current_t end;
+    motor_current_t *own;
+} solved_again_t;
+
+static int32_t drawn_mNm(const solved_again_t *by, const feasible_side_t *side, int32_t power_b)
 {
-    limit_t *line = side->sign == (int32_t)SIDE_DRIVING ? table->driving : table->braking;
-    line[TORQUE_LINE_DRAWN].torque_mNm = feasible_by_drawn_mNm(side, table->drawn_b);
+    motor_point_t at;
+    int32_t out_mNm = feasible_by_drawn_at(side, power_b, &at);
+    if (flux_map_present(by->model->config)) {
+        if (out_mNm != FEASIBLE_UNBOUNDED) {
+            feasible_set_around(by->set, by->model, *by->own);
+            out_mNm = q_min(feasible_by_drawn_at(side, power_b, &at), side->cap_mNm);
+        }
+        *by->own = motor_model_current(by->model, at);
+        feasible_set_around(by->set, by->model, by->end);
+    }
+    return out_mNm;
 }
 
-void torque_limits_returned(torque_limits_t *table, const feasible_side_t *side)
+static int32_t returned_mNm(const solved_again_t *by, const feasible_side_t *side,
+                            feasible_returned_t returned)
+{
+    motor_point_t at;
+    int32_t out_mNm = feasible_by_returned_at(side, returned, &at);
+    if (flux_map_present(by->model->config)) {
+        if (out_mNm != FEASIBLE_UNBOUNDED) {
+            feasible_set_around(by->set, by->model, *by->own);
+            out_mNm = q_min(feasible_by_returned_at(side, returned, &at), side->cap_mNm);
+        }
+        *by->own = motor_model_current(by->model, at);
+        feasible_set_around(by->set, by->model, by->end);
+    }
+    return out_mNm;
+}
+
+void torque_limits_drawn(torque_limits_t *table, motor_model_t *model, feasible_set_t *set,
+                         const feasible_side_t *side)
+{
+    const bool drives = side->sign == (int32_t)SIDE_DRIVING;
+    torque_limits_side_currents_t *at = drives ? &table->at.driving : &table->at.braking;
+    limit_t *line = drives ? table->driving : table->braking;
+    const solved_again_t by = {.model = model, .set = set, .end = at->end, .own = &at->drawn};
+    line[TORQUE_LINE_DRAWN].torque_mNm = drawn_mNm(&by, side, table->drawn_b);
+}
+
+void torque_limits_returned(torque_limits_t *table, motor_model_t *model, feasible_set_t *set,
+                            const feasible_side_t *side)
 {
     limit_t *line = table->braking;
-    const int32_t by_map_mNm = feasible_by_returned_mNm(side, table->losses.returned);
+    const motor_current_t end = table->at.braking.end;
+    const solved_again_t by = {.model = model, .set = set, .end = end, .own = &table->at.returned};
+    const int32_t by_map_mNm = returned_mNm(&by, side, table->losses.returned);
+    feasible_set_around(set, model, table->at.losses);
     line[TORQUE_LINE_RETURNED].torque_mNm =
         loss_braking_torque_mNm(side, &table->losses, by_map_mNm);
     line[TORQUE_LINE_RETURNED_PEAK] = line[TORQUE_LINE_RETURNED];
+    if (flux_map_present(model->config)) {
+        table->at.losses = motor_model_current(model, table->losses.at);
+        feasible_set_around(set, model, end);
+    }
 }
 
 /* What the battery permits, in the table, for the parts that follow. */
@@ -408,21 +472,22 @@ static void permit(torque_limits_t *table, const motor_model_t *model,
 }
 
 /* The short-time charge current, never less than the lasting one. */
-static void raise_peak(torque_limits_t *table, const feasible_side_t *side,
-                       const battery_limit_t *charge, int32_t bus_mV)
+static void raise_peak(torque_limits_t *table, motor_model_t *model, feasible_set_t *set,
+                       const feasible_side_t *side, const battery_limit_t *charge, int32_t bus_mV)
 {
     const feasible_returned_t peak =
-        returned_at(side->set->model, charge->peak_mA, charge->peak_margin_mA, bus_mV);
-    const int32_t most_mNm = feasible_by_returned_mNm(side, peak);
+        returned_at(model, charge->peak_mA, charge->peak_margin_mA, bus_mV);
+    const solved_again_t by = {
+        .model = model, .set = set, .end = table->at.braking.end, .own = &table->at.peak};
+    const int32_t most_mNm = returned_mNm(&by, side, peak);
     table->braking[TORQUE_LINE_RETURNED_PEAK] = limit_init(
         q_max(most_mNm, table->braking[TORQUE_LINE_RETURNED].torque_mNm), charge->peak_reason);
 }
 
-void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
+void torque_limits_step(torque_limits_state_t *state, motor_model_t *model, feasible_set_t *set,
                         const measured_t *now, const torque_enable_t *enable,
                         const torque_limits_input_t *in, torque_limits_t *table)
 {
-    const motor_model_t *model = set->model;
     static const reason_t DISCHARGE[2] = {REASON_DISCHARGE_CURRENT, REASON_BUS_VOLTAGE_LOW};
     static const reason_t CHARGE[2] = {REASON_CHARGE_CURRENT, REASON_BUS_VOLTAGE_HIGH};
     const config_t *config = model->config;
@@ -461,13 +526,13 @@ void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
     table->current_missing_q15 = in->current_missing_q15;
     torque_limits_plain(table, model, now->switch_temperature_cC, in->brake_torque_mNm);
     feasible_circle_t circle = {.known = false};
-    const feasible_side_t driving = torque_limits_ends(table, set, SIDE_DRIVING, &circle);
-    torque_limits_drawn(table, &driving);
-    const feasible_side_t braking = torque_limits_ends(table, set, SIDE_BRAKING, &circle);
-    torque_limits_drawn(table, &braking);
-    torque_limits_returned(table, &braking);
+    const feasible_side_t driving = torque_limits_ends(table, model, set, SIDE_DRIVING, &circle);
+    torque_limits_drawn(table, model, set, &driving);
+    const feasible_side_t braking = torque_limits_ends(table, model, set, SIDE_BRAKING, &circle);
+    torque_limits_drawn(table, model, set, &braking);
+    torque_limits_returned(table, model, set, &braking);
     if (charge.peak_mA != charge.current_mA) {
-        raise_peak(table, &braking, &charge, bus_mV);
+        raise_peak(table, model, set, &braking, &charge, bus_mV);
     }
     set_both(table, TORQUE_LINE_ROTOR,
              limit_init(now->angle_valid ? FEASIBLE_UNBOUNDED : 0, REASON_ROTOR_UNCERTAIN));

@@ -22,7 +22,9 @@
 
 /* Shifts of what motor_constants_init() makes of any configuration. */
 #define current_shift_holds(k) is_within((k)->current_shift, 1, 16)
-#define model_shifts_hold(k) (is_within((k)->torque_shift, -30, 30) && current_shift_holds(k))
+#define model_shifts_hold(k)                                                                       \
+    (is_within((k)->torque_shift, -30, 30) && current_shift_holds(k) &&                            \
+     is_within((k)->flux_unit_shift, 1, 62) && is_within((k)->inductance_unit_shift, 1, 62))
 #define motor_constants_hold(k)                                                                    \
     (model_shifts_hold(k) && is_within((k)->current_most_b, 0, MOTOR_MODEL_MOST_CURRENT_b) &&      \
      is_within((k)->weakening_most_b, 0, MOTOR_MODEL_MOST_CURRENT_b) &&                            \

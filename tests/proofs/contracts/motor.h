@@ -74,13 +74,13 @@ POST(feasible_magnitude_mNm, result >= 0 && (side->sign * (airgap_b - side->set-
 PRE(feasible_power_b, model_shifts_hold(model->constants))
 POST(feasible_power_b, result >= 0 && ((current_mA > 0 && bus_mV > 0) || result == 0))
 
-PRE(feasible_by_drawn_mNm, model_shifts_hold(side->set->model->constants))
-PRE(feasible_by_drawn_mNm, is_a_sign(side->sign))
-POST(feasible_by_drawn_mNm, result >= 0)
+PRE(feasible_by_drawn_at, model_shifts_hold(side->set->model->constants))
+PRE(feasible_by_drawn_at, is_a_sign(side->sign))
+POST(feasible_by_drawn_at, result >= 0)
 
-PRE(feasible_by_returned_mNm, model_shifts_hold(side->set->model->constants))
-PRE(feasible_by_returned_mNm, is_a_sign(side->sign))
-POST(feasible_by_returned_mNm, result >= 0)
+PRE(feasible_by_returned_at, model_shifts_hold(side->set->model->constants))
+PRE(feasible_by_returned_at, is_a_sign(side->sign))
+POST(feasible_by_returned_at, result >= 0)
 
 POST(feasible_holds, at.d_b != 0 || at.x_b != 0 || set->model->voltage_q_b != 0 ||
      !is_within(set->voltage_squared, 0, INT64_MAX / 2) || result)
@@ -147,12 +147,23 @@ POST(motor_constants_init, is_within(constants->torque_factor_q24, SCALED_ONE, 2
 POST(motor_constants_init, config->rotor.sensor == CONFIG_ROTOR_HALL || constants->hall_angle_b ==
      0)
 
+PRE(motor_model_at, model_shifts_hold(constants))
 PRE(motor_model_at, constants->coulomb_step_q8_b >= 0 && constants->viscous_b >= 0)
 POST(motor_model_at, result.constants == constants && result.config == config)
 POST(motor_model_at, result.speed_mrad_s == speed_mrad_s && result.winding_temperature_cC ==
      winding_temperature_cC)
 POST(motor_model_at, is_within(result.friction_b, 0, 1 << 26) && is_within(result.flux_b, 4, 1 <<
      26))
+
+PRE(motor_model_around, model_shifts_hold(constants))
+PRE(motor_model_around, constants->coulomb_step_q8_b >= 0 && constants->viscous_b >= 0)
+POST(motor_model_around, result.constants == constants && result.config == config)
+POST(motor_model_around, result.speed_mrad_s == speed_mrad_s && result.winding_temperature_cC ==
+     winding_temperature_cC)
+POST(motor_model_around, is_within(result.friction_b, 0, 1 << 26))
+POST(motor_model_around, is_within(result.flux_b, 4, 1 << 26))
+
+PRE(motor_model_current, current_shift_holds(model->constants))
 
 PRE(motor_model_point, current_shift_holds(model->constants))
 POST(motor_model_point, is_within(result.d_b, -MOTOR_MODEL_MOST_CURRENT_b,

@@ -61,6 +61,10 @@ typedef struct {
 /* phase_voltage_mV: peak phase, mean over the period, >= 0. */
 feasible_set_t feasible_set_at(const motor_model_t *model, int32_t phase_voltage_mV);
 
+/* Makes model and set exact at terminal currents, i_q along the rotation: of a motor with a flux
+ * map; constants are exact everywhere. model: that of the set. */
+void feasible_set_around(feasible_set_t *set, motor_model_t *model, motor_current_t around);
+
 /* cap_mNm: magnitude of a shaft torque, >= 0; with the map's i_d. */
 feasible_side_t feasible_side_at(const feasible_set_t *set, side_t sign, int32_t cap_mNm);
 
@@ -96,13 +100,28 @@ int32_t feasible_magnitude_mNm(const feasible_side_t *side, int32_t airgap_b);
 int32_t feasible_power_b(const motor_model_t *model, int32_t current_mA, int32_t bus_mV);
 
 /* Largest torque, in driving or in braking beyond the torque of largest regeneration, at which the
- * motor draws at most power_b or a thousandth of motor.max_power, whichever is larger. */
-int32_t feasible_by_drawn_mNm(const feasible_side_t *side, int32_t power_b);
+ * motor draws at most power_b or a thousandth of motor.max_power, whichever is larger. at: its
+ * currents; without a bound the cap's. */
+int32_t feasible_by_drawn_at(const feasible_side_t *side, int32_t power_b, motor_point_t *at);
+
+static inline int32_t feasible_by_drawn_mNm(const feasible_side_t *side, int32_t power_b)
+{
+    motor_point_t at;
+    return feasible_by_drawn_at(side, power_b, &at);
+}
 
 /* Largest braking torque that returns no more than the battery takes. Unbounded where even the
  * torque of largest regeneration returns a negligible power. With hall sensors the power that the
- * angle error of a late edge may return is included. */
-int32_t feasible_by_returned_mNm(const feasible_side_t *side, feasible_returned_t returned);
+ * angle error of a late edge may return is included. at: as above. */
+int32_t feasible_by_returned_at(const feasible_side_t *side, feasible_returned_t returned,
+                                motor_point_t *at);
+
+static inline int32_t feasible_by_returned_mNm(const feasible_side_t *side,
+                                               feasible_returned_t returned)
+{
+    motor_point_t at;
+    return feasible_by_returned_at(side, returned, &at);
+}
 
 /* Whether the voltage suffices for a point, the fast loop's own reserve included. For zero current
  * it does at standstill; a voltage of zero does not for zero current and an EMF. */

@@ -25,6 +25,7 @@ typedef struct {
     int32_t by_map_mNm;           /* the torque that returns it with the i_d of the map */
     int32_t torque_mNm;           /* that returns nothing on the circle, or draws what
                                      `returned` demands; 0: not computed */
+    motor_point_t at;             /* of torque_mNm where it is computed */
 } loss_braking_t;
 
 /* share_q15: derating of winding and switches, 32 767 = none. */

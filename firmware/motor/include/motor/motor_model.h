@@ -29,6 +29,7 @@ typedef struct {
     int32_t current_shift, voltage_shift, speed_shift, torque_shift;
     int32_t resistance_b, resistance_rise_b; /* at the reference; a hundredth of a kelvin, 2^16 */
     int32_t inductance_d_b, inductance_q_b;
+    int32_t flux_unit_shift, inductance_unit_shift; /* of a nWb and a nH: motor_model.c */
     int32_t flux_b, flux_fall_b;          /* at the reference; a hundredth of a kelvin, 2^16 */
     int32_t iron_q16_b, iron_slope_q16_b; /* R_i at standstill, and a unit of speed's part */
     int32_t coulomb_step_q8_b,
@@ -43,19 +44,23 @@ typedef struct {
 } motor_constants_t;
 
 /* The motor at one speed and temperature. Ratios, reactances and the iron conductance carry 24
- * fraction bits. */
+ * fraction bits. With a flux map flux and inductances are those that are exact at one point of
+ * currents: DERIVATIONS.md, Saturated iron. */
 typedef struct {
     const motor_constants_t *constants;
     const config_t *config;
     int32_t speed_mrad_s; /* mechanical, signed */
     int32_t winding_temperature_cC;
-    int32_t speed_b;                      /* electrical, magnitude */
-    int32_t flux_b, saliency_b;           /* psi; L_d - L_q */
-    int32_t x_per_airgap_q23;             /* i_qt of a torque, without saliency */
-    int32_t emf_b;                        /* w psi */
-    int32_t reactance_d_b, reactance_q_b; /* w L */
-    int32_t resistance_b;                 /* R_a */
-    int32_t cross_d, cross_q;             /* w L / R_i */
+    int32_t speed_b; /* electrical, magnitude */
+    int32_t inductance_d_b, inductance_q_b;
+    int32_t flux_b, saliency_b;             /* psi; L_d - L_q */
+    int32_t slope_flux_b, slope_saliency_b; /* the same for the slope of the torque along the
+                                               current circle */
+    int32_t x_per_airgap_q23;               /* i_qt of a torque, without saliency */
+    int32_t emf_b;                          /* w psi */
+    int32_t reactance_d_b, reactance_q_b;   /* w L */
+    int32_t resistance_b;                   /* R_a */
+    int32_t cross_d, cross_q;               /* w L / R_i */
     int32_t one_plus_a2, inverse_one_plus_a2;
     int32_t flux_per_x;     /* (L_d - L_q) w L_q / R_i: flux that i_qt adds through i_dt */
     int32_t iron_current_b; /* w psi / R_i */
@@ -77,9 +82,17 @@ typedef struct {
 /* Divides; once at start. */
 void motor_constants_init(motor_constants_t *constants, const config_t *config);
 
-/* config: that of motor_constants_init(). */
+/* config: that of motor_constants_init(). With a flux map exact without current. */
 motor_model_t motor_model_at(const motor_constants_t *constants, const config_t *config,
                              int32_t speed_mrad_s, int32_t winding_temperature_cC);
+
+/* Exact at terminal currents, i_q along the rotation; with constants the same everywhere. */
+motor_model_t motor_model_around(const motor_constants_t *constants, const config_t *config,
+                                 int32_t speed_mrad_s, int32_t winding_temperature_cC,
+                                 motor_current_t around);
+
+/* Terminal currents of a point, i_q along the rotation. */
+motor_current_t motor_model_current(const motor_model_t *model, motor_point_t at);
 
 /* The point of terminal currents. */
 motor_point_t motor_model_point(const motor_model_t *model, motor_current_t i);

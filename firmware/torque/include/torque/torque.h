@@ -57,7 +57,10 @@ typedef struct {
     demand_state_t demand;
     charge_trim_state_t trim;
     torque_limits_state_t limits;
-    torque_limits_t table; /* of the last step; output for shell and log only */
+    torque_limits_t table;    /* of the last step; output for shell and log, and the currents around
+                                 which this step solves */
+    motor_current_t setpoint; /* of the last step, with field weakening, i_q along the rotation:
+                                 around them this step solves */
     brake_blending_state_t blending;
     road_state_t road;
     hill_hold_state_t hold;

@@ -64,6 +64,19 @@ typedef struct {
     int32_t abs_share_percent;
 } torque_limits_state_t;
 
+/* Currents of bounds, terminal, i_q along the rotation: a motor with a flux map is solved around
+ * those of the step before. Those of a power that bounds nothing are the end's. */
+typedef struct {
+    motor_current_t end; /* of the tightest of voltage, phase current, largest torque and power */
+    motor_current_t drawn;
+} torque_limits_side_currents_t;
+
+typedef struct {
+    torque_limits_side_currents_t driving, braking;
+    motor_current_t returned, peak;
+    motor_current_t losses; /* of loss braking on the current circle */
+} torque_limits_currents_t;
+
 typedef struct {
     /* Torque in the direction of rotation, or from standstill. */
     limit_t driving[TORQUE_LINE_COUNT];
@@ -76,6 +89,7 @@ typedef struct {
     int32_t winding_hotter_cC;                   /* measured_t */
     int32_t current_missing_q15;                 /* torque_limits_input_t */
     int32_t optimum_mNm;                         /* braking torque that returns the most energy */
+    torque_limits_currents_t at;                 /* read in the next step */
 } torque_limits_t;
 
 /* No bounds, whole battery currents. */
@@ -87,8 +101,9 @@ void torque_limits_clear(torque_limits_t *table);
 /* Slow loop, once per step. now: bus voltage (clamped to 0 .. twice the over-voltage trip),
  * temperatures and the battery's limits, of any value. table: from torque_limits_init(); all lines
  * of both sides are of this step. All bounds are >= 0, lines that the strategy or the direction
- * does not use stay FEASIBLE_UNBOUNDED. */
-void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
+ * does not use stay FEASIBLE_UNBOUNDED. model: that of the set; with a flux map both are exact
+ * at other currents afterwards. */
+void torque_limits_step(torque_limits_state_t *state, motor_model_t *model, feasible_set_t *set,
                         const measured_t *now, const torque_enable_t *enable,
                         const torque_limits_input_t *in, torque_limits_t *table);
 
@@ -105,14 +120,16 @@ void torque_limits_plain(torque_limits_t *table, const motor_model_t *model,
 
 /* PHASE_CURRENT and VOLTAGE of a side, up to MAX_TORQUE and MAX_POWER. circle: one for both sides
  * of a set. Returns the side up to the tightest of the four. */
-feasible_side_t torque_limits_ends(torque_limits_t *table, const feasible_set_t *set, side_t sign,
-                                   feasible_circle_t *circle);
+feasible_side_t torque_limits_ends(torque_limits_t *table, motor_model_t *model,
+                                   feasible_set_t *set, side_t sign, feasible_circle_t *circle);
 
 /* DRAWN of a side of torque_limits_ends(). */
-void torque_limits_drawn(torque_limits_t *table, const feasible_side_t *side);
+void torque_limits_drawn(torque_limits_t *table, motor_model_t *model, feasible_set_t *set,
+                         const feasible_side_t *side);
 
 /* RETURNED of its braking side, and RETURNED_PEAK like it. */
-void torque_limits_returned(torque_limits_t *table, const feasible_side_t *side);
+void torque_limits_returned(torque_limits_t *table, motor_model_t *model, feasible_set_t *set,
+                            const feasible_side_t *side);
 
 /* The lines of the braking strategy, LOSS_OPTIMUM to ELECTRIC_SHARE. optimum_mNm: shaft torque that
  * returns the most energy now, below 0 counts as 0; brake_torque_mNm: of both brakes together, >=

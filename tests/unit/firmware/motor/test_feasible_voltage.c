@@ -55,7 +55,7 @@ void test_a_voltage_of_zero_or_less_is_none(void)
 /* A flux that the circle cannot weaken to zero: down to the circle, hot only to the configured. */
 void test_field_weakening_ends_at_the_circle_and_hot_at_the_configured_current(void)
 {
-    motor.constants.inductance_d_b = SCALED_ONE;
+    motor.model.inductance_d_b = SCALED_ONE;
     motor.constants.weakening_most_b = 1 << 20;
     motor.model.speed_b = 1 << 22;
     TEST_ASSERT_INT32_WITHIN(CIRCLE_b >> 14, -CIRCLE_b, weakest_b(1 << 20));
@@ -67,10 +67,12 @@ void test_field_weakening_ends_at_the_circle_and_hot_at_the_configured_current(v
 
 void test_field_does_not_rise_where_the_voltage_would_bear_a_higher_flux(void)
 {
-    motor.constants.inductance_d_b = SCALED_ONE;
-    motor.constants.inductance_q_b = SCALED_ONE;
+    motor.model.inductance_d_b = SCALED_ONE;
+    motor.model.inductance_q_b = SCALED_ONE;
     motor.model.flux_b = 1 << 20;
+    motor.model.slope_flux_b = motor.model.flux_b;
     motor.model.saliency_b = SCALED_ONE / 2;
+    motor.model.slope_saliency_b = motor.model.saliency_b;
     const int32_t SPEEDS_b[] = {0, 1, 1 << 10};
     for (int k = 0; k < 3; k++) {
         motor.model.speed_b = SPEEDS_b[k];
@@ -82,13 +84,15 @@ void test_field_does_not_rise_where_the_voltage_would_bear_a_higher_flux(void)
  * units over an inductance of none is more than the circle. */
 void test_field_weakening_without_torque_of_saliency_cancels_the_flux(void)
 {
-    motor.constants.inductance_d_b = SCALED_ONE / 4;
-    motor.constants.inductance_q_b = 1 << 10;
+    motor.model.inductance_d_b = SCALED_ONE / 4;
+    motor.model.inductance_q_b = 1 << 10;
     motor.model.speed_b = 1 << 22;
     motor.model.flux_b = 4;
+    motor.model.slope_flux_b = motor.model.flux_b;
     TEST_ASSERT_EQUAL_INT32(-16, weakest_b(0));
     motor.model.saliency_b = 1;
-    motor.constants.inductance_d_b = 0;
+    motor.model.slope_saliency_b = motor.model.saliency_b;
+    motor.model.inductance_d_b = 0;
     TEST_ASSERT_INT32_WITHIN(CIRCLE_b >> 14, -CIRCLE_b, weakest_b(0));
 }
 
@@ -96,9 +100,10 @@ void test_field_weakening_without_torque_of_saliency_cancels_the_flux(void)
  */
 void test_standstill_counts_as_one_unit_of_speed(void)
 {
-    motor.constants.inductance_d_b = 4 * SCALED_ONE;
-    motor.constants.inductance_q_b = SCALED_ONE;
+    motor.model.inductance_d_b = 4 * SCALED_ONE;
+    motor.model.inductance_q_b = SCALED_ONE;
     motor.model.saliency_b = SCALED_ONE / 2;
+    motor.model.slope_saliency_b = motor.model.saliency_b;
     const double wanted_b = (1.0 / (1.0 + sqrt(3.0)) - 1.0) / 4.0 * SCALED_ONE;
     TEST_ASSERT_DOUBLE_WITHIN(1e-3 * SCALED_ONE, wanted_b, weakest_b(1));
 }
@@ -199,10 +204,12 @@ static void apply(const drive_t *d, int torque_shift)
     motor.constants.torque_shift = torque_shift;
     motor.set.row.step_log2 = PLAIN_UNIT_LOG2 - torque_shift;
     motor.model.flux_b = plain_units(d->psi);
+    motor.model.slope_flux_b = motor.model.flux_b;
     motor.constants.torque_factor_q24 = 1 << 28;
     motor.constants.torque_inverse_q24 = 1 << 20;
     motor.model.x_per_airgap_q23 = (int32_t)lround(ldexp(1.0 / d->psi, 23));
     motor.model.saliency_b = plain_ratio(d->saliency);
+    motor.model.slope_saliency_b = motor.model.saliency_b;
     motor.model.resistance_b = plain_ratio(d->r);
     motor.model.reactance_q_b = plain_ratio(d->x_q);
     motor.model.voltage_q_b = plain_units(d->emf);

@@ -35,7 +35,9 @@ static inline void drive_apply(const plain_drive_t *d, plain_motor_t *motor)
 {
     motor_model_t *m = &motor->model;
     m->flux_b = plain_units(d->psi);
+    m->slope_flux_b = m->flux_b;
     m->saliency_b = plain_ratio(d->saliency);
+    m->slope_saliency_b = m->saliency_b;
     m->x_per_airgap_q23 = (int32_t)lround(ldexp(1.0 / d->psi, 23));
     m->resistance_b = plain_ratio(d->r);
     m->reactance_d_b = plain_ratio(d->x_d);

@@ -34,6 +34,7 @@ static inline void plain_motor_init(plain_motor_t *motor)
         .constants = &motor->constants,
         .config = &motor->config,
         .flux_b = SCALED_ONE,
+        .slope_flux_b = SCALED_ONE,
         .x_per_airgap_q23 = 1 << 23,
         .one_plus_a2 = SCALED_ONE,
         .inverse_one_plus_a2 = SCALED_ONE,

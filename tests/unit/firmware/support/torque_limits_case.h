@@ -58,7 +58,10 @@ static inline void torque_limits_case_step(torque_limits_state_t *state, const f
                                       .battery_voltage_mV = at->battery_voltage_mV,
                                       .charge_beyond_mA = at->charge_beyond_mA,
                                       .current_missing_q15 = at->current_missing_q15};
-    torque_limits_step(state, set, &now, &at->torque_enable, &in, table);
+    motor_model_t model = *set->model;
+    feasible_set_t own = *set;
+    own.model = &model;
+    torque_limits_step(state, &model, &own, &now, &at->torque_enable, &in, table);
 }
 
 #endif
