@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Motors whose iron saturates, plant and controller from the same map: torque and no fault.
+
+The plant has a spline of the map's energy, the controller the 290 points of its image. Angle and
+magnets are as the controller assumes. Torque is the mean airgap torque less friction.
+"""
+
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from hubsim import configuration
+from hubsim.configuration import Configuration
+from hubsim.engine import ROOT
+from hubsim.run.bench import Bench, Recording
+from regen_table.flux_files import COLUMNS
+
+Array = npt.NDArray[np.float64]
+MOTORS = ROOT / "tools" / "motors"
+MAP = ROOT / "tests/unit/tools/regen_table/motulator/baldor_400rpm_map.npz"
+HEAVY = {"vehicle.mass_kg": 1e6}  # the speed stays
+SETTLED_S, MEAN_ROWS = 0.5, 100
+OF_COMMAND, OF_LARGEST = 0.02, 0.005  # accepted errors of torque
+
+# psi, L_d and L_q in Wb and H without current, the knee of psi_q in A, the share of L_q i_q that
+# the full current takes out of psi_d, and the map's ends of i_d, in shares of the largest current:
+# L_q at that current is 0.50 and 0.52 of the one without.
+LAWS = {
+    "leaf": (0.0713, 0.15e-3, 0.62e-3, 262.0, 0.06, (-1.5, 0.5)),
+    "lu2013": (0.0204, 76e-6, 150e-6, 45.0, 0.06, (-2.0, 1.0)),
+}
+
+
+def fluxes(name: str, most_a: float) -> tuple[Array, Array, Array, Array]:
+    """Return currents and the slopes of a co-energy of them, so that the map is reciprocal."""
+    magnets, d_inductance, q_inductance, knee_a, cross, (low, high) = LAWS[name]
+    i_d, i_q = np.meshgrid(
+        np.linspace(low, high, 41) * most_a, np.linspace(-1.1, 1.1, 45) * most_a, indexing="ij"
+    )
+    taken = cross * q_inductance / most_a
+    bend = 1.0 + (i_q / most_a) ** 2
+    place = (i_d + 0.5 * most_a) / most_a
+    psi_d = magnets + d_inductance * i_d - taken / np.cosh(place) ** 2 * 0.5 * i_q**2 / bend
+    psi_q = q_inductance * i_q / np.hypot(1.0, i_q / knee_a)
+    return i_d, i_q, psi_d, psi_q - taken * most_a * np.tanh(place) * i_q / bend**2
+
+
+def saturating(source: Path, folder: Path) -> Configuration:
+    """Return a drive with a map in the place of its constants."""
+    text = source.read_text(encoding="utf-8")
+    most_a = float(re.search(r"max_phase_current_a = ([\d.]+)", text)[1])  # type: ignore[index]
+    rows = np.stack([part.ravel() for part in fluxes(source.stem, most_a)], axis=1)
+    np.savetxt(folder / "map.csv", rows, "%.12g", ",", header=",".join(COLUMNS), comments="")
+    text = re.sub(r"^[dq]_inductance_h.*\n", "", text, flags=re.MULTILINE)
+    text = re.sub(r"^flux_linkage_wb.*", 'flux_map = "map.csv"', text, flags=re.MULTILINE)
+    text = text.replace('type = "spmsm"', 'type = "ipmsm"')
+    path = folder / f"{source.stem}_map.toml"
+    path.write_text(text, encoding="utf-8")
+    return configuration.load(path)
+
+
+@pytest.fixture(scope="module")
+def leaf(tmp_path_factory: pytest.TempPathFactory) -> Configuration:
+    return saturating(MOTORS / "public" / "leaf.toml", tmp_path_factory.mktemp("leaf"))
+
+
+@pytest.fixture(scope="module")
+def hub(tmp_path_factory: pytest.TempPathFactory) -> Configuration:
+    return saturating(MOTORS / "lu2013.toml", tmp_path_factory.mktemp("hub"))
+
+
+def ridden(
+    config: Configuration, speed_share: float, torques: list[float], winding_c: float | None = None
+) -> list[Recording]:
+    """Return what happens with demands in N m one after the other, negative brakes."""
+    assert config.drive is not None
+    motor, vehicle = config.drive.motor, config.drive.vehicle
+    speed_m_per_s = speed_share * motor.max_speed_rpm * math.pi / 30.0 * vehicle.wheel_radius_m
+    plant = HEAVY if winding_c is None else HEAVY | {"thermal.winding_temperature_c": winding_c}
+    signals = ("motor_torque_nm", "command_nm", "first_fault_reason", "warning_reason")
+    recorded = []
+    with Bench(
+        config,
+        "stop",
+        plant=plant,
+        record=[f"wheel0.{name}" for name in signals],
+        initial_speed_kmh=3.6 * speed_m_per_s,
+        noise=False,
+        record_interval_s=0.001,
+        max_duration_s=60.0,
+    ) as bench:
+        for torque in torques:
+            bench.set("driver.brake_demand_nm", max(-torque, 0.0))
+            bench.set("driver.drive_demand_nm", max(torque, 0.0))
+            recorded.append(bench.run(SETTLED_S))
+    return recorded
+
+
+def friction_nm(config: Configuration, speed_share: float) -> float:
+    assert config.drive is not None
+    motor = config.drive.motor
+    speed = speed_share * motor.max_speed_rpm * math.pi / 30.0
+    return motor.friction_torque_nm + motor.viscous_friction_nm_s * speed
+
+
+def assert_torque(
+    config: Configuration, speed_share: float, torque_shares: list[float], winding_c: float = 25.0
+) -> None:
+    assert config.drive is not None
+    most = config.drive.motor.max_torque_nm
+    demands = [share * most for share in torque_shares]
+    for recording in ridden(config, speed_share, demands, winding_c):
+        airgap = float(np.mean(recording["wheel0.motor_torque_nm"][-MEAN_ROWS:]))
+        made = airgap - friction_nm(config, speed_share)
+        command = float(np.mean(recording["wheel0.command_nm"][-MEAN_ROWS:]))
+        assert made == pytest.approx(command, abs=OF_COMMAND * abs(command) + OF_LARGEST * most)
+        assert not np.any(recording["wheel0.first_fault_reason"])
+        assert not np.any(recording["wheel0.warning_reason"])
+
+
+@pytest.mark.parametrize("speed_share", [0.1, 0.5, 0.9])
+def test_interior_magnets_of_80_kw_make_the_torque_that_is_commanded(
+    leaf: Configuration, speed_share: float
+) -> None:
+    assert_torque(leaf, speed_share, [-1.0, -0.5, -0.05, 0.05, 0.5, 1.0])
+
+
+@pytest.mark.parametrize("speed_share", [0.1, 0.5, 0.9])
+def test_a_hub_motor_with_half_of_its_inductance_left_makes_the_torque_that_is_commanded(
+    hub: Configuration, speed_share: float
+) -> None:
+    assert_torque(hub, speed_share, [-1.0, -0.5, -0.05, 0.05, 0.5, 1.0])
+
+
+def test_hot_magnets_weaken_the_map_as_they_do_the_motor(leaf: Configuration) -> None:
+    assert_torque(leaf, 0.3, [-0.4, 0.4], winding_c=110.0)
+
+
+def test_a_reversal_of_torque_overshoots_by_no_more_than_two_per_cent(leaf: Configuration) -> None:
+    """At a speed where neither voltage nor battery limits; 2 N m a millisecond."""
+    assert leaf.drive is not None
+    torque = 0.5 * leaf.drive.motor.max_torque_nm
+    driven, braked = ridden(leaf, 0.15, [torque, -torque])
+    friction = friction_nm(leaf, 0.15)
+    assert np.max(driven["wheel0.motor_torque_nm"]) - friction < 1.02 * torque
+    assert np.min(braked["wheel0.motor_torque_nm"]) - friction > -1.02 * torque
+
+
+def test_with_its_constants_alone_the_controller_misses_the_torque(
+    leaf: Configuration, tmp_path: Path
+) -> None:
+    """So that the tests above do find a controller without a map."""
+    assert leaf.drive is not None
+    motor = leaf.drive.motor
+    text = (MOTORS / "public" / "leaf.toml").read_text(encoding="utf-8")
+    for key in ("flux_linkage_wb", "d_inductance_h", "q_inductance_h"):
+        text = re.sub(rf"^{key}.*", f"{key} = {getattr(motor, key)!r}", text, flags=re.MULTILINE)
+    constants = tmp_path / "constants.toml"
+    constants.write_text(text, encoding="utf-8")
+    with Bench(
+        leaf,
+        "stop",
+        controller=constants,
+        plant=HEAVY,
+        record=["wheel0.motor_torque_nm"],
+        initial_speed_kmh=10.0,
+        demand_nm=0.5 * motor.max_torque_nm,
+        noise=False,
+        record_interval_s=0.001,
+    ) as bench:
+        made = -float(np.mean(bench.run(SETTLED_S)["wheel0.motor_torque_nm"][-MEAN_ROWS:]))
+    wanted = 0.5 * motor.max_torque_nm
+    assert abs(made - wanted) > OF_COMMAND * wanted + OF_LARGEST * motor.max_torque_nm
