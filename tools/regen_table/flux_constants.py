@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The constants that stand for a drive's flux map or saturation curves in its controller.
+"""The constants that stand for a drive's flux map or saturation curves beside it.
 
-The controller's model has one flux linkage and two inductances. They are those that fit the map's
-fluxes over the circle of max_phase_current_a best, by least squares: all braking and driving
-currents with i_d <= 0, evenly by area, and those with i_d > 0 too where L_d > L_q.
+The controller takes torque, limits and estimate from the map (``stored_flux``). Where it has one
+flux linkage and two inductances, they are those that fit the map's fluxes over the circle of
+max_phase_current_a best, by least squares: all braking and driving currents with i_d <= 0, evenly
+by area, and those with i_d > 0 too where L_d > L_q.
 """
 
 from collections.abc import Mapping
@@ -191,7 +192,7 @@ def _least_squares(
 
 
 def warning(drive: Drive) -> str | None:
-    """Return what the controller of a drive with a map cannot hold, in one line."""
+    """Return what of a controller of a drive with a map is that of constants, in one line."""
     found = of(drive)
     if found is None:
         return None
@@ -200,9 +201,10 @@ def warning(drive: Drive) -> str | None:
         key = "q_inductance_curve_h"
     fitted = fit(drive.motor.model_dump(exclude_none=True), found)
     return (
-        f"motor.{key}: the controller holds constants, fitted over the current circle:"
+        f"motor.{key}: the controller's torque is the map's, but its tables of i_d and T_opt, its"
+        " current loop, observer and checks are those of constants fitted over the current circle:"
         f" flux_linkage_wb {fitted.flux_linkage_wb:.4g}, d_inductance_h"
-        f" {fitted.d_inductance_h:.4g}, q_inductance_h {fitted.q_inductance_h:.4g}; its torque is"
+        f" {fitted.d_inductance_h:.4g}, q_inductance_h {fitted.q_inductance_h:.4g}, whose torque is"
         f" up to {abs(fitted.error_nm):.3g} N m"
         f" ({abs(fitted.error_nm) / fitted.largest_nm:.1%} of the largest) beside the map's, at"
         f" i_d {fitted.i_d_a:.4g} A, i_q {fitted.i_q_a:.4g} A"

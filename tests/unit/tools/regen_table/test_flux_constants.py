@@ -116,7 +116,7 @@ def test_curves_are_the_motor_whose_fluxes_they_are(tree: Tree, tmp_path: Path) 
     assert found.motor.q_inductance_h == pytest.approx(wanted.motor.q_inductance_h, rel=2e-3)
     line = flux_constants.warning(found)
     assert line is not None
-    assert line.startswith("motor.q_inductance_curve_h: the controller holds constants")
+    assert line.startswith("motor.q_inductance_curve_h: the controller's torque is the map's")
 
 
 def test_surface_magnets_with_a_map_have_one_inductance(paper_tree: Tree, tmp_path: Path) -> None:
@@ -220,7 +220,9 @@ def test_ideal_stops_say_that_they_are_the_constants(
     command = ["stop", str(path), "--initial-speed-kmh", "40", "--demand-nm", "50"]
     assert cli.main(command) == 0
     printed = capsys.readouterr().err
-    assert printed.startswith(f"{path}: warning: motor.flux_map: the controller holds constants")
+    assert printed.startswith(
+        f"{path}: warning: motor.flux_map: the controller's torque is the map's"
+    )
     assert printed.endswith("; these answers are the constants'\n")
 
 
