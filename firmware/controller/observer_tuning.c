@@ -81,7 +81,7 @@ int32_t observer_expected_flux_q14(const observer_constants_t *constants, uint16
     return (constants->flux_q14 * angle_sincos(lead_turn).cos) >> 15;
 }
 
-observer_tuning_t observer_tuning(const observer_constants_t *constants,
+observer_tuning_t observer_tuning(const observer_constants_t *constants, const winding_t *winding,
                                   const observer_leak_t *leak, const config_t *config,
                                   int32_t v_dc_pu, uint16_t lead_turn,
                                   int32_t winding_temperature_cC)
@@ -95,6 +95,7 @@ observer_tuning_t observer_tuning(const observer_constants_t *constants,
         .volt = q_pair(volt_q15, volt_q15),
         .minus_resistance = q_pair(-resistance_q15, -resistance_q15),
         .minus_leak = q_pair(-leak_q16, -leak_q16),
+        .minus_inductance = q_pair(-winding->chord_q_q15, -winding->chord_q_q15),
         .lead_turn = lead_turn,
     };
     return out;

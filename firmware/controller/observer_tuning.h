@@ -29,7 +29,7 @@ void observer_leak_step(observer_leak_t *leak, const observer_constants_t *const
 int32_t observer_expected_flux_q14(const observer_constants_t *constants, uint16_t lead_turn);
 
 /* For the present bus voltage, winding temperature and lead; not in use. */
-observer_tuning_t observer_tuning(const observer_constants_t *constants,
+observer_tuning_t observer_tuning(const observer_constants_t *constants, const winding_t *winding,
                                   const observer_leak_t *leak, const config_t *config,
                                   int32_t v_dc_pu, uint16_t lead_turn,
                                   int32_t winding_temperature_cC);

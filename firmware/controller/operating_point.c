@@ -8,6 +8,7 @@
 #include "observer_tuning.h"
 #include "sampling_correction.h"
 #include "tuning.h"
+#include "winding.h"
 
 enum { LEAD_SHARE = 4 };
 
@@ -24,6 +25,7 @@ void operating_point_init(operating_point_state_t *state, const config_t *config
         .modulation_limit_q15 = modulation_limit_q15,
         .magnets_pu = sampling_correction_magnets_pu(config),
         .observer = observer_constants(config, modulation_limit_q15),
+        .winding = winding_constants(config),
         .v_dc_pu = per_unit_of_mV(config, middle_mV),
     };
     *state = fresh;
@@ -149,12 +151,13 @@ void operating_point_setpoint(const operating_point_state_t *state, const config
     setpoint->i_reference_pu.d = q_saturate16(sampled_pu.d);
     setpoint->i_reference_pu.q = q_saturate16(sampled_pu.q);
     setpoint->i_d_sampling_correction_pu = sampling_correction_d_pu(&state->sampling);
-    setpoint->tuning = current_tuning(config, state->modulation_limit_q15, state->v_dc_pu,
-                                      state->speed_q32, state->winding_temperature_cC);
+    setpoint->tuning =
+        current_tuning(config, &state->winding, state->modulation_limit_q15, state->v_dc_pu,
+                       state->speed_q32, state->winding_temperature_cC);
     setpoint->dead_time_slope = dead_time_slope_at(config, state->v_dc_pu);
     setpoint->observer =
-        observer_tuning(&state->observer, &state->observer_leak, config, state->v_dc_pu,
-                        state->observer_lead_turn, state->winding_temperature_cC);
+        observer_tuning(&state->observer, &state->winding, &state->observer_leak, config,
+                        state->v_dc_pu, state->observer_lead_turn, state->winding_temperature_cC);
 }
 
 void operating_point_initial_setpoint(const config_t *config, int32_t timer_Hz,

@@ -12,6 +12,7 @@
 #include <stdint.h>
 
 #include "config/config.h"
+#include "controller/operating_point.h"
 #include "core/fast_messages.h"
 
 /*
@@ -19,8 +20,9 @@
  * 1/16 count as 1/16. speed_q32: electrical turns per period, any. The winding temperature scales
  * the integral gains; when it is unknown, pass the reference temperature.
  */
-current_tuning_t current_tuning(const config_t *config, int32_t modulation_limit_q15,
-                                int32_t v_dc_pu, int32_t speed_q32, int32_t winding_temperature_cC);
+current_tuning_t current_tuning(const config_t *config, const winding_t *winding,
+                                int32_t modulation_limit_q15, int32_t v_dc_pu, int32_t speed_q32,
+                                int32_t winding_temperature_cC);
 
 /* v_dc_pu: clamped to 1/16 .. 1. */
 dead_time_slope_t dead_time_slope_at(const config_t *config, int32_t v_dc_pu);

@@ -26,10 +26,8 @@ static observer_gains_t tracking_gains(int32_t natural_q24)
 
 void emf_observer_init(emf_observer_t *observer, const config_t *config)
 {
-    const int32_t inductance_q15 = observer_design_inductance_q15(config);
     const int32_t leak_q24 = observer_design_leak_q24(config);
     const emf_observer_t fresh = {
-        .minus_inductance = q_pair(-inductance_q15, -inductance_q15),
         .acquisition = tracking_gains(leak_q24 * ACQUISITION_PER_LEAK),
         .tracking = tracking_gains(leak_q24 * TRACKING_PER_LEAK),
         .acquisition_periods = (uint32_t)config->drive.pwm_frequency_Hz / ACQUISITION_DIVISOR,

@@ -70,7 +70,7 @@ Q_TARGET_INLINE void emf_observer_step(emf_observer_t *restrict observer, ab16_t
     const int32_t speed_q32 = observer->speed_q32;
     const int32_t alpha_q30 = observer->alpha_q30;
     const int32_t beta_q30 = observer->beta_q30;
-    const q_pair_t inductance = q_pair_load(&observer->minus_inductance);
+    const q_pair_t inductance = q_pair_load(&tuning->minus_inductance);
     const q_pair_t leak = q_pair_load(&tuning->minus_leak);
     const q_pair_t volt = q_pair_load(&tuning->volt);
     const q_pair_t resistance = q_pair_load(&tuning->minus_resistance);

@@ -207,6 +207,7 @@
 
 /* X(structure, field, "reason"): not part of the stored hashes */
 #define ORACLE_NOT_HASHED(X) \
+    X(observer_tuning_t, minus_inductance, "since the baseline") \
     X(torque_limits_t, losses, "between two modules of the slow step, shown nowhere") \
     X(torque_limits_t, drawn_b, "between two modules of the slow step, shown nowhere") \
     X(torque_limits_t, least_winding_mNm, "likewise") \

@@ -75,7 +75,7 @@ static inline bool gains_hold(const current_gains_t *gains)
            within(q_pair_y(gains->integral_q15), 0, PI_LARGEST_INTEGRAL_Q15) &&
            within(q_pair_x(gains->anti_windup_q15), 0, PI_LARGEST_ANTI_WINDUP_Q15) &&
            within(q_pair_y(gains->anti_windup_q15), 0, PI_LARGEST_ANTI_WINDUP_Q15) &&
-           within(gains->forward_d_q25, -(1 << 29), 1 << 29) &&
+           within(gains->forward_d_q25, -3 * (1 << 28), 3 * (1 << 28)) &&
            within(gains->forward_q_q25, -3 * (1 << 28), 3 * (1 << 28));
 }
 
@@ -90,7 +90,8 @@ static inline bool tuning_holds(const current_tuning_t *tuning)
 {
     return pi_gains_hold(&tuning->d) && pi_gains_hold(&tuning->q) &&
            within(tuning->w_l_d_q10, -16383, 16383) && within(tuning->w_l_q_q10, -16383, 16383) &&
-           tuning->forward_d_q25 == 0 && within(tuning->forward_q_q25, -(1 << 28), 1 << 28);
+           within(tuning->forward_d_q25, -(1 << 28), 1 << 28) &&
+           within(tuning->forward_q_q25, -(1 << 28), 1 << 28);
 }
 
 /* A vector in the stator frame within a circle (SOUNDNESS.md, Lengths of vectors): alpha and two
@@ -125,7 +126,8 @@ static inline bool observer_tuning_holds(const observer_tuning_t *tuning)
 {
     return both_within(tuning->volt, 0, MOST_STEP_Q15) &&
            both_within(tuning->minus_resistance, -MOST_STEP_Q15, 0) &&
-           both_within(tuning->minus_leak, -MOST_LEAK_Q16, 0);
+           both_within(tuning->minus_leak, -MOST_LEAK_Q16, 0) &&
+           both_within(tuning->minus_inductance, -MOST_INDUCTANCE_Q15, 0);
 }
 
 static inline bool bits31(int32_t x)
@@ -253,7 +255,6 @@ static inline bool observer_holds(const emf_observer_t *observer)
 {
     return bits31(observer->alpha_q30) && bits31(observer->beta_q30) &&
            bits31(observer->speed_q32) && bits31(observer->start_speed_q32) &&
-           both_within(observer->minus_inductance, -MOST_INDUCTANCE_Q15, 0) &&
            observer_gains_hold(observer->gains) && observer_gains_hold(observer->acquisition) &&
            observer_gains_hold(observer->tracking) && q_abs(q_pair_x(observer->x.v)) <= 32768 &&
            q_abs(q_pair_y(observer->x.v)) <= 32768;

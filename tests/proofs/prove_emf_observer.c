@@ -24,12 +24,11 @@ static int32_t any_31_bits(void)
 }
 
 /* A state whose flux is anywhere in its range. */
-static emf_observer_t any_flux(int32_t inductance_q15)
+static emf_observer_t any_flux(void)
 {
     const emf_observer_t out = {
         .alpha_q30 = any_31_bits(),
         .beta_q30 = any_31_bits(),
-        .minus_inductance = both(-inductance_q15),
     };
     return out;
 }
@@ -45,11 +44,12 @@ void prove_emf_observer_flux(void)
 {
     static const q_pair_t axes[ANGLE_TABLE_POINTS];
     any_axes = axes;
-    emf_observer_t observer = any_flux(any_within(0, MOST_INDUCTANCE_Q15));
+    emf_observer_t observer = any_flux();
     const observer_tuning_t tuning = {
         .volt = both(any_within(0, MOST_STEP_Q15)),
         .minus_resistance = both(any_within(-MOST_STEP_Q15, 0)),
         .minus_leak = both(any_within(-MOST_LEAK_Q16, 0)),
+        .minus_inductance = both(any_within(-MOST_INDUCTANCE_Q15, 0)),
     };
     emf_observer_step(&observer, any_current(), any_current(), &tuning);
     PROVE(q_abs(q_pair_x(observer.x.v)) <= 32768 && q_abs(q_pair_y(observer.x.v)) <= 32768);
@@ -65,13 +65,13 @@ void prove_emf_observer_tracking(void)
 {
     q_pair_t axes[ANGLE_TABLE_POINTS]; /* of any content */
     any_axes = axes;
-    emf_observer_t observer = any_flux(MOST_INDUCTANCE_Q15);
+    emf_observer_t observer = any_flux();
     observer.theta_q32 = nondet_uint32();
     observer.speed_q32 = any_31_bits();
     observer.gains.proportional = MOST_PROPORTIONAL;
     observer.gains.integral = MOST_INTEGRAL;
     axes[observer.theta_q32 >> 24] = any_rotation().v;
-    const observer_tuning_t none = {.volt = both(0)};
+    const observer_tuning_t none = {.minus_inductance = both(-MOST_INDUCTANCE_Q15)};
     const ab16_t zero = {.v = both(0)};
     PROOF_EXAMPLE(observer.alpha_q30 == 0 && observer.beta_q30 == 0 && observer.theta_q32 == 0 &&
                   observer.speed_q32 == 0);

@@ -18,6 +18,7 @@
 #include "controller/controller.h"
 #include "derive.h"
 #include "tuning.h"
+#include "winding.h"
 /* The source, because of what it keeps to itself: relations_hold(). */
 #include "validate.c"
 
@@ -204,8 +205,9 @@ static void take_command(fast_setpoint_t *command, const config_t *config,
 {
     command->i_reference_pu.d = (int16_t)take16(bytes);
     command->i_reference_pu.q = (int16_t)take16(bytes);
+    const winding_t winding = winding_constants(config);
     command->tuning = current_tuning(
-        config, modulation_limit_q15, take_within(bytes, -32768, 32767),
+        config, &winding, modulation_limit_q15, take_within(bytes, -32768, 32767),
         take_within(bytes, INT32_MIN, INT32_MAX), take_within(bytes, INT32_MIN, INT32_MAX));
     command->i_d_sampling_correction_pu = take_within(bytes, INT32_MIN, INT32_MAX);
     command->dead_time_slope = dead_time_slope_at(config, take_within(bytes, INT32_MIN, INT32_MAX));

@@ -12,6 +12,7 @@
 #include "sense.h"
 #include "transforms.h"
 #include "tuning.h"
+#include "winding.h"
 
 static pair_t pair_of_angle(rotation_t angle)
 {
@@ -172,8 +173,10 @@ static current_tuning_t tuning_of(const kernel_tuning_t *tuning)
 kernel_tuning_t kernel_tuning(const config_t *config, int32_t modulation_limit_q15, int32_t v_dc_pu,
                               int32_t speed_q32)
 {
-    const current_tuning_t tuning = current_tuning(config, modulation_limit_q15, v_dc_pu, speed_q32,
-                                                   config->motor.reference_temperature_cC);
+    const winding_t winding = winding_constants(config);
+    const current_tuning_t tuning =
+        current_tuning(config, &winding, modulation_limit_q15, v_dc_pu, speed_q32,
+                       config->motor.reference_temperature_cC);
     const kernel_tuning_t out = {
         .d = plain_gains(tuning.d),
         .q = plain_gains(tuning.q),

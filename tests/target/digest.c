@@ -125,6 +125,7 @@ static void add_setpoint(digest_t *digest, const fast_setpoint_t *setpoint)
     add_pair(digest, setpoint->observer.volt);
     add_pair(digest, setpoint->observer.minus_resistance);
     add_pair(digest, setpoint->observer.minus_leak);
+    add_pair(digest, setpoint->observer.minus_inductance);
     add(digest, setpoint->observer.lead_turn);
     add_flag(digest, setpoint->observer.used);
     add_flag(digest, setpoint->calibrate_offsets);

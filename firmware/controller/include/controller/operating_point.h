@@ -29,6 +29,18 @@ typedef struct {
     int32_t magnets_pu;  /* psi/L_d, Q15 of the current base, at most 16 */
 } sampling_correction_t;
 
+/* winding.h: one axis around a pair of currents: psi = L i + flux. Units of config.current_loop. */
+typedef struct {
+    int32_t proportional_pu_q16, integral_pu_q24; /* at the reference temperature */
+    int32_t inductance_pu_q16;                    /* L */
+    int32_t flux_pu_q16;                          /* without saturation: the magnets', zero in q */
+} winding_axis_t;
+
+typedef struct {
+    winding_axis_t d, q;
+    int32_t chord_q_q15; /* psi_q/i_q times the current base, share of the observer's full scale */
+} winding_t;
+
 /* observer_tuning.h: lambda of the EMF observer */
 typedef struct {
     int32_t leak_q24;      /* lambda T */
@@ -50,6 +62,7 @@ typedef struct {
     int32_t modulation_limit_q15; /* foc_modulation_limit_q15() */
     int32_t magnets_pu;           /* psi/L_d at the reference temperature, Q15 */
     observer_constants_t observer;
+    winding_t winding;
     /* At the previous report. */
     foc_sums_t sums;
     uint16_t sequence;

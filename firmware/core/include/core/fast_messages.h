@@ -39,8 +39,8 @@ typedef struct {
 typedef struct {
     pi_gains_t d, q;
     int32_t w_l_d_q10, w_l_q_q10; /* decoupling: w L I_base, sign of speed, |.| < 16 */
-    int32_t forward_d_q25;        /* feed-forward: zero */
-    int32_t forward_q_q25;        /* feed-forward: back-EMF w psi, sign of speed, |.| <= 8 */
+    int32_t forward_d_q25;        /* feed-forward: -w psi_q at zero i_q, without saturation zero */
+    int32_t forward_q_q25;        /* feed-forward: back-EMF w psi; both |.| <= 8 */
     rotation_t advance;           /* electrical angle of 1.5 periods */
 } current_tuning_t;
 
@@ -55,6 +55,7 @@ typedef struct {
     /* Shares of the flux full scale, Q15, both components the same. */
     q_pair_t volt;             /* flux of one period with the voltage circle's radius, < 1/4 */
     q_pair_t minus_resistance; /* -R T I_base, > -1/4 */
+    q_pair_t minus_inductance; /* -L_q I_base, >= -4/5 */
     q_pair_t minus_leak;       /* -lambda T, Q16, >= -1/8 */
     uint16_t lead_turn; /* by which its flux leads the rotor at the present speed, with its sign */
     bool used;          /* the current controller uses the observer's angle */

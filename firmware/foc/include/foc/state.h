@@ -101,7 +101,6 @@ typedef struct {
     int32_t speed_q32;           /* turns per period */
     int32_t start_speed_q32;     /* when the bridge last stopped to switch */
     int32_t alpha_q30, beta_q30; /* integrated voltage less R i, with its leak */
-    q_pair_t minus_inductance;   /* -L_q I_base, Q15 */
     observer_gains_t gains;      /* in use */
     ab16_t x;                    /* active flux, Q14 */
     uint32_t periods;            /* of the acquisition, since its beginning */

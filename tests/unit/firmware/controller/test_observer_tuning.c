@@ -112,15 +112,18 @@ void test_voltage_and_resistance_are_shares_of_the_flux_full_scale(void)
         1e-6 * (config.motor.phase_resistance_uOhm + config.drive.loss_resistance_uOhm);
     const double circle_v =
         61.8 / sqrt(3.0) * foc_modulation_limit_q15(&config, BASES_MODEL_TIMER_Hz) / 32768.0;
+    const winding_t winding = {.chord_q_q15 = 4321};
     const int32_t cold_cC = config.motor.reference_temperature_cC;
     for (int k = 1; k <= 4; k++) {
-        const observer_tuning_t at =
-            observer_tuning(&constants, &constants.start, &config, 8192 * k, 0, cold_cC + 2500 * k);
+        const observer_tuning_t at = observer_tuning(&constants, &winding, &constants.start,
+                                                     &config, 8192 * k, 0, cold_cC + 2500 * k);
         const double warm = 1.0 + 0.00393 * 25.0 * k;
         TEST_ASSERT_DOUBLE_WITHIN(1.5, 32768.0 * T * circle_v * k / 4.0 / FULL_SCALE_WB,
                                   q_pair_x(at.volt));
         TEST_ASSERT_DOUBLE_WITHIN(1.5, -32768.0 * T * r_ohm * warm * 165.0 / FULL_SCALE_WB,
                                   q_pair_y(at.minus_resistance));
+        TEST_ASSERT_EQUAL_INT32(-4321, q_pair_x(at.minus_inductance));
+        TEST_ASSERT_EQUAL_INT32(-4321, q_pair_y(at.minus_inductance));
         TEST_ASSERT_FALSE(at.used);
     }
 }

@@ -7,6 +7,7 @@
 
 #include "tuning.h"
 #include "unity.h"
+#include "winding.h"
 
 extern const config_t CONFIG_LU2013;
 
@@ -21,9 +22,16 @@ void setUp(void)
 
 void tearDown(void) {}
 
+static current_tuning_t tuned_at(int32_t speed_q32)
+{
+    const winding_t winding = winding_constants(&config);
+    return current_tuning(&config, &winding, 27493, 28102, speed_q32,
+                          config.motor.reference_temperature_cC);
+}
+
 static current_tuning_t plain_tuning(void)
 {
-    return current_tuning(&config, 27493, 28102, 0, config.motor.reference_temperature_cC);
+    return tuned_at(0);
 }
 
 /* The voltages of a period, without delay compensation. */
@@ -58,8 +66,7 @@ void test_voltage_is_zero_at_zero_error_and_speed(void)
 
 void test_voltage_at_zero_current_is_the_back_emf(void)
 {
-    const current_tuning_t tuning =
-        current_tuning(&config, 27493, 28102, 20000000, config.motor.reference_temperature_cC);
+    const current_tuning_t tuning = tuned_at(20000000);
     const voltages_t out = step(&tuning, 0, 0, 0, 0);
     TEST_ASSERT_EQUAL_INT32(0, out.applied.d);
     TEST_ASSERT_INT32_WITHIN(1, tuning.forward_q_q25 >> 10, out.applied.q);

@@ -13,6 +13,7 @@
 #include "paper_vehicle.h"
 #include "random_values.h"
 #include "unity.h"
+#include "winding.h"
 
 static const double PI = 3.14159265358979323846;
 static const double T = 50e-6;
@@ -24,6 +25,7 @@ static const int32_t V_DC_PU = 32000; /* holds the EMF at 60 km/h */
 static config_t config;
 static emf_observer_t observer;
 static observer_constants_t constants;
+static winding_t winding;
 static double r_ohm, volt_per_pu;
 static uint32_t period_count;
 
@@ -33,6 +35,7 @@ void setUp(void)
     emf_observer_init(&observer, &config);
     constants =
         observer_constants(&config, foc_modulation_limit_q15(&config, BASES_MODEL_TIMER_Hz));
+    winding = winding_constants(&config);
     r_ohm = 1e-6 * (config.motor.phase_resistance_uOhm + config.drive.loss_resistance_uOhm);
     volt_per_pu = 1e-3 * config.drive.voltage_full_scale_mV * V_DC_PU / 32768.0 / sqrt(3.0) *
                   foc_modulation_limit_q15(&config, BASES_MODEL_TIMER_Hz) / 32768.0;
@@ -83,8 +86,9 @@ static void period(machine_t *m, double with_r_ohm)
     if (++period_count % EMF_OBSERVER_ACQUIRE_PERIODS == 0) {
         emf_observer_acquire(&observer);
     }
-    const observer_tuning_t tuning = observer_tuning(&constants, &constants.start, &config, V_DC_PU,
-                                                     0, config.motor.reference_temperature_cC);
+    const observer_tuning_t tuning =
+        observer_tuning(&constants, &winding, &constants.start, &config, V_DC_PU, 0,
+                        config.motor.reference_temperature_cC);
     emf_observer_step(&observer, voltage, current, &tuning);
     m->theta += m->w * T;
 }
@@ -198,6 +202,7 @@ void test_any_input_keeps_the_state_in_its_range(void)
         const observer_tuning_t tuning = {
             .volt = both(random_between(&random, 0, 8191)),
             .minus_resistance = both(random_between(&random, -8191, 0)),
+            .minus_inductance = both(random_between(&random, -26214, 0)),
         };
         emf_observer_step(&observer, v[0], v[1], &tuning);
         TEST_ASSERT_TRUE(abs(observer.speed_q32) <= 1 << 30);

@@ -8,6 +8,8 @@
 #include "emf_observer.h"
 #include "field_weakening.h"
 #include "sense.h"
+#include "tuning.h"
+#include "winding.h"
 
 #include "foc_rig.h"
 
@@ -184,8 +186,9 @@ void test_voltage_angle_is_advanced_by_one_and_a_half_periods(void)
     for (uint32_t theta = 0; theta < 65536U; theta += 1013U) {
         restart();
         in.rotor_angle_turn = (uint16_t)theta;
+        const winding_t winding = winding_constants(&config);
         setpoint.tuning = current_tuning(
-            &config, foc_modulation_limit_q15(&config, BASES_MODEL_TIMER_Hz), 3513 * 8,
+            &config, &winding, foc_modulation_limit_q15(&config, BASES_MODEL_TIMER_Hz), 3513 * 8,
             (int32_t)lround(speed_turns * 0.5 * 4294967296.0), /* half: inside the circle */
             config.motor.reference_temperature_cC);
         step(true);

@@ -343,10 +343,11 @@ def test_the_firmwares_scaled_gains_are_inside_the_proved_intervals(
 ) -> None:
     library = tmp_path / "loop.so"
     includes = [
-        f"-I{ROOT / 'firmware' / module / 'include'}" for module in ("config", "core", "foc")
+        f"-I{ROOT / 'firmware' / module / 'include'}" for module in ("config", "controller", "core", "foc")
     ]
     sources = [
-        str(ROOT / "firmware" / "controller" / "tuning.c"),
+        *(str(ROOT / "firmware" / "controller" / f"{name}.c") for name in ("tuning", "winding")),
+        str(ROOT / "firmware" / "foc" / "observer_design.c"),
         *map(str, (ROOT / "firmware" / "core").glob("*.c")),
     ]
     subprocess.run(
@@ -360,8 +361,12 @@ def test_the_firmwares_scaled_gains_are_inside_the_proved_intervals(
             pi_gains_t d, q;
             int32_t w_l_d_q10, w_l_q_q10, forward_d_q25, forward_q_q25, rest[8];
         } tuning_t;
-        tuning_t current_tuning(const void *config, int32_t limit_q15, int32_t v_dc_pu,
-                                        int32_t speed_q32, int32_t winding_temperature_cC);
+        typedef struct {
+            int32_t of_d[4], of_q[4], rest;
+        } winding_t;
+        winding_t winding_constants(const void *config);
+        tuning_t current_tuning(const void *config, const winding_t *winding, int32_t limit_q15,
+                                int32_t v_dc_pu, int32_t speed_q32, int32_t winding_temperature_cC);
     """)
     firmware: Any = ffi.dlopen(str(library))
     drive = schema.load(path)
@@ -370,6 +375,7 @@ def test_the_firmwares_scaled_gains_are_inside_the_proved_intervals(
     config: Any = layout.load().ffi.from_buffer("config_t *", image.build(drive))
     limit = config.current_loop.modulation_limit_pu_q15
     full_scale, base = drive.inverter.voltage_full_scale_v, loops.bases(drive)
+    winding = ffi.new("winding_t *", firmware.winding_constants(raw))
     largest: dict[str, float] = {}
     buses = np.linspace(loops.undervoltage_trip_v(drive), derived.overvoltage_trip_v(drive), 7)
     for winding_c in (drive.table.temperature_range_c[0], drive.motor.max_winding_temperature_c):
@@ -378,6 +384,7 @@ def test_the_firmwares_scaled_gains_are_inside_the_proved_intervals(
             turns = omega * base.period_s / (2.0 * math.pi)
             tuning = firmware.current_tuning(
                 raw,
+                winding,
                 limit,
                 round(bus / full_scale * 32768),
                 round(turns * 2**32),
