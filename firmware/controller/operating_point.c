@@ -5,6 +5,7 @@
 #include "core/q15.h"
 #include "core/sqrt3.h"
 #include "foc/foc.h"
+#include "motor/flux_map.h"
 #include "observer_tuning.h"
 #include "sampling_correction.h"
 #include "tuning.h"
@@ -119,6 +120,7 @@ void operating_point_of(operating_point_state_t *state, const config_t *config, 
     average(state, report);
     state->speed_q32 = speed.turn_q32;
     state->winding_temperature_cC = winding_temperature_cC;
+    state->i_d_weakening_pu = report->i_d_weakening_pu;
     state->sampling =
         sampling_correction_at(config, state->magnets_pu, speed.turn_q32, winding_temperature_cC);
     const sampling_correction_t *sampling = &state->sampling;
@@ -142,6 +144,16 @@ void operating_point_of(operating_point_state_t *state, const config_t *config, 
     out->latest_u_q_mV = part_of(radius_mV, latest_u.q);
 }
 
+/* From the present current to the one that a reference makes. */
+static winding_path_t path_of(const operating_point_state_t *state, dq_t reference_pu)
+{
+    const winding_path_t out = {
+        .from_pu = state->i_pu,
+        .to_pu = {.d = reference_pu.d + state->i_d_weakening_pu, .q = reference_pu.q},
+    };
+    return out;
+}
+
 void operating_point_setpoint(const operating_point_state_t *state, const config_t *config,
                               int32_t i_d_mA, int32_t i_q_mA, fast_setpoint_t *setpoint)
 {
@@ -151,13 +163,18 @@ void operating_point_setpoint(const operating_point_state_t *state, const config
     setpoint->i_reference_pu.d = q_saturate16(sampled_pu.d);
     setpoint->i_reference_pu.q = q_saturate16(sampled_pu.q);
     setpoint->i_d_sampling_correction_pu = sampling_correction_d_pu(&state->sampling);
-    setpoint->tuning =
-        current_tuning(config, &state->winding, state->modulation_limit_q15, state->v_dc_pu,
-                       state->speed_q32, state->winding_temperature_cC);
+    winding_t local;
+    const winding_t *winding = &state->winding;
+    if (flux_map_present(config)) {
+        winding = winding_at(config, winding, path_of(state, setpoint->i_reference_pu),
+                             state->winding_temperature_cC, &local);
+    }
+    setpoint->tuning = current_tuning(config, winding, state->modulation_limit_q15, state->v_dc_pu,
+                                      state->speed_q32, state->winding_temperature_cC);
     setpoint->dead_time_slope = dead_time_slope_at(config, state->v_dc_pu);
     setpoint->observer =
-        observer_tuning(&state->observer, &state->winding, &state->observer_leak, config,
-                        state->v_dc_pu, state->observer_lead_turn, state->winding_temperature_cC);
+        observer_tuning(&state->observer, winding, &state->observer_leak, config, state->v_dc_pu,
+                        state->observer_lead_turn, state->winding_temperature_cC);
 }
 
 void operating_point_initial_setpoint(const config_t *config, int32_t timer_Hz,

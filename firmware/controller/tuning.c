@@ -49,6 +49,12 @@ typedef struct {
     int32_t w_l_q10, w_flux_q25;
 } axis_tuning_t;
 
+static int32_t emf_q25(int32_t flux_pu_q16, const conditions_t *at)
+{
+    const int64_t flux_q16 = scaled(flux_pu_q16, 16, at->factor_q22, 16);
+    return q_limit(q_saturate64((flux_q16 * at->speed_q24) >> 15), LARGEST_EMF_Q25);
+}
+
 static axis_tuning_t axis_tuning(const winding_axis_t *axis, const conditions_t *at)
 {
     const int32_t integral_q24 = share_of(at->winding_q24, axis->integral_pu_q24);
@@ -58,7 +64,6 @@ static axis_tuning_t axis_tuning(const winding_axis_t *axis, const conditions_t 
     /* k_i / k_p does not depend on the bus voltage: Q24 over Q20 is Q4, times 2^24. */
     const int32_t anti_windup_q28 = scaled_ratio(integral_q24, axis->proportional_pu_q16 * 16);
     const int64_t inductance_q16 = scaled(axis->inductance_pu_q16, 16, at->factor_q22, 16);
-    const int64_t flux_q16 = scaled(axis->flux_pu_q16, 16, at->factor_q22, 16);
     const axis_tuning_t out = {
         .gains =
             {
@@ -67,7 +72,7 @@ static axis_tuning_t axis_tuning(const winding_axis_t *axis, const conditions_t 
                 .anti_windup_q15 = gain_within(anti_windup_q28 >> 13, PI_LARGEST_ANTI_WINDUP_Q15),
             },
         .w_l_q10 = coupling_q10(inductance_q16 * at->speed_q24),
-        .w_flux_q25 = q_limit(q_saturate64((flux_q16 * at->speed_q24) >> 15), LARGEST_EMF_Q25),
+        .w_flux_q25 = axis->flux_pu_q16 == 0 ? 0 : emf_q25(axis->flux_pu_q16, at),
     };
     return out;
 }

@@ -20,7 +20,7 @@
 
 enum {
     MOST_READING_SUM_PU = 3 * SENSE_CODE_MAX * 16,
-    MOST_UNSATURATED_Q25 = 50 * (1 << 25),
+    MOST_UNSATURATED_Q25 = 58 * (1 << 25), /* feed-forward and decoupling apart from each other */
     /* Prefilter and predictor: the largest coefficients of any bandwidth (tests/unit). */
     MOST_ONE_MINUS_B0_Q15 = 16384,
     MOST_MINUS_B2_Q15 = 9400,

@@ -62,12 +62,13 @@ typedef struct {
     int32_t modulation_limit_q15; /* foc_modulation_limit_q15() */
     int32_t magnets_pu;           /* psi/L_d at the reference temperature, Q15 */
     observer_constants_t observer;
-    winding_t winding;
+    winding_t winding; /* winding_constants() */
     /* At the previous report. */
     foc_sums_t sums;
     uint16_t sequence;
     /* At this one. */
-    dq_t i_pu;        /* means of the averaging window, sampled currents */
+    dq_t i_pu; /* means of the averaging window, sampled currents */
+    int32_t i_d_weakening_pu;
     int32_t power_pu; /* of u_d i_d + u_q i_q */
     int32_t v_dc_pu;
     int32_t speed_q32;
