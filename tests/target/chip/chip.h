@@ -67,6 +67,7 @@ typedef struct {
     double current_a[3];                        /* STM32G431: of the phases, into the motor */
     uint16_t driven[6];                         /* ports A to F: pins that the board drives */
     uint16_t level[6];                          /* and how */
+    uint16_t spike[6];                          /* shown inverted at the port's next read alone */
     uint16_t encoder_count;                     /* of the quadrature signals at TIM3 */
     uint16_t encoder_index_count;               /* count at the latest index pulse */
     bool encoder_index;                         /* one has come since the last call */

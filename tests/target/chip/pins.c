@@ -99,7 +99,9 @@ uint32_t chip_pins_read(chip_t *chip, uint32_t address)
             continue;
         }
         if (address == of(port, CHIP_GPIOA_IDR)) {
-            return read_port(chip, port);
+            const uint32_t spike = chip->in.spike[port - 'A'];
+            chip->in.spike[port - 'A'] = 0;
+            return read_port(chip, port) ^ spike;
         }
     }
     return (address ^ CHIP_ENCODER_CR1) < 0x400U ? read_encoder(chip, address)

@@ -101,6 +101,56 @@ static bool takes_an_encoder(void)
                         "refuses an encoder whose pins are another timer's");
 }
 
+/* ---- halls 60 degrees apart, one sample of a line wrong in two of eight periods ---- */
+
+enum { SIXTY_DEGREES = 10, SPIKES_EVERY = 8 };
+
+static fast_output_t disturbed_period(void *context, const fast_input_t *in)
+{
+    static unsigned periods;
+    (void)context;
+    periods++;
+    if (periods % SPIKES_EVERY < 2) {
+        const wire_t line = boards_chosen()->hall[periods / SPIKES_EVERY % 3];
+        chip_inputs(rig.chip)->spike[line.port - 'A'] = (uint16_t)(1U << line.pin);
+    }
+    return rig.coupling.period(rig.coupling.context, in);
+}
+
+static slow_output_t millisecond(void *context, const slow_input_t *in)
+{
+    (void)context;
+    return rig.coupling.millisecond(rig.coupling.context, in);
+}
+
+static bool drives_by_disturbed_halls(void)
+{
+    static const wheel_coupling_t DISTURBED = {.period = disturbed_period,
+                                               .millisecond = millisecond};
+    rig.config.rotor.sensor = CONFIG_ROTOR_HALL;
+    rig.config.rotor.hall_lines = SIXTY_DEGREES;
+    rig.config.crc32 = config_crc32(&rig.config, (uint32_t)offsetof(config_t, crc32));
+    if (!chip_write(rig.chip, IMAGE_CONFIGURATION_BEGINS, &rig.config, sizeof rig.config)) {
+        return wrong("the configuration cannot be written");
+    }
+    boot();
+    bench_params_t params = image_vehicle();
+    params.sensors.hall_lines = SIXTY_DEGREES;
+    const driver_trace_t none = {.points = 0};
+    bench_init(&rig.bench, &params, &rig.config, &none);
+    rig.bench.wheel[0].coupling = &DISTURBED;
+    if (!expect(bench_start(&rig.bench) == BENCH_READY, "comes to RUN by halls 60 degrees apart")) {
+        return false;
+    }
+    rig.bench.speed_prescribed = true;
+    rig.bench.vehicle.speed_m_per_s = 5.0;
+    run(0.4);
+    const wheel_t *wheel = &rig.bench.wheel[0];
+    printf("halls: mode %d, warning %d\n", (int)wheel->slow.mode, (int)wheel->slow.warning_reason);
+    return expect(wheel->slow.mode == MODE_RUN && wheel->first_fault == REASON_NONE,
+                  "one wrong sample of a hall line has no effect");
+}
+
 int main(int argc, char **argv)
 {
     if (argc != 4) {
@@ -108,7 +158,8 @@ int main(int argc, char **argv)
         return 2;
     }
     const bool good = use_board(argv[2], argv[3]) && open_rig(argv[1]) && measures() &&
-                      open_rig(argv[1]) && takes_an_encoder();
+                      open_rig(argv[1]) && takes_an_encoder() && open_rig(argv[1]) &&
+                      drives_by_disturbed_halls();
     printf("%s\n", good ? "as it must be" : rig.why);
     if (!good && rig.chip != NULL) {
         printf("%s\n", chip_text(rig.chip));
