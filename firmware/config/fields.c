@@ -20,6 +20,13 @@
     X(x, 2000000) X(x, 3000000) X(x, 3276600) X(x, 3276700) X(x, 4000000) X(x, 5000000)            \
     X(x, 16777216) X(x, 20000000) X(x, 100000000) X(x, 1000000000) X(x, 2000000000)
 
+/* A port without flux maps (flux_relations.h) knows no fields of theirs, which are the last. */
+#ifdef CONFIG_WITHOUT_FLUX_MAP
+#define FLUX_FIELDS(X, Y)
+#else
+#define FLUX_FIELDS(X, Y) CONFIG_FLUX_MAP_FIELDS(X) CONFIG_FLUX_MAP_ARRAY(Y)
+#endif
+
 /* In the order of config_t. */
 #define ALL_FIELDS(X, Y)                                                                           \
     CONFIG_MOTOR_FIELDS(X) CONFIG_DRIVE_FIELDS(X) CONFIG_CURRENT_LOOP_FIELDS(X)                    \
@@ -28,8 +35,7 @@
     CONFIG_PEDALS_ARRAY(Y) CONFIG_SERVICE_FIELDS(X) CONFIG_MODES_FIELDS(X)                         \
     CONFIG_MONITOR_FIELDS(X) CONFIG_THERMAL_FIELDS(X) CONFIG_TEMPERATURE_FIELDS(X)                 \
     CONFIG_TEMPERATURE_ARRAY(Y) CONFIG_REGEN_MAP_FIELDS(X) CONFIG_REGEN_MAP_ARRAY(Y)               \
-    CONFIG_CURRENT_MAP_FIELDS(X) CONFIG_CURRENT_MAP_ARRAY(Y) CONFIG_FLUX_MAP_FIELDS(X)             \
-    CONFIG_FLUX_MAP_ARRAY(Y)
+    CONFIG_CURRENT_MAP_FIELDS(X) CONFIG_CURRENT_MAP_ARRAY(Y) FLUX_FIELDS(X, Y)
 /* clang-format on */
 
 #define BOUND(x, bound) (bound),
@@ -67,14 +73,14 @@ typedef struct {
 #define CURVE_SIZE(name, count, lowest, highest, unit, text) SIZE(temperature, name, count)
 #define REGEN_SIZE(name, count, lowest, highest, unit, text) SIZE(regen_map, name, count)
 #define CURRENT_SIZE(name, count, lowest, highest, unit, text) SIZE(current_map, name, count)
+#define NO_SIZE(name, lowest, highest, unit, text)
 #define FLUX_SIZE(name, count, lowest, highest, unit, text) SIZE(flux_map, name, count)
 
 /* The fields of more than one value. */
-static const array_t ARRAYS[] = {CONFIG_HALL_ARRAY(ROTOR_SIZE) CONFIG_PEDALS_ARRAY(PEDALS_SIZE)
-                                     CONFIG_TEMPERATURE_ARRAY(CURVE_SIZE)
-                                         CONFIG_REGEN_MAP_ARRAY(REGEN_SIZE)
-                                             CONFIG_CURRENT_MAP_ARRAY(CURRENT_SIZE)
-                                                 CONFIG_FLUX_MAP_ARRAY(FLUX_SIZE)};
+static const array_t ARRAYS[] = {
+    CONFIG_HALL_ARRAY(ROTOR_SIZE) CONFIG_PEDALS_ARRAY(PEDALS_SIZE)
+        CONFIG_TEMPERATURE_ARRAY(CURVE_SIZE) CONFIG_REGEN_MAP_ARRAY(REGEN_SIZE)
+            CONFIG_CURRENT_MAP_ARRAY(CURRENT_SIZE) FLUX_FIELDS(NO_SIZE, FLUX_SIZE)};
 
 #define NAME(name, lowest, highest, unit, text) #name "\0"
 #define ARRAY_NAME(name, count, lowest, highest, unit, text) #name "\0"
@@ -108,7 +114,10 @@ static const section_t SECTIONS[] = {
     SECTION(temperature, CONFIG_TEMPERATURE_FIELDS(NAME) CONFIG_TEMPERATURE_ARRAY(ARRAY_NAME)),
     SECTION(regen_map, CONFIG_REGEN_MAP_FIELDS(NAME) CONFIG_REGEN_MAP_ARRAY(ARRAY_NAME)),
     SECTION(current_map, CONFIG_CURRENT_MAP_FIELDS(NAME) CONFIG_CURRENT_MAP_ARRAY(ARRAY_NAME)),
-    SECTION(flux_map, CONFIG_FLUX_MAP_FIELDS(NAME) CONFIG_FLUX_MAP_ARRAY(ARRAY_NAME))};
+#ifndef CONFIG_WITHOUT_FLUX_MAP
+    SECTION(flux_map, CONFIG_FLUX_MAP_FIELDS(NAME) CONFIG_FLUX_MAP_ARRAY(ARRAY_NAME)),
+#endif
+};
 
 /* Range and size of the field with this number, and its section where one begins. */
 static void describe(config_field_t *field)

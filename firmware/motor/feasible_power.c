@@ -170,61 +170,65 @@ static int32_t near_root_b(const power_t *p, int32_t left, int32_t sign)
     return (left > 0) == (sign > 0) ? clamped_b(scaled_ratio(2 * left, sum)) : 0;
 }
 
-int32_t feasible_by_drawn_at(const feasible_side_t *side, int32_t power_b, motor_point_t *at)
+int32_t feasible_by_drawn_at(const feasible_side_t *side, int32_t power_b, motor_point_t *found)
 {
     const motor_model_t *m = side->set->model;
     const bool drives = side->sign > 0;
     const int32_t most_b = drives ? power_b : q_max(power_b, m->constants->negligible_power_b);
-    *at = side->cap;
-    power_t p = power_at(side->set, at->d_b);
-    (void)add_switching(&p, m, at);
-    if (power_of_x_b(&p, at->x_b) <= most_b) {
+    motor_point_t at = side->cap;
+    *found = at;
+    power_t p = power_at(side->set, at.d_b);
+    (void)add_switching(&p, m, &at);
+    if (power_of_x_b(&p, at.x_b) <= most_b) {
         return FEASIBLE_UNBOUNDED;
     }
     bool last = false;
     for (int pass = 0;; pass++) {
         const int32_t left = coefficient((int64_t)most_b - p.c);
         if (drives) {
-            at->x_b = near_root_b(&p, left, 1);
+            at.x_b = near_root_b(&p, left, 1);
         } else {
             const int32_t sum = p.b + scaled_root(square(p.b) + 4 * (int64_t)p.a * left);
-            at->x_b = clamped_b(-scaled_ratio(sum, q_max(2 * p.a, 1)));
+            at.x_b = clamped_b(-scaled_ratio(sum, q_max(2 * p.a, 1)));
         }
-        at->d_b = clamped_b(p.offset_b + scaled_multiply(p.slope, at->x_b));
+        at.d_b = clamped_b(p.offset_b + scaled_multiply(p.slope, at.x_b));
         if (last) {
-            return feasible_magnitude_mNm(side, motor_model_airgap_b(m, *at));
+            *found = at;
+            return feasible_magnitude_mNm(side, motor_model_airgap_b(m, at));
         }
-        last = !corrected(side->set, at, drives, &p) || pass == CORRECTIONS - 1;
-        (void)add_switching(&p, m, at);
+        last = !corrected(side->set, &at, drives, &p) || pass == CORRECTIONS - 1;
+        (void)add_switching(&p, m, &at);
     }
 }
 
 int32_t feasible_by_returned_at(const feasible_side_t *side, feasible_returned_t returned,
-                                motor_point_t *at)
+                                motor_point_t *found)
 {
     const motor_model_t *m = side->set->model;
-    *at = side->cap;
-    power_t p = power_at(side->set, at->d_b);
-    int32_t i_q_b = add_switching(&p, m, at);
-    p.c = coefficient((int64_t)p.c + charging_b(m, *at, i_q_b, returned));
-    const int64_t vertex_b = 2 * (((int64_t)p.a * at->x_b) >> 24) + p.b;
-    if (vertex_b >= 0 && power_of_x_b(&p, at->x_b) >= 0) {
+    motor_point_t at = side->cap;
+    *found = at;
+    power_t p = power_at(side->set, at.d_b);
+    int32_t i_q_b = add_switching(&p, m, &at);
+    p.c = coefficient((int64_t)p.c + charging_b(m, at, i_q_b, returned));
+    const int64_t vertex_b = 2 * (((int64_t)p.a * at.x_b) >> 24) + p.b;
+    if (vertex_b >= 0 && power_of_x_b(&p, at.x_b) >= 0) {
         return FEASIBLE_UNBOUNDED; /* the power returned up to the cap is below the bound */
     }
     bool last = false;
     for (int pass = 0;; pass++) {
-        at->x_b = near_root_b(&p, -p.c, -1);
-        at->d_b = clamped_b(p.offset_b + scaled_multiply(p.slope, at->x_b));
+        at.x_b = near_root_b(&p, -p.c, -1);
+        at.d_b = clamped_b(p.offset_b + scaled_multiply(p.slope, at.x_b));
         if (last) {
+            *found = at;
             const int32_t missing_b = m->constants->negligible_power_b - q_max(returned.power_b, 0);
             const int32_t least_b = coefficient((int64_t)p.c + q_max(missing_b, 0));
             return p.b <= 0 || square(p.b) < 4 * (int64_t)p.a * least_b
                        ? FEASIBLE_UNBOUNDED
-                       : feasible_magnitude_mNm(side, motor_model_airgap_b(m, *at));
+                       : feasible_magnitude_mNm(side, motor_model_airgap_b(m, at));
         }
-        at->x_b = q_max(at->x_b, side->cap.x_b);
-        last = !corrected(side->set, at, true, &p) || pass == CORRECTIONS - 1;
-        i_q_b = add_switching(&p, m, at);
-        p.c = coefficient((int64_t)p.c + charging_b(m, *at, i_q_b, returned));
+        at.x_b = q_max(at.x_b, side->cap.x_b);
+        last = !corrected(side->set, &at, true, &p) || pass == CORRECTIONS - 1;
+        i_q_b = add_switching(&p, m, &at);
+        p.c = coefficient((int64_t)p.c + charging_b(m, at, i_q_b, returned));
     }
 }

@@ -176,8 +176,7 @@ void feasible_set_around(feasible_set_t *set, motor_model_t *model, motor_curren
 {
     if (flux_map_present(model->config)) {
         const int32_t voltage_b = scaled_root(set->voltage_squared);
-        *model = motor_model_around(model->constants, model->config, model->speed_mrad_s,
-                                    model->winding_temperature_cC, around);
+        motor_model_move(model, around);
         set->power = feasible_power_of(model);
         set->weakest_d_b = weakest_d_b(model, voltage_b);
     }

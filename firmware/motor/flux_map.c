@@ -75,6 +75,11 @@ static int32_t inductance_nH(const config_flux_map_t *map, int32_t change, int32
     return q_saturate64(((int64_t)change * per_entry) >> (ONE_LOG2 + 21 - map->lsb_log2));
 }
 
+bool flux_map_present(const config_t *config)
+{
+    return config->flux_map.d_points > 0;
+}
+
 flux_map_point_t flux_map_at(const config_t *config, int32_t i_d_mA, int32_t i_q_mA)
 {
     const config_flux_map_t *map = &config->flux_map;

@@ -133,6 +133,37 @@ static flux_t flux_around(const motor_constants_t *k, const config_t *config, in
     return of_map(k, config, shift_mA, at);
 }
 
+/* All that follows from the fluxes. */
+static void set_flux(motor_model_t *m, const flux_t *flux, int32_t conductance)
+{
+    const int32_t w_b = m->speed_b;
+    m->inductance_d_b = flux->d_b;
+    m->inductance_q_b = flux->q_b;
+    m->flux_b = flux->flux_b;
+    m->saliency_b = within_b(flux->d_b - flux->q_b);
+    m->slope_flux_b = flux->slope_flux_b;
+    m->slope_saliency_b = flux->slope_saliency_b;
+    m->reactance_d_b = within_b(scaled_multiply(w_b, flux->d_b));
+    m->reactance_q_b = within_b(scaled_multiply(w_b, flux->q_b));
+    if (m->saliency_b == 0) {
+        m->x_per_airgap_q23 =
+            scaled_multiply(m->constants->torque_inverse_q24, scaled_ratio(1 << 23, m->flux_b));
+    }
+    m->emf_b = within_b(scaled_multiply(w_b, m->flux_b));
+    if (conductance > 0) {
+        m->cross_d = within_b(scaled_multiply(m->reactance_d_b, conductance));
+        m->cross_q = within_b(scaled_multiply(m->reactance_q_b, conductance));
+        m->iron_current_b = q_min(scaled_multiply(m->emf_b, conductance), MOST_CURRENT_b);
+        m->one_plus_a2 = q_min(SCALED_ONE + scaled_multiply(m->cross_d, m->cross_q), MOST_b);
+        m->inverse_one_plus_a2 = scaled_ratio(SCALED_ONE, m->one_plus_a2);
+        m->flux_per_x = scaled_multiply(m->saliency_b, m->cross_q);
+    }
+    m->voltage_q_b = within_b(m->emf_b + scaled_multiply(m->resistance_b, m->iron_current_b));
+    m->voltage_q_per_x = within_b(scaled_multiply(m->resistance_b, m->one_plus_a2) +
+                                  scaled_multiply(m->reactance_d_b, m->cross_q));
+    m->voltage_q_per_d = within_b(m->reactance_d_b + scaled_multiply(m->resistance_b, m->cross_d));
+}
+
 motor_model_t motor_model_around(const motor_constants_t *constants, const config_t *config,
                                  int32_t speed_mrad_s, int32_t winding_temperature_cC,
                                  motor_current_t around)
@@ -154,37 +185,23 @@ motor_model_t motor_model_around(const motor_constants_t *constants, const confi
         .speed_mrad_s = speed_mrad_s,
         .winding_temperature_cC = winding_temperature_cC,
         .speed_b = w_b,
-        .inductance_d_b = flux.d_b,
-        .inductance_q_b = flux.q_b,
-        .flux_b = flux.flux_b,
-        .saliency_b = within_b(flux.d_b - flux.q_b),
-        .slope_flux_b = flux.slope_flux_b,
-        .slope_saliency_b = flux.slope_saliency_b,
-        .reactance_d_b = within_b(scaled_multiply(w_b, flux.d_b)),
-        .reactance_q_b = within_b(scaled_multiply(w_b, flux.q_b)),
         .resistance_b = at_temperature_b(k->resistance_b, k->resistance_rise_b, rise_cK),
         .one_plus_a2 = SCALED_ONE,
         .inverse_one_plus_a2 = SCALED_ONE,
+        .friction_b = friction_b(k, w_b, q_abs(speed_mrad_s)),
     };
-    if (m.saliency_b == 0) {
-        m.x_per_airgap_q23 =
-            scaled_multiply(k->torque_inverse_q24, scaled_ratio(1 << 23, m.flux_b));
-    }
-    m.emf_b = within_b(scaled_multiply(w_b, m.flux_b));
-    if (conductance > 0) {
-        m.cross_d = within_b(scaled_multiply(m.reactance_d_b, conductance));
-        m.cross_q = within_b(scaled_multiply(m.reactance_q_b, conductance));
-        m.iron_current_b = q_min(scaled_multiply(m.emf_b, conductance), MOST_CURRENT_b);
-        m.one_plus_a2 = q_min(SCALED_ONE + scaled_multiply(m.cross_d, m.cross_q), MOST_b);
-        m.inverse_one_plus_a2 = scaled_ratio(SCALED_ONE, m.one_plus_a2);
-        m.flux_per_x = scaled_multiply(m.saliency_b, m.cross_q);
-    }
-    m.friction_b = friction_b(k, w_b, q_abs(speed_mrad_s));
-    m.voltage_q_b = within_b(m.emf_b + scaled_multiply(m.resistance_b, m.iron_current_b));
-    m.voltage_q_per_x = within_b(scaled_multiply(m.resistance_b, m.one_plus_a2) +
-                                 scaled_multiply(m.reactance_d_b, m.cross_q));
-    m.voltage_q_per_d = within_b(m.reactance_d_b + scaled_multiply(m.resistance_b, m.cross_d));
+    set_flux(&m, &flux, conductance);
     return m;
+}
+
+void motor_model_move(motor_model_t *model, motor_current_t around)
+{
+    if (flux_map_present(model->config)) {
+        const int32_t conductance = conductance_at(model->constants, model->speed_b);
+        const flux_t flux = flux_around(model->constants, model->config, model->speed_b,
+                                        conductance, model->winding_temperature_cC, around);
+        set_flux(model, &flux, conductance);
+    }
 }
 
 motor_model_t motor_model_at(const motor_constants_t *constants, const config_t *config,

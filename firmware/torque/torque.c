@@ -3,6 +3,7 @@
 
 #include "core/q15.h"
 #include "core/scaled.h"
+#include "motor/flux_map.h"
 #include "motor/motor_model.h"
 #include "torque/closing_voltage.h"
 
@@ -291,7 +292,9 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
     current_setpoint_t current = loss_braking_setpoint(
         &set, &state->table.losses, limited.command_mNm,
         current_setpoint_step(&set, limited.command_mNm, now->i_d_weakening_mA));
-    state->setpoint = setpoint_current(config, now, &current);
+    if (flux_map_present(config)) {
+        state->setpoint = setpoint_current(config, now, &current);
+    }
     /* The bounds are those of the present voltage; the command follows at the torque rate. */
     current.feasible = current.feasible || limited.falling;
 

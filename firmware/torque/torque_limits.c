@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "torque/torque_limits.h"
 
+#include <stddef.h>
+
 #include "config/pack_share.h"
 #include "core/fade.h"
 #include "core/q15.h"
@@ -390,70 +392,62 @@ feasible_side_t torque_limits_ends(torque_limits_t *table, motor_model_t *model,
     return side;
 }
 
-/* A bound that was found with a model that is exact at the end of the side, again with one that is
- * exact at its own currents, those of the step before. */
-typedef struct {
-    motor_model_t *model;
-    feasible_set_t *set;
-    motor_current_t end;
-    motor_current_t *own;
-} solved_again_t;
-
-static int32_t drawn_mNm(const solved_again_t *by, const feasible_side_t *side, int32_t power_b)
+/* A power that bounds at the end of the side, solved again around the bound's own currents, those
+ * of the step before: returned, or drawn. Afterwards the set is that of the end again. */
+static int32_t solved_again_mNm(motor_model_t *model, feasible_set_t *set,
+                                const feasible_side_t *side, const feasible_returned_t *returned,
+                                int32_t drawn_b, motor_current_t end, motor_current_t *own,
+                                int32_t by_end_mNm)
 {
-    motor_point_t at;
-    int32_t out_mNm = feasible_by_drawn_at(side, power_b, &at);
-    if (flux_map_present(by->model->config)) {
-        if (out_mNm != FEASIBLE_UNBOUNDED) {
-            feasible_set_around(by->set, by->model, *by->own);
-            out_mNm = q_min(feasible_by_drawn_at(side, power_b, &at), side->cap_mNm);
-        }
-        *by->own = motor_model_current(by->model, at);
-        feasible_set_around(by->set, by->model, by->end);
+    motor_point_t at = side->cap;
+    int32_t out_mNm = by_end_mNm;
+    if (by_end_mNm != FEASIBLE_UNBOUNDED) {
+        feasible_set_around(set, model, *own);
+        out_mNm = returned != NULL ? feasible_by_returned_at(side, *returned, &at)
+                                   : feasible_by_drawn_at(side, drawn_b, &at);
     }
-    return out_mNm;
-}
-
-static int32_t returned_mNm(const solved_again_t *by, const feasible_side_t *side,
-                            feasible_returned_t returned)
-{
-    motor_point_t at;
-    int32_t out_mNm = feasible_by_returned_at(side, returned, &at);
-    if (flux_map_present(by->model->config)) {
-        if (out_mNm != FEASIBLE_UNBOUNDED) {
-            feasible_set_around(by->set, by->model, *by->own);
-            out_mNm = q_min(feasible_by_returned_at(side, returned, &at), side->cap_mNm);
-        }
-        *by->own = motor_model_current(by->model, at);
-        feasible_set_around(by->set, by->model, by->end);
-    }
-    return out_mNm;
+    *own = motor_model_current(model, at);
+    feasible_set_around(set, model, end);
+    return out_mNm == FEASIBLE_UNBOUNDED ? by_end_mNm : out_mNm;
 }
 
 void torque_limits_drawn(torque_limits_t *table, motor_model_t *model, feasible_set_t *set,
                          const feasible_side_t *side)
 {
     const bool drives = side->sign == (int32_t)SIDE_DRIVING;
-    torque_limits_side_currents_t *at = drives ? &table->at.driving : &table->at.braking;
     limit_t *line = drives ? table->driving : table->braking;
-    const solved_again_t by = {.model = model, .set = set, .end = at->end, .own = &at->drawn};
-    line[TORQUE_LINE_DRAWN].torque_mNm = drawn_mNm(&by, side, table->drawn_b);
+    int32_t bound_mNm = feasible_by_drawn_mNm(side, table->drawn_b);
+    if (flux_map_present(model->config)) {
+        torque_limits_side_currents_t *at = drives ? &table->at.driving : &table->at.braking;
+        bound_mNm = solved_again_mNm(model, set, side, NULL, table->drawn_b, at->end, &at->drawn,
+                                     bound_mNm);
+    }
+    line[TORQUE_LINE_DRAWN].torque_mNm = bound_mNm;
+}
+
+static int32_t returned_mNm(motor_model_t *model, feasible_set_t *set, const feasible_side_t *side,
+                            const feasible_returned_t *returned, motor_current_t end,
+                            motor_current_t *own)
+{
+    const int32_t bound_mNm = feasible_by_returned_mNm(side, *returned);
+    return flux_map_present(model->config)
+               ? solved_again_mNm(model, set, side, returned, 0, end, own, bound_mNm)
+               : bound_mNm;
 }
 
 void torque_limits_returned(torque_limits_t *table, motor_model_t *model, feasible_set_t *set,
                             const feasible_side_t *side)
 {
     limit_t *line = table->braking;
-    const motor_current_t end = table->at.braking.end;
-    const solved_again_t by = {.model = model, .set = set, .end = end, .own = &table->at.returned};
-    const int32_t by_map_mNm = returned_mNm(&by, side, table->losses.returned);
+    const int32_t by_map_mNm = returned_mNm(model, set, side, &table->losses.returned,
+                                            table->at.braking.end, &table->at.returned);
     feasible_set_around(set, model, table->at.losses);
     line[TORQUE_LINE_RETURNED].torque_mNm =
         loss_braking_torque_mNm(side, &table->losses, by_map_mNm);
     line[TORQUE_LINE_RETURNED_PEAK] = line[TORQUE_LINE_RETURNED];
     if (flux_map_present(model->config)) {
         table->at.losses = motor_model_current(model, table->losses.at);
-        feasible_set_around(set, model, end);
+        feasible_set_around(set, model, table->at.braking.end);
     }
 }
 
@@ -477,9 +471,8 @@ static void raise_peak(torque_limits_t *table, motor_model_t *model, feasible_se
 {
     const feasible_returned_t peak =
         returned_at(model, charge->peak_mA, charge->peak_margin_mA, bus_mV);
-    const solved_again_t by = {
-        .model = model, .set = set, .end = table->at.braking.end, .own = &table->at.peak};
-    const int32_t most_mNm = returned_mNm(&by, side, peak);
+    const int32_t most_mNm =
+        returned_mNm(model, set, side, &peak, table->at.braking.end, &table->at.peak);
     table->braking[TORQUE_LINE_RETURNED_PEAK] = limit_init(
         q_max(most_mNm, table->braking[TORQUE_LINE_RETURNED].torque_mNm), charge->peak_reason);
 }

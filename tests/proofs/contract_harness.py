@@ -64,9 +64,9 @@ VALUES: dict[str, tuple[str, ...]] = {
     "monitor_whole": ("monitor_step",),
     "torque_init": ("torque_init", "torque_hold", "torque_start_hold"),
     "feasible_torque": (
-        "torque_command_step", "motor_model_at", "motor_model_around", "motor_model_current",
+        "torque_command_step", "motor_model_at", "motor_model_around", "motor_model_move",
         "motor_model_point",
-        "feasible_set_at", "feasible_side_at",
+        "feasible_set_at", "feasible_set_around", "feasible_side_at",
         "feasible_magnitude_mNm", "feasible_power_b", "feasible_weaken_cap",
         "feasible_by_voltage_mNm", "feasible_by_voltage_and_current", "feasible_by_drawn_at",
         "feasible_by_returned_at", "feasible_forced", "feasible_by_current_mNm",

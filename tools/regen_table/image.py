@@ -17,6 +17,7 @@ from regen_table import (
     derived,
     layout,
     loops,
+    mapped_tables,
     margins,
     models,
     refusals,
@@ -187,8 +188,8 @@ def _computed(drive: Drive) -> Values:
     """Return what is more than a key in another unit."""
     refusals.refuse(drive)
     margins.refuse_thin_margins(drive, margins.current_loop(drive))
-    currents = current_audit.choose(drive)
-    table = current_audit.braking_table(drive)
+    currents = mapped_tables.currents(drive, current_audit.choose(drive))
+    table = mapped_tables.braking(drive, current_audit.braking_table(drive))
     flux = stored_flux.of(drive)
     return {
         "motor": _motor(drive),

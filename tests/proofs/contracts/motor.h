@@ -163,7 +163,13 @@ POST(motor_model_around, result.speed_mrad_s == speed_mrad_s && result.winding_t
 POST(motor_model_around, is_within(result.friction_b, 0, 1 << 26))
 POST(motor_model_around, is_within(result.flux_b, 4, 1 << 26))
 
-PRE(motor_model_current, current_shift_holds(model->constants))
+PRE(feasible_set_around, set->model == model && motor_constants_hold(model->constants))
+POST(feasible_set_around, set->model == old(set->model) && model->config == old(model->config) &&
+     model->constants == old(model->constants) && model->speed_mrad_s == old(model->speed_mrad_s))
+
+PRE(motor_model_move, model_shifts_hold(model->constants))
+POST(motor_model_move, model->config == old(model->config) &&
+     model->constants == old(model->constants) && model->speed_mrad_s == old(model->speed_mrad_s))
 
 PRE(motor_model_point, current_shift_holds(model->constants))
 POST(motor_model_point, is_within(result.d_b, -MOTOR_MODEL_MOST_CURRENT_b,

@@ -322,6 +322,7 @@ POST(torque_limits_init, battery_rises_hold(state))
 POST(torque_limits_init, state->abs_hold_steps == 0 && state->abs_share_percent == 0 &&
      table->drawn_b == 0)
 
+PRE(torque_limits_step, set->model == model)
 PRE(torque_limits_step, is_within(set->model->config->battery.max_voltage_mV -
      set->model->config->battery.min_voltage_mV, 1, 2000000))
 PRE(torque_limits_step, is_within(set->model->config->battery.foldback_voltage_mV,
@@ -371,8 +372,11 @@ POST(torque_limits_plain, table_holds(table) && table->driving[TORQUE_LINE_MAX_T
 POST(torque_limits_plain, q_abs(model->speed_mrad_s) > model->config->brake.blend_out_end_mrad_s ||
      table->braking[TORQUE_LINE_BLEND_OUT].torque_mNm == 0)
 
+PRE(torque_limits_ends, set->model == model && motor_constants_hold(model->constants))
 PRE(torque_limits_ends, model_shifts_hold(set->model->constants) && is_a_sign((int32_t)sign) &&
      table_holds(table))
+POST(torque_limits_ends, set->model == old(set->model) && model->config == old(model->config) &&
+     model->constants == old(model->constants) && model->speed_mrad_s == old(model->speed_mrad_s))
 POST(torque_limits_ends, result.set == set && result.sign == (int32_t)sign)
 POST(torque_limits_ends, table_holds(table) && table->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm ==
      old(table->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm) &&
@@ -381,8 +385,11 @@ POST(torque_limits_ends, table_holds(table) && table->driving[TORQUE_LINE_MAX_TO
 POST(torque_limits_ends, table->braking[TORQUE_LINE_BLEND_OUT].torque_mNm ==
      old(table->braking[TORQUE_LINE_BLEND_OUT].torque_mNm))
 
+PRE(torque_limits_drawn, set->model == model && motor_constants_hold(model->constants))
 PRE(torque_limits_drawn, model_shifts_hold(side->set->model->constants) && is_a_sign(side->sign) &&
      table_holds(table))
+POST(torque_limits_drawn, set->model == old(set->model) && model->config == old(model->config) &&
+     model->constants == old(model->constants) && model->speed_mrad_s == old(model->speed_mrad_s))
 POST(torque_limits_drawn, table_holds(table) && table->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm ==
      old(table->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm) &&
      table->braking[TORQUE_LINE_MAX_TORQUE].torque_mNm ==
@@ -390,8 +397,11 @@ POST(torque_limits_drawn, table_holds(table) && table->driving[TORQUE_LINE_MAX_T
 POST(torque_limits_drawn, table->braking[TORQUE_LINE_BLEND_OUT].torque_mNm ==
      old(table->braking[TORQUE_LINE_BLEND_OUT].torque_mNm))
 
+PRE(torque_limits_returned, set->model == model && motor_constants_hold(model->constants))
 PRE(torque_limits_returned, model_shifts_hold(side->set->model->constants) && is_a_sign(side->sign)
      && table_holds(table))
+POST(torque_limits_returned, set->model == old(set->model) && model->config == old(model->config) &&
+     model->constants == old(model->constants) && model->speed_mrad_s == old(model->speed_mrad_s))
 POST(torque_limits_returned, table_holds(table) &&
      table->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm ==
      old(table->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm) &&

@@ -23,10 +23,7 @@ typedef struct {
     int32_t d_nH, q_nH, cross_nH; /* d psi_d/d i_d, d psi_q/d i_q > 0; d psi_d/d i_q */
 } flux_map_point_t;
 
-static inline bool flux_map_present(const config_t *config)
-{
-    return config->flux_map.d_points > 0;
-}
+bool flux_map_present(const config_t *config);
 
 /* Saturates. i_q of either sign: psi_d and the two inductances do not depend on it, psi_q and the
  * cross inductance turn with it. */

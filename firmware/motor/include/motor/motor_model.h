@@ -91,6 +91,9 @@ motor_model_t motor_model_around(const motor_constants_t *constants, const confi
                                  int32_t speed_mrad_s, int32_t winding_temperature_cC,
                                  motor_current_t around);
 
+/* Makes a model exact at other currents. */
+void motor_model_move(motor_model_t *model, motor_current_t around);
+
 /* Terminal currents of a point, i_q along the rotation. */
 motor_current_t motor_model_current(const motor_model_t *model, motor_point_t at);
 
