@@ -8,7 +8,11 @@
  * than WheelBrake's, the longest gap between two WheelBrake, and between two WheelHealth, the last
  * but two of the wheel's messages in urgency.
  *
- * Exit code 0: WheelBrake comes in time with every traffic; of an image with an error planted, that
+ * Where the wheel has XCP, each traffic once more while a DAQ list of it sends a frame a
+ * millisecond as far as the bus has time, and how many of them came.
+ *
+ * Exit code 0: WheelBrake comes in time with every traffic, and with DAQ as it does without but for
+ * two frames, which has every millisecond on a free bus; of an image with an error planted, that
  * TEXT finds it (rig.h).
  */
 #include <math.h>
@@ -16,6 +20,8 @@
 #include <string.h>
 
 #include "comms/messages.h"
+#include "comms/xcp.h"
+#include "core/signals.h"
 #include "plant/random.h"
 #include "planted.h"
 #include "rig.h"
@@ -37,7 +43,8 @@ static struct {
     unsigned nodes;
     random_t random;
     message_t brake, health;
-    unsigned own, own_urgent; /* frames of the wheel */
+    unsigned own, own_urgent;   /* frames of the wheel */
+    unsigned measured, answers; /* of XCP */
     chip_ticks_t began;
 } load;
 
@@ -64,8 +71,22 @@ static void see(message_t *message, const chip_frame_t *frame)
     message->count++;
 }
 
+static uint16_t service_identifier(void)
+{
+    return (uint16_t)(rig.config.service.can_base + rig.config.vehicle.wheel_position);
+}
+
+static void see_service(const chip_frame_t *frame)
+{
+    if (frame->identifier == service_identifier() + CONFIG_WHEELS) {
+        load.answers += frame->data[0] == 0xFF ? 1U : 0U;
+        load.measured += (frame->data[0] & ~(unsigned)DAQ_OVERLOAD) == 0 ? 1U : 0U;
+    }
+}
+
 static void see_frame(const chip_frame_t *frame)
 {
+    see_service(frame);
     see(&load.brake, frame);
     see(&load.health, frame);
     if (frame->ended >= load.began) {
@@ -184,6 +205,7 @@ static void count_from_now(void)
     load.health.count = 0;
     load.own = 0;
     load.own_urgent = 0;
+    load.measured = 0;
     for (unsigned k = 0; k < load.nodes; k++) {
         load.node[k].sent = 0;
     }
@@ -261,6 +283,68 @@ static bool comes_beside_a_babbling_node(void)
            expect(load.health.count == 0, "the other messages do not come");
 }
 
+/* ---- DAQ ---- */
+
+#define OUTPUT_PLACE(name, ...) OUTPUT_##name,
+enum { SIGNALS_SLOW_OUTPUTS(OUTPUT_PLACE) OUTPUTS };
+static const double FREE_s = 0.1;
+
+static bool command(const uint8_t bytes[BYTES])
+{
+    chip_frame_t frame = {.identifier = service_identifier(), .length = BYTES};
+    memcpy(frame.data, bytes, BYTES);
+    load.answers = 0;
+    chip_send(rig.chip, &frame);
+    run(0.005);
+    return expect(load.answers == 1, "a command of XCP is answered");
+}
+
+/* A list of one signal in each slow step. */
+static bool start_measuring(void)
+{
+    static const uint32_t SPEED = XCP_SIGNALS_ADDRESS + 4U * OUTPUT_speed_rad_per_s;
+    static const uint8_t COMMANDS[][BYTES] = {
+        {0xFF},
+        {0xE2},
+        {0xE1, 0xFF, 4, 0, (uint8_t)(SPEED & 0xFFU), 0, 0, (uint8_t)(SPEED >> 24)},
+        {0xDE, 1}};
+    bool good = true;
+    for (unsigned k = 0; good && k < sizeof COMMANDS / sizeof COMMANDS[0]; k++) {
+        good = command(COMMANDS[k]);
+    }
+    load.measured = 0;
+    run(FREE_s);
+    return good && expect(load.measured + 1U >= (unsigned)(1000.0 * FREE_s),
+                          "DAQ has every millisecond of a free bus");
+}
+
+/* A frame that has begun is not withdrawn: one is in the way at most. The two runs begin at
+ * different times of the wheel's own cycle, which is another frame. */
+static bool comes_as_before(const char *traffic, double phase_ms, unsigned seed)
+{
+    double gap[2];
+    for (unsigned measures = 0; measures < 2; measures++) {
+        if (measures == 1 && !start_measuring()) {
+            return false;
+        }
+        begin(seed);
+        busy_bus(phase_ms);
+        watch();
+        gap[measures] = gap_ms(traffic);
+    }
+    printf("| the second with %u frames of DAQ in %.1f s | | | | |\n", load.measured, WATCHED_S);
+    const uint8_t disconnect[BYTES] = {0xFE};
+    return expect(gap[1] <= gap[0] + 2.0 * ms_of(chip_can_frame_ticks(BYTES)),
+                  "DAQ makes no gap of WheelBrake longer") &&
+           expect(load.measured > 0, "DAQ uses what is left of the bus") && command(disconnect);
+}
+
+static bool comes_with_daq(void)
+{
+    return comes_as_before("together, without and with DAQ", 0.0, 0) &&
+           comes_as_before("at random, without and with DAQ", -1.0, 1);
+}
+
 int main(int argc, char **argv)
 {
     const char *finds = planted_text(&argc, argv);
@@ -279,7 +363,7 @@ int main(int argc, char **argv)
     }
     if (good) {
         const bool beside = comes_beside_a_babbling_node();
-        good = comes_with_busy_buses() && beside;
+        good = comes_with_busy_buses() && beside && (!IMAGE_HAS_XCP || comes_with_daq());
     }
     good = good && expect(rig.bench.wheel[0].first_fault == REASON_NONE, "runs without a fault") &&
            obeys_the_manuals();

@@ -284,6 +284,9 @@ static inline void chip_line(chip_t *chip, unsigned exception, bool high)
 /* clocks.c: RCC, PWR, wait states. */
 void chip_clocks_reset(chip_t *chip, chip_reset_t cause, uint32_t status);
 bool chip_clocks_write(chip_t *chip, uint32_t address, uint32_t value);
+uint32_t chip_noise_read(chip_t *chip, uint32_t address);
+bool chip_noise_write(chip_t *chip, uint32_t address, uint32_t value);
+
 uint32_t chip_clocks_read(chip_t *chip, uint32_t address);
 bool chip_has_clock(const chip_t *chip, uint32_t address);
 uint32_t chip_bus_ticks(const chip_t *chip, uint32_t prescaler_mask);

@@ -19,6 +19,7 @@ const chip_route_t CHIP_ROUTES[] = {
     {CHIP_PWR_CR, chip_clocks_read, chip_clocks_write},
     {CHIP_IWDG_KR, chip_clocks_read, chip_clocks_write},
     {CHIP_EXTI_IMR, chip_clocks_read, chip_clocks_write},
+    {CHIP_RNG_CR, chip_noise_read, chip_noise_write},
     {CHIP_FLASH_ACR, chip_flash_read, chip_flash_register},
     {0, NULL, NULL},
 };

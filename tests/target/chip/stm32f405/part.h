@@ -30,8 +30,9 @@ enum {
 
 /* Where peripherals answer. */
 #define CHIP_WINDOWS                                                                               \
+    {0x40000000U, 0x80000U},                                                                       \
     {                                                                                              \
-        0x40000000U, 0x80000U                                                                      \
+        0x50060000U, 0x1000U                                                                       \
     }
 
 /* Ports A to F; 0: there is none, or it is not modelled. */
