@@ -17,6 +17,7 @@
 #include "fuzz_bytes.h"
 
 enum {
+    GET_SEED = 0xF8,
     GUARD = 64,
     SIGNALS_COUNT = 5,
     SCOPE_MEMORY = 256,
@@ -119,6 +120,13 @@ static uint32_t scope_address(const uint8_t *packet)
                               : XCP_RECORD_ADDRESS + packet[4];
 }
 
+/* The scope's settings hold what the tool has written, and that may be anything. */
+static bool shows_settings(const xcp_t *slave)
+{
+    const uint32_t end = XCP_SCOPE_ADDRESS + (uint32_t)sizeof(scope_page_t) + XCP_PACKET_BYTES;
+    return slave->mta >= XCP_SCOPE_ADDRESS && slave->mta < end;
+}
+
 static uint32_t packet_of(const xcp_t *slave, bytes_t *bytes, uint8_t what, uint8_t *packet)
 {
     const uint32_t length = (what & ANY_LENGTH) != 0 ? what % 10U : XCP_PACKET_BYTES;
@@ -205,7 +213,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
                                  answer);
         }
         require(answered <= XCP_PACKET_BYTES);
-        require_silent_about_key(answer, answered);
+        if (packet[0] != GET_SEED && !shows_settings(&slave)) { /* the fuzzer gives the seed */
+            require_silent_about_key(answer, answered);
+        }
         require(memcmp(&in_force.config, &in_force_before, sizeof in_force_before) == 0);
         require(unlocked || unlocking ||
                 memcmp(&staging.config, &staging_before, sizeof staging_before) == 0);
