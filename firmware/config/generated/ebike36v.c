@@ -16,7 +16,7 @@ extern const config_t CONFIG_EBIKE36V;
 
 CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 20,
+    .format_version = 21,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "ebike36v",
@@ -466,5 +466,5 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
         .psi_d_lsb = {0},
         .psi_q_lsb = {0},
     },
-    .crc32 = 0xBD2ACD88,
+    .crc32 = 0x3EE2FF1F,
 };

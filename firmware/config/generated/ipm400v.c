@@ -16,7 +16,7 @@ extern const config_t CONFIG_IPM400V;
 
 CONFIG_SECTION const config_t CONFIG_IPM400V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 20,
+    .format_version = 21,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "ipm400v",
@@ -689,5 +689,5 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         .psi_d_lsb = {0},
         .psi_q_lsb = {0},
     },
-    .crc32 = 0x8987F817,
+    .crc32 = 0x0A4FCA80,
 };

@@ -16,7 +16,7 @@ extern const config_t CONFIG_LU2013;
 
 CONFIG_SECTION const config_t CONFIG_LU2013 = {
     .magic = CONFIG_MAGIC,
-    .format_version = 20,
+    .format_version = 21,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "lu2013",
@@ -485,5 +485,5 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
         .psi_d_lsb = {0},
         .psi_q_lsb = {0},
     },
-    .crc32 = 0xC18131ED,
+    .crc32 = 0x4249037A,
 };
