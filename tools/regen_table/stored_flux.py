@@ -170,9 +170,9 @@ def _extended(found: FluxMap, i_d_a: Array, i_q_a: Array) -> tuple[Array, Array]
     """Return both fluxes, beyond the map's ends along the straight lines of its last cells."""
 
     def inside(axis: Array, at: Array) -> tuple[Array, Array]:
-        held = np.clip(at, axis[0], axis[-1])
-        width = np.where(at > held, axis[-1] - axis[-2], axis[1] - axis[0])
-        return held, np.divide(at - held, width)
+        within = np.clip(at, axis[0], axis[-1])
+        width = np.where(at > within, axis[-1] - axis[-2], axis[1] - axis[0])
+        return within, np.divide(at - within, width)
 
     d, beyond_d = inside(found.i_d_a, i_d_a)
     q, beyond_q = inside(found.i_q_a, i_q_a)

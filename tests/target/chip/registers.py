@@ -21,8 +21,7 @@ from pathlib import Path
 PERIPHERALS = (
     *("RCC", "FLASH", "PWR", "EXTI", "SYSCFG", "GPIOA", "GPIOB", "GPIOC", "GPIOD"),
     *("TIM1", "TIM3", "TIM8"),
-    *("ADC1", "ADC2", "ADC3", "C_ADC", "CAN1", "USART3", "DMA1", "DMA2", "IWDG", "DBG",
-      "RNG"),
+    *("ADC1", "ADC2", "ADC3", "C_ADC", "CAN1", "USART3", "DMA1", "DMA2", "IWDG", "DBG", "RNG"),
 )
 ACCESS = {"read-write": 3, "read-only": 1, "write-only": 2, None: 3, "rw": 3, "r": 1, "w": 2}
 MESSAGE_MEMORY = 0x4000A400, 0x350

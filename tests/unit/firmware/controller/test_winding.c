@@ -195,8 +195,8 @@ static foc_state_t foc;
 static operating_point_state_t slow;
 static fast_setpoint_t setpoint;
 static fast_report_t report;
-static vector_t flux;   /* stator frame, magnets included */
-static vector_t held_v; /* acts from the next sample on */
+static vector_t flux;     /* stator frame, magnets included */
+static vector_t acting_v; /* acts from the next sample on */
 static double theta;
 
 static vector_t turned(vector_t v, double angle)
@@ -240,14 +240,14 @@ static vector_t fast_period(const config_t *of)
         .rotor_angle_turn = (uint16_t)lround(65536.0 * fmod(theta / (2.0 * PI), 1.0)),
     };
     (void)foc_step(&foc, of, &setpoint, &in);
-    machine_period(held_v);
+    machine_period(acting_v);
     const int32_t *on_q16 = foc_on_times_q16(&foc);
     double leg_v[3];
     for (int x = 0; x < 3; x++) {
         leg_v[x] = BUS_V * on_q16[x] / 65536.0 / bases_pwm_period_counts(of, BASES_MODEL_TIMER_Hz);
     }
-    held_v.d = (2.0 * leg_v[0] - leg_v[1] - leg_v[2]) / 3.0;
-    held_v.q = (leg_v[1] - leg_v[2]) / sqrt(3.0);
+    acting_v.d = (2.0 * leg_v[0] - leg_v[1] - leg_v[2]) / 3.0;
+    acting_v.q = (leg_v[1] - leg_v[2]) / sqrt(3.0);
     return i;
 }
 
@@ -282,7 +282,7 @@ static answer_t stepped(const config_t *of, vector_t from, vector_t to)
     operating_point_initial_setpoint(of, BASES_MODEL_TIMER_Hz, &setpoint);
     theta = 0.3;
     flux = turned((vector_t){PSI_WB, 0.0}, theta);
-    held_v = (vector_t){0.0, 0.0};
+    acting_v = (vector_t){0.0, 0.0};
     for (int n = 0; n < SETTLE_ms * PERIODS_IN_ms; n++) {
         if (n % PERIODS_IN_ms == 0) {
             slow_step(of, from);

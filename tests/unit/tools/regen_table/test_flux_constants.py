@@ -255,9 +255,9 @@ def test_image_holds_the_points_that_the_map_has_there(tree: Tree, tmp_path: Pat
     inside = i_q <= drive.motor.max_phase_current_a
     wanted = bent(tree, *np.meshgrid(i_d, i_q, indexing="ij"))
     for entries, psi in zip((stored.psi_d_lsb, stored.psi_q_lsb), wanted, strict=True):
-        held = np.array(list(entries)[: rows * columns]).reshape(rows, columns) * lsb_wb
+        stored = np.array(list(entries)[: rows * columns]).reshape(rows, columns) * lsb_wb
         # The file's own grid is bilinear: 3e-4 of the flux between its 41 points.
-        assert held[:, inside] == pytest.approx(psi[:, inside], abs=3e-4 * float(np.max(psi)))
+        assert stored[:, inside] == pytest.approx(psi[:, inside], abs=3e-4 * float(np.max(psi)))
 
 
 def test_points_reach_the_current_circle_of_the_hottest_magnets(tree: Tree, tmp_path: Path) -> None:
