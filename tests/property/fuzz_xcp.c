@@ -127,6 +127,40 @@ static bool shows_settings(const xcp_t *slave)
     return slave->mta >= XCP_SCOPE_ADDRESS && slave->mta < end;
 }
 
+/* Commands of DAQ and settings of the scope as they are meant, by the lower bits of `what`. */
+static void make_meant(uint8_t what, uint8_t *packet)
+{
+    static const uint8_t OFTEN[16] = {0,    0,    0,    0,    0xE2, 0xE1, 0xE1, 0xE0,
+                                      0xDE, 0xDD, 0xF6, 0xF6, 0xF0, 0xF0, 0xF0, 0xF5};
+    const uint8_t list = packet[2] % 2U;
+    if (OFTEN[what % 16U] == 0) {
+        return;
+    }
+    packet[0] = OFTEN[what % 16U];
+    if (packet[0] == 0xF0) { /* a word: a place, a trigger, rows, run */
+        packet[1] = 4;
+        packet[2] %= 8U;
+        packet[3] = packet[4] = packet[5] = 0;
+        return;
+    }
+    const bool writes = packet[0] == 0xE1;
+    const uint32_t address = writes ? XCP_SIGNALS_ADDRESS + 4U * (packet[4] % SIGNALS_COUNT)
+                                    : XCP_SCOPE_ADDRESS + 4U * (packet[4] % 16U);
+    packet[1] = writes ? 0xFF : packet[0] == 0xE0 ? 0x10 : packet[1] % 3U;
+    packet[2] = writes ? (uint8_t)(1U << packet[2] % 3U) : list;
+    packet[3] = 0;
+    for (uint32_t i = 0; i < 4U && (writes || packet[0] == 0xF6); i++) {
+        packet[4U + i] = (uint8_t)(address >> 8U * i);
+    }
+    if (packet[0] == 0xE0) {
+        packet[4] = list;
+        packet[5] = 0;
+    } else if (packet[0] == 0xE2) {
+        packet[4] %= 9U;
+        packet[5] %= 9U;
+    }
+}
+
 static uint32_t packet_of(const xcp_t *slave, bytes_t *bytes, uint8_t what, uint8_t *packet)
 {
     const uint32_t length = (what & ANY_LENGTH) != 0 ? what % 10U : XCP_PACKET_BYTES;
@@ -142,6 +176,9 @@ static uint32_t packet_of(const xcp_t *slave, bytes_t *bytes, uint8_t what, uint
             packet[2U + i] = (uint8_t)(right >> 8U * i);
         }
         return 8;
+    }
+    if ((what & ANY_LENGTH) == 0) {
+        make_meant(what, packet);
     }
     if ((what & GIVEN_ADDRESS) != 0) {
         const uint32_t around = packet[4] % 32U - 8U; /* of the beginning, or of the end */
