@@ -49,9 +49,9 @@ function(planted_image name chip folder file old new)
   target_compile_definitions(${target} PRIVATE "HUBFOC_BOARD_HEADER=\"${board_header}\"")
   target_link_libraries(${target} PRIVATE hubfoc_app_main hubfoc_app hubfoc_hal
     hubfoc_config_image)
-  set(stack 2816)
+  set(stack 3584)
   if(port MATCHES "stm32g431$")
-    set(stack 3072)
+    set(stack 3328)
   endif()
   target_link_options(${target} PRIVATE -fno-lto -nostartfiles --specs=nano.specs
     "-T${port}/link.ld" "-L${PROJECT_SOURCE_DIR}/hal/stm32"

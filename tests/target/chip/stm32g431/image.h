@@ -26,7 +26,7 @@
 #define IMAGE_RAM_BYTES 0x8000U
 #define IMAGE_BEGINS 0x08000000U /* of the program, hal/stm32g431/link.ld */
 #define IMAGE_BYTES 0x1B000U
-#define IMAGE_STACK_BYTES 3072U /* reserved, with the guard: hal/stm32g431/CMakeLists.txt */
+#define IMAGE_STACK_BYTES 3328U /* reserved, with the guard: hal/stm32g431/CMakeLists.txt */
 /* Flash without a sector of the application that the protection unit's eighths leave writable: the
  * end of the program. */
 #define IMAGE_OPEN_BEGINS 0x08018000U
