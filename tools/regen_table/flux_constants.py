@@ -201,8 +201,9 @@ def warning(drive: Drive) -> str | None:
         key = "q_inductance_curve_h"
     fitted = fit(drive.motor.model_dump(exclude_none=True), found)
     return (
-        f"motor.{key}: the controller's torque and tables are the map's, but its current loop,"
-        " observer and checks are those of constants fitted over the current circle:"
+        f"motor.{key}: the controller's torque, tables, current loop and observer are the map's,"
+        " but its monitor, safe state and exit of a short circuit are those of constants fitted"
+        " over the current circle:"
         f" flux_linkage_wb {fitted.flux_linkage_wb:.4g}, d_inductance_h"
         f" {fitted.d_inductance_h:.4g}, q_inductance_h {fitted.q_inductance_h:.4g}, whose torque is"
         f" up to {abs(fitted.error_nm):.3g} N m"
