@@ -8,11 +8,9 @@
 #define MAGIC UINT32_C(0x4C4E4A46) /* "FJNL", little endian */
 
 _Static_assert(RECORDER_COUNTED % 2 == 0 && sizeof(fault_record_t) % FLASH_UNIT_BYTES == 0 &&
-                   offsetof(fault_record_t, tail) + 4U * (FAULT_JOURNAL_ENERGIES + 1U) ==
+                   offsetof(fault_record_t, tail) + 4U * (ENERGY_KINDS + 1U) ==
                        sizeof(fault_record_t),
                "whole units of the flash without padding");
-
-static const uint32_t ENERGIES = FAULT_JOURNAL_ENERGIES;
 
 /* Of the record of format 1, which ends where that of format 2 has the energies. */
 #define FORMAT_1_BYTES (uint32_t)(offsetof(fault_record_t, tail) + 4U)
@@ -78,15 +76,12 @@ void fault_journal_init(fault_journal_t *journal)
 {
     static const fault_journal_t empty = {.newest = NULL, .sector = FLASH_JOURNAL_A};
     *journal = empty;
-    if (FAULT_JOURNAL_ENERGIES > 0) {
-        look_at(journal, FLASH_JOURNAL_A, FORMAT_1_BYTES);
-        look_at(journal, FLASH_JOURNAL_B, FORMAT_1_BYTES);
-    }
+    look_at(journal, FLASH_JOURNAL_A, FORMAT_1_BYTES);
+    look_at(journal, FLASH_JOURNAL_B, FORMAT_1_BYTES);
     look_at(journal, FLASH_JOURNAL_A, (uint32_t)sizeof(fault_record_t));
     look_at(journal, FLASH_JOURNAL_B, (uint32_t)sizeof(fault_record_t));
     const fault_record_t *newest = journal->newest;
-    const bool is_format_1 =
-        FAULT_JOURNAL_ENERGIES > 0 && newest != NULL && newest->size_bytes == FORMAT_1_BYTES;
+    const bool is_format_1 = newest != NULL && newest->size_bytes == FORMAT_1_BYTES;
     journal->next = is_format_1 ? places(journal->sector) : used(journal->sector);
     const bool has = newest != NULL && newest->size_bytes == sizeof *newest;
     energy_init(&journal->energy, has ? newest->tail : empty.energy.life_10J);
@@ -144,7 +139,7 @@ bool fault_journal_is_due(const fault_journal_t *journal, const recorder_memory_
     for (uint32_t i = 0; i < RECORDER_COUNTED; i++) {
         due = due || fresh(journal, box->supply, i, box->counts[i]) > 0;
     }
-    for (uint32_t k = 0; k < ENERGIES; k++) {
+    for (uint32_t k = 0; k < ENERGY_KINDS; k++) {
         const uint32_t grown_10J = journal->energy.life_10J[k] - stored_energy_10J(journal, k);
         due = due || grown_10J >= FAULT_JOURNAL_ENERGY_10J;
     }
@@ -161,7 +156,7 @@ static uint32_t word_of(const fault_journal_t *journal, const recorder_memory_t 
         TOTAL = offsetof(fault_record_t, total) / 4,
         TAIL = offsetof(fault_record_t, tail) / 4
     };
-    if (FAULT_JOURNAL_ENERGIES > 0 && word >= TAIL) {
+    if (word >= TAIL) {
         return journal->energy.life_10J[word - TAIL];
     }
     if (word >= TOTAL) {

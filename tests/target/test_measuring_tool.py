@@ -47,7 +47,6 @@ def has_symbol(image: Path, prefix: str) -> bool:
 FOUND: dict[str, Callable[[Path], bool]] = {
     "XCP": lambda image: has_symbol(image, "xcp_"),
     "texts of reasons": lambda image: b"motor torque limit" in image.read_bytes(),
-    "energy account": lambda image: b"energy for life" in image.read_bytes(),
     "flux maps": lambda image: b"no maps on this port" not in image.read_bytes(),
 }
 

@@ -42,32 +42,6 @@ typedef struct {
     uint8_t friction_percent; /* of the braking work of both brakes; ENERGY_NO_SHARE */
 } energy_report_t;
 
-#ifdef HUBFOC_NO_ENERGY
-
-/* A port without the account. */
-static inline void energy_init(energy_t *energy, const uint32_t *before_10J)
-{
-    (void)energy;
-    (void)before_10J;
-}
-
-static inline void energy_step(energy_t *energy, const slow_output_t *output, uint16_t slow_steps)
-{
-    (void)energy;
-    (void)output;
-    (void)slow_steps;
-}
-
-static inline bool energy_line(const energy_t *energy, uint32_t number, text_t *line)
-{
-    (void)energy;
-    (void)number;
-    (void)line;
-    return false;
-}
-
-#else
-
 /* before_10J: for life, as the journal has it. */
 void energy_init(energy_t *energy, const uint32_t before_10J[ENERGY_KINDS]);
 
@@ -78,7 +52,5 @@ energy_report_t energy_report(const energy_t *energy, bool for_life);
 
 /* Line `number` (from 0) of the shell's answer; false if there is no such line. */
 bool energy_line(const energy_t *energy, uint32_t number, text_t *line);
-
-#endif
 
 #endif

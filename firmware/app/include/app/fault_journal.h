@@ -42,24 +42,17 @@
 /* Fewer free records than this in the sector in use at a start: the other one is erased. */
 enum { FAULT_JOURNAL_RESERVE = 16 };
 
-/* A port without the energy account (energy.h) writes format 1. */
-#ifdef HUBFOC_NO_ENERGY
-enum { FAULT_JOURNAL_ENERGIES = 0 };
-#else
-enum { FAULT_JOURNAL_ENERGIES = ENERGY_KINDS };
-#endif
-
 enum { FAULT_JOURNAL_ENERGY_10J = 100 };
 
 typedef struct {
     uint32_t magic;
     uint32_t sequence;
     uint16_t size_bytes;
-    uint16_t supply;                           /* recorder_memory_t.supply that `included` is of */
-    uint16_t included[RECORDER_COUNTED];       /* counters of the black box within the totals */
-    uint16_t total[RECORDER_COUNTED];          /* since production, saturating */
-    uint32_t tail[FAULT_JOURNAL_ENERGIES + 1]; /* energies for life in 10 J, and the CRC-32 of all
-                                                  bytes before it; format 1 has no energies */
+    uint16_t supply;                     /* recorder_memory_t.supply that `included` is of */
+    uint16_t included[RECORDER_COUNTED]; /* counters of the black box within the totals */
+    uint16_t total[RECORDER_COUNTED];    /* since production, saturating */
+    uint32_t tail[ENERGY_KINDS + 1];     /* energies for life in 10 J, and the CRC-32 of all
+                                                      bytes before it; format 1 has no energies */
 } fault_record_t;
 
 typedef struct {

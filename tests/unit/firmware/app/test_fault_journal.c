@@ -318,23 +318,23 @@ void test_a_word_that_is_not_taken_leaves_the_record_before_and_uses_the_place_u
 
 static void spend(uint32_t steps_10J)
 {
-    for (uint32_t k = 0; k < FAULT_JOURNAL_ENERGIES; k++) {
+    for (uint32_t k = 0; k < ENERGY_KINDS; k++) {
         journal.energy.life_10J[k] += steps_10J * (k + 1U);
     }
 }
 
 static void assert_energies(uint32_t steps_10J)
 {
-    for (uint32_t k = 0; k < FAULT_JOURNAL_ENERGIES; k++) {
+    for (uint32_t k = 0; k < ENERGY_KINDS; k++) {
         TEST_ASSERT_EQUAL_UINT32(steps_10J * (k + 1U), journal.energy.life_10J[k]);
     }
 }
 
 void test_energies_are_stored_where_one_of_them_has_grown_by_a_kilojoule(void)
 {
-    journal.energy.life_10J[FAULT_JOURNAL_ENERGIES - 1] = FAULT_JOURNAL_ENERGY_10J - 1;
+    journal.energy.life_10J[ENERGY_KINDS - 1] = FAULT_JOURNAL_ENERGY_10J - 1;
     TEST_ASSERT_FALSE(fault_journal_is_due(&journal, &box));
-    journal.energy.life_10J[FAULT_JOURNAL_ENERGIES - 1]++;
+    journal.energy.life_10J[ENERGY_KINDS - 1]++;
     TEST_ASSERT_TRUE(fault_journal_is_due(&journal, &box));
     append();
     TEST_ASSERT_FALSE(fault_journal_is_due(&journal, &box));
@@ -373,7 +373,7 @@ void test_of_ten_thousand_cuts_each_leaves_the_old_energies_or_the_new_ones(void
 
 /* ---- journals of format 1: the same without energies ---- */
 
-enum { OLD_WORDS = WORDS - FAULT_JOURNAL_ENERGIES, OLD_PLACES = FAKE_BYTES / (4 * OLD_WORDS) };
+enum { OLD_WORDS = WORDS - ENERGY_KINDS, OLD_PLACES = FAKE_BYTES / (4 * OLD_WORDS) };
 
 static void put_old(flash_sector_t sector, uint32_t index, uint32_t sequence, uint16_t total)
 {
