@@ -63,7 +63,7 @@ def validated(tmp_path_factory: pytest.TempPathFactory) -> Validator:
     """Return the firmware's validator of images: what it refuses one for, "" where it accepts."""
     library = tmp_path_factory.mktemp("firmware") / "validate.so"
     includes = [f"-I{ROOT / 'firmware' / module / 'include'}" for module in ("config", "core")]
-    names = ("derived.c", "fields.c", "physics.c", "validate.c")
+    names = ("derived.c", "fields.c", "flux_relations.c", "physics.c", "validate.c")
     sources = [str(ROOT / "firmware" / "config" / name) for name in names]
     subprocess.run(
         ["cc", "-std=c11", "-O1", "-shared", "-fPIC", *includes, *sources, "-o", str(library)],
