@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pyarrow.parquet as pq
 from black_box_memory import memory, printed
-from hubsim import scenario
 from hubsim.engine import ROOT
 from hubsim_command import Hubsim
 
@@ -64,8 +63,3 @@ def test_every_command_of_the_readme_works(hubsim: Hubsim, tmp_path: Path) -> No
         assert (tmp_path / name).is_file(), name
     assert pq.read_table(tmp_path / "grid.parquet").num_rows == 8
     assert pq.read_table(tmp_path / "draws.parquet").num_rows == 8
-
-
-def test_the_readme_names_every_built_in_scenario() -> None:
-    text = README.read_text(encoding="utf-8")
-    assert [name for name in scenario.builtin_names() if f"`{name}`" not in text] == []
