@@ -115,18 +115,18 @@ NONE = Curve((0,) * POINTS, 1, 0, 0.0, 0.0)
 
 def of_drive(drive: "Drive", which: Which) -> Sensor | None:
     """Return the sensor of the winding or of the switches; None: none is fitted."""
-    keys = drive.monitor
-    kind = getattr(keys, f"{which}_sensor")
-    if kind == "none":
-        return None
-    return Sensor(
-        kind,
-        getattr(keys, f"{which}_sensor_ohm_25c"),
-        getattr(keys, f"{which}_sensor_beta_k"),
-        getattr(keys, f"{which}_sensor_points") or (),
-        getattr(keys, f"{which}_sensor_divider_ohm"),
-        getattr(keys, f"{which}_sensor_to_supply"),
-    )
+    m = drive.monitor
+    if which == "winding":
+        sensor = Sensor(
+            m.winding_sensor, m.winding_sensor_ohm_25c, m.winding_sensor_beta_k,
+            m.winding_sensor_points or (), m.winding_sensor_divider_ohm, m.winding_sensor_to_supply,
+        )  # fmt: skip
+    else:
+        sensor = Sensor(
+            m.switch_sensor, m.switch_sensor_ohm_25c, m.switch_sensor_beta_k,
+            m.switch_sensor_points or (), m.switch_sensor_divider_ohm, m.switch_sensor_to_supply,
+        )  # fmt: skip
+    return None if sensor.kind == "none" else sensor
 
 
 def curve(sensor: Sensor | None) -> Curve:

@@ -269,8 +269,10 @@ def test_power_at_every_torque_in_the_firmware_equals_that_of_the_generator(
         "motor/feasible_circle.c",
         "motor/feasible_power.c",
         "motor/feasible_torque.c",
+        "motor/flux_map.c",
         "motor/motor_constants.c",
         "motor/motor_model.c",
+        "core/divide.c",
         "core/grid.c",
         "core/scaled.c",
     )
@@ -282,7 +284,7 @@ def test_power_at_every_torque_in_the_firmware_equals_that_of_the_generator(
     ffi = cffi.FFI()
     ffi.cdef("""
         typedef struct { int64_t words[32]; } constants_t;
-        typedef struct { const void *constants, *config; int32_t words[20]; } model_t;
+        typedef struct { const void *constants, *config; int32_t words[24]; } model_t;
         typedef struct { int64_t words[16]; } set_t;
         typedef struct { int32_t d_mA, q_mA; bool limited; } current_t;
         void motor_constants_init(constants_t *constants, const void *config);
