@@ -138,7 +138,12 @@ def compiled(cell: Cell, program: str) -> Path:
     caching = os.environ.get("CMAKE_C_COMPILER_LAUNCHER")
     compiler = [caching, cell.compiler] if caching else [cell.compiler]
     own = ["-DCORE32_SERVES"] if program == "pil" else ["-Dmain=trace_main"] * cell.is_x86_32
-    modules = [path for m in MODULES for path in sorted((ROOT / "firmware" / m).glob("*.c"))]
+    modules = [
+        path
+        for module in MODULES
+        for path in sorted((ROOT / "firmware" / module).glob("*.c"))
+        if not path.stem.endswith("_absent")  # what a port leaves out
+    ]
     image = ROOT / "firmware" / "config" / "generated" / f"{CONFIG}.c"
 
     def one(source: Path) -> Path:
