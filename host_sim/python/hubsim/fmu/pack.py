@@ -5,6 +5,7 @@ Model descriptions are those of FMI 2.0 and 3.0, the build description that of F
 """
 
 import platform
+import re
 import xml.etree.ElementTree as ET
 import zipfile
 from collections.abc import Iterable, Mapping, Sequence
@@ -31,6 +32,7 @@ _STAMP = (1980, 1, 1, 0, 0, 0)  # the same content is the same package
 _MACHINE = {"x86_64": "x86_64", "aarch64": "aarch64", "arm64": "aarch64"}
 _FMI2_FOLDER = {"x86_64": "linux64", "aarch64": "aarch64-linux"}
 STOP_S = 10.0
+_HAL_HEADER = re.compile(r'#include "(hal/[^"]+)"')
 _TYPE = {
     2: {REAL: "Real", FLAG: "Boolean", CODE: "Integer"},
     3: {REAL: "Float64", FLAG: "Boolean", CODE: "Int32"},
@@ -64,7 +66,9 @@ def source_files(listed: Iterable[Path], table: Path) -> dict[str, Path]:
             found[header.relative_to(module / "include").as_posix()] = header
         for header in sorted(module.glob("*.h")):
             found[f"{folder}/{header.name}"] = header
-    return found
+    interface = installation.ROOT / "hal" / "include"  # of which the bench needs a pure header
+    texts = [path.read_text(encoding="utf-8") for path in found.values()]
+    return found | {name: interface / name for text in texts for name in _HAL_HEADER.findall(text)}
 
 
 def write(
