@@ -69,12 +69,17 @@ def test_no_path_through_the_pure_modules_has_a_known_defect(tmp_path: Path) -> 
     assert_no_defects(tmp_path, "")
 
 
+def built_here(path: Path) -> bool:
+    """Return whether the host's build has a source: not what a small port has in its place."""
+    return not path.stem.endswith("_absent")
+
+
 def assert_no_defects(tmp_path: Path, but: str, *left_out: Path) -> None:
     clang_tidy = shutil.which("clang-tidy")
     if clang_tidy is None:
         pytest.fail("no clang-tidy here; tools/dev setup checks installs it")
     build = Path(os.environ["HUBFOC_BUILD_DIR"])
-    every = [path for module in PURE for path in sources_of(module)]
+    every = [path for module in PURE for path in sources_of(module) if built_here(path)]
     assert set(left_out) < set(every)
     sources = [str(path) for path in every if path not in left_out]
     commands = json.loads((build / "compile_commands.json").read_text(encoding="utf-8"))

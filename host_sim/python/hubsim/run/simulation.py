@@ -39,19 +39,20 @@ def prepare(
     beside: Path,
     plant_overrides: dict[str, float],
     rear: Drive | None = None,
-    image_of: Callable[[Drive], bytes] = configuration.image_of,
+    image_of: Callable[[Drive], bytes] | None = None,
 ) -> tuple[Engine, float]:
     """Build the vehicle of a run that has not begun.
 
     ``rear`` is what the wheels of the rear axle have in place of ``drive``; ``image_of`` makes what
     the controllers are configured with. Returns the vehicle and the planned duration in s.
     """
+    made = image_of or configuration.image_of
     if rear is None:
-        return _prepared(drive, scenario, beside, plant_overrides, image_of)
+        return _prepared(drive, scenario, beside, plant_overrides, made)
     axles.check(drive, rear)
     shared = axles.driver_parameters(drive, rear) | plant_overrides
-    engine, duration = _prepared(drive, scenario, beside, shared, image_of)
-    engine.set_rear(_prepared(rear, scenario, beside, shared, image_of)[0])
+    engine, duration = _prepared(drive, scenario, beside, shared, made)
+    engine.set_rear(_prepared(rear, scenario, beside, shared, made)[0])
     return engine, duration
 
 
