@@ -29,7 +29,8 @@ static bool odd(const config_flux_map_t *map)
 {
     bool good = true;
     for (int32_t d = 0; d < map->d_points; d++) {
-        good = good && map->psi_q_lsb[d * map->q_points] == 0;
+        const int32_t row = d * map->q_points;
+        good = good && map->psi_q_lsb[row] == 0;
     }
     return good;
 }
@@ -51,7 +52,8 @@ static bool rises(const config_flux_map_t *map)
 /* The d axis is that of the magnets. */
 static bool magnets_positive(const config_flux_map_t *map)
 {
-    return map->psi_d_lsb[map->d_negative_points * map->q_points] > 0;
+    const int32_t row = map->d_negative_points * map->q_points;
+    return map->psi_d_lsb[row] > 0;
 }
 
 const char *flux_map_broken(const config_t *config)

@@ -125,7 +125,8 @@ static int32_t magnets(const config_t *config, int32_t winding_temperature_cC)
                 -LARGEST_RISE_cK, LARGEST_RISE_cK);
     const int32_t share_1e8 = motor->flux_coefficient_ppm_K * rise_cK;
     const int32_t share_q16 = (int32_t)(((int64_t)share_1e8 * Q16_PER_1E8_q32) >> 32);
-    const int32_t at_reference = map->psi_d_lsb[map->d_negative_points * map->q_points] * ONE;
+    const int32_t row = map->d_negative_points * map->q_points;
+    const int32_t at_reference = map->psi_d_lsb[row] * ONE;
     const int64_t change = ((int64_t)at_reference * share_q16) >> 16;
     return q_max(at_reference / 10, q_saturate64(at_reference + change));
 }
@@ -137,13 +138,14 @@ int32_t flux_map_shift_mA(const config_t *config, int32_t winding_temperature_cC
         return 0;
     }
     const int32_t wanted = magnets(config, winding_temperature_cC);
-    const int16_t *psi_lsb = map->psi_d_lsb;
+    const int16_t *psi_lsb = map->psi_d_lsb; /* at i_q = 0 */
     int32_t index = 0;
-    while (index < map->d_points - 2 && psi_lsb[(index + 1) * map->q_points] * ONE < wanted) {
+    while (index < map->d_points - 2 && psi_lsb[map->q_points] * ONE < wanted) {
+        psi_lsb += map->q_points;
         index++;
     }
-    const int32_t low = psi_lsb[index * map->q_points] * ONE;
-    const int32_t rise = psi_lsb[(index + 1) * map->q_points] * ONE - low;
+    const int32_t low = psi_lsb[0] * ONE;
+    const int32_t rise = psi_lsb[map->q_points] * ONE - low;
     const int32_t share =
         q_clamp(scaled_ratio(wanted - low, q_max(rise, 1)), -SCALED_ONE / 2, SCALED_ONE / 2 * 3);
     return (index - map->d_negative_points) * map->d_step_mA +

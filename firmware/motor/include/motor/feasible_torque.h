@@ -100,27 +100,27 @@ int32_t feasible_magnitude_mNm(const feasible_side_t *side, int32_t airgap_b);
 int32_t feasible_power_b(const motor_model_t *model, int32_t current_mA, int32_t bus_mV);
 
 /* Largest torque, in driving or in braking beyond the torque of largest regeneration, at which the
- * motor draws at most power_b or a thousandth of motor.max_power, whichever is larger. at: its
+ * motor draws at most power_b or a thousandth of motor.max_power, whichever is larger. found: its
  * currents; without a bound the cap's. */
-int32_t feasible_by_drawn_at(const feasible_side_t *side, int32_t power_b, motor_point_t *at);
+int32_t feasible_by_drawn_at(const feasible_side_t *side, int32_t power_b, motor_point_t *found);
 
 static inline int32_t feasible_by_drawn_mNm(const feasible_side_t *side, int32_t power_b)
 {
-    motor_point_t at;
-    return feasible_by_drawn_at(side, power_b, &at);
+    motor_point_t found;
+    return feasible_by_drawn_at(side, power_b, &found);
 }
 
 /* Largest braking torque that returns no more than the battery takes. Unbounded where even the
  * torque of largest regeneration returns a negligible power. With hall sensors the power that the
- * angle error of a late edge may return is included. at: as above. */
+ * angle error of a late edge may return is included. found: as above. */
 int32_t feasible_by_returned_at(const feasible_side_t *side, feasible_returned_t returned,
-                                motor_point_t *at);
+                                motor_point_t *found);
 
 static inline int32_t feasible_by_returned_mNm(const feasible_side_t *side,
                                                feasible_returned_t returned)
 {
-    motor_point_t at;
-    return feasible_by_returned_at(side, returned, &at);
+    motor_point_t found;
+    return feasible_by_returned_at(side, returned, &found);
 }
 
 /* Whether the voltage suffices for a point, the fast loop's own reserve included. For zero current
