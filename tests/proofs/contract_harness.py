@@ -136,8 +136,11 @@ SOURCES = {
 # Of core, as they are, where they have no contract.
 CORE_SOURCES = ("angle", "drive_direction", "fault", "findings", "grid", "isqrt", "divide",
                 "scaled", "words")  # fmt: skip
-# Sources of functions without a contract that a part calls as they are (contracts.AS_THEY_ARE).
-BODIES = {"controller/controller": ("foc/report.c", "foc/sense.c")}
+# Sources of functions without a contract that a part calls as they are.
+BODIES = {
+    "controller/controller": ("foc/report.c", "foc/sense.c"),
+    "torque/torque_limits": ("config/pack_share.c",),
+}
 # Members that point to an object of their own.
 POINTEES = {
     "motor_model_t": {"constants": "motor_constants_t", "config": "config_t"},
@@ -221,12 +224,33 @@ def _prototype(one: Contract) -> str:
     return f"{one.result} {one.name}_by_contract({given})"
 
 
+def _terms(clauses: Iterable[str]) -> list[str]:
+    return [term.strip() for line in clauses for term in line.split("&&")]
+
+
+def _linked(one: Contract) -> list[tuple[str, str, str]]:
+    """Return holder, member and parameter where a precondition says that one points to the other.
+
+    For example `set->model == model`, of two parameters.
+    """
+    kinds = {parameter.name: parameter.type for parameter in one.parameters}
+    found = [re.fullmatch(r"(\w+)->(\w+) == (\w+)", term) for term in _terms(one.pre)]
+    return [(match[1], match[2], match[3]) for match in found
+            if match and match[3] in kinds and match[2] in POINTEES.get(kinds.get(match[1], ""), {})
+            ]  # fmt: skip
+
+
 def _copied(one: Contract) -> list[Parameter]:
     """Return the parameters that a substitute copies, writes and copies back.
 
-    The checker takes long to follow a pointer to a member of a large object.
+    The checker takes long to follow a pointer to a member of a large object. What another
+    parameter or the result points to is written where it is.
     """
-    return [parameter for parameter in one.parameters if parameter.written and not parameter.count]
+    shared = {target for _, _, target in _linked(one)}
+    shared |= {target for _, target in _same_pointers(one)}
+    return [parameter for parameter in one.parameters
+            if parameter.written and not parameter.count and parameter.name not in shared
+            ]  # fmt: skip
 
 
 def _definition(one: Contract) -> list[str]:
@@ -305,6 +329,8 @@ def harness(one: Contract) -> str:
     lines = [f"void prove_{one.name}(void)", "{"]
     for parameter in one.parameters:
         lines += _argument(parameter)
+    lines += [f"    {holder}_object.{member} = {target};"
+              for holder, member, target in _linked(one)]  # fmt: skip
     lines += [f"    ASSUME({line});" for line in one.pre]
     lines += conditions.before()
     call = f"{one.name}({', '.join(parameter.name for parameter in one.parameters)});"
@@ -317,11 +343,11 @@ def harness(one: Contract) -> str:
     return "\n".join([*lines, "}", ""])
 
 
-def _same_pointers(one: Contract) -> list[str]:
-    """Return assignments of the pointers that a postcondition makes equal to a parameter."""
-    made = [re.fullmatch(r"result\.(\w+) == (&?[\w>-]+(?:\.\w+)?)", term.strip())
-            for line in one.post for term in line.split("&&")]  # fmt: skip
-    return [f"    result.{match[1]} = {match[2]};" for match in made
+def _same_pointers(one: Contract) -> list[tuple[str, str]]:
+    """Return members of the result that a postcondition makes equal to a parameter, with it."""
+    made = [re.fullmatch(r"result\.(\w+) == (&?[\w>-]+(?:\.\w+)?)", term)
+            for term in _terms(one.post)]  # fmt: skip
+    return [(match[1], match[2]) for match in made
             if match and match[1] in POINTEES.get(one.result, {})]  # fmt: skip
 
 
@@ -363,7 +389,8 @@ def substitute(one: Contract, values: bool = False) -> str:
                 f"    *{parameter.name} = any_{parameter.name};",
             ]  # fmt: skip
     if one.result != "void":
-        lines += [f"    {one.result} result;", *_same_pointers(one)]
+        lines += [f"    {one.result} result;"]
+        lines += [f"    result.{member} = {target};" for member, target in _same_pointers(one)]
     assumed = [line for line in conditions.post if "each(" not in line]
     lines += [f"    ASSUME({with_a_chosen_index(line)});" for line in assumed]
     lines += [f"    *to_{parameter.name} = copy_{parameter.name};" for parameter in _copied(one)]

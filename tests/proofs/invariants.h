@@ -31,6 +31,10 @@
      (k)->coulomb_step_q8_b >= 0 && (k)->viscous_b >= 0 &&                                         \
      is_within((k)->torque_factor_q24, 0, 2 * SCALED_ONE))
 
+/* What motor_model_around() makes of them at any currents. */
+#define motor_model_holds(m)                                                                       \
+    (is_within((m)->friction_b, 0, 1 << 26) && is_within((m)->flux_b, 4, 1 << 26))
+
 #define point_holds(at)                                                                            \
     (is_within((at).d_b, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b) &&               \
      is_within((at).x_b, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b))

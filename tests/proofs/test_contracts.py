@@ -166,6 +166,23 @@ def test_pointers_that_a_result_shares_with_a_parameter_are_assigned(tmp_path: P
     )
 
 
+def test_a_parameter_points_to_another_one_where_a_precondition_says_so(tmp_path: Path) -> None:
+    header = contracts.FIRMWARE / "x" / "include" / "x" / "x.h"
+    file = tmp_path / "x.h"
+    declared = "void move(feasible_set_t *set, motor_model_t *model, int32_t *by);\n"
+    file.write_text(declared, encoding="utf-8")
+    clauses = "PRE(move, set->model == model && *by > 0)\nPOST(move, *by == 0)\n"
+    (one,) = contracts.read(file, contracts.parse(clauses))
+    proof = contract_harness.harness(dataclasses.replace(one, header=header)).splitlines()
+    assert proof.index("    set_object.model = model;") < proof.index(
+        "    ASSUME(set->model == model && *by > 0);"
+    )
+    lines = [line.strip() for line in contract_harness.substitute(one).splitlines()]
+    head = "void move_by_contract(feasible_set_t *to_set, motor_model_t *model, int32_t *to_by)"
+    assert {head, "*model = any_model;", "*to_set = copy_set;", "*to_by = copy_by;"} <= set(lines)
+    assert not [line for line in lines if "copy_model" in line]
+
+
 def test_calls_are_renamed_and_definitions_are_not() -> None:
     source = "int f(int x)\n{\n    return g(f(x)) + 2 * f(x);\n}\n"
     renamed = contract_harness.with_calls_by_contract(source, ["f"])

@@ -35,6 +35,16 @@ POST(feasible_set_at, result.model == model && result.weakest_d_b <= 0 && result
      0)
 POST(feasible_set_at, phase_voltage_mV > 0 || result.voltage_squared == 0)
 
+PRE(feasible_set_around, set->model == model && motor_constants_hold(model->constants) &&
+     motor_model_holds(model))
+PRE(feasible_set_around, set->weakest_d_b <= 0 && set->voltage_squared >= 0)
+POST(feasible_set_around, set->model == model && model->config == old(model->config) &&
+     model->constants == old(model->constants) && model->speed_mrad_s == old(model->speed_mrad_s) &&
+     model->winding_temperature_cC == old(model->winding_temperature_cC))
+POST(feasible_set_around, model->friction_b == old(model->friction_b) && motor_model_holds(model))
+POST(feasible_set_around, set->weakest_d_b <= 0 && set->voltage_squared ==
+     old(set->voltage_squared))
+
 PRE(feasible_side_at, model_shifts_hold(set->model->constants))
 POST(feasible_side_at, result.set == set && result.sign == (int32_t)sign && result.cap_mNm ==
      cap_mNm)
@@ -152,24 +162,22 @@ PRE(motor_model_at, constants->coulomb_step_q8_b >= 0 && constants->viscous_b >=
 POST(motor_model_at, result.constants == constants && result.config == config)
 POST(motor_model_at, result.speed_mrad_s == speed_mrad_s && result.winding_temperature_cC ==
      winding_temperature_cC)
-POST(motor_model_at, is_within(result.friction_b, 0, 1 << 26) && is_within(result.flux_b, 4, 1 <<
-     26))
+POST(motor_model_at, motor_model_holds(&result))
 
 PRE(motor_model_around, model_shifts_hold(constants))
 PRE(motor_model_around, constants->coulomb_step_q8_b >= 0 && constants->viscous_b >= 0)
 POST(motor_model_around, result.constants == constants && result.config == config)
 POST(motor_model_around, result.speed_mrad_s == speed_mrad_s && result.winding_temperature_cC ==
      winding_temperature_cC)
-POST(motor_model_around, is_within(result.friction_b, 0, 1 << 26))
-POST(motor_model_around, is_within(result.flux_b, 4, 1 << 26))
+POST(motor_model_around, motor_model_holds(&result))
 
-PRE(feasible_set_around, set->model == model && motor_constants_hold(model->constants))
-POST(feasible_set_around, set->model == old(set->model) && model->config == old(model->config) &&
-     model->constants == old(model->constants) && model->speed_mrad_s == old(model->speed_mrad_s))
-
-PRE(motor_model_move, model_shifts_hold(model->constants))
+PRE(motor_model_move, model_shifts_hold(model->constants) && motor_model_holds(model))
 POST(motor_model_move, model->config == old(model->config) &&
-     model->constants == old(model->constants) && model->speed_mrad_s == old(model->speed_mrad_s))
+     model->constants == old(model->constants) && model->speed_mrad_s == old(model->speed_mrad_s) &&
+     model->winding_temperature_cC == old(model->winding_temperature_cC))
+POST(motor_model_move, model->speed_b == old(model->speed_b) && model->resistance_b ==
+     old(model->resistance_b) && model->friction_b == old(model->friction_b))
+POST(motor_model_move, motor_model_holds(model))
 
 PRE(motor_model_point, current_shift_holds(model->constants))
 POST(motor_model_point, is_within(result.d_b, -MOTOR_MODEL_MOST_CURRENT_b,

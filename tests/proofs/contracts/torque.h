@@ -333,11 +333,17 @@ PRE(torque_limits_step, anti_lock_holds(state) && battery_rises_hold(state))
 PRE(torque_limits_step, is_within(state->charge.allowed_q24, 0, SCALED_ONE) &&
      is_within(state->discharge.allowed_q24, 0, SCALED_ONE))
 PRE(torque_limits_step, motor_constants_hold(set->model->constants) &&
-     is_within(set->model->flux_b, 0, 1 << 26) && is_within(set->model->friction_b, 0, 1 << 26) &&
-     derating_relations_hold(set->model->config))
+     motor_model_holds(set->model) && derating_relations_hold(set->model->config))
+PRE(torque_limits_step, set->weakest_d_b <= 0 && set->voltage_squared >= 0)
 PRE(torque_limits_step, now->winding_lasting_mA >= 0 && now->switch_lasting_mA >= 0 &&
      is_within(now->winding_hotter_cC, -69400, 69400))
 PRE(torque_limits_step, table_holds(table) && is_within(in->current_missing_q15, 0, 16384))
+POST(torque_limits_step, set->model == model && model->config == old(model->config) &&
+     model->constants == old(model->constants) && model->speed_mrad_s == old(model->speed_mrad_s) &&
+     model->winding_temperature_cC == old(model->winding_temperature_cC))
+POST(torque_limits_step, model->friction_b == old(model->friction_b) && motor_model_holds(model))
+POST(torque_limits_step, set->weakest_d_b <= 0 && set->voltage_squared ==
+     old(set->voltage_squared))
 POST(torque_limits_step, is_within(state->charge.allowed_q24, 0, SCALED_ONE) &&
      is_within(state->discharge.allowed_q24, 0, SCALED_ONE))
 POST(torque_limits_step, anti_lock_holds(state) && battery_rises_hold(state))
@@ -372,11 +378,16 @@ POST(torque_limits_plain, table_holds(table) && table->driving[TORQUE_LINE_MAX_T
 POST(torque_limits_plain, q_abs(model->speed_mrad_s) > model->config->brake.blend_out_end_mrad_s ||
      table->braking[TORQUE_LINE_BLEND_OUT].torque_mNm == 0)
 
-PRE(torque_limits_ends, set->model == model && motor_constants_hold(model->constants))
-PRE(torque_limits_ends, model_shifts_hold(set->model->constants) && is_a_sign((int32_t)sign) &&
-     table_holds(table))
-POST(torque_limits_ends, set->model == old(set->model) && model->config == old(model->config) &&
-     model->constants == old(model->constants) && model->speed_mrad_s == old(model->speed_mrad_s))
+PRE(torque_limits_ends, set->model == model && motor_constants_hold(model->constants) &&
+     motor_model_holds(model))
+PRE(torque_limits_ends, set->weakest_d_b <= 0 && set->voltage_squared >= 0)
+PRE(torque_limits_ends, is_a_sign((int32_t)sign) && table_holds(table))
+POST(torque_limits_ends, set->model == model && model->config == old(model->config) &&
+     model->constants == old(model->constants) && model->speed_mrad_s == old(model->speed_mrad_s) &&
+     model->winding_temperature_cC == old(model->winding_temperature_cC))
+POST(torque_limits_ends, model->friction_b == old(model->friction_b) && motor_model_holds(model))
+POST(torque_limits_ends, set->weakest_d_b <= 0 && set->voltage_squared ==
+     old(set->voltage_squared))
 POST(torque_limits_ends, result.set == set && result.sign == (int32_t)sign)
 POST(torque_limits_ends, table_holds(table) && table->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm ==
      old(table->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm) &&
@@ -385,11 +396,16 @@ POST(torque_limits_ends, table_holds(table) && table->driving[TORQUE_LINE_MAX_TO
 POST(torque_limits_ends, table->braking[TORQUE_LINE_BLEND_OUT].torque_mNm ==
      old(table->braking[TORQUE_LINE_BLEND_OUT].torque_mNm))
 
-PRE(torque_limits_drawn, set->model == model && motor_constants_hold(model->constants))
-PRE(torque_limits_drawn, model_shifts_hold(side->set->model->constants) && is_a_sign(side->sign) &&
-     table_holds(table))
-POST(torque_limits_drawn, set->model == old(set->model) && model->config == old(model->config) &&
-     model->constants == old(model->constants) && model->speed_mrad_s == old(model->speed_mrad_s))
+PRE(torque_limits_drawn, side->set == set && set->model == model &&
+     motor_constants_hold(model->constants) && motor_model_holds(model))
+PRE(torque_limits_drawn, set->weakest_d_b <= 0 && set->voltage_squared >= 0)
+PRE(torque_limits_drawn, is_a_sign(side->sign) && table_holds(table))
+POST(torque_limits_drawn, set->model == model && model->config == old(model->config) &&
+     model->constants == old(model->constants) && model->speed_mrad_s == old(model->speed_mrad_s) &&
+     model->winding_temperature_cC == old(model->winding_temperature_cC))
+POST(torque_limits_drawn, model->friction_b == old(model->friction_b) && motor_model_holds(model))
+POST(torque_limits_drawn, set->weakest_d_b <= 0 && set->voltage_squared ==
+     old(set->voltage_squared))
 POST(torque_limits_drawn, table_holds(table) && table->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm ==
      old(table->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm) &&
      table->braking[TORQUE_LINE_MAX_TORQUE].torque_mNm ==
@@ -397,11 +413,17 @@ POST(torque_limits_drawn, table_holds(table) && table->driving[TORQUE_LINE_MAX_T
 POST(torque_limits_drawn, table->braking[TORQUE_LINE_BLEND_OUT].torque_mNm ==
      old(table->braking[TORQUE_LINE_BLEND_OUT].torque_mNm))
 
-PRE(torque_limits_returned, set->model == model && motor_constants_hold(model->constants))
-PRE(torque_limits_returned, model_shifts_hold(side->set->model->constants) && is_a_sign(side->sign)
-     && table_holds(table))
-POST(torque_limits_returned, set->model == old(set->model) && model->config == old(model->config) &&
-     model->constants == old(model->constants) && model->speed_mrad_s == old(model->speed_mrad_s))
+PRE(torque_limits_returned, side->set == set && set->model == model &&
+     motor_constants_hold(model->constants) && motor_model_holds(model))
+PRE(torque_limits_returned, set->weakest_d_b <= 0 && set->voltage_squared >= 0)
+PRE(torque_limits_returned, is_a_sign(side->sign) && table_holds(table))
+POST(torque_limits_returned, set->model == model && model->config == old(model->config) &&
+     model->constants == old(model->constants) && model->speed_mrad_s == old(model->speed_mrad_s) &&
+     model->winding_temperature_cC == old(model->winding_temperature_cC))
+POST(torque_limits_returned, model->friction_b == old(model->friction_b) &&
+     motor_model_holds(model))
+POST(torque_limits_returned, set->weakest_d_b <= 0 && set->voltage_squared ==
+     old(set->voltage_squared))
 POST(torque_limits_returned, table_holds(table) &&
      table->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm ==
      old(table->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm) &&
