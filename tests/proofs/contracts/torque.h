@@ -318,7 +318,7 @@ POST(torque_limits_init, every(i, TORQUE_LINE_COUNT, table->driving[i].torque_mN
      FEASIBLE_UNBOUNDED && table->braking[i].torque_mNm == FEASIBLE_UNBOUNDED))
 POST(torque_limits_init, state->charge.allowed_q24 == SCALED_ONE && state->discharge.allowed_q24 ==
      SCALED_ONE)
-POST(torque_limits_init, battery_rises_hold(state))
+POST(torque_limits_init, battery_rises_hold(state) && table_holds(table))
 POST(torque_limits_init, state->abs_hold_steps == 0 && state->abs_share_percent == 0 &&
      table->drawn_b == 0)
 
