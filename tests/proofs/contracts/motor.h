@@ -23,7 +23,7 @@ POST(feasible_ellipse_root, is_within(*t_b, -(1 << 25), (1 << 25) - 1))
 
 POST(feasible_weaken_cap, side->sign == old(side->sign) && side->cap_mNm == old(side->cap_mNm))
 
-POST(feasible_circle_d_b, set->model->saliency_b != 0 ||
+POST(feasible_circle_d_b, set->model->slope_saliency_b != 0 ||
      !is_within(set->model->constants->current_most_b, 0, MOTOR_MODEL_MOST_CURRENT_b) ||
      is_within(result, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MODEL_MOST_CURRENT_b))
 
