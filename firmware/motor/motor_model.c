@@ -133,10 +133,8 @@ static flux_t flux_around(const motor_constants_t *k, const config_t *config, in
     return of_map(k, config, shift_mA, at);
 }
 
-/* All that follows from the fluxes. In line, so that a model is made where its caller has it: a
- * copy would cost 290 instructions. */
-static inline __attribute__((always_inline)) void set_flux(motor_model_t *m, const flux_t *flux,
-                                                           int32_t conductance)
+/* All that follows from the fluxes. */
+static inline void set_flux(motor_model_t *m, const flux_t *flux, int32_t conductance)
 {
     const int32_t w_b = m->speed_b;
     m->inductance_d_b = flux->d_b;
