@@ -116,7 +116,9 @@ def test_curves_are_the_motor_whose_fluxes_they_are(tree: Tree, tmp_path: Path) 
     assert found.motor.q_inductance_h == pytest.approx(wanted.motor.q_inductance_h, rel=2e-3)
     line = flux_constants.warning(found)
     assert line is not None
-    assert line.startswith("motor.q_inductance_curve_h: the controller's torque and tables are")
+    assert line.startswith(
+        "motor.q_inductance_curve_h: the controller's torque, tables, current loop and"
+    )
 
 
 def test_surface_magnets_with_a_map_have_one_inductance(paper_tree: Tree, tmp_path: Path) -> None:
@@ -221,7 +223,7 @@ def test_ideal_stops_say_that_they_are_the_constants(
     assert cli.main(command) == 0
     printed = capsys.readouterr().err
     assert printed.startswith(
-        f"{path}: warning: motor.flux_map: the controller's torque and tables are"
+        f"{path}: warning: motor.flux_map: the controller's torque, tables, current loop and"
     )
     assert printed.endswith("; these answers are the constants'\n")
 
