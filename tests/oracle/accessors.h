@@ -93,6 +93,8 @@
     X(observer_volt_beta_q15, q_pair_y(setpoint->observer.volt)) \
     X(observer_minus_resistance_alpha_q15, q_pair_x(setpoint->observer.minus_resistance)) \
     X(observer_minus_resistance_beta_q15, q_pair_y(setpoint->observer.minus_resistance)) \
+    X(observer_minus_inductance_alpha_q15, q_pair_x(setpoint->observer.minus_inductance)) \
+    X(observer_minus_inductance_beta_q15, q_pair_y(setpoint->observer.minus_inductance)) \
     X(observer_minus_leak_alpha_q16, q_pair_x(setpoint->observer.minus_leak)) \
     X(observer_minus_leak_beta_q16, q_pair_y(setpoint->observer.minus_leak)) \
     X(observer_lead_turn, setpoint->observer.lead_turn) \
@@ -207,14 +209,14 @@
 
 /* X(structure, field, "reason"): not part of the stored hashes */
 #define ORACLE_NOT_HASHED(X) \
-    X(observer_tuning_t, minus_inductance, "since the baseline") \
     X(torque_limits_t, losses, "between two modules of the slow step, shown nowhere") \
     X(torque_limits_t, drawn_b, "between two modules of the slow step, shown nowhere") \
     X(torque_limits_t, least_winding_mNm, "likewise") \
     X(torque_limits_t, least_switch_mNm, "likewise") \
     X(torque_limits_t, winding_hotter_cC, "likewise") \
     X(torque_limits_t, optimum_mNm, "likewise") \
-    X(torque_limits_t, current_missing_q15, "likewise")
+    X(torque_limits_t, current_missing_q15, "likewise") \
+    X(torque_limits_t, at, "read in the next step alone")
 
 /* clang-format on */
 
