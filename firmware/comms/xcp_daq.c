@@ -270,7 +270,7 @@ static xcp_error_t get_event_info(exchange_t *x)
     x->answer[1] = OF_DAQ;
     x->answer[2] = 1; /* list of this event */
     x->answer[3] = length_of(EVENT_NAMES[event]);
-    x->answer[4] = slow ? 1U : (uint8_t)((1000000U + Hz / 2U) / Hz);
+    x->answer[4] = (uint8_t)(slow ? 1U : (1000000U + Hz / 2U) / Hz);
     x->answer[5] = slow ? UNIT_ms : UNIT_us;
     x->answer[6] = 0;
     x->answer_bytes = 7;

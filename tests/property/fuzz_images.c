@@ -202,7 +202,7 @@ static bool is_record(const fault_record_t *record)
         (const uint8_t *)record >= (const uint8_t *)fake.word[FLASH_JOURNAL_A] &&
         (const uint8_t *)(record + 1) <= (const uint8_t *)fake.word[FLASH_JOURNAL_A + 2];
     return inside_a && record->size_bytes == sizeof *record &&
-           record->tail[FAULT_JOURNAL_ENERGIES] == crc_of(record, sizeof *record - 4U);
+           record->tail[ENERGY_KINDS] == crc_of(record, sizeof *record - 4U);
 }
 
 /* Nothing from here on changes after a cut but what is in memory. */
