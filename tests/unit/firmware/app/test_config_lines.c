@@ -85,7 +85,8 @@ void test_only_maps_and_header_have_no_lines(void)
     const size_t head = offsetof(config_t, motor);
     const size_t maps =
         sizeof CONFIG_IMAGE.temperature.winding_cC + sizeof CONFIG_IMAGE.temperature.switch_cC +
-        sizeof CONFIG_IMAGE.regen_map.torque_lsb + sizeof CONFIG_IMAGE.current_map.current_d_lsb;
+        sizeof CONFIG_IMAGE.regen_map.torque_lsb + sizeof CONFIG_IMAGE.current_map.current_d_lsb +
+        sizeof CONFIG_IMAGE.flux_map.psi_d_lsb + sizeof CONFIG_IMAGE.flux_map.psi_q_lsb;
     TEST_ASSERT_EQUAL_size_t(offsetof(config_t, crc32), /* the key is not among them */
                              head + maps + sizeof(int32_t) * numbers);
 }

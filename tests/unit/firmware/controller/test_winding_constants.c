@@ -8,7 +8,9 @@ static config_t config;
 
 void setUp(void)
 {
-    config = (config_t){.current_loop = {.proportional_d_pu_q16 = 11,
+    config = (config_t){.motor = {.q_inductance_nH = 123456, .flux_linkage_nWb = 1000000},
+                        .drive = {.current_full_scale_mA = 50000},
+                        .current_loop = {.proportional_d_pu_q16 = 11,
                                          .proportional_q_pu_q16 = 12,
                                          .integral_d_pu_q24 = 13,
                                          .integral_q_pu_q24 = 14,
@@ -38,8 +40,6 @@ void test_each_axis_has_its_own_gains_and_the_magnets_are_on_the_d_axis(void)
 
 void test_the_observer_has_the_inductance_that_its_design_has(void)
 {
-    config.motor.q_inductance_nH = 123456;
-    config.motor.max_phase_current_mA = 50000;
     TEST_ASSERT_EQUAL_INT32(observer_design_inductance_q15(&config),
                             winding_constants(&config).chord_q_q15);
 }
