@@ -26,7 +26,7 @@ extern const config_t CONFIG_LU2013, CONFIG_EBIKE36V, CONFIG_SCOOTER48V, CONFIG_
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-enum { KEYS_MAX = 16384, SCREEN_MAX = 4096, ESCAPE = 0x1B, CANCEL = 0x03, LAST_PUMPS = 4 };
+enum { KEYS_MAX = 32768, SCREEN_MAX = 4096, ESCAPE = 0x1B, CANCEL = 0x03, LAST_PUMPS = 4 };
 
 /* Of a board that takes any configuration. */
 analog_scale_t analog_scale(void)
