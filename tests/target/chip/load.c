@@ -223,8 +223,16 @@ static void watch(void)
     close_gap(&load.health);
 }
 
+/* Each traffic meets the cycles of the wheel's own messages at the same phase. */
+static void await_cycle(void)
+{
+    const chip_ticks_t cycle = ticks_of_ms(CYCLES_ms[HUNDRED_ms]);
+    run(ms_of(cycle - chip_now(rig.chip) % cycle) / 1000.0);
+}
+
 static void begin(uint64_t seed)
 {
+    await_cycle();
     memset(&load, 0, sizeof load);
     load.random = random_init(seed, 0);
     load.began = chip_now(rig.chip);
@@ -318,8 +326,8 @@ static bool start_measuring(void)
                           "DAQ has every millisecond of a free bus");
 }
 
-/* A frame that has begun is not withdrawn: one is in the way at most. The two runs begin at
- * different times of the wheel's own cycle, which is another frame. */
+/* A frame that has begun is not withdrawn: one is in the way at most. Another one for the time at
+ * which the wheel asks, which is a few PWM periods earlier or later. */
 static bool comes_as_before(const char *traffic, double phase_ms, unsigned seed)
 {
     double gap[2];
