@@ -6,6 +6,7 @@ enum {
     CIRCLE_STEPS = 4,              /* to the ellipse; up to a short one */
     SHORT_ANGLE = SCALED_ONE >> 3, /* rad; the error left is of the third order */
     CIRCLE_PASSES = 3,             /* to the torque */
+    SMALL_SPAN_LOG2 = 14,          /* of the largest torque, whose scale may be coarse */
     FORCED_RESERVE_LOG2 = 8        /* of the squared voltage, for the second order */
 };
 
@@ -212,7 +213,7 @@ int32_t feasible_circle_d_b(const feasible_set_t *set, int32_t airgap_b, int32_t
     for (int pass = 0; pass < CIRCLE_PASSES; pass++) {
         const int32_t here_b = sign * motor_model_airgap_b(m, on_circle(m, sign, d_b, &i_q_b));
         const int32_t span_b = most_b - here_b;
-        if (span_b < ELLIPSE_SMALL_b) {
+        if (span_b <= q_abs(most_b) >> SMALL_SPAN_LOG2) {
             break;
         }
         const int32_t share = scaled_root((int64_t)scaled_ratio(missing_b, span_b) << 24);

@@ -11,7 +11,7 @@
 #include "motor/feasible_torque.h"
 
 enum {
-    ELLIPSE_SMALL_b = 1 << 8,        /* differences of no consequence */
+    ELLIPSE_SMALL_b = 1 << 8,        /* currents of no consequence */
     ELLIPSE_HOLDS_LOG2 = 4,          /* 3 % of the voltage: less than the fast loop's own reserve */
     ELLIPSE_CIRCLE_RESERVE_LOG2 = 8, /* 0.4 % */
     ELLIPSE_MOST_COEFFICIENT = 1 << 29

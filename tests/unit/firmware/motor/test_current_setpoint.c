@@ -190,6 +190,28 @@ void test_torque_beyond_the_current_circle_gives_at_least_85_percent_of_the_best
     TEST_ASSERT_TRUE(torque_of(&motor, out.i_d_mA * 1e-3, out.i_q_mA * 1e-3) > 0.85 * best_mNm);
 }
 
+/* Hardly any saliency: with the map's i_d, of a salient motor, the circle leaves less torque than
+ * with i_d = 0. A motor that turns slowly on a high voltage has a torque of few bits. */
+void test_torques_near_the_largest_of_the_circle_are_made_in_any_scale(void)
+{
+    for (int32_t slower = 1; slower <= 10000; slower *= 10) {
+        config = salient_vehicle();
+        config.battery.max_voltage_mV = 420000;
+        config.motor.q_inductance_nH = config.motor.d_inductance_nH * 49 / 50;
+        config.motor.max_speed_mrad_s /= slower;
+        const reference_motor_t motor = reference_motor(&config, 0.0, 2500);
+        const double most_a = config.motor.max_phase_current_mA * 1e-3 * 255.0 / 256.0;
+        const double best_mNm = torque_of(&motor, 0.0, most_a);
+        for (double share = 0.9; share < 0.998; share += 0.003) {
+            const double wanted_mNm = share * best_mNm;
+            const current_setpoint_t out = reference(0, (int32_t)wanted_mNm);
+            TEST_ASSERT_FALSE(out.limited);
+            TEST_ASSERT_DOUBLE_WITHIN(0.003 * best_mNm, wanted_mNm,
+                                      torque_of(&motor, out.i_d_mA * 1e-3, out.i_q_mA * 1e-3));
+        }
+    }
+}
+
 void test_q_current_is_within_its_limit_and_has_the_sign_of_a_torque_above_iron_drag(void)
 {
     random_t random = random_seeded(1);

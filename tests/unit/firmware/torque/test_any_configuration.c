@@ -312,6 +312,27 @@ static uint64_t from_environment(const char *name, uint64_t otherwise)
     return text == NULL ? otherwise : strtoull(text, NULL, 10);
 }
 
+/* Returns the number of changes of its fields. */
+static int try_image(uint64_t seed)
+{
+    random_t random = random_seeded(seed * UINT64_C(0x9E3779B97F4A7C15));
+    const int changes = random_image(&random);
+    ride(&random, seed);
+    any_input(&random);
+    return changes;
+}
+
+/* 1004949: next to no saliency, and a thousandth of the speed, so that a torque has 13 bits.
+ * 1007108: the iron takes more than the largest current at a wild speed. */
+void test_images_that_once_misbehaved_do_so_no_more(void)
+{
+    static const uint64_t FOUND[] = {1004949, 1007108};
+    list_fields();
+    for (size_t n = 0; n < sizeof FOUND / sizeof FOUND[0]; n++) {
+        (void)try_image(FOUND[n]);
+    }
+}
+
 void test_no_accepted_image_misbehaves_on_a_short_ride(void)
 {
     list_fields();
@@ -319,10 +340,7 @@ void test_no_accepted_image_misbehaves_on_a_short_ride(void)
     const uint64_t images = from_environment("HUBFOC_IMAGES", 4000);
     int64_t changes = 0;
     for (uint64_t seed = first; seed < first + images; seed++) {
-        random_t random = random_seeded(seed * UINT64_C(0x9E3779B97F4A7C15));
-        changes += random_image(&random);
-        ride(&random, seed);
-        any_input(&random);
+        changes += try_image(seed);
     }
     if (images >= 100) {
         TEST_ASSERT_TRUE_MESSAGE(changes >= (int64_t)(2 * images), "most changes are refused");
