@@ -31,7 +31,8 @@ static int32_t largest(const phases_t *x)
 typedef enum { FLOWS, NEITHER, MISSING } evidence_t;
 
 /* One phase whose reference is at least half of the largest. A healthy vector of whatever length
- * within 21 degrees of its reference has a sixth of the others there. */
+ * within 21 degrees of its reference has a sixth of the others there. Where the reference of an
+ * open phase is at its peak, hardly anything flows in the others either. */
 static evidence_t evidence(int32_t current_pu, int32_t wanted_pu, int32_t others_pu)
 {
     const int32_t along_pu = wanted_pu > 0 ? current_pu : -current_pu;
@@ -40,10 +41,9 @@ static evidence_t evidence(int32_t current_pu, int32_t wanted_pu, int32_t others
         return FLOWS;
     }
     const int32_t size_pu = q_abs(current_pu);
-    return size_pu < reference_pu / 4 && size_pu < others_pu / 6 &&
-                   others_pu > MONITOR_OPEN_OTHERS_PU
-               ? MISSING
-               : NEITHER;
+    const bool none = others_pu > MONITOR_OPEN_OTHERS_PU ? size_pu < others_pu / 6
+                                                         : others_pu > MONITOR_OPEN_DEAD_PU;
+    return size_pu < reference_pu / 4 && none ? MISSING : NEITHER;
 }
 
 /* The vector turns through this phase's zero within 14 degrees unless the phase carries none, or
@@ -95,7 +95,9 @@ static int32_t turned_since(monitor_open_state_t *state, uint16_t theta_turn)
 static reason_t name_of(dq_t sampled_pu, int32_t current_sum_pu)
 {
     const int32_t size_pu = q_max(q_abs(sampled_pu.d), q_abs(sampled_pu.q));
-    return q_abs(current_sum_pu) > size_pu / SUM_SHARE ? REASON_CURRENT_SUM : REASON_PHASE_OPEN;
+    return q_abs(current_sum_pu) > q_max(size_pu, MONITOR_OPEN_OTHERS_PU) / SUM_SHARE
+               ? REASON_CURRENT_SUM
+               : REASON_PHASE_OPEN;
 }
 
 reason_t monitor_open_step(monitor_open_state_t *state, const measured_t *now, dq_t reference_pu)
@@ -114,7 +116,7 @@ reason_t monitor_open_step(monitor_open_state_t *state, const measured_t *now, d
     const phases_t current = phases_of(dq_of(now->report->i_pu), at);
     const phases_t wanted = phases_of(reference_pu, at);
     const int32_t longest_pu = largest(&current);
-    const int32_t judged_pu = q_max(largest(&wanted) / 2, MONITOR_OPEN_LEAST_PU);
+    const int32_t judged_pu = q_max(largest(&wanted) / 2, MONITOR_OPEN_WANTED_PU);
     uint8_t most = 0;
     bool zero = false;
     for (int x = 0; x < PHASES; x++) {

@@ -4,13 +4,13 @@
  * currents of one PWM period.
  *
  * The reference wants current in this phase, its measurement has less than a quarter of it and less
- * than a sixth of the other two phases', opposite currents: in MONITOR_OPEN_STEPS samples of the
- * same sign of the reference, without one in between that has half of it. Or, of a slow rotor: a
- * phase stays at zero beside the others' current in MONITOR_OPEN_STEPS samples, while the rotor
- * turns through MONITOR_OPEN_TURN and the reference wants a quarter of that current in it. Samples
- * after a jump of the angle, ahead of the currents, do not count. A dead current sensor looks like
- * that only below the tolerance of the sum; above it its sample is replaced. DERIVATIONS.md, Open
- * phase.
+ * than a sixth of the other two phases', opposite currents, or these carry hardly any either: in
+ * MONITOR_OPEN_STEPS samples of the same sign of the reference, without one in between that has
+ * half of it. Or, of a slow rotor: a phase stays at zero beside the others' current in
+ * MONITOR_OPEN_STEPS samples, while the rotor turns through MONITOR_OPEN_TURN and the reference
+ * wants a quarter of that current in it. Samples after a jump of the angle, ahead of the currents,
+ * do not count. A dead current sensor looks like that only below the tolerance of the sum; above it
+ * its sample is replaced. Three that are dead are monitor_current.h's. DERIVATIONS.md, Open phase.
  */
 #ifndef MONITOR_MONITOR_OPEN_H
 #define MONITOR_MONITOR_OPEN_H
@@ -29,9 +29,11 @@ enum {
     MONITOR_OPEN_FASTEST_TURN = 10923, /* 60 degrees, between two samples that are compared */
     MONITOR_OPEN_JUMP_TURN = 3641,     /* 20 degrees: change of the step, as at a hall edge */
     MONITOR_OPEN_JUMP_STEPS = 2,       /* ms, until the current loop has followed that */
-    MONITOR_OPEN_OTHERS_PU = 800,      /* least current of the other two, Q15: 2.4 % of the range */
-    /* Least reference of a phase that is judged, and least current beside which one at zero counts,
-     * Q15: 6 % of the range, beside which noise and misplaced hall edges keep no phase at zero. */
+    MONITOR_OPEN_OTHERS_PU = 800,      /* less is none in any phase, Q15: 2.4 % of the range */
+    MONITOR_OPEN_DEAD_PU = 24,         /* less is none of a sensor, Q15: one and a half codes */
+    MONITOR_OPEN_WANTED_PU = 1280,     /* least reference of a phase that is judged, 3.9 % */
+    /* Least current beside which one at zero counts, Q15: 6 % of the range, beside which noise and
+     * misplaced hall edges keep no phase at zero. */
     MONITOR_OPEN_LEAST_PU = 2048
 };
 

@@ -10,7 +10,7 @@
 
 #define TURN_RAD 6.283185307179586
 
-enum { LENGTH_PU = 12000 };
+enum { LENGTH_PU = 12000, LIGHT_PU = 2000 };
 
 typedef struct {
     double a, b, c;
@@ -19,11 +19,18 @@ typedef struct {
 typedef star_t (*path_t)(star_t wanted);
 
 static monitor_open_state_t state;
+static int32_t length_pu; /* of the reference */
 
-void setUp(void)
+static void begin(void)
 {
     const monitor_open_state_t fresh = {.suspected = false};
     state = fresh;
+}
+
+void setUp(void)
+{
+    begin();
+    length_pu = LENGTH_PU;
 }
 
 void tearDown(void) {}
@@ -82,8 +89,8 @@ static star_t no_path(star_t i)
 /* q current of the reference turns with the rotor: phase a is -sin. */
 static star_t wanted_at(double angle_rad)
 {
-    const star_t out = {-LENGTH_PU * sin(angle_rad), -LENGTH_PU * sin(angle_rad - TURN_RAD / 3),
-                        -LENGTH_PU * sin(angle_rad + TURN_RAD / 3)};
+    const star_t out = {-length_pu * sin(angle_rad), -length_pu * sin(angle_rad - TURN_RAD / 3),
+                        -length_pu * sin(angle_rad + TURN_RAD / 3)};
     return out;
 }
 
@@ -112,13 +119,14 @@ static bool step_at(path_t path, double turn, double share)
     i.a *= share;
     i.b *= share;
     i.c *= share;
-    return step(park(i, angle_rad), REFERENCE, theta_of(turn), 0) != REASON_NONE;
+    const dq_t reference = {.d = 0, .q = length_pu};
+    return step(park(i, angle_rad), reference, theta_of(turn), 0) != REASON_NONE;
 }
 
 /* Milliseconds until the phase is named; -1: not within `most`. */
 static int time_to_name(path_t path, double begin_turn, double turns_per_ms, int most)
 {
-    setUp();
+    begin();
     for (int ms = 1; ms <= most; ms++) {
         if (step_at(path, begin_turn + turns_per_ms * ms, 1.0)) {
             return ms;
@@ -156,6 +164,19 @@ void test_open_switch_is_named_in_its_half_wave(void)
     }
 }
 
+/* 6 % of the range, 52 Hz: named before an observer, deceived by the voltage of a leg that has no
+ * current, contradicts the rotor's sensor 8 ms later. */
+void test_open_switch_of_a_small_current_is_named_in_its_half_wave(void)
+{
+    length_pu = LIGHT_PU;
+    for (int k = 0; k < 24; k++) {
+        const int ms = time_to_name(high_switch_a_open, 0.5 - 0.052 * k / 24.0, 0.052, 20);
+        TEST_ASSERT_GREATER_OR_EQUAL_INT(3, ms);
+        TEST_ASSERT_LESS_OR_EQUAL_INT(8, ms);
+        TEST_ASSERT_EQUAL_INT(-1, time_to_name(healthy, k / 24.0, 0.052, 100));
+    }
+}
+
 /* 5 Hz: 30 degrees are 17 ms, half a turn until the half wave comes 100 ms. */
 void test_open_phase_of_a_slow_rotor_is_named_by_the_angle_it_stays_at_zero(void)
 {
@@ -183,7 +204,8 @@ static bool step_beside(double lag_turn, double turn, double share)
     const double angle_rad = TURN_RAD * (turn - floor(turn));
     const star_t whole = wanted_at(angle_rad - TURN_RAD * lag_turn);
     const star_t i = {share * whole.a, share * whole.b, share * whole.c};
-    return step(park(i, angle_rad), REFERENCE, theta_of(turn), 0) != REASON_NONE;
+    const dq_t reference = {.d = 0, .q = length_pu};
+    return step(park(i, angle_rad), reference, theta_of(turn), 0) != REASON_NONE;
 }
 
 /* A phase that is judged is wanted 30 degrees from its zero or further. A healthy vector has less

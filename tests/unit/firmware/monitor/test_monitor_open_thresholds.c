@@ -63,8 +63,9 @@ static const struct {
     {{2400, 599, 16384}, {2400, 600, 16384}},     /* a quarter of the reference */
     {{20000, 644, 4096}, {20000, 645, 4096}},     /* a sixth of 3548 + 322, which is 645 */
     {{20000, 2578, 16384}, {20000, 2579, 16384}}, /* of 14189 + 1289: 2579 and 4 of 6 parts */
-    {{2560, 10, 918}, {2560, 10, 917}},           /* others 801 and 800 */
-    {{2048, 100, 16384}, {2047, 100, 16384}},     /* a reference that is judged */
+    {{2560, 134, 846}, {2560, 134, 847}},         /* others 800, which is none, and 801 */
+    {{2560, 10, 22}, {2560, 10, 21}},             /* others 25 and 24, as of dead sensors */
+    {{1280, 100, 16384}, {1279, 100, 16384}},     /* a reference that is judged */
 };
 
 void test_thresholds_of_a_missing_current_are_exact(void)

@@ -22,10 +22,11 @@ def test_sixty_seeds_hold_every_invariant(hubsim: Hubsim, tmp_path: Path) -> Non
     assert found["coverage"]["seen"] > 100
 
 
-@pytest.mark.parametrize(("seed", "drives"), [(79, 400), (170, 400), (1200, 24)])
+@pytest.mark.parametrize(("seed", "drives"), [(79, 400), (170, 400), (333, 400), (1200, 24)])
 def test_a_seed_that_was_mended_holds_every_invariant(seed: int, drives: int) -> None:
     """79: halls that turn round while the current of a salient motor rises. 170: a contactor.
 
+    333: a switch opens beside a small current.
     1200: one hall line bounces while the wheel rolls back and the driver acknowledges.
     """
     record = work.done({"seed": seed, "drives": drives, "healthy": False})
