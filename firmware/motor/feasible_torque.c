@@ -7,6 +7,7 @@
 
 enum {
     TANGENTS = 2,      /* to the torque's hyperbola */
+    MOST_TANGENTS = 5, /* where the hyperbola bends most */
     VOLTAGE_STEPS = 2, /* along the ellipse, where i_d is that of the map */
     MOST_TORQUE_b = 1 << 29
 };
@@ -63,6 +64,9 @@ static motor_point_t weakened(const feasible_set_t *set, int32_t airgap_b, motor
     const int32_t lowest_b = q_min(set->weakest_d_b, highest_b);
     const int passes = m->saliency_b != 0 ? tangents : 1;
     for (int pass = 0; pass < passes; pass++) {
+        if (pass >= TANGENTS && feasible_holds(set, at)) {
+            break;
+        }
         const line_t line = line_from(m, at, SCALED_ONE, motor_model_x_per_d(m, at));
         int32_t change_b = 0;
         (void)feasible_ellipse_root(set, &line, 1, &change_b);
@@ -206,7 +210,7 @@ motor_point_t feasible_point(const feasible_set_t *set, int32_t airgap_b)
         at.d_b = feasible_circle_d_b(set, airgap_b, at.d_b);
         at.x_b = motor_model_x_of_airgap_b(m, airgap_b, at.d_b);
     }
-    return voltage_suffices(set, at) ? at : weakened(set, airgap_b, at, TANGENTS);
+    return voltage_suffices(set, at) ? at : weakened(set, airgap_b, at, MOST_TANGENTS);
 }
 
 feasible_side_t feasible_side_at(const feasible_set_t *set, side_t sign, int32_t cap_mNm)

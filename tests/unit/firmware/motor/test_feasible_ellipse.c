@@ -8,12 +8,22 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
+/* Magnets that assist a reluctance motor: the hyperbola of its torque bends most. */
+static config_t six_times_salient(void)
+{
+    config_t config = CONFIG_IPM400V;
+    config.motor.q_inductance_nH = 6 * config.motor.d_inductance_nH;
+    return config;
+}
+
 /* Between the bounds of voltage and current the setpoint makes the torque, and where the map's i_d
- * needs more voltage than there is, all of the voltage is in use. */
+ * needs more voltage than there is, all of the voltage is in use. Where the hyperbola bends most,
+ * up to 3.1 % more: the reserve of the fast loop, sqrt(1 + 1/16). */
 void test_setpoints_on_the_voltage_ellipse_make_the_torque_with_the_voltage_there_is(void)
 {
-    const config_t *const configs[] = {&CONFIG_LU2013, &CONFIG_IPM400V};
-    for (int c = 0; c < 2; c++) {
+    const config_t salient = six_times_salient();
+    const config_t *const configs[] = {&CONFIG_LU2013, &CONFIG_IPM400V, &salient};
+    for (int c = 0; c < 3; c++) {
         random_t random = random_seeded((uint64_t)(30 + c));
         int on_ellipse = 0;
         for (int n = 0; n < 4 * STATES; n++) {
@@ -40,7 +50,9 @@ void test_setpoints_on_the_voltage_ellipse_make_the_torque_with_the_voltage_ther
             const reference_point_t at = of_terminal(&drive, 1e-3 * i.i_d_mA, 1e-3 * i.i_q_mA);
             TEST_ASSERT_DOUBLE_WITHIN(1e-3 * configs[c]->motor.max_torque_mNm, 1e3 * airgap_nm,
                                       1e3 * at.torque_nm);
-            TEST_ASSERT_TRUE(volts(&drive, at) <= 1.004 * drive.phase_v);
+            const double most_v = (configs[c] == &salient ? 1.031 : 1.004) * drive.phase_v;
+            TEST_ASSERT_TRUE(volts(&drive, at) <= most_v);
+            TEST_ASSERT_TRUE(i.feasible);
             const double map_a = 1e-3 * map_d_mA(configs[c], drive.speed_mrad_s, drive.winding_cC,
                                                  (int32_t)lround(1e3 * airgap_nm));
             if (volts(&drive, at_d(&drive, map_a, airgap_nm)) > 1.005 * drive.phase_v) {
