@@ -6,9 +6,14 @@
 #include "core/scaled.h"
 #include "torque/demand.h"
 
+/* What a torque that has grown counts for, and how fast that fades: DERIVATIONS.md, Torque growth.
+ */
+enum { MOVING_TIMES = 4, MOVING_STEPS = 4 };
+
 void torque_command_init(torque_command_state_t *state)
 {
     state->braked = false;
+    state->moving_mNm = 0;
 }
 
 static bool same_sign(int32_t a, int32_t b)
@@ -59,6 +64,31 @@ int32_t torque_command_growth_mNm(const config_t *config, int32_t voltage_use_q1
     return scaled_multiply(demand_rate_mNm_per_step(config), share);
 }
 
+/* What has grown, and fades. Clamped: memory is not trusted. */
+static int32_t moving_mNm(const torque_command_state_t *state, int32_t rate_mNm)
+{
+    return q_clamp(state->moving_mNm, 0, MOVING_TIMES * rate_mNm);
+}
+
+/* The voltage of a torque that has just grown moves the current besides: it stops the growth, but
+ * takes torque away only beyond that. */
+static int32_t growth_mNm(const torque_command_state_t *state, const config_t *config,
+                          const measured_t *now, int32_t rate_mNm)
+{
+    const int32_t by_voltage_mNm = torque_command_growth_mNm(config, now->report->voltage_use_q15);
+    return by_voltage_mNm < 0 ? q_min(by_voltage_mNm + moving_mNm(state, rate_mNm), 0)
+                              : by_voltage_mNm;
+}
+
+static void watch_growth(torque_command_state_t *state, int32_t before_mNm, int32_t command_mNm,
+                         int32_t rate_mNm)
+{
+    const int32_t grown_mNm = q_clamp(q_abs(command_mNm) - q_abs(before_mNm), 0, rate_mNm);
+    const int32_t moves_mNm = moving_mNm(state, rate_mNm);
+    const int32_t left_mNm = q_max(moves_mNm - moves_mNm / MOVING_STEPS - 1, 0);
+    state->moving_mNm = q_max(left_mNm, MOVING_TIMES * grown_mNm);
+}
+
 torque_command_out_t torque_command_step(torque_command_state_t *state, const config_t *config,
                                          const torque_limits_t *limits, const measured_t *now,
                                          int32_t last_command_mNm, const torque_enable_t *enable,
@@ -87,8 +117,8 @@ torque_command_out_t torque_command_step(torque_command_state_t *state, const co
     const int32_t target_mNm = drive_part_mNm + brake_part_mNm;
 
     const int32_t rate_mNm = demand_rate_mNm_per_step(config);
-    const int32_t growth_mNm = torque_command_growth_mNm(config, now->report->voltage_use_q15);
-    const int32_t most_mNm = q_max(q_abs(before_mNm) + growth_mNm, 0);
+    const int32_t grows_mNm = growth_mNm(state, config, now, rate_mNm);
+    const int32_t most_mNm = q_max(q_abs(before_mNm) + grows_mNm, 0);
     const int32_t within_mNm = q_clamp(target_mNm, -most_mNm, most_mNm);
     out.command_mNm = ramp_step(before_mNm, within_mNm, rate_mNm);
     if (braking->rise_mNm > 0 && drive_mNm == 0 &&
@@ -97,11 +127,12 @@ torque_command_out_t torque_command_step(torque_command_state_t *state, const co
             q_max(q_abs(before_mNm) - braking->rise_mNm, braking->uncovered_mNm);
         out.command_mNm = q_clamp(out.command_mNm, -least_mNm, least_mNm);
     }
+    watch_growth(state, before_mNm, out.command_mNm, rate_mNm);
     state->braked = torque_command_is_against(out.command_mNm, speed_mrad_s) ||
                     (state->braked && speed_mrad_s == 0 && same_sign(before_mNm, out.command_mNm));
     out.falling =
         same_sign(out.command_mNm, target_mNm) && q_abs(out.command_mNm) > q_abs(target_mNm);
-    const bool by_voltage = within_mNm != target_mNm && growth_mNm <= 0;
+    const bool by_voltage = within_mNm != target_mNm && grows_mNm <= 0;
     const reason_t on_the_way = by_voltage ? REASON_VOLTAGE : REASON_TORQUE_RATE;
     out.reason = out.command_mNm != target_mNm ? on_the_way : driving.reason;
     return out;

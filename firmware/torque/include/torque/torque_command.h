@@ -11,8 +11,9 @@
  * milliseconds. The rate limit for rising torque therefore falls with u^2/U^2, the square of the
  * modulation index, along a straight line: zero at brake.torque_growth_end, slope
  * brake.torque_growth_slope. Default values: full rate up to 0.94 (the setpoint of field
- * weakening), zero at 0.96, negative above (the torque falls). The voltage is the measured one, so
- * errors of the motor parameters have no effect. Falling torque is not limited by it.
+ * weakening), zero at 0.96, negative above: the torque falls, but not by the voltage that a
+ * torque which has just risen needs besides, to move the current. The voltage is the measured one, so errors of
+ * the motor parameters have no effect. Falling torque is not limited by it.
  * DERIVATIONS.md, Torque growth.
  */
 #ifndef TORQUE_TORQUE_COMMAND_H
@@ -27,7 +28,8 @@
 #include "torque/torque_limits.h"
 
 typedef struct {
-    bool braked; /* the command of the last step acted against the rotation */
+    bool braked;        /* the command of the last step acted against the rotation */
+    int32_t moving_mNm; /* negative growth that the voltage of a moving current asks for, >= 0 */
 } torque_command_state_t;
 
 /* Braking torques of the motor, magnitudes >= 0, against the rotation. */

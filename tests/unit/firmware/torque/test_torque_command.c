@@ -313,6 +313,44 @@ void test_torque_falls_with_reason_voltage_above_voltage_use_0_96(void)
     assert_command(0, REASON_VOLTAGE, settle(FORWARD, 0, 10000));
 }
 
+/* A winding whose current comes half the way to its setpoint in a step: u^2/U^2 is 0.5, and 1.25
+ * after a step at the whole rate. That stops the growth, but must not take the torque away. */
+void test_torque_grows_though_each_step_of_it_needs_all_of_the_voltage(void)
+{
+    int32_t follows_mNm = 0;
+    int32_t command_mNm = 0;
+    for (int n = 0; n < 500; n++) {
+        const int32_t moves_mNm = command_mNm - follows_mNm;
+        in.voltage_use_q15 = 16384 + moves_mNm * 24576 / RATE;
+        follows_mNm += moves_mNm / 2;
+        command_mNm = step(FORWARD, 10000, 0).command_mNm;
+    }
+    TEST_ASSERT_EQUAL_INT32(10000, command_mNm);
+}
+
+/* After a step at the whole rate 400 less than 4 * 400 * (3/4)^n for n = 5, -21 (rounded up along
+ * the way), and the whole rate some steps later. */
+void test_torque_that_has_grown_falls_when_the_voltage_stays_beyond_voltage_use_0_96(void)
+{
+    assert_command(400, REASON_TORQUE_RATE, step(FORWARD, 10000, 0));
+    in.voltage_use_q15 = INT32_MAX;
+    for (int n = 0; n < 5; n++) {
+        assert_command(400, REASON_VOLTAGE, step(FORWARD, 10000, 0));
+    }
+    TEST_ASSERT_INT32_WITHIN(4, 400 - 21, step(FORWARD, 10000, 0).command_mNm);
+    assert_command(0, REASON_VOLTAGE, settle(FORWARD, 10000, 0));
+}
+
+/* A growth of a sixteenth of the rate explains no more than a quarter of it. */
+void test_a_little_growth_keeps_little_of_the_torque(void)
+{
+    settle(FORWARD, 10000, 0);
+    assert_command(10000 + RATE / 16, REASON_NONE, step(FORWARD, 10000 + RATE / 16, 0));
+    in.voltage_use_q15 = INT32_MAX;
+    assert_command(10000 + RATE / 16 - RATE * 3 / 4, REASON_VOLTAGE,
+                   step(FORWARD, 10000 + RATE / 16, 0));
+}
+
 void test_torque_falls_at_its_full_rate_at_any_voltage_use(void)
 {
     settle(FORWARD, 10000, 0);
