@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * observer_design.h: what a configuration makes of the EMF observer: the rate at which its flux
- * decays, and fluxes as shares of its full scale, 2 psi + 5/4 L_q I_base. Once, at the start; all
- * divide. Equations: DERIVATIONS.md, EMF observer.
+ * decays, and fluxes as shares of its full scale, 2 psi + 5/4 L_q I_base with the largest L_q of a
+ * flux map. Once, at the start; all divide. Equations: DERIVATIONS.md, EMF observer.
  */
 #ifndef FOC_OBSERVER_DESIGN_H
 #define FOC_OBSERVER_DESIGN_H

@@ -25,6 +25,27 @@ void test_flux_linkage_is_a_share_in_q14_that_of_the_current_in_q15(void)
     TEST_ASSERT_EQUAL_INT32(8000, observer_design_inductance_q15(&config));
 }
 
+/* Iron that saturates: a psi_q that rises twice as steeply at first as the constants' fits no scale
+ * of theirs. Magnets' flux and current against 2 * 11.384 mWb + 5/4 * 16 mWb, 42.768 mWb. */
+void test_full_scale_is_that_of_the_steepest_psi_q_of_a_flux_map(void)
+{
+    config_flux_map_t *map = &config.flux_map;
+    map->d_points = 2;
+    map->q_points = 3;
+    map->q_step_mA = 1000;
+    map->lsb_log2 = 3;
+    const int32_t twice_nWb = 2 * config.motor.q_inductance_nH; /* at 1 A */
+    const int16_t rise_lsb = (int16_t)(twice_nWb >> map->lsb_log2);
+    const int16_t psi_q_lsb[6] = {0,        (int16_t)(rise_lsb / 2), rise_lsb, 0,
+                                  rise_lsb, (int16_t)(rise_lsb + 1)};
+    for (int k = 0; k < 6; k++) {
+        map->psi_q_lsb[k] = psi_q_lsb[k];
+    }
+    TEST_ASSERT_INT32_WITHIN(1, lround(11.384 / 42.768 * 16384), observer_design_flux_q14(&config));
+    TEST_ASSERT_INT32_WITHIN(1, lround(8.0 / 42.768 * 32768),
+                             observer_design_inductance_q15(&config));
+}
+
 /* Four times 200 rad/s; 1 rad/s is 1 024 in Q24 a period. */
 void test_leak_is_four_times_the_lowest_speed_in_use(void)
 {
