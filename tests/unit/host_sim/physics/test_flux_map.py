@@ -20,7 +20,6 @@ from regen_table.flux_files import COLUMNS
 
 Array = npt.NDArray[np.float64]
 MOTORS = ROOT / "tools" / "motors"
-MAP = ROOT / "tests/unit/tools/regen_table/motulator/baldor_400rpm_map.npz"
 HEAVY = {"vehicle.mass_kg": 1e6}  # the speed stays
 SETTLED_S, MEAN_ROWS = 0.5, 100
 OF_COMMAND, OF_LARGEST = 0.02, 0.005  # accepted errors of torque
@@ -68,14 +67,27 @@ def leaf(tmp_path_factory: pytest.TempPathFactory) -> Configuration:
 
 
 @pytest.fixture(scope="module")
+def reluctance() -> Configuration:
+    return configuration.load(Path(__file__).parent / "reluctance.toml")
+
+
+@pytest.fixture(scope="module")
 def hub(tmp_path_factory: pytest.TempPathFactory) -> Configuration:
     return saturating(MOTORS / "lu2013.toml", tmp_path_factory.mktemp("hub"))
 
 
 def ridden(
-    config: Configuration, speed_share: float, torques: list[float], winding_c: float | None = None
+    config: Configuration,
+    speed_share: float,
+    torques: list[float],
+    winding_c: float | None = None,
+    *,
+    sensor_stops: bool = False,
 ) -> list[Recording]:
-    """Return what happens with demands in N m one after the other, negative brakes."""
+    """Return what happens with demands in N m one after the other, negative brakes.
+
+    The rotor's sensor stops with the second one.
+    """
     assert config.drive is not None
     motor, vehicle = config.drive.motor, config.drive.vehicle
     speed_m_per_s = speed_share * motor.max_speed_rpm * math.pi / 30.0 * vehicle.wheel_radius_m
@@ -92,7 +104,8 @@ def ridden(
         record_interval_s=0.001,
         max_duration_s=60.0,
     ) as bench:
-        for torque in torques:
+        for n, torque in enumerate(torques):
+            bench.set("fault.rotor_frozen", float(sensor_stops and n > 0))
             bench.set("driver.brake_demand_nm", max(-torque, 0.0))
             bench.set("driver.drive_demand_nm", max(torque, 0.0))
             recorded.append(bench.run(SETTLED_S))
@@ -126,6 +139,39 @@ def test_interior_magnets_of_80_kw_make_the_torque_that_is_commanded(
     leaf: Configuration, speed_share: float
 ) -> None:
     assert_torque(leaf, speed_share, [-1.0, -0.5, -0.05, 0.05, 0.5, 1.0])
+
+
+@pytest.mark.parametrize("speed_share", [0.3, 0.9, 1.05])
+def test_a_reluctance_motor_as_measured_makes_the_torque_that_is_commanded(
+    reluctance: Configuration, speed_share: float
+) -> None:
+    """Six times as much L_q as L_d; deep in field weakening no current must seem missing."""
+    assert_torque(reluctance, speed_share, [-1.0, -0.5, -0.05, 0.05, 0.5, 1.0])
+
+
+def test_a_torque_that_needs_more_voltage_for_its_rate_than_is_left_still_arrives(
+    reluctance: Configuration,
+) -> None:
+    """2 N m a step need 0.14 H / (1.5 p psi) * 2000 N m/s = 200 V of the 310 V besides the EMF."""
+    assert reluctance.drive is not None
+    most = reluctance.drive.motor.max_torque_nm
+    _, driven = ridden(reluctance, 0.9, [-most, 0.5 * most])
+    assert driven["wheel0.command_nm"][-1] == pytest.approx(0.5 * most)
+
+
+def test_the_observer_of_a_measured_map_has_the_torque_when_the_sensor_stops(
+    reluctance: Configuration,
+) -> None:
+    assert reluctance.drive is not None
+    most = reluctance.drive.motor.max_torque_nm
+    demands = [-0.05 * most, -0.3 * most, -0.7 * most]
+    for recording in ridden(reluctance, 0.6, demands, sensor_stops=True)[1:]:
+        made = float(np.mean(recording["wheel0.motor_torque_nm"][-MEAN_ROWS:]))
+        command = float(np.mean(recording["wheel0.command_nm"][-MEAN_ROWS:]))
+        assert np.all(recording["wheel0.warning_reason"][-MEAN_ROWS:] > 0.0)
+        assert abs(command) > 0.25 * most
+        made -= friction_nm(reluctance, 0.6)
+        assert made == pytest.approx(command, abs=OF_COMMAND * abs(command) + OF_LARGEST * most)
 
 
 @pytest.mark.parametrize("speed_share", [0.1, 0.5, 0.9])
