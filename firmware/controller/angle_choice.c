@@ -3,13 +3,16 @@
 
 #include "config/bases.h"
 #include "core/q15.h"
+#include "motor/observer_error.h"
 
-/* Geometry: the observer's error is below 10 degrees, a hall sensor's below 5. */
+/* Geometry: the observer's error is below 10 degrees, a hall sensor's below 5. To angles that make
+ * a sensor wrong comes what L_q may turn the observer by at the present current. */
 enum {
     OPPOSED_TURN = 10923,  /* 60 degrees */
     STANDING_TURN = 16384, /* 90 degrees: a sector that halls do not see, and the observer's 30 */
     SLIPPED_TURN = 2913,   /* 16 degrees */
     ASKEW_TURN = 5461,     /* 30 degrees */
+    LATE_TURN = 8374,      /* 46 degrees: 16 and halls that are 30 late */
     AGREED_TURN = 2185,    /* 12 degrees */
     OPPOSED_STEPS = 2,
     OPPOSED_SLOW_STEPS = 12,  /* below the observer's speed */
@@ -126,6 +129,15 @@ static bool emf_exceeds(const config_t *config, const rotor_view_t *in, int32_t 
     return q_abs(in->observer_mrad_s) / times >= config->rotor.observer_speed_mrad_s;
 }
 
+/* Are sensor and observer further apart than an angle and what L_q may make of it? */
+static bool apart(const config_t *config, const rotor_view_t *in, int32_t turn)
+{
+    const int32_t beyond_turn = q_abs(in->difference_turn) - turn;
+    const motor_current_t i = {.d_mA = bases_current_mA(config, in->i_pu.d),
+                               .q_mA = bases_current_mA(config, in->i_pu.q)};
+    return !observer_error_explains(config, i, beyond_turn);
+}
+
 /* The angle tells a slip where the sensor turns as fast as the observer. Halls do not while they
  * know of an acceleration at their next edge only; halls that stand are 60 degrees off soon. Below
  * its speed an observer does not for a moment where the current changes, and with little current is
@@ -136,10 +148,10 @@ static bool slips(const angle_choice_state_t *state, const config_t *config, con
     const int32_t size_mrad_s = q_abs(in->observer_mrad_s);
     const bool as_fast = q_abs(size_mrad_s - q_abs(in->sensor_mrad_s)) <= size_mrad_s / 4;
     const int32_t slow_turn = hall ? OPPOSED_TURN : ASKEW_TURN;
-    return q_abs(in->difference_turn) >= (state->confirmed ? SLIPPED_TURN : slow_turn) &&
-           (as_fast || (state->confirmed && !hall)) &&
+    return (as_fast || (state->confirmed && !hall)) &&
            (q_abs(state->current_steps) >= CURRENT_STEPS ||
-            (state->confirmed && emf_exceeds(config, in, SLIPPED_SPEEDS)));
+            (state->confirmed && emf_exceeds(config, in, SLIPPED_SPEEDS))) &&
+           apart(config, in, state->confirmed ? SLIPPED_TURN : slow_turn);
 }
 
 /* Consecutive steps with a current of one direction, counted with its sign, and with a sensor below
@@ -159,6 +171,14 @@ static int32_t opposed_turn(const config_t *config, const rotor_view_t *in)
 {
     const bool stands = config->rotor.sensor == CONFIG_ROTOR_HALL && in->sensor_mrad_s == 0;
     return stands ? STANDING_TURN : OPPOSED_TURN;
+}
+
+/* Is the sensor further from the observer than any healthy one? */
+static bool opposes(const config_t *config, const rotor_view_t *in)
+{
+    const bool hall = config->rotor.sensor == CONFIG_ROTOR_HALL;
+    return q_abs(in->difference_turn) >= opposed_turn(config, in) &&
+           apart(config, in, hall ? LATE_TURN : SLIPPED_TURN);
 }
 
 /* Where the sensor has shown a rotor near rest for a while, a current that changes may leave the
@@ -185,16 +205,14 @@ static void compare(angle_choice_state_t *state, const config_t *config, const r
         state->agreed_steps = 0;
         return;
     }
-    const int32_t size_turn = q_abs(in->difference_turn);
-    state->opposed_steps =
-        counted(state->opposed_steps, lacks || size_turn >= opposed_turn(config, in));
+    state->opposed_steps = counted(state->opposed_steps, lacks || opposes(config, in));
     if (slips(state, config, in)) {
         state->slipped = (uint8_t)q_min(state->slipped + (state->confirmed ? 1 : 2), SLIPPED_STEPS);
     } else if (state->slipped > 0) {
         state->slipped--;
     }
     state->agreed_steps =
-        size_turn < AGREED_TURN && state->confirmed
+        q_abs(in->difference_turn) < AGREED_TURN && state->confirmed
             ? q_min(state->agreed_steps + 1, config->monitor.rotor_warning_time_ms)
             : 0;
     if (state->opposed_steps >= opposed_steps(state, config, in, lacks) ||
@@ -252,9 +270,10 @@ static void name_sensor(angle_choice_state_t *state, const config_t *config, con
 
 /* A sensor that was invalid has lost its place, maybe: it is used again once it agrees, or once the
  * observer cannot tell. */
-static bool may_return(const angle_choice_state_t *state, const rotor_view_t *in)
+static bool may_return(const angle_choice_state_t *state, const config_t *config,
+                       const rotor_view_t *in)
 {
-    return !state->observer_used || !state->confirmed || q_abs(in->difference_turn) < AGREED_TURN;
+    return !state->observer_used || !state->confirmed || !apart(config, in, AGREED_TURN);
 }
 
 void angle_choice_init(angle_choice_state_t *state)
@@ -276,7 +295,7 @@ angle_choice_t angle_choice_step(angle_choice_state_t *state, const config_t *co
     watch_return(state, config, in);
     state->sensor_wrong = state->sensor_wrong && !(cleared && !in->switching);
     name_sensor(state, config, in);
-    const bool sensor = in->sensor_valid && !state->sensor_wrong && may_return(state, in);
+    const bool sensor = in->sensor_valid && !state->sensor_wrong && may_return(state, config, in);
     state->observer_used =
         !sensor && (state->observer_used || watches(state, config, in) || !in->switching);
     const angle_choice_t out = {

@@ -26,11 +26,18 @@ bool torque_command_is_against(int32_t torque_mNm, int32_t speed_mrad_s)
     return (speed_mrad_s > 0 && torque_mNm < 0) || (speed_mrad_s < 0 && torque_mNm > 0);
 }
 
-/* What is left at once of the last command; the rate has no say in it. */
-static int32_t remaining_mNm(bool braked, const torque_limits_t *limits, int32_t speed_mrad_s,
-                             int32_t command_mNm, const demand_t *demand)
+/* What is left at once of the last command; the rate has no say in it. With the observer's angle
+ * that is what keeps it right: on the way there it would be lost. Without any the torque ramps. */
+static int32_t remaining_mNm(bool braked, const torque_limits_t *limits, const measured_t *now,
+                             int32_t last_mNm, const demand_t *demand)
 {
-    if (torque_command_is_against(command_mNm, speed_mrad_s)) {
+    const int32_t speed_mrad_s = now->speed_mrad_s;
+    const bool is_against = torque_command_is_against(last_mNm, speed_mrad_s);
+    const limit_t *line = is_against ? limits->braking : limits->driving;
+    const int32_t observed_mNm =
+        now->angle_valid ? line[TORQUE_LINE_ROTOR].torque_mNm : FEASIBLE_UNBOUNDED;
+    const int32_t command_mNm = q_clamp(last_mNm, -observed_mNm, observed_mNm);
+    if (is_against) {
         const int32_t most_mNm = limits->braking[TORQUE_LINE_ABS].torque_mNm;
         return q_clamp(command_mNm, -most_mNm, most_mNm);
     }
@@ -109,8 +116,7 @@ torque_command_out_t torque_command_step(torque_command_state_t *state, const co
         return out;
     }
     const int32_t before_mNm =
-        bridge_open ? 0
-                    : remaining_mNm(state->braked, limits, speed_mrad_s, last_command_mNm, demand);
+        bridge_open ? 0 : remaining_mNm(state->braked, limits, now, last_command_mNm, demand);
     const int32_t drive_part_mNm = drive_mNm >= 0 ? driving.torque_mNm : -driving.torque_mNm;
     const int32_t brake_part_mNm =
         speed_mrad_s >= 0 ? -braking->electric_mNm : braking->electric_mNm;

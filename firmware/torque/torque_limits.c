@@ -9,6 +9,7 @@
 #include "core/scaled.h"
 #include "motor/flux_map.h"
 #include "motor/loss_maps.h"
+#include "motor/observer_error.h"
 
 enum { WHOLE_PERCENT = 100 };
 
@@ -477,6 +478,15 @@ static void raise_peak(torque_limits_t *table, motor_model_t *model, feasible_se
         q_max(most_mNm, table->braking[TORQUE_LINE_RETURNED].torque_mNm), charge->peak_reason);
 }
 
+/* Zero without an angle; with the observer's, what keeps L_q from turning it too far. */
+static limit_t rotor_line(const measured_t *now, const feasible_side_t *side)
+{
+    const bool observed = now->angle_valid && now->angle_by == ANGLE_BY_OBSERVER;
+    const int32_t sensed_mNm = now->angle_valid ? FEASIBLE_UNBOUNDED : 0;
+    return limit_init(observed ? observer_error_torque_mNm(side) : sensed_mNm,
+                      REASON_ROTOR_UNCERTAIN);
+}
+
 void torque_limits_step(torque_limits_state_t *state, motor_model_t *model, feasible_set_t *set,
                         const measured_t *now, const torque_enable_t *enable,
                         const torque_limits_input_t *in, torque_limits_t *table)
@@ -521,14 +531,14 @@ void torque_limits_step(torque_limits_state_t *state, motor_model_t *model, feas
     feasible_circle_t circle = {.known = false};
     const feasible_side_t driving = torque_limits_ends(table, model, set, SIDE_DRIVING, &circle);
     torque_limits_drawn(table, model, set, &driving);
+    table->driving[TORQUE_LINE_ROTOR] = rotor_line(now, &driving);
     const feasible_side_t braking = torque_limits_ends(table, model, set, SIDE_BRAKING, &circle);
     torque_limits_drawn(table, model, set, &braking);
+    table->braking[TORQUE_LINE_ROTOR] = rotor_line(now, &braking);
     torque_limits_returned(table, model, set, &braking);
     if (charge.peak_mA != charge.current_mA) {
         raise_peak(table, model, set, &braking, &charge, bus_mV);
     }
-    set_both(table, TORQUE_LINE_ROTOR,
-             limit_init(now->angle_valid ? FEASIBLE_UNBOUNDED : 0, REASON_ROTOR_UNCERTAIN));
     table->driving[TORQUE_LINE_ENABLE] = share_line(config, enable->drive_q15, enable->reason);
     table->braking[TORQUE_LINE_ENABLE] = share_line(config, enable->brake_q15, enable->reason);
     table->driving[TORQUE_LINE_CURRENT_GAIN] = gain_line(table->driving, in->current_missing_q15);

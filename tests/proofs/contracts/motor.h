@@ -105,6 +105,12 @@ POST(feasible_point, is_within(result.x_b, -MOTOR_MODEL_MOST_CURRENT_b, MOTOR_MO
 POST(feasible_point, set->model->flux_b < 4 || set->model->constants->torque_inverse_q24 < 0 ||
      set->model->x_per_airgap_q23 < 0 || (airgap_b >= 0 ? result.x_b >= 0 : result.x_b <= 0))
 
+/* motor/observer_error.h */
+POST(observer_error_explains, angle_turn >= 0 || result)
+PRE(observer_error_torque_mNm, model_shifts_hold(side->set->model->constants))
+PRE(observer_error_torque_mNm, is_a_sign(side->sign))
+POST(observer_error_torque_mNm, result >= 0)
+
 /* motor/loss_braking.h */
 POST(loss_braking_at, model->config->brake.loss_braking != 0 || result.current_b == 0)
 POST(loss_braking_at, result.by_map_mNm == FEASIBLE_UNBOUNDED && result.torque_mNm == 0 &&

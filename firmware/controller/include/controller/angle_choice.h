@@ -13,10 +13,13 @@
  * should make of it, for 5 ms. Below four times that speed a slip needs i_q of one sign, a
  * sixteenth of the current's full scale, for 40 ms; below twice, a sensor that has been below half
  * of it for 50 ms is wrong after 100 ms. Halls without a speed show their sector: 90 degrees.
+ * What L_q may turn the observer by at the present current comes to the angles below 60 degrees
+ * (motor/observer_error.h), and is counted in those of 60 where it is large.
  * While the sensor is wrong or invalid the observer's angle is used. Above 15/16 of its speed
  * torque is permitted with it; below, the angle is still there for the torque to ramp out.
  *
- * A sensor that was invalid is used again once it is within 12 degrees of a confirmed observer.
+ * A sensor that was invalid is used again once it is within 12 degrees, and what L_q makes, of a
+ * confirmed observer.
  * Halls or an absolute angle that become invalid while the bridge switches, below the observer's
  * speed and without it confirmed, are wrong once they are valid again; below half of it by sensor
  * and observer at once. Torque ends there and does not return with them.

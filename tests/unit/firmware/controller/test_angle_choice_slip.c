@@ -38,17 +38,27 @@ static void observe_slip(double degrees, double i_d_a, double i_q_a)
     observe(size_wb * cos(turn), -size_wb * sin(turn), i_d_a, i_q_a);
 }
 
-void test_a_slip_with_current_is_named_in_its_twelfth_step_forwards_and_backwards(void)
+/* What half of L_q turns the observer by. */
+static double explained_deg(double i_d_a, double i_q_a)
+{
+    return atan(0.5 * Q_H * fabs(i_q_a) / (FLUX_WB - (Q_H - D_H) * i_d_a)) * 180.0 / PI;
+}
+
+void test_a_slip_beyond_what_l_q_explains_is_named_in_its_twelfth_step_forwards_and_backwards(void)
 {
     for (int side = -1; side <= 1; side += 2) {
         for (double i_q_a = -140.0; i_q_a <= 140.0; i_q_a += 35.0) {
-            for (double degrees = 18.0; degrees <= 30.0; degrees += 6.0) {
-                setUp();
-                run(100);
-                observe_slip(side * degrees, -0.9 * fabs(i_q_a), i_q_a);
-                TEST_ASSERT_EQUAL_INT(REASON_NONE, name_after(SLIPPED_STEPS - 1));
-                TEST_ASSERT_EQUAL_INT(REASON_ROTOR_SLIPPED, name_after(1));
-            }
+            const double i_d_a = -0.9 * fabs(i_q_a);
+            const double least_deg = 16.0 + explained_deg(i_d_a, i_q_a);
+            setUp();
+            run(100);
+            observe_slip(side * (least_deg + 0.2), i_d_a, i_q_a);
+            TEST_ASSERT_EQUAL_INT(REASON_NONE, name_after(SLIPPED_STEPS - 1));
+            TEST_ASSERT_EQUAL_INT(REASON_ROTOR_SLIPPED, name_after(1));
+            setUp();
+            run(100);
+            observe_slip(side * (least_deg - 0.2), i_d_a, i_q_a);
+            TEST_ASSERT_EQUAL_INT(REASON_NONE, name_after(100));
         }
     }
 }

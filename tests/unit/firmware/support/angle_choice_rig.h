@@ -36,6 +36,9 @@ static inline void rig_up(const rotor_view_t *view)
     const angle_choice_t fresh = {.name = REASON_NONE};
     config = paper_vehicle();
     config.rotor.observer_takeover = 1;
+    /* L_q may turn the observer by less than a step of angle, but for a salient motor. */
+    config.motor.d_inductance_nH = 100;
+    config.motor.q_inductance_nH = 100;
     angle_choice_init(&rotor);
     at = *view;
     cleared = false;

@@ -23,6 +23,7 @@ typedef struct {
     int32_t uncovered_mNm; /* of the braking demand, beyond the hydraulic torque */
     int32_t rise_mNm;      /* of the hydraulic torque in this step */
     bool bridge_open;
+    bool angle_valid;
 } torque_command_case_t;
 
 static config_t config;
@@ -56,7 +57,8 @@ static inline void rig_up(void)
 static inline torque_command_out_t command_step(void)
 {
     const fast_report_t report = {.voltage_use_q15 = in.voltage_use_q15};
-    const measured_t now = {.report = &report, .speed_mrad_s = in.speed_mrad_s};
+    const measured_t now = {
+        .report = &report, .speed_mrad_s = in.speed_mrad_s, .angle_valid = in.angle_valid};
     const demand_t demand = {.drive_torque_mNm = in.drive_torque_mNm,
                              .drive_withdrawn = in.drive_withdrawn};
     const motor_braking_t braking = {.electric_mNm = in.electric_mNm,

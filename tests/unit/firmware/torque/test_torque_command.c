@@ -73,6 +73,26 @@ void test_the_torque_is_falling_until_a_smaller_one_of_the_same_sign_is_reached(
     }
 }
 
+/* Without a valid angle it ramps. */
+void test_what_the_observers_angle_does_not_allow_goes_in_one_step(void)
+{
+    for (int along = 0; along <= 1; along++) {
+        in.angle_valid = false;
+        limits.driving[TORQUE_LINE_ROTOR].torque_mNm = FEASIBLE_UNBOUNDED;
+        limits.braking[TORQUE_LINE_ROTOR].torque_mNm = FEASIBLE_UNBOUNDED;
+        const int32_t drive_mNm = along == 1 ? 20000 : 0;
+        const int32_t sign = along == 1 ? 1 : -1;
+        settle(FORWARD, drive_mNm, 20000 - drive_mNm);
+        limit_t *line = along == 1 ? limits.driving : limits.braking;
+        line[TORQUE_LINE_ROTOR] = limit_init(9000, REASON_ROTOR_UNCERTAIN);
+        const int32_t electric_mNm = along == 1 ? 0 : 9000;
+        TEST_ASSERT_EQUAL_INT32(sign * (20000 - RATE),
+                                step(FORWARD, drive_mNm, electric_mNm).command_mNm);
+        in.angle_valid = true;
+        TEST_ASSERT_EQUAL_INT32(sign * 9000, step(FORWARD, drive_mNm, electric_mNm).command_mNm);
+    }
+}
+
 void test_braking_acts_against_the_rotation(void)
 {
     assert_command(-10000, REASON_NONE, settle(FORWARD, 0, 10000));
