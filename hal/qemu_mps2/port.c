@@ -152,7 +152,7 @@ void inverter_clear_fault(void)
 
 analog_scale_t analog_scale(void)
 {
-    const analog_scale_t any = {0, 0, 0};
+    const analog_scale_t any = {.switch_25C_code = 0};
     return any;
 }
 

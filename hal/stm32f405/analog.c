@@ -131,7 +131,8 @@ analog_scale_t analog_scale(void)
                                   .low_side_least_ns =
                                       BOARD_SHUNTS == BOARD_SHUNTS_LOW_SIDE
                                           ? BOARD_AMPLIFIER_SETTLING_ns + ANALOG_SAMPLING_ns
-                                          : 0};
+                                          : 0,
+                                  .switch_25C_code = BOARD_SWITCH_25C_code};
     return scale;
 }
 

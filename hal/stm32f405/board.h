@@ -50,7 +50,10 @@ enum {
         (int)((int64_t)BOARD_REFERENCE_mV * 500000000 / (BOARD_SHUNT_nOhm * BOARD_AMPLIFIER_GAIN)),
     BOARD_VOLTAGE_FULL_SCALE_mV =
         (int)((int64_t)BOARD_REFERENCE_mV * (BOARD_DIVIDER_UPPER_Ohm + BOARD_DIVIDER_LOWER_Ohm) /
-              BOARD_DIVIDER_LOWER_Ohm)
+              BOARD_DIVIDER_LOWER_Ohm),
+    /* A thermistor of 10 kOhm at 25 degrees Celsius to the supply. */
+    BOARD_SWITCH_25C_code =
+        4096 * BOARD_SWITCH_NTC_GROUND_Ohm / (BOARD_SWITCH_NTC_GROUND_Ohm + 10000)
 };
 
 _Static_assert(BOARD_CURRENT_CHANNELS == 2 || BOARD_CURRENT_CHANNELS == 3,

@@ -145,7 +145,8 @@ analog_scale_t analog_scale(void)
     const analog_scale_t scale = {.current_full_scale_mA = BOARD_CURRENT_FULL_SCALE_mA,
                                   .voltage_full_scale_mV = BOARD_VOLTAGE_FULL_SCALE_mV,
                                   .low_side_least_ns =
-                                      BOARD_AMPLIFIER_SETTLING_ns + ANALOG_SAMPLING_ns};
+                                      BOARD_AMPLIFIER_SETTLING_ns + ANALOG_SAMPLING_ns,
+                                  .switch_25C_code = BOARD_SWITCH_25C_code};
     return scale;
 }
 

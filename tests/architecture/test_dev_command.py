@@ -445,7 +445,10 @@ class DevCommandTest(DevFixture):
             self.assertIn(f"-DHUBFOC_CONFIG={config} ", configured[-1])
 
     def test_the_configuration_of_another_board_is_refused_before_anything_is_built(self) -> None:
-        """Within 5 % of the full scales that the board's own header gives, as the board itself."""
+        """Within 5 % of the full scales that the board's own header gives, as the board itself.
+
+        And within 5 K at the code of 25 degrees Celsius that its switch sensor's divider has.
+        """
         compiler = shutil.which("arm-none-eabi-gcc")
         if compiler is None:
             self.skipTest("needs the cross compiler")
@@ -458,16 +461,25 @@ class DevCommandTest(DevFixture):
         (self.home / "build/stm32f405").mkdir(parents=True)
         for suffix in ("bin", "hex"):
             (self.home / f"build/stm32f405/hubfoc_stm32f405.{suffix}").touch()
-        for current_ma, voltage_mv, wrong in (
-            (165_000, 61_800, ""),
-            (173_200, 58_800, ""),  # 4.97 and 4.85 % beside
-            (173_300, 61_800, "current_full_scale_mA is 173300, that of vesc6_mk3 is 165000"),
-            (165_000, 58_700, "voltage_full_scale_mV is 58700, that of vesc6_mk3 is 61800"),
-            (280_000, 500_000, "current_full_scale_mA is 280000"),
+        at_code_2048, none = 32, (1, 0)
+        for current_ma, voltage_mv, codes, shown_cc, wrong in (
+            (165_000, 61_800, (167, 4031), 2500, ""),
+            (173_200, 58_800, none, 0, ""),  # 4.97 and 4.85 % beside
+            (173_300, 61_800, none, 0, "current_full_scale_mA is 173300, that of vesc6_mk3 is 165"),
+            (165_000, 58_700, none, 0, "voltage_full_scale_mV is 58700, that of vesc6_mk3 is 618"),
+            (280_000, 500_000, none, 0, "current_full_scale_mA is 280000"),
+            (165_000, 61_800, (167, 4031), 2999, ""),
+            (165_000, 61_800, (167, 4031), 4524, "the divider of vesc6_mk3, as 45 degC"),
+            (165_000, 61_800, (167, 2047), 2500, "is for another board"),
         ):
+            points = [0] * 64
+            points[at_code_2048] = shown_cc
             (generated / "mine.c").write_text(
                 f"  .current_full_scale_mA = {current_ma},\n"
-                f"  .voltage_full_scale_mV = {voltage_mv},\n",
+                f"  .voltage_full_scale_mV = {voltage_mv},\n"
+                f"  .switch_lowest_code   = {codes[0]}, /* [code] */\n"
+                f"  .switch_highest_code  = {codes[1]}, /* [code] */\n"
+                f"  .switch_cC = {{{', '.join(map(str, points))}}},\n",
                 encoding="utf-8",
             )
             for command in (["firmware"], ["flash", "--dry-run"]):

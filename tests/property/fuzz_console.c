@@ -31,7 +31,7 @@ enum { KEYS_MAX = 32768, SCREEN_MAX = 4096, ESCAPE = 0x1B, CANCEL = 0x03, LAST_P
 /* Of a board that takes any configuration. */
 analog_scale_t analog_scale(void)
 {
-    const analog_scale_t any = {0, 0, 0};
+    const analog_scale_t any = {.switch_25C_code = 0};
     return any;
 }
 

@@ -190,6 +190,21 @@ check_scales() {
     done
 }
 
+# check_switch_sensor COMMAND PORT BOARD CONFIG: likewise one whose sensor beside the switches is in
+# another divider: the board's code of 25 degrees has to be within 5 K of them.
+check_switch_sensor() {
+    local table=$ROOT/firmware/config/generated/$4.c code lowest highest points shown
+    code=$(board_scale "$2" "$3" SWITCH_25C_code)
+    lowest=$(sed -n 's/^ *\.switch_lowest_code *= \([0-9]*\),.*/\1/p' "$table")
+    highest=$(sed -n 's/^ *\.switch_highest_code *= \([0-9]*\),.*/\1/p' "$table")
+    ((${lowest:-1} <= ${highest:-0})) || return 0
+    IFS=', ' read -r -a points < <(sed -n 's/^ *\.switch_cC = {\(.*\)},$/\1/p' "$table")
+    shown=$((points[code / 64] + (points[code / 64 + 1] - points[code / 64]) * (code % 64) / 64))
+    ((code >= lowest && code <= highest && shown >= 2000 && shown <= 3000)) ||
+        usage_fail "$1: $4 is for another board: its switch_sensor reads the code $code, 25 degC" \
+            "by the divider of $3, as $((shown / 100)) degC, accepted: within 5 K"
+}
+
 # port_of_board BOARD: nothing if there is no such board.
 port_of_board() {
     local port

@@ -29,6 +29,7 @@ typedef struct {
     /* Without the dead time, how long a low side has to conduct before the sample; 0: the shunts
      * carry the current all the time. */
     int32_t low_side_least_ns;
+    int32_t switch_25C_code; /* of the switches' sensor at 25 degrees Celsius, by its divider */
 } analog_scale_t;
 
 /* Constant. Any context. */

@@ -80,6 +80,7 @@ void setUp(void)
     scale.current_full_scale_mA = sector.config.drive.current_full_scale_mA;
     scale.voltage_full_scale_mV = sector.config.drive.voltage_full_scale_mV;
     scale.low_side_least_ns = 0;
+    scale.switch_25C_code = 0;
     analog_scale_Stub(scale_of_board);
     rotor_sensor_there = true;
     brown_out_low = false;
@@ -202,6 +203,43 @@ void test_a_configuration_whose_low_pulses_are_too_short_for_the_shunts_is_refus
             TEST_ASSERT_EQUAL_INT32(1514, report.config_result.lowest);
         }
     }
+}
+
+/* The image's divider has 10 kOhm to ground, as the sensor at 25 degrees. 4.7 kOhm have the code
+ * 1309 there, in 10 kOhm that of 21.3 kOhm: 6 degrees of a beta of 3380 K. */
+void test_a_configuration_for_another_divider_of_the_switch_sensor_is_refused(void)
+{
+    static const struct {
+        int32_t ground_Ohm;
+        bool fits;
+    } BOARDS[] = {{10000, true}, {9000, true}, {11000, true}, {4700, false}, {20000, false}};
+    for (int k = 0; k < 5; k++) {
+        scale.switch_25C_code = 4096 * BOARDS[k].ground_Ohm / (BOARDS[k].ground_Ohm + 10000);
+        expect_board(true, &sector.config, sizeof sector.config, (uint32_t)GOOD_CRC32);
+        if (BOARDS[k].fits) {
+            expect_ports(INVERTER_OK);
+        }
+        const boot_report_t report = boot_run();
+        TEST_ASSERT_EQUAL(BOARDS[k].fits, boot_may_control(&report));
+        if (!BOARDS[k].fits) {
+            TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_RANGE, report.config_result.code);
+            TEST_ASSERT_EQUAL_STRING("temperature.switch_cC of this board's divider at 25 degC",
+                                     report.config_result.field);
+        }
+    }
+}
+
+void test_without_a_switch_sensor_any_divider_will_do(void)
+{
+    sector.config.temperature.switch_lowest_code = 1;
+    sector.config.temperature.switch_highest_code = 0;
+    sector.config.monitor.switch_sensor_fitted = 0;
+    sector.config.crc32 = config_crc32(&sector.config, (uint32_t)offsetof(config_t, crc32));
+    scale.switch_25C_code = 1309;
+    expect_board(true, &sector.config, sizeof sector.config, (uint32_t)GOOD_CRC32);
+    expect_ports(INVERTER_OK);
+    const boot_report_t report = boot_run();
+    TEST_ASSERT_TRUE(boot_may_control(&report));
 }
 
 void test_a_board_without_shunts_and_dividers_takes_any_scale(void)

@@ -54,7 +54,7 @@ static const crash_record_t *give_crash(int calls)
 
 void setUp(void)
 {
-    static const analog_scale_t ANY = {0, 0, 0};
+    static const analog_scale_t ANY = {.switch_25C_code = 0};
     analog_scale_IgnoreAndReturn(ANY);
     boot = successful_boot();
     output = output_in_ready();

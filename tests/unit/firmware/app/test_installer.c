@@ -22,7 +22,7 @@ static analog_scale_t scale_of_board(int calls)
 
 void setUp(void)
 {
-    const analog_scale_t any = {0, 0, 0};
+    const analog_scale_t any = {.switch_25C_code = 0};
     scale = any;
     analog_scale_Stub(scale_of_board);
     text_clear(&line);

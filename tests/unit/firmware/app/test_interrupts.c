@@ -73,7 +73,7 @@ void setUp(void)
     inverter_clear_fault_StubWithCallback(clear_fault);
     inverter_trip_StubWithCallback(trip);
     analog_read_StubWithCallback(read_analog);
-    static const analog_scale_t ANY = {0, 0, 0};
+    static const analog_scale_t ANY = {.switch_25C_code = 0};
     analog_scale_IgnoreAndReturn(ANY);
     analog_winding_temperature_cC_IgnoreAndReturn(2500);
     analog_switch_temperature_cC_IgnoreAndReturn(2500);
