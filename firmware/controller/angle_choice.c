@@ -133,6 +133,9 @@ static bool emf_exceeds(const config_t *config, const rotor_view_t *in, int32_t 
 static bool apart(const config_t *config, const rotor_view_t *in, int32_t turn)
 {
     const int32_t beyond_turn = q_abs(in->difference_turn) - turn;
+    if (beyond_turn < 0) {
+        return false;
+    }
     const motor_current_t i = {.d_mA = bases_current_mA(config, in->i_pu.d),
                                .q_mA = bases_current_mA(config, in->i_pu.q)};
     return !observer_error_explains(config, i, beyond_turn);

@@ -22,9 +22,6 @@ static int32_t tolerance_q15(const config_t *config)
  * both times i_q. */
 bool observer_error_explains(const config_t *config, motor_current_t i, int32_t angle_turn)
 {
-    if (angle_turn < 0) {
-        return true;
-    }
     const flux_map_point_t at = flux_map_at(config, i.d_mA, i.q_mA);
     const int64_t active = (int64_t)at.d_nWb * i.q_mA - (int64_t)at.q_nWb * i.d_mA;
     const int64_t wrong = (((int64_t)at.q_nWb * tolerance_q15(config)) >> 15) * i.q_mA;

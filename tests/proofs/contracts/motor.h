@@ -106,7 +106,8 @@ POST(feasible_point, set->model->flux_b < 4 || set->model->constants->torque_inv
      set->model->x_per_airgap_q23 < 0 || (airgap_b >= 0 ? result.x_b >= 0 : result.x_b <= 0))
 
 /* motor/observer_error.h */
-POST(observer_error_explains, angle_turn >= 0 || result)
+PRE(observer_error_explains, is_within(angle_turn, 0, 30600))
+POST(observer_error_explains, angle_turn <= 16400 || !result)
 PRE(observer_error_torque_mNm, model_shifts_hold(side->set->model->constants))
 PRE(observer_error_torque_mNm, is_a_sign(side->sign))
 POST(observer_error_torque_mNm, result >= 0)

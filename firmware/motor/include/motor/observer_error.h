@@ -12,8 +12,8 @@
 
 #include "motor/feasible_torque.h"
 
-/* Whether L_q alone explains an angle between rotor sensor and observer, a magnitude up to half a
- * turn of 65 536; one below zero it does not need to. i: in the sensor's frame, up to 2^23 mA. */
+/* Whether L_q alone explains an angle between rotor sensor and observer, 0 .. 30 600 of 65 536 in a
+ * turn; never one beyond a quarter. i: in the sensor's frame, up to 2^23 mA. */
 bool observer_error_explains(const config_t *config, motor_current_t i, int32_t angle_turn);
 
 /* With the observer's angle in use: magnitude of the largest shaft torque on a side, mN m, at whose

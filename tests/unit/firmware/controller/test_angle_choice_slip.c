@@ -72,3 +72,25 @@ void test_an_opposed_sensor_waits_for_its_speed_alone(void)
     TEST_ASSERT_EQUAL_INT(REASON_NONE, name_after(OPPOSED_STEPS + NAME_STEPS - 2));
     TEST_ASSERT_EQUAL_INT(REASON_ROTOR_SLIPPED, name_after(1));
 }
+
+static bool is_wrong_after(int32_t sensor, double degrees, int steps)
+{
+    const double i_d_a = -126.0, i_q_a = 140.0, turn = degrees * PI / 180.0;
+    const double size_wb = FLUX_WB - (Q_H - D_H) * i_d_a;
+    setUp();
+    config.rotor.sensor = sensor;
+    run(100);
+    at.sensor_mrad_s /= 2; /* no slip, which is a sensor's that turns as fast */
+    observe(size_wb * cos(turn), -size_wb * sin(turn), i_d_a, i_q_a);
+    run(steps);
+    return seen.sensor_wrong;
+}
+
+/* 16 degrees and 26 of L_q are within the 60; halls are up to 30 late. */
+void test_an_opposed_sensor_is_beyond_every_healthy_one(void)
+{
+    const double late_deg = 46.0 + explained_deg(-126.0, 140.0);
+    TEST_ASSERT_TRUE(is_wrong_after(CONFIG_ROTOR_ANGLE, 60.1, OPPOSED_STEPS));
+    TEST_ASSERT_FALSE(is_wrong_after(CONFIG_ROTOR_HALL, late_deg - 0.2, 100));
+    TEST_ASSERT_TRUE(is_wrong_after(CONFIG_ROTOR_HALL, late_deg + 0.2, OPPOSED_STEPS));
+}
