@@ -78,6 +78,39 @@ add_test(NAME chip_vesc6_mk3_reads_its_sensors COMMAND "${boards_programs}/chip_
   "$<TARGET_FILE:hubfoc_stm32f405>" vesc6_mk3 "${boards_shipped}")
 set_tests_properties(chip_vesc6_mk3_reads_its_sensors PROPERTIES LABELS target TIMEOUT 120)
 
+# Boards with sensors in the phases, without a gate driver's bus: the paper's vehicle with their full
+# scales.
+# scaled_board(BOARD CURRENT_A VOLTAGE_V DEAD_TIME_S BANDWIDTH_HZ LABELS)
+function(scaled_board board current_a voltage_v dead_time_s bandwidth_hz labels)
+  set(folder "${CMAKE_CURRENT_BINARY_DIR}/${board}_drive")
+  set(own "${boards_toml}")
+  foreach(pair "current_full_scale_a=${current_a}" "voltage_full_scale_v=${voltage_v}"
+      "dead_time_s=${dead_time_s}" "current_bandwidth_hz=${bandwidth_hz}")
+    string(REPLACE "=" ";" pair "${pair}")
+    list(GET pair 0 key)
+    list(GET pair 1 value)
+    string(REGEX REPLACE "\n${key} = [^ \n]+" "\n${key} = ${value}" own "${own}")
+  endforeach()
+  file(CONFIGURE OUTPUT "${folder}/${board}.toml" CONTENT "${own}" @ONLY)
+  add_test(NAME ${board}_configuration_is_generated
+    COMMAND "${HUBFOC_PYTHON}" -m regen_table generate "${folder}/${board}.toml" -o "${folder}"
+    WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}/tools")
+  set_tests_properties(${board}_configuration_is_generated PROPERTIES LABELS "${labels}"
+    TIMEOUT 120 FIXTURES_SETUP ${board}_configuration ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+  set(PLANTED_BOARD ${board})
+  planted_image(${board}_no_error stm32f405 hal/stm32 inverter.c "TIM1->PSC = 0;" "TIM1->PSC = 0;")
+  add_test(NAME chip_${board}_boots_and_brakes COMMAND "${boards_programs}/chip_test"
+    "$<TARGET_FILE:planted_${board}_no_error>" stop ${board} "${folder}/${board}.bin")
+  set_tests_properties(chip_${board}_boots_and_brakes PROPERTIES LABELS "${labels}" TIMEOUT 120
+    FIXTURES_REQUIRED ${board}_configuration)
+  if("full" IN_LIST labels)
+    hubfoc_only_full(planted_${board}_no_error)
+  endif()
+endfunction()
+scaled_board(vesc75_300 516.0 91.0 1e-6 1000.0 target)
+scaled_board(mks84_200_hp 495.0 87.3 1e-6 1000.0 "target;full")
+scaled_board(gate_board 1200.0 1000.0 2e-6 500.0 target)
+
 board_image(vesc6_mk6 "target;full")
 board_test(chip_vesc6_mk6_reads_its_sensors vesc6_mk6 "target;full" chip_sensors vesc6_mk6
   "${boards_shipped}")

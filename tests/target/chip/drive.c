@@ -50,6 +50,8 @@ void drive_begin(drive_t *drive, chip_t *chip, const config_t *config)
                                CHIP_TICKS_PER_SECOND / (uint32_t)config->drive.pwm_frequency_Hz,
                            .dead_time_ns = (uint32_t)config->drive.dead_time_ns};
     *drive = fresh;
+    wiring_full_scales(1e-3 * config->drive.current_full_scale_mA,
+                       1e-3 * config->drive.voltage_full_scale_mV);
     vehicle_can_init(&drive->vehicle, link_address(config));
     const fast_input_t at_rest = {
         .phase_current_code = {NO_CURRENT_CODE, NO_CURRENT_CODE, NO_CURRENT_CODE}, .hall_state = 5};

@@ -133,6 +133,8 @@ bool drive_off_to(const wheel_coupling_t *coupling, double speed_m_per_s)
 {
     bench_params_t params = image_vehicle();
     params.run.initial_speed_m_per_s = speed_m_per_s;
+    params.sensors.current_full_scale_a = 1e-3 * rig.config.drive.current_full_scale_mA;
+    params.sensors.voltage_full_scale_v = 1e-3 * rig.config.drive.voltage_full_scale_mV;
     const driver_trace_t none = {.points = 0};
     bench_init(&rig.bench, &params, &rig.config, &none);
     rig.bench.wheel[0].coupling = coupling;

@@ -17,6 +17,9 @@ typedef struct {
 } wiring_shunts_t;
 wiring_shunts_t wiring_shunts(void);
 
+/* What the plant's codes stand for, of the image's configuration. */
+void wiring_full_scales(double current_a, double voltage_v);
+
 void wiring_currents(chip_t *chip, const uint16_t code[3]);
 void wiring_bus_voltage(chip_inputs_t *in, uint16_t code);
 void wiring_halls(chip_inputs_t *in, uint8_t state);
@@ -24,6 +27,9 @@ void wiring_temperatures(chip_inputs_t *in, int32_t winding_cC, int32_t switch_c
 
 /* The program drives the outputs that the board needs from the start on, its supply included. */
 bool wiring_outputs_hold(chip_t *chip);
+
+/* A line of its own shows a fault of the gate drivers. */
+bool wiring_has_fault_line(void);
 
 /* These pins of a port, 0 = A, at these levels. */
 static inline void wiring_pins(chip_inputs_t *in, int port, unsigned pins, unsigned level)

@@ -7,10 +7,19 @@
 
 #define VESC_6                                                                                     \
     .low_side_shunts = false, .shunt_ohm = 0.5e-3, .gain = 20.0, .current_channel = {10, 11, 12},  \
-    .bus_channel = 13, .winding_channel = 14, .switch_channel = 3, .upper_ohm = 39e3,              \
-    .lower_ohm = 2.2e3, .switch_beta_k = 3380.0, .hall = {{'C', 6}, {'C', 7}, {'C', 8}},           \
-    .enable = {'B', 5}, .fault = {'B', 7}, .sdi = {'B', 4}, .sdo = {'B', 3}, .sclk = {'C', 10},    \
-    .nscs = {'C', 9}, .power_hold = {'C', 5}, .encoder_at_tim3 = true
+    .reference_v = 3.3, .bus_channel = 13, .winding_channel = 14, .switch_channel = 3,             \
+    .upper_ohm = 39e3, .lower_ohm = 2.2e3, .switch_beta_k = 3380.0,                                \
+    .hall = {{'C', 6}, {'C', 7}, {'C', 8}}, .enable = {'B', 5}, .fault = {'B', 7},                 \
+    .sdi = {'B', 4}, .sdo = {'B', 3}, .sclk = {'C', 10}, .nscs = {'C', 9}, .power_hold = {'C', 5}, \
+    .encoder_at_tim3 = true
+
+/* Three shunts of 0.5 mOhm side by side; the filters of the phase voltages are off. */
+#define VESC_75                                                                                    \
+    .low_side_shunts = false, .shunt_ohm = 0.5e-3 / 3.0, .gain = 20.0,                             \
+    .current_channel = {10, 11, 12}, .bus_channel = 13, .winding_channel = 14,                     \
+    .switch_channel = 3, .upper_ohm = 56e3, .lower_ohm = 2.2e3, .switch_beta_k = 3380.0,           \
+    .hall = {{'C', 6}, {'C', 7}, {'C', 8}}, .encoder_at_tim3 = true,                               \
+    .outputs = {{{'D', 2}, true}, {{'C', 9}, false}}
 
 static const board_t BOARDS[] = {
     {.name = "vesc6_mk3", VESC_6, .outputs = {{{'D', 2}, true}}}, /* filters of the amplifiers */
@@ -20,6 +29,7 @@ static const board_t BOARDS[] = {
      .settling_s = 300e-9, /* DRV8302, SLES267: to 1 % of 2 V at a gain of 10 */
      .shunt_ohm = 1e-3,
      .gain = 10.0,
+     .reference_v = 3.3,
      .current_channel = {9, BOARDS_NO_CHANNEL, 8},
      .bus_channel = 12,
      .winding_channel = 10,
@@ -33,6 +43,24 @@ static const board_t BOARDS[] = {
      .oc_adj_mV = 403, /* as a VESC 6: what the resistors of a board make is for it to show */
      .calibrate = {'B', 12},
      .outputs = {{{'B', 12}, false}}},
+    {.name = "vesc75_300", VESC_75, .reference_v = 3.44},
+    {.name = "mks84_200_hp", VESC_75, .reference_v = 3.3, .power_hold = {'C', 5}},
+    {.name = "gate_board",
+     .low_side_shunts = false,
+     .shunt_ohm = 1.375e-3, /* V an ampere */
+     .gain = 1.0,
+     .rising = true,
+     .reference_v = 3.3,
+     .current_channel = {10, 11, 12},
+     .bus_channel = 13,
+     .winding_channel = 14,
+     .switch_channel = 3,
+     .upper_ohm = 996.7, /* 1 kV at 3.3 V */
+     .lower_ohm = 3.3,
+     .switch_beta_k = 3380.0,
+     .hall = {{'C', 6}, {'C', 7}, {'C', 8}},
+     .encoder_at_tim3 = true,
+     .fault = {'B', 12}},
 };
 enum { BOARDS_COUNT = sizeof BOARDS / sizeof BOARDS[0] };
 
@@ -41,6 +69,11 @@ static const board_t *chosen = &BOARDS[0];
 const board_t *boards_chosen(void)
 {
     return chosen;
+}
+
+bool wiring_has_fault_line(void)
+{
+    return chosen->fault.port != 0;
 }
 
 bool wiring_choose(const char *board)

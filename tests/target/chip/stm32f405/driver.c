@@ -34,9 +34,14 @@ static const uint16_t V_DS_mV[32] = {60,  68,  76,   86,   97,   109,  123,  138
                                      222, 250, 282,  317,  358,  403,  454,  511,  576,  648, 730,
                                      822, 926, 1043, 1175, 1324, 1491, 1679, 1892, 2131, 2400};
 
+static bool is_switched(void)
+{
+    return boards_chosen()->enable.port != 0;
+}
+
 static bool takes_commands(const chip_t *chip)
 {
-    return chip->now >= chip->driver.ready;
+    return !is_switched() || chip->now >= chip->driver.ready;
 }
 
 static bool has_bus(void)
@@ -66,7 +71,7 @@ void chip_driver_reset(chip_t *chip)
 static void look_at_enable(chip_t *chip)
 {
     chip_driver_t *driver = &chip->driver;
-    const bool enabled = drives_high(chip, boards_chosen()->enable);
+    const bool enabled = is_switched() && drives_high(chip, boards_chosen()->enable);
     if (enabled == driver->enabled) {
         return;
     }
@@ -219,7 +224,7 @@ static uint32_t over_current_mode(const chip_t *chip)
 void chip_driver_watch(chip_t *chip)
 {
     chip_driver_t *driver = &chip->driver;
-    const bool over = takes_commands(chip) && chip_timer1_drives(chip) &&
+    const bool over = is_switched() && takes_commands(chip) && chip_timer1_drives(chip) &&
                       chip->fault.low_side_a_mV >= threshold_mV(chip);
     const uint32_t mode = over_current_mode(chip);
     if (over && mode == LATCH_SHUTDOWN) {

@@ -83,9 +83,9 @@ void chip_part_pins_written(chip_t *chip)
 bool chip_part_level(const chip_t *chip, char port, unsigned pin, bool *level)
 {
     const board_t *board = boards_chosen();
-    if (wire_is(board->fault, port, pin) && chip_driver_pulls_fault(chip)) {
-        *level = false;
-        return true;
+    if (wire_is(board->fault, port, pin)) {
+        *level = !chip_driver_pulls_fault(chip);
+        return !*level || board->enable.port == 0; /* open drain, or driven high */
     }
     if (wire_is(board->sdo, port, pin) && !chip_pin_is_output(chip, port, pin)) {
         *level = chip_driver_data(chip);

@@ -7,9 +7,13 @@
 #include "boards.h"
 
 enum { CODES = 4096, CODE_MOST = CODES - 1 };
-static const double REFERENCE_V = 3.3;
-/* Full scales of the codes that the plant gives, of the image's configuration. */
-static const double FULL_SCALE_A = 165.0, FULL_SCALE_V = 61.8;
+static double full_scale_a, full_scale_v;
+
+void wiring_full_scales(double current_a, double voltage_v)
+{
+    full_scale_a = current_a;
+    full_scale_v = voltage_v;
+}
 
 static uint16_t code_of(double share)
 {
@@ -30,15 +34,15 @@ void wiring_currents(chip_t *chip, const uint16_t code[3])
 {
     const board_t *board = boards_chosen();
     const double middle = CODE_MOST / 2.0;
-    const double scale =
-        board->shunt_ohm * board->gain / (REFERENCE_V / CODES) * FULL_SCALE_A / (CODES / 2.0);
+    const double scale = board->shunt_ohm * board->gain / (board->reference_v / CODES) *
+                         full_scale_a / (CODES / 2.0);
     const wire_t calibrate = board->calibrate;
     const bool shorted =
         calibrate.port != 0 && chip_drives_high(chip, calibrate.port, calibrate.pin);
     for (int x = 0; x < 3; x++) {
         if (board->current_channel[x] != BOARDS_NO_CHANNEL) {
-            chip_inputs(chip)->analog_code[board->current_channel[x]] =
-                code_of(shorted ? middle : middle - (code[x] - middle) * scale);
+            chip_inputs(chip)->analog_code[board->current_channel[x]] = code_of(
+                shorted ? middle : middle + (code[x] - middle) * (board->rising ? scale : -scale));
         }
     }
 }
@@ -46,9 +50,9 @@ void wiring_currents(chip_t *chip, const uint16_t code[3])
 void wiring_bus_voltage(chip_inputs_t *in, uint16_t code)
 {
     const board_t *board = boards_chosen();
-    const double volt = code * FULL_SCALE_V / CODES;
+    const double volt = code * full_scale_v / CODES;
     const double share = board->lower_ohm / (board->upper_ohm + board->lower_ohm);
-    in->analog_code[board->bus_channel] = code_of(volt * share / REFERENCE_V * CODES);
+    in->analog_code[board->bus_channel] = code_of(volt * share / board->reference_v * CODES);
 }
 
 void wiring_halls(chip_inputs_t *in, uint8_t state)

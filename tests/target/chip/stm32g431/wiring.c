@@ -13,8 +13,7 @@
 #include "analog.h"
 
 enum { PORT_B = 1, HALL_PINS = 7 << 6, CODES = ANALOG_CODES, MIDDLE_CODE = 2048 };
-/* Full scale of the codes that the plant gives, of the image's configuration (60.16 A). */
-static const double FULL_SCALE_A = 60.16;
+static double full_scale_a;
 /* Of the amplifiers, as FOC-Stim measured it on the board. */
 static const double SETTLING_S = 1.3e-6;
 /* By the conductances in mS of the three resistors. */
@@ -31,6 +30,18 @@ wiring_shunts_t wiring_shunts(void)
     return shunts;
 }
 
+void wiring_full_scales(double current_a, double voltage_v)
+{
+    (void)voltage_v; /* its codes are the converter's */
+    full_scale_a = current_a;
+}
+
+/* The comparators of the chip itself take its place. */
+bool wiring_has_fault_line(void)
+{
+    return true;
+}
+
 /* The transceiver's are looked at by can.c. */
 bool wiring_outputs_hold(chip_t *chip)
 {
@@ -41,7 +52,7 @@ bool wiring_outputs_hold(chip_t *chip)
 void wiring_currents(chip_t *chip, const uint16_t code[3])
 {
     for (int x = 0; x < 3; x++) {
-        chip_inputs(chip)->current_a[x] = (code[x] - MIDDLE_CODE) * FULL_SCALE_A / MIDDLE_CODE;
+        chip_inputs(chip)->current_a[x] = (code[x] - MIDDLE_CODE) * full_scale_a / MIDDLE_CODE;
     }
 }
 
