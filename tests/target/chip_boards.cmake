@@ -78,8 +78,8 @@ add_test(NAME chip_vesc6_mk3_reads_its_sensors COMMAND "${boards_programs}/chip_
   "$<TARGET_FILE:hubfoc_stm32f405>" vesc6_mk3 "${boards_shipped}")
 set_tests_properties(chip_vesc6_mk3_reads_its_sensors PROPERTIES LABELS target TIMEOUT 120)
 
-# Boards with sensors in the phases, without a gate driver's bus: the paper's vehicle with their full
-# scales.
+# Boards with sensors in the phases, without a gate driver's bus: the paper's vehicle with their
+# full scales.
 # scaled_board(BOARD CURRENT_A VOLTAGE_V DEAD_TIME_S BANDWIDTH_HZ LABELS)
 function(scaled_board board current_a voltage_v dead_time_s bandwidth_hz labels)
   set(folder "${CMAKE_CURRENT_BINARY_DIR}/${board}_drive")
