@@ -7,7 +7,7 @@ from pydantic import Field
 
 from regen_table import defaults
 from regen_table.assumed import Assumed
-from regen_table.plant_sections import COMMANDED_HYDRAULIC_NM, Section, number
+from regen_table.section import COMMANDED_HYDRAULIC_NM, Section, number
 
 
 class Brake(Section):

@@ -125,7 +125,7 @@ def least_capacitance_f(drive: Drive) -> float | None:
 def warning(drive: Drive) -> str | None:
     """Return one line where the capacitor, less tolerance and age, is too small; otherwise None.
 
-    None also where the capacitance or the devices' rating is not known (relations.warnings).
+    None also where the capacitance or the devices' rating is not known (shortcomings.warnings).
     """
     given_f, rating_v = drive.inverter.bus_capacitance_f, drive.inverter.device_voltage_v
     if given_f == 0.0 or rating_v is None:

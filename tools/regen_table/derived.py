@@ -8,7 +8,7 @@ import itertools
 import math
 
 from regen_table import defaults
-from regen_table.plant_sections import DEMANDED_BRAKE_NM
+from regen_table.section import DEMANDED_BRAKE_NM
 from regen_table.sections import Drive
 
 AIR_DENSITY_KG_M3 = 1.2041  # 20 degC, 101 325 Pa

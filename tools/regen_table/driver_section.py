@@ -5,7 +5,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from regen_table.plant_sections import COMMANDED_HYDRAULIC_NM, Section, number
+from regen_table.section import COMMANDED_HYDRAULIC_NM, Section, number
 
 
 class Driver(Section):

@@ -12,7 +12,7 @@ from pydantic import ConfigDict, Field
 
 from regen_table import layout
 from regen_table.errors import ConfigurationError
-from regen_table.plant_sections import Section
+from regen_table.section import Section
 from regen_table.suggest import suggestion
 
 Value = int | list[int]

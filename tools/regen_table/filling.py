@@ -15,7 +15,7 @@ from typing import Any
 from pydantic.fields import FieldInfo
 
 from regen_table.assumed import Assumed
-from regen_table.plant_sections import Section
+from regen_table.section import Section
 from regen_table.sections import Drive
 
 

@@ -31,8 +31,8 @@ from regen_table import (
     margins,
     outputs,
     refusals,
-    relations,
     service_key,
+    shortcomings,
     thermometers,
 )
 from regen_table.errors import CheckFailedError
@@ -289,7 +289,7 @@ def make_report(drive: Drive) -> Report:
 
 def warnings(drive: Drive, found: Report) -> list[str]:
     """Return one line for everything that is accepted, but works worse than its numbers promise."""
-    lines = relations.warnings(drive)
+    lines = shortcomings.warnings(drive)
     saturation = flux_constants.warning(drive)
     if saturation is not None:
         lines.append(saturation)

@@ -10,7 +10,7 @@ B and C: all else is the number of the sector from which it counts.
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    from regen_table.sections import Rotor
+    from regen_table.rotor_section import Rotor
 
 # Of sectors 0 to 5 turning forward, bits c b a; that of 120 degrees is firmware/foc/hall.c's.
 STATES = {120: (5, 1, 3, 2, 6, 4), 60: (1, 3, 7, 6, 4, 0)}

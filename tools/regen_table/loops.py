@@ -12,7 +12,7 @@ shares of the voltage circle's radius.
 import math
 from dataclasses import dataclass
 
-from regen_table import derived, halls, relations
+from regen_table import derived, halls
 from regen_table.sections import Drive
 
 MODULATION_MAX = 0.98
@@ -20,6 +20,7 @@ FIELD_WEAKENING_BANDWIDTH_HZ = 30.0
 ROUNDING_COUNTS = 2  # as in foc/modulation.c
 PERIOD_COUNTS = 256, 16384  # as in config/bases.h
 SETTLING_S = 0.5e-6  # of a shunt amplifier after its low side begins to conduct
+EMF_TOLERANCE = 0.01  # flux linkage and voltages are not known any better
 DEAD_TIME_ZONE_MIN = 128.0 / 32768.0  # as in config.h
 # Of the current demanded while the dead time holds it at zero: a cold winding, longer dead time.
 DEAD_TIME_MARGIN = 1.5
@@ -137,7 +138,7 @@ def weakening_warning(drive: Drive) -> str | None:
     weakening = drive.control.field_weakening_current_a or 0.0
     short_circuit_a = motor.flux_linkage_wb / motor.d_inductance_h
     left = emf * max(1.0 - weakening / short_circuit_a, 0.0)
-    if left <= (1.0 + relations.EMF_TOLERANCE) * made:
+    if left <= (1.0 + EMF_TOLERANCE) * made:
         return None
     needed = short_circuit_a * (1.0 - made / emf)
     reached = made / left * motor.max_speed_rpm

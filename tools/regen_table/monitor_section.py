@@ -7,7 +7,7 @@ from pydantic import Field
 
 from regen_table import defaults
 from regen_table.assumed import Assumed
-from regen_table.plant_sections import Section, Temperature, number
+from regen_table.section import Section, Temperature, number
 
 Resistance = Annotated[float, number(0.1, 10e6, "ohm", "a resistance")]
 SensorPoint = Annotated[tuple[Temperature, Resistance], Field(strict=False)]

@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from regen_table.plant_sections import DEMANDED_BRAKE_NM, DEMANDED_DRIVE_NM, Section, number
+from regen_table.section import DEMANDED_BRAKE_NM, DEMANDED_DRIVE_NM, Section, number
 
 Ratio = Annotated[float, number(0.0, 1.0, "1", "of the sensor's supply")]
 Ratios = tuple[Ratio, Ratio, Ratio, Ratio]

@@ -1,39 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What every section of a drive's TOML file is, and those that only the simulated plant reads."""
+"""Sections of a drive that only the simulated plant reads."""
 
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
-from pydantic.fields import FieldInfo
+from pydantic import Field
 
 from regen_table import defaults
 from regen_table.assumed import Assumed
-
-DEMANDED_DRIVE_NM = 1638.2  # end of Demand.drive_torque_nm on CAN
-DEMANDED_BRAKE_NM = 3276.6  # end of Demand.brake_torque_nm
-COMMANDED_HYDRAULIC_NM = 3276.7  # end of WheelBrake.hydraulic_torque_nm
-
-
-def number(lowest: float, highest: float, unit: str, text: str, carried_by: str = "") -> FieldInfo:
-    """Describe a number: its closed range, its unit and its meaning.
-
-    ``carried_by`` is the signal on CAN where it ends the range.
-    """
-    extra = {"unit": unit, "carried_by": carried_by}
-    field = Field(ge=lowest, le=highest, description=text, json_schema_extra={**extra})
-    assert isinstance(field, FieldInfo)
-    return field
-
-
-class Section(BaseModel):
-    """What all sections share."""
-
-    model_config = ConfigDict(
-        strict=True, frozen=True, extra="forbid", allow_inf_nan=False, protected_namespaces=()
-    )
-
-
-Temperature = Annotated[float, number(-100.0, 300.0, "degC", "a temperature")]
+from regen_table.section import Section, Temperature, number
 
 
 class Bus(Section):

@@ -5,7 +5,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from regen_table.plant_sections import Section, number
+from regen_table.section import Section, number
 
 
 class Service(Section):

@@ -31,7 +31,7 @@ from hubsim.scenario import faults
 from hubsim.sweep import faults_sweep
 from hubsim.sweep.faults_outcome import Outcome
 from hubsim.sweep.faults_sweep import BACK_BRAKE_S, BRAKE_S, ROLL_BACK, Group
-from regen_table.sections import Motor
+from regen_table.motor_section import Motor
 
 POWER_NAMED_S, POWER_SHARE, POWER_RATED_SHARE = 0.46, 1.0 / 8.0, 1.0 / 64.0
 FLUX_LOST, FLUX_TOLERANCE, VOLTAGE_SHARE = 0.3, 0.15, 0.5

@@ -7,7 +7,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, cast
 
-from regen_table import bus_capacitor, relations
+from regen_table import bus_capacitor, shortcomings
 from regen_table.schema import Drive
 from rich import box
 from rich.console import Console, JustifyMethod
@@ -50,7 +50,7 @@ def warned(config: Path, drive: Drive) -> Drive:
 
     Also of a bus capacitor too small for its devices.
     """
-    for found in filter(None, (relations.absent_soc(drive), bus_capacitor.warning(drive))):
+    for found in filter(None, (shortcomings.absent_soc(drive), bus_capacitor.warning(drive))):
         _warn_once(f"hubsim: warning: {config}: {found}")
     return drive
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import pytest
-from regen_table import calibrate, cli, halls, sections
+from regen_table import calibrate, cli, halls, rotor_section
 from regen_table.errors import ConfigurationError
 
 Array = npt.NDArray[np.float64]
@@ -151,7 +151,7 @@ def test_inverted_lines_in_any_order_give_keys_with_which_every_edge_is_where_it
         table[f"hall_{at}"] = 1.0 - level if sensor in inverted else level
     found = calibrate.calibrate(table)
     keys = tomllib.loads(calibrate.as_toml(found))["rotor"]
-    own = halls.wiring(sections.Rotor(**keys))
+    own = halls.wiring(rotor_section.Rotor(**keys))
     assert {round(edge) for edge in own.edges_deg} == {round(edge) for edge in EDGES_DEG}
     for turn in np.linspace(0.0, 1.0, 200, endpoint=False):
         sector = int(np.searchsorted(EDGES_DEG, turn * 360.0, side="right")) - 1

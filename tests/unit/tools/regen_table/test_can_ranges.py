@@ -7,7 +7,7 @@ from pathlib import Path
 import cantools
 import pytest
 from cantools.database.can import Database
-from regen_table import derived, layout, plant_sections
+from regen_table import derived, layout, section
 from regen_table.errors import ConfigurationError
 from regen_table.schema import Drive
 
@@ -96,24 +96,24 @@ def test_no_accepted_field_lies_beyond_the_signal_that_carries_it(
 @pytest.mark.parametrize(
     ("key", "end", "signal"),
     [
-        ("motor.max_torque_nm", plant_sections.DEMANDED_DRIVE_NM, "Demand.drive_torque_nm"),
-        ("motor.rated_torque_nm", plant_sections.DEMANDED_DRIVE_NM, "Demand.drive_torque_nm"),
-        ("pedals.drive_torque_nm", plant_sections.DEMANDED_DRIVE_NM, "Demand.drive_torque_nm"),
-        ("pedals.lift_off_torque_nm", plant_sections.DEMANDED_DRIVE_NM, "Demand.drive_torque_nm"),
-        ("pedals.brake_torque_nm", plant_sections.DEMANDED_BRAKE_NM, "Demand.brake_torque_nm"),
+        ("motor.max_torque_nm", section.DEMANDED_DRIVE_NM, "Demand.drive_torque_nm"),
+        ("motor.rated_torque_nm", section.DEMANDED_DRIVE_NM, "Demand.drive_torque_nm"),
+        ("pedals.drive_torque_nm", section.DEMANDED_DRIVE_NM, "Demand.drive_torque_nm"),
+        ("pedals.lift_off_torque_nm", section.DEMANDED_DRIVE_NM, "Demand.drive_torque_nm"),
+        ("pedals.brake_torque_nm", section.DEMANDED_BRAKE_NM, "Demand.brake_torque_nm"),
         (
             "pedals.free_travel_torque_nm",
-            plant_sections.DEMANDED_BRAKE_NM,
+            section.DEMANDED_BRAKE_NM,
             "Demand.brake_torque_nm",
         ),
         (
             "brake.max_hydraulic_torque_nm",
-            plant_sections.COMMANDED_HYDRAULIC_NM,
+            section.COMMANDED_HYDRAULIC_NM,
             "WheelBrake.hydraulic_torque_nm",
         ),
         (
             "driver.hold_torque_nm",
-            plant_sections.COMMANDED_HYDRAULIC_NM,
+            section.COMMANDED_HYDRAULIC_NM,
             "WheelBrake.hydraulic_torque_nm",
         ),
     ],
@@ -133,5 +133,5 @@ def test_a_torque_beyond_its_signal_is_refused_with_key_range_and_signal(
 def test_a_brake_pedal_that_is_not_scaled_stays_within_what_a_demand_carries(
     change: Callable[..., Drive],
 ) -> None:
-    drive: Drive = change({"brake.max_hydraulic_torque_nm": plant_sections.COMMANDED_HYDRAULIC_NM})
-    assert derived.pedal_brake_torque_nm(drive) == plant_sections.DEMANDED_BRAKE_NM
+    drive: Drive = change({"brake.max_hydraulic_torque_nm": section.COMMANDED_HYDRAULIC_NM})
+    assert derived.pedal_brake_torque_nm(drive) == section.DEMANDED_BRAKE_NM

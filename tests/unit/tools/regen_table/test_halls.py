@@ -5,7 +5,7 @@ import itertools
 
 import pytest
 from regen_table import halls
-from regen_table.sections import Rotor
+from regen_table.rotor_section import Rotor
 
 EDGES_DEG = (11.0, 64.5, 133.0, 186.0, 255.0, 304.0)
 LINES = ["".join(some) for count in range(4) for some in itertools.combinations("abc", count)]

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from regen_table import schema
 from regen_table.errors import ConfigurationError
-from regen_table.plant_sections import Section
+from regen_table.section import Section
 from regen_table.sections import Drive, bounds
 
 MOTORS = Path(__file__).resolve().parents[4] / "tools" / "motors"

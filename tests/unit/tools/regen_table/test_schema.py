@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from regen_table import derived, loops, relations, schema
+from regen_table import derived, loops, schema, shortcomings
 from regen_table.errors import ConfigurationError
 
 MOTORS = Path(__file__).resolve().parents[4] / "tools" / "motors"
@@ -395,10 +395,11 @@ def test_a_name_that_is_not_a_c_identifier_is_refused(tmp_path: Path) -> None:
 def test_a_drive_that_cannot_reach_its_rated_data_gives_a_warning(change: Change) -> None:
     assert [
         line.partition(":")[0]
-        for line in relations.warnings(change({"motor.max_speed_rpm": 600.0}))
+        for line in shortcomings.warnings(change({"motor.max_speed_rpm": 600.0}))
     ] == []
     assert [
-        line.partition(":")[0] for line in relations.warnings(change({"motor.max_torque_nm": 53.0}))
+        line.partition(":")[0]
+        for line in shortcomings.warnings(change({"motor.max_torque_nm": 53.0}))
     ] == [
         "motor.max_torque_nm",
         "motor.max_speed_rpm",
@@ -408,7 +409,7 @@ def test_a_drive_that_cannot_reach_its_rated_data_gives_a_warning(change: Change
 def test_absent_keys_of_the_bus_give_a_warning_each(change: Change) -> None:
     named = [
         line.partition(":")[0]
-        for line in relations.warnings(
+        for line in shortcomings.warnings(
             change(
                 {
                     "motor.max_speed_rpm": 600.0,
@@ -425,10 +426,10 @@ def test_a_rest_voltage_inside_the_fold_back_gives_a_warning_with_both_voltages(
     change: Change,
 ) -> None:
     assert (
-        relations.warnings(change({"motor.max_speed_rpm": 600.0, "battery.max_voltage_v": 54.1}))
+        shortcomings.warnings(change({"motor.max_speed_rpm": 600.0, "battery.max_voltage_v": 54.1}))
         == []
     )
-    (constant,) = relations.warnings(
+    (constant,) = shortcomings.warnings(
         change(
             {
                 "motor.max_speed_rpm": 600.0,
@@ -442,10 +443,10 @@ def test_a_rest_voltage_inside_the_fold_back_gives_a_warning_with_both_voltages(
         "motor.max_speed_rpm": 500.0,
         "battery.open_circuit_voltage_v": [[0.0, 48.0], [1.0, 58.0]],
     }
-    assert relations.warnings(change(curve | {"battery.initial_soc": 0.9})) == []
-    (absent,) = relations.warnings(change(curve | {"battery.initial_soc": None}))
+    assert shortcomings.warnings(change(curve | {"battery.initial_soc": 0.9})) == []
+    (absent,) = shortcomings.warnings(change(curve | {"battery.initial_soc": None}))
     assert absent.startswith("battery.initial_soc: absent, work begins at 0.7")
-    (full,) = relations.warnings(change(curve | {"battery.initial_soc": 0.95}))
+    (full,) = shortcomings.warnings(change(curve | {"battery.initial_soc": 0.95}))
     assert full.startswith("battery.initial_soc: the pack rests at 57.5 V")
     assert "57.23 V to max_voltage_v = 58.4 V" in full
 
@@ -495,7 +496,7 @@ def test_a_top_speed_beyond_field_weakening_at_min_voltage_gives_a_warning(
 
 
 def test_switches_without_a_temperature_limit_give_a_warning(change: Change) -> None:
-    found = relations.warnings(
+    found = shortcomings.warnings(
         change({"motor.max_speed_rpm": 600.0, "inverter.max_switch_temperature_c": None})
     )
     assert [line.partition(":")[0] for line in found] == ["inverter.max_switch_temperature_c"]
@@ -503,5 +504,5 @@ def test_switches_without_a_temperature_limit_give_a_warning(change: Change) -> 
 
 def test_every_shipped_drive_has_all_limits_on_and_no_full_pack_at_the_start() -> None:
     for path in sorted(PAPER.parent.glob("*.toml")):
-        named = {line.partition(":")[0] for line in relations.warnings(schema.load(path))}
+        named = {line.partition(":")[0] for line in shortcomings.warnings(schema.load(path))}
         assert named <= {"motor.max_speed_rpm"}
