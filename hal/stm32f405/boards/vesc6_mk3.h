@@ -7,18 +7,12 @@
  * the negated voltage vector, so its codes fall with current into the motor. Of what is used here
  * MK3, MK4 and MK5 have the same.
  *
- *     PA8 PA9 PA10      TIM1_CH1..3      high-side gates a, b, c
- *     PB13 PB14 PB15    TIM1_CH1N..3N    low-side gates a, b, c
+ * Pins: vesc_pins_common.h, and
  *     PB5, PB7          gate driver: enable, fault
  *     PB4 PB3 PC10 PC9  gate driver's serial bus, by software: SDI, SDO, SCLK, nSCS
  *     PC0 PC1 PC2       ADC123_IN10..12  shunt amplifiers a, b, c, 0.5 V_ref at no current
  *     PC3               ADC123_IN13      bus voltage, 39 kOhm and 2.2 kOhm
- *     PA3               ADC123_IN3       switch temperature: NTC to supply, 10 kOhm to ground
  *     PC4               ADC12_IN14       winding temperature: NTC to ground, 10 kOhm to supply
- *     PA5 PA6           ADC12_IN5, IN6   accelerator a and b, 0 .. V_ref
- *     PC6 PC7 PC8       halls A, B, C; encoder A, B, index: TIM3_CH1..3
- *     PB10 PB11         USART3 transmit, receive
- *     PB8 PB9           CAN1 receive, transmit
  *     PC5               keeps the supply on
  *     PD2               switches the filters of the shunt amplifiers on
  *
