@@ -19,12 +19,14 @@ from dataclasses import asdict, dataclass
 from functools import lru_cache
 
 import numpy as np
+import numpy.typing as npt
 
 from regen_table import braking, current_audit, current_map, joint, models, optimum, packs
 from regen_table.models import Array, ArrayLike, Bridge, Machine
 from regen_table.schema import Drive
 
 SPEED_STEPS = 4000
+Truth = npt.NDArray[np.bool_]
 
 
 def salient(drive: Drive) -> bool:
@@ -69,18 +71,37 @@ def lines(drive: Drive, motor: Machine, inverter: Bridge, speed_rad_s: ArrayLike
             np.abs(best.torque_optimal_nm), np.abs(best.torque_zero_nm), current, 2.0 * current
         )
     bounds = current_audit.relaxed(drive)
-    best_point = joint.best_braking(motor, inverter, omega, bounds)
-    returns = best_point.state.dc_power_w < 0.0  # else no torque returns energy: both are zero
-    inside = best_point.state.current_a < 0.999 * np.asarray(bounds.current_a)
+    best_point, returns, inside = _best_of_both(motor, inverter, omega, bounds)
     zero = joint.zero_power_torque(motor, inverter, omega, bounds, best_point)
     at_zero = joint.least_power(motor, inverter, omega, zero, bounds).state
     ends = inside & (np.abs(at_zero.dc_power_w) < 1e-3 * np.abs(best_point.state.dc_power_w))
     return Lines(
-        optimal_nm=np.where(returns, np.where(inside, np.abs(best_point.torque_nm), np.nan), 0.0),
+        optimal_nm=_magnitude_nm(best_point, returns, inside),
         zero_nm=np.where(returns, np.where(ends, np.abs(zero), np.nan), 0.0),
         optimal_a=np.where(returns, np.where(inside, best_point.state.current_a, np.nan), 0.0),
         zero_a=np.where(returns, np.where(ends, at_zero.current_a, np.nan), 0.0),
     )
+
+
+def optimal_nm(drive: Drive, motor: Machine, inverter: Bridge, speed_rad_s: ArrayLike) -> Array:
+    """Return the torque of most returned power alone, as lines() does."""
+    omega = np.asarray(speed_rad_s) * motor.pole_pairs
+    if not salient(drive):
+        return np.abs(optimum.closed_form(motor, inverter, omega).torque_optimal_nm)
+    return _magnitude_nm(*_best_of_both(motor, inverter, omega, current_audit.relaxed(drive)))
+
+
+def _best_of_both(
+    motor: Machine, inverter: Bridge, omega: Array, bounds: joint.Limits
+) -> tuple[joint.Point, Truth, Truth]:
+    """Return the best braking point, whether it returns energy, and whether it is inside bounds."""
+    best = joint.best_braking(motor, inverter, omega, bounds)
+    returns = best.state.dc_power_w < 0.0  # else no torque returns energy
+    return best, returns, best.state.current_a < 0.999 * np.asarray(bounds.current_a)
+
+
+def _magnitude_nm(best: joint.Point, returns: Truth, inside: Truth) -> Array:
+    return np.where(returns, np.where(inside, np.abs(best.torque_nm), np.nan), 0.0)
 
 
 def state(

@@ -9,6 +9,7 @@ share of the top speed instead of 50 km/h, the torque with which the motor brake
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from regen_table import braking, bus_capacitor, derived, ideal, loops, models
@@ -38,10 +39,11 @@ def _speeds(drive: Drive) -> Array:
     return np.linspace(SLOWEST, FASTEST, SPEEDS) * drive.motor.max_speed_rpm * math.pi / 30.0
 
 
+@lru_cache(maxsize=32)
 def _motor_brakes_nm(drive: Drive) -> float:
     speed = _speeds(drive)
     machine, bridge = models.machine(drive, REFERENCE_C), models.bridge(drive)
-    optimal = ideal.lines(drive, machine, bridge, speed).optimal_nm
+    optimal = ideal.optimal_nm(drive, machine, bridge, speed)
     charge_w = CHARGE_SHARE * drive.battery.max_charge_current_a * _pack_v(drive)
     by_pack = charge_w / drive.vehicle.driven_wheels / speed
     return float(np.nanmin([optimal, braking.torque_limit_nm(drive, speed), by_pack]))
@@ -147,6 +149,9 @@ class Quantities(Mapping[str, float]):
         if name not in self._known:
             self._known[name] = FIGURES[name].of(self._drive)
         return self._known[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._known or name in FIGURES
 
     def __iter__(self) -> Iterator[str]:
         return iter({**self._known, **FIGURES})
