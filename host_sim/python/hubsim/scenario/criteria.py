@@ -26,6 +26,11 @@ from hubsim.scenario import expression
 from hubsim.scenario.expression import ExpressionError, Formula
 from hubsim.scenario.keys import Section, listed, listing, number
 
+# Keys that hold a formula.
+FORMULAS = (
+    *("value", "at_least", "at_most", "settles_to", "band", "within_s", "from_s", "until_s"),
+    *("where", "reasons"),
+)
 Limit = float | str
 _FORMULA = "a number or a formula in quotes"
 
@@ -102,18 +107,7 @@ class Criterion(Section):
 
     def _read_everything(self) -> None:
         read_needs(self.needs)
-        for key in (
-            "value",
-            "at_least",
-            "at_most",
-            "settles_to",
-            "band",
-            "within_s",
-            "from_s",
-            "until_s",
-            "where",
-            "reasons",
-        ):
+        for key in FORMULAS:
             text = getattr(self, key)
             if isinstance(text, str):
                 try:
@@ -138,20 +132,8 @@ class Criterion(Section):
     @property
     def formulas(self) -> dict[str, Formula]:
         """Every formula of the criterion by its key."""
-        keys = (
-            "value",
-            "at_least",
-            "at_most",
-            "settles_to",
-            "band",
-            "within_s",
-            "from_s",
-            "until_s",
-            "where",
-            "reasons",
-        )
         return {
             key: expression.read(str(text))
-            for key in keys
+            for key in FORMULAS
             if (text := getattr(self, key)) is not None
         }
