@@ -26,6 +26,7 @@ POWER_LOSS_MAX = 1e-3
 _TEMPERATURES = 9
 _SPEEDS = 600
 Whole = npt.NDArray[np.int64]
+Ends = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -102,20 +103,23 @@ def grid_losses(
     drive: Drive, table: RegenMap, made: Production = braking.ZERO_D_CURRENT
 ) -> list[GridLoss]:
     """Energy lost to the grid: a hard stop, a stop at rated torque, and every shipped cycle."""
-    return [_loss(drive, table, made, *manoeuvre) for manoeuvre in _manoeuvres(drive)]
+    return [_loss(drive, table, made, index) for index in range(len(_manoeuvres(drive)))]
 
 
 def suffices(drive: Drive, table: RegenMap, made: Production) -> bool:
     """Whether a grid loses at most 0.02 % of the energy of every manoeuvre."""
     return all(
-        _loss(drive, table, made, *manoeuvre).relative <= ENERGY_LOSS_MAX
-        for manoeuvre in _manoeuvres(drive)
+        _loss(drive, table, made, index).relative <= ENERGY_LOSS_MAX
+        for index in range(len(_manoeuvres(drive)))
     )
 
 
 @lru_cache(maxsize=8)
 def _manoeuvres(drive: Drive) -> list[tuple[str, Array, Array, Array]]:
-    """Return name, mechanical rad/s, seconds and braking demands in N m of every manoeuvre."""
+    """Return name, mechanical rad/s, seconds and braking demands in N m of every manoeuvre.
+
+    Below handover_end_rpm the motor does not brake: no loss there.
+    """
     top = drive.motor.max_speed_rpm * np.pi / 30.0
     speed = (np.arange(_SPEEDS) + 0.5) * top / _SPEEDS
     hardest = drive.motor.max_torque_nm + drive.brake.max_hydraulic_torque_nm
@@ -142,42 +146,80 @@ def _manoeuvres(drive: Drive) -> list[tuple[str, Array, Array, Array]]:
                 -asked.torque_nm[brakes],
             )
         )
-    return found
+    lowest = drive.control.handover_end_rpm * np.pi / 30.0
+    return [
+        (name, speed[speed >= lowest], seconds[speed >= lowest], demand[speed >= lowest])
+        for name, speed, seconds, demand in found
+    ]
 
 
-def _loss(
+@dataclass(frozen=True)
+class _Optimum:
+    """What every table of a drive is compared with: the best torque at speeds and temperatures."""
+
+    winding_c: Array
+    torque_nm: Array
+    power_w: Array
+
+
+# Every grid that is tried is compared with the same one, and its search takes longest.
+@lru_cache(maxsize=64)
+def _optimum_in_manoeuvre(drive: Drive, made: Production, index: int, ends_c: Ends) -> _Optimum:
+    """Find the best torque, at most the demanded one, at the speeds of a manoeuvre."""
+    _, speed, _, demand = _manoeuvres(drive)[index]
+    winding = np.linspace(*ends_c, _TEMPERATURES)[:, np.newaxis]
+    return _optimum(drive, made, winding, speed, demand)
+
+
+@lru_cache(maxsize=64)
+def _optimum_at_all_speeds(drive: Drive, made: Production, ends_c: Ends) -> _Optimum:
+    """Find the best torque at the speeds that worst_power_loss() compares."""
+    return _optimum(
+        drive, made, np.linspace(*ends_c, 17)[:, np.newaxis], _all_speeds(drive), np.inf
+    )
+
+
+def _optimum(
+    drive: Drive, made: Production, winding: Array, speed: Array, most_nm: ArrayLike
+) -> _Optimum:
+    motor, inverter = models.machine(drive, winding), models.bridge(drive)
+    torque = np.minimum(made.capability_nm(drive, motor, inverter, speed), most_nm)
+    return _Optimum(winding, torque, made.state(motor, inverter, speed, -torque).dc_power_w)
+
+
+def _stored_power_w(
     drive: Drive,
     table: RegenMap,
     made: Production,
-    name: str,
     speed: Array,
-    seconds: Array,
-    demand: Array,
-) -> GridLoss:
-    """Energy lost in one manoeuvre at its worst temperature, over what the optimum returns.
+    winding: Array,
+    most_nm: ArrayLike,
+) -> Array:
+    """DC power in W of the table's torque, at most ``most_nm``."""
+    torque = np.minimum(table_capability_nm(drive, table, speed, winding), most_nm)
+    motor = models.machine(drive, winding)
+    return made.state(motor, models.bridge(drive), speed, -torque).dc_power_w
 
-    Below handover_end_rpm the motor does not brake: no loss there.
-    """
-    temperatures = np.linspace(
-        table.temperatures_c[0],
-        min(table.temperatures_c[-1], drive.motor.max_winding_temperature_c),
-        _TEMPERATURES,
-    )
-    brakes = speed >= drive.control.handover_end_rpm * np.pi / 30.0
-    speed, seconds, demand = speed[brakes], seconds[brakes], demand[brakes]
-    winding = temperatures[:, np.newaxis]
-    motor, inverter = models.machine(drive, winding), models.bridge(drive)
-    exact = np.minimum(made.capability_nm(drive, motor, inverter, speed), demand)
-    stored = np.minimum(table_capability_nm(drive, table, speed, winding), demand)
-    power = [made.state(motor, inverter, speed, -torque).dc_power_w for torque in (exact, stored)]
-    returned = -np.sum(power[0] * seconds, axis=1)
-    lost = np.sum((power[1] - power[0]) * seconds, axis=1)
+
+def _compared_ends_c(drive: Drive, table: RegenMap) -> Ends:
+    """Return the lowest and highest winding temperature in degC at which a table is compared."""
+    highest = min(table.temperatures_c[-1], drive.motor.max_winding_temperature_c)
+    return float(table.temperatures_c[0]), float(highest)
+
+
+def _loss(drive: Drive, table: RegenMap, made: Production, index: int) -> GridLoss:
+    """Energy lost in one manoeuvre at its worst temperature, over what the optimum returns."""
+    name, speed, seconds, demand = _manoeuvres(drive)[index]
+    best = _optimum_in_manoeuvre(drive, made, index, _compared_ends_c(drive, table))
+    stored = _stored_power_w(drive, table, made, speed, best.winding_c, demand)
+    returned = -np.sum(best.power_w * seconds, axis=1)
+    lost = np.sum((stored - best.power_w) * seconds, axis=1)
     relative = np.divide(lost, returned, out=np.zeros_like(lost), where=returned > 0.0)
     worst = int(np.argmax(relative))
     wheels = drive.vehicle.driven_wheels
     return GridLoss(
         name,
-        float(temperatures[worst]),
+        float(best.winding_c[worst, 0]),
         float(relative[worst]),
         wheels * float(returned[worst]),
         wheels * float(lost[worst]),
@@ -193,27 +235,22 @@ def worst_power_loss(
 
     From the blend-out speed; where no torque returns energy the loss is zero.
     """
-    winding = np.linspace(
-        table.temperatures_c[0],
-        min(table.temperatures_c[-1], drive.motor.max_winding_temperature_c),
-        17,
-    )[:, np.newaxis]
+    best = _optimum_at_all_speeds(drive, made, _compared_ends_c(drive, table))
+    exact = best.power_w
+    power = _stored_power_w(drive, table, made, _all_speeds(drive), best.winding_c, np.inf)
+    return float(
+        np.max(np.divide(power - exact, -exact, out=np.zeros_like(exact), where=exact < 0.0))
+    )
+
+
+def _all_speeds(drive: Drive) -> Array:
+    """Return mechanical rad/s from the blend-out speed to the largest one."""
     lowest, top = (
         drive.control.handover_end_rpm * np.pi / 30.0,
         drive.motor.max_speed_rpm * np.pi / 30.0,
     )
-    speed = np.concatenate(
+    return np.concatenate(
         [np.geomspace(max(lowest, 1e-3 * top), top, 100), np.linspace(lowest, top, 100)]
-    )
-    motor, inverter = models.machine(drive, winding), models.bridge(drive)
-    exact = made.state(
-        motor, inverter, speed, -made.capability_nm(drive, motor, inverter, speed)
-    ).dc_power_w
-    power = made.state(
-        motor, inverter, speed, -table_capability_nm(drive, table, speed, winding)
-    ).dc_power_w
-    return float(
-        np.max(np.divide(power - exact, -exact, out=np.zeros_like(exact), where=exact < 0.0))
     )
 
 

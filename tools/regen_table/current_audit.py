@@ -68,7 +68,18 @@ class _Reference:
     least_w: Array
 
 
-@lru_cache(maxsize=8)
+# Sections that no map depends on: drives that differ in these alone have one search.
+_APART = (
+    *("rotor", "driver", "pedals", "service", "monitor", "sensors", "bus", "bms", "thermal"),
+    *("chassis", "tyre", "fields"),
+)
+
+
+def _of_maps(drive: Drive) -> Drive:
+    """Return a drive without the sections that no map depends on: to read one fails."""
+    return drive.model_copy(update=dict.fromkeys(_APART))
+
+
 def choose(drive: Drive) -> CurrentMap:
     """Return the smallest grid that loses little enough.
 
@@ -77,6 +88,11 @@ def choose(drive: Drive) -> CurrentMap:
     Driving and braking count apart. Should it take more points than the firmware holds, the
     grid that exceeds these least. More than 0.02 % of a whole manoeuvre is refused.
     """
+    return _chosen(_of_maps(drive))
+
+
+@lru_cache(maxsize=8)
+def _chosen(drive: Drive) -> CurrentMap:
     references, braked = _references(drive), _braking_reference(drive)
     layers = _layers(drive, references, braked)
     grids = list(_grids(drive, layers))
@@ -102,12 +118,16 @@ def choose(drive: Drive) -> CurrentMap:
     return best
 
 
-@lru_cache(maxsize=8)
 def braking_table(drive: Drive) -> torque_map.RegenMap:
     """Return the table of T_opt that belongs to the chosen i_d.
 
     On the grid that the drive names or on the smallest one.
     """
+    return _braking_table(_of_maps(drive))
+
+
+@lru_cache(maxsize=8)
+def _braking_table(drive: Drive) -> torque_map.RegenMap:
     points: tuple[int, int] | None = None
     if "auto" in {drive.table.speed_points, drive.table.temperature_points}:
         points = smallest_grid(drive)

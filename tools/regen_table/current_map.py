@@ -17,7 +17,7 @@ middle of the range.
 
 import math
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import lru_cache, partial
 
 import numpy as np
 import numpy.typing as npt
@@ -30,10 +30,11 @@ TORQUE_RANGE = 4.0  # the braking table holds at least torques up to so many tim
 BEYOND_CLOSED_FORM = 1.25  # and up to so many times the optimum with i_d = 0, where that is more
 # nodes beyond the current limit continue the curve, so that it does not bend inside the last cell
 RELAXED = 3.0
+_NEAR = 0.99  # of a torque: less than it by more than an entry's rounding
 _BLOCK = 1000  # points searched at a time, so that their candidates stay in the cache
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class CurrentMap:
     """``current_d_mA`` has the shape (temperature, speed, torque points).
 
@@ -187,9 +188,15 @@ def state(
     torque_nm: ArrayLike,
     i_d: ArrayLike,
 ) -> models.State:
-    """Steady state of a torque with a given terminal i_d.
+    """Steady state of a torque with a given terminal i_d."""
+    i_q = _current_q_a(motor, omega, torque_nm, i_d)
+    return models.evaluate(motor, inverter, omega, i_d, i_q)
 
-    i_q comes from the quadratic that the iron branch leaves.
+
+def _current_q_a(
+    motor: models.Machine, omega: ArrayLike, torque_nm: ArrayLike, i_d: ArrayLike
+) -> Array:
+    """Terminal i_q in A of a torque, from the quadratic that the iron branch leaves.
 
     With i_dt = i_d + g L_q i_qt and s = L_q - L_d the torque is
     1.5 p i_qt (psi - s i_d - s g L_q i_qt).
@@ -200,9 +207,7 @@ def state(
     square = np.square(flux) - 4.0 * saliency * g * motor.q_inductance_h * per_flux
     i_qt = 2.0 * per_flux / (flux + np.sqrt(np.where(square >= 0.0, square, np.nan)))
     i_dt = i_d + g * motor.q_inductance_h * i_qt
-    return models.evaluate(
-        motor, inverter, omega, i_d, i_qt + g * (motor.d_inductance_h * i_dt + motor.flux_wb)
-    )
+    return np.asarray(i_qt + g * (motor.d_inductance_h * i_dt + motor.flux_wb))
 
 
 def best_torque_nm(
@@ -246,9 +251,12 @@ def _braking_power(
 ) -> Array:
     """DC power in W of torques made with the stored i_d."""
     i_d = read(table, torque, speed, motor.winding_temperature_c)
-    return state(motor, inverter, speed * motor.pole_pairs, torque, i_d).dc_power_w
+    omega = speed * motor.pole_pairs
+    i_q = _current_q_a(motor, omega, torque, i_d)
+    return models.dc_power_w(motor, inverter, omega, i_d, i_q)
 
 
+@lru_cache(maxsize=8)
 def production(table: CurrentMap) -> braking.Production:
     """Return how torque is made with the stored i_d, for the audit of the braking table."""
 
@@ -283,9 +291,13 @@ def regen_map(
     whole = _filled(drive, currents, plain, plain.speed_step_log2)
     if audit.worst_power_loss(drive, whole, made) <= audit.POWER_LOSS_MAX:
         return whole
-    for step in range(torque_map.SPEED_STEP_LOG2[0], plain.speed_step_log2):
+    largest = drive.motor.max_torque_nm
+    steps = np.arange(torque_map.SPEED_STEP_LOG2[0], plain.speed_step_log2)
+    ends = (plain.torque_mNm.shape[1] - 1) * 2.0**steps / 1000.0
+    reached = np.min(_best_at(drive, currents, plain, ends), axis=0) >= _NEAR * largest
+    for step in map(int, steps[reached]):
         short = _filled(drive, currents, plain, step)
-        if np.all(short.torque_mNm[:, -1] >= 1000.0 * drive.motor.max_torque_nm):
+        if np.all(short.torque_mNm[:, -1] >= 1000.0 * largest):
             return min(whole, short, key=lambda table: audit.worst_power_loss(drive, table, made))
     return whole
 
@@ -297,18 +309,18 @@ def _filled(
 
     At standstill the closed form's continuation below zero.
     """
-    motor, inverter = (
-        models.machine(drive, plain.temperatures_c[:, np.newaxis]),
-        models.bridge(drive),
-    )
-    count = plain.torque_mNm.shape[1]
-    speeds = np.arange(count, dtype=np.float64) * (2.0**step_log2 / 1000.0)
+    grid = replace(plain, speed_step_log2=step_log2)
+    torque = _best_at(drive, currents, grid, grid.speeds_rad_s) * 1000.0
+    torque[:, 0] = torque_map.closed_form_mnm(drive, grid)[:, 0]
+    return torque_map.filled(grid, torque)
+
+
+def _best_at(drive: Drive, currents: CurrentMap, grid: torque_map.RegenMap, speeds: Array) -> Array:
+    """Return the best braking torques in N m at a grid's temperatures and these speeds."""
+    motor = models.machine(drive, grid.temperatures_c[:, np.newaxis])
+    inverter = models.bridge(drive)
     without = np.abs(
         optimum.closed_form(motor, inverter, speeds * motor.pole_pairs).torque_optimal_nm
     )
     strongest = np.maximum(TORQUE_RANGE * drive.motor.max_torque_nm, BEYOND_CLOSED_FORM * without)
-    best = best_torque_nm(motor, inverter, currents, speeds, strongest)
-    torque = best * 1000.0
-    grid = replace(plain, speed_step_log2=step_log2)
-    torque[:, 0] = torque_map.closed_form_mnm(drive, grid)[:, 0]
-    return torque_map.filled(grid, torque)
+    return best_torque_nm(motor, inverter, currents, speeds, strongest)

@@ -183,6 +183,16 @@ def terminal_currents(
     )
 
 
+def dc_power_w(
+    motor: Machine, inverter: Bridge, omega: ArrayLike, i_d: ArrayLike, i_q: ArrayLike
+) -> Array:
+    """Return evaluate()'s DC power in W alone, for searches."""
+    i_dt, i_qt = torque_currents(motor, omega, i_d, i_q)
+    u_d = motor.resistance_ohm * i_d - omega * motor.q_inductance_h * i_qt
+    u_q = motor.resistance_ohm * i_q + omega * (motor.d_inductance_h * i_dt + motor.flux_wb)
+    return np.asarray(1.5 * (u_d * i_d + u_q * i_q) + inverter.loss_w(np.hypot(i_d, i_q)))
+
+
 def evaluate(
     motor: Machine, inverter: Bridge, omega: ArrayLike, i_d: ArrayLike, i_q: ArrayLike
 ) -> State:

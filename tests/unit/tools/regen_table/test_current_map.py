@@ -91,7 +91,7 @@ def test_a_smaller_grid_exceeds_the_permitted_loss(drive: schema.Drive) -> None:
 def test_a_drive_whose_map_exceeds_its_maximum_size_is_refused(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    drive = schema.load(ROOT / "tools" / "motors" / "ipm400v.toml")
+    drive = schema.load(ROOT / "tools" / "motors" / "ipm400v.toml").named("coarse")  # not kept yet
     monkeypatch.setattr(current_audit, "_grids", lambda drive, layers: [(20, 20)])
     with pytest.raises(
         ConfigurationError,
@@ -99,7 +99,7 @@ def test_a_drive_whose_map_exceeds_its_maximum_size_is_refused(
             r"^motor.q_inductance_h: .* loses \d+\.\d+% of the energy .* accepted: at most 0\.02%"
         ),
     ):
-        current_audit.choose.__wrapped__(drive)
+        current_audit.choose(drive)
 
 
 def test_neglecting_the_bus_voltage_costs_less_than_0_1_percent(
