@@ -5,6 +5,7 @@ All but ``History.rows`` and ``History.latest`` belongs to the thread that steps
 """
 
 from collections.abc import Mapping, Sequence
+from concurrent.futures import Future
 from typing import Any
 
 from hubsim import engine, reasons
@@ -80,6 +81,13 @@ class Desk:
         if self._gateways is None or not self._gateways.wheels:
             raise HubfocError("this drive has no XCP, accepted: one with [service] can_base")
         return self._gateways.wheels[wheel].address
+
+    def shell(self, wheel: int, command: str) -> Future[str]:
+        """Ask a wheel's shell; its answer comes while the vehicle goes on."""
+        if self.world.real:
+            raise HubfocError("a real wheel's shell is on its serial line, accepted: the log of a"
+                              " terminal there")  # fmt: skip
+        return self.inquiry.command(wheel, command, self.world.time_s)
 
     def before(self, received: Sequence[Frame]) -> list[Frame]:
         """Return the frames of the pages for this millisecond."""

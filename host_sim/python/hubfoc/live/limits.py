@@ -1,19 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The table of torque limits of a wheel, as its firmware's shell answers ``limits``."""
+"""Questions to a wheel's shell: the table of torque limits all the time, others when asked for."""
 
 import re
+from concurrent.futures import Future
 from dataclasses import asdict, dataclass
 from typing import Any
 
 from hubsim import engine, reasons
 from hubsim.engine import Rows
 
+from hubfoc.errors import HubfocError
 from hubfoc.live.vehicle import LiveVehicle
 
 QUESTION = b"limits\r"
 PROMPT = b"\n> "
 EVERY_S = 0.2
-GIVE_UP_S = 1.0
+GIVE_UP_S = 1.0  # of the table
+COMMAND_S = 10.0  # of a long answer, 18 kB at 115 200 baud take 1.6 s
 LEFT_ALONE_S = 30.0  # after somebody typed at a wheel's terminal
 LINE = re.compile(r"^([A-Z_]+) +(-|[\d.]+)( \*)? +(-|[\d.]+)( \*)?(?: +(\S.*))?$")
 # The reasons that a line can give; every other one is the line ENABLE's.
@@ -85,6 +88,19 @@ def texts() -> dict[str, str]:
     }
 
 
+@dataclass
+class _Asked:
+    """A question that waits for the end of its answer."""
+
+    since_s: float
+    future: Future[str] | None  # None: the table
+    answer: bytes = b""
+
+    @property
+    def until_s(self) -> float:
+        return self.since_s + (GIVE_UP_S if self.future is None else COMMAND_S)
+
+
 class Inquiry:
     """Asks one wheel after the other through its shell, without a terminal's reader seeing it.
 
@@ -92,28 +108,57 @@ class Inquiry:
     """
 
     def __init__(self) -> None:
-        self.wanted: set[int] = set()
+        self.wanted: set[int] = set()  # wheels whose table is
         self.tables: dict[int, tuple[float, list[Limit]]] = {}
-        self._asked: dict[int, float] = {}
-        self._answers: dict[int, bytes] = {}
+        self._commands: dict[int, list[tuple[bytes, Future[str]]]] = {}
+        self._asked: dict[int, _Asked] = {}
+        self._table_s: dict[int, float] = {}
         self._typed_s: dict[int, float] = {}
 
     def begin(self) -> None:
-        """Start with another vehicle."""
-        self.tables = {}
-        self._asked, self._answers, self._typed_s = {}, {}, {}
+        """Start with another vehicle; what was asked is not answered any more."""
+        waiting = [future for asked in self._commands.values() for _, future in asked]
+        waiting += [asked.future for asked in self._asked.values() if asked.future is not None]
+        for future in waiting:
+            future.set_exception(HubfocError("the vehicle has begun again"))
+        self.tables, self._commands = {}, {}
+        self._asked, self._table_s, self._typed_s = {}, {}, {}
+
+    def command(self, wheel: int, command: str, now_s: float) -> Future[str]:
+        """Ask a wheel's shell this as soon as it is free; return its answer to come."""
+        if self.is_left_alone(wheel, now_s):
+            raise HubfocError("somebody types at this wheel's shell, accepted: half a minute later")
+        future: Future[str] = Future()
+        self._commands.setdefault(wheel, []).append((command.encode("ascii") + b"\r", future))
+        return future
 
     def ask(self, vehicle: LiveVehicle) -> None:
         """Ask where an answer is wanted and due."""
         now_s = vehicle.time_s
-        for wheel in self.wanted:
-            asked_s = self._asked.get(wheel, -EVERY_S)
-            waits = wheel in self._answers and now_s - asked_s < GIVE_UP_S
-            if waits or now_s - asked_s < EVERY_S or self.is_left_alone(wheel, now_s):
-                continue
-            self._asked[wheel] = now_s
-            self._answers[wheel] = b""
-            vehicle.serial_type(wheel, QUESTION)
+        for wheel in self.wanted | set(self._commands):
+            asked = self._asked.get(wheel)
+            if asked is not None:
+                if now_s < asked.until_s:
+                    continue
+                del self._asked[wheel]
+                if asked.future is not None:
+                    asked.future.set_exception(HubfocError("this wheel's shell does not answer"))
+            if not self.is_left_alone(wheel, now_s):
+                self._ask_next(vehicle, wheel, now_s)
+
+    def _ask_next(self, vehicle: LiveVehicle, wheel: int, now_s: float) -> None:
+        commands = self._commands.get(wheel)
+        if commands:
+            text, future = commands.pop(0)
+            if not commands:
+                del self._commands[wheel]
+        elif wheel in self.wanted and now_s - self._table_s.get(wheel, -EVERY_S) >= EVERY_S:
+            text, future = QUESTION, None
+            self._table_s[wheel] = now_s
+        else:
+            return
+        self._asked[wheel] = _Asked(now_s, future)
+        vehicle.serial_type(wheel, text)
 
     def typed(self, wheel: int, now_s: float) -> None:
         """Somebody has typed at this wheel's terminal."""
@@ -125,16 +170,18 @@ class Inquiry:
 
     def received(self, wheel: int, written: bytes, now_s: float) -> bytes:
         """Take what belongs to an answer; return what is for the terminal."""
-        if wheel not in self._answers:
+        asked = self._asked.get(wheel)
+        if asked is None:
             return written
-        answer = self._answers[wheel] + written
-        head, prompt, rest = answer.partition(PROMPT)
+        asked.answer += written
+        head, prompt, rest = asked.answer.partition(PROMPT)
         if not prompt:
-            self._answers[wheel] = answer
             return b""
-        del self._answers[wheel]
-        found = parsed(head.decode("ascii", "replace"))
-        if found:
+        del self._asked[wheel]
+        text = head.decode("ascii", "replace")
+        if asked.future is not None:
+            asked.future.set_result(text)
+        elif found := parsed(text):
             self.tables[wheel] = (now_s, found)
         return rest
 

@@ -5,9 +5,9 @@ To the page, as text (JSON with ``kind``): ``hello`` once for each vehicle, ``st
 second, ``refused`` with the reason. As binary, little endian, sixty times a second: the vehicle's
 number, the first row, how many rows, how many curves (4 bytes each), then as 32-bit floats the
 signals of hello's ``shown`` now, and the rows of the chosen curves. From the page, as text: JSON
-with ``do`` (``Desk.do``), or ``curves`` with their names. ``parameters``, ``store`` and ``replay``
-take seconds: a thread of their own does one at a time for a page, and answers with ``parameters``
-or ``replay``; ``replayed`` asks for another signal of the latest replay.
+with ``do`` (``Desk.do``), or ``curves`` with their names. What takes seconds (``SLOW``) a thread
+of its own does, one at a time for a page, and answers with ``parameters``, ``replay`` or
+``blackbox``; ``replayed`` asks for another signal of the latest replay.
 """
 
 import json
@@ -23,7 +23,7 @@ from hubsim.errors import HubsimError
 from regen_table.errors import ConfigurationError
 
 from hubfoc.errors import HubfocError
-from hubfoc.live import parameters, replays
+from hubfoc.live import black_boxes, parameters, replays
 from hubfoc.live.desk import Desk
 from hubfoc.live.orders import Orders
 from hubfoc.live.service import Handler
@@ -32,7 +32,8 @@ from hubfoc.live.websocket import WebSocket, opened
 UPDATE_S = 1.0 / 60.0
 STATE_S = 0.2
 CURVES = 24
-SLOW = ("parameters", "store", "replay")  # take seconds
+SLOW = ("parameters", "store", "replay", "blackbox")
+ANSWER_S = 30.0  # of a wheel's shell, whose vehicle may be slower than the clock
 # Of whoever wrote what a page wants, or of the vehicle.
 MISTAKES = (
     *(HubfocError, HubsimError, ConfigurationError),
@@ -91,7 +92,12 @@ class Page:
         Thread(target=self._do_slowly, args=(wanted,), daemon=True).start()
 
     def _do_slowly(self, wanted: dict[str, Any]) -> None:
-        doing = {"parameters": self._show_parameters, "store": self._store, "replay": self._replay}
+        doing = {
+            "parameters": self._show_parameters,
+            "store": self._store,
+            "replay": self._replay,
+            "blackbox": self._show_black_box,
+        }
         try:
             doing[wanted["do"]](wanted)
         except MISTAKES as error:
@@ -128,6 +134,20 @@ class Page:
         )
         self._replayed = found
         self._send_curve(str(wanted["signal"]))
+
+    def _show_black_box(self, wanted: Mapping[str, Any]) -> None:
+        """Read a wheel's record through its shell, or from a terminal's log that the page has."""
+        wheel, log = int(wanted["wheel"]), wanted.get("log")
+        answer = str(log) if log is not None else self._answer_of(wheel, black_boxes.COMMAND)
+        found = black_boxes.shown(answer, self._desk.drive_of(wheel))
+        self._send({"kind": "blackbox", "wheel": wheel, **found})
+
+    def _answer_of(self, wheel: int, command: str) -> str:
+        answer = self._orders.call(lambda: self._desk.shell(wheel, command))
+        try:
+            return answer.result(ANSWER_S)
+        except TimeoutError as error:
+            raise HubfocError("no answer, accepted: while the time goes on") from error
 
     def _send_curve(self, signal: str) -> None:
         found = self._replayed

@@ -11,9 +11,11 @@ from importlib.resources import files
 from typing import Any, Self
 from urllib.parse import urlsplit
 
+import black_box_memory
 import numpy as np
 import pytest
-from hubfoc.live import desk, limits, page
+from hubfoc.errors import HubfocError
+from hubfoc.live import black_boxes, desk, limits, page
 from hubfoc.live.history import DRAWN, NOT_SHOWN, RETURNED, ROWS, History
 from hubfoc.live.vehicle import SimulatedVehicle
 from hubfoc.live.websocket import VERSION
@@ -198,6 +200,103 @@ def test_who_types_at_a_terminal_has_the_shell_alone() -> None:
             written = vehicle.serial_take(1)
             assert inquiry.received(1, written, vehicle.time_s) == written
         assert inquiry.tables == {}
+
+
+def test_a_command_is_answered_between_two_tables() -> None:
+    """The shell names itself; `limits` is asked five times a second all the time."""
+    with SimulatedVehicle(schema.load(cli.DEFAULT_CONFIG)) as vehicle:
+        inquiry = limits.Inquiry()
+        inquiry.wanted = {0}
+        found = inquiry.command(1, "version", 0.0), inquiry.command(0, "version", 0.0)
+        while not all(answer.done() for answer in found) or 0 not in inquiry.tables:
+            vehicle.step([])
+            inquiry.ask(vehicle)
+            for wheel in (0, 1):
+                assert inquiry.received(wheel, vehicle.serial_take(wheel), vehicle.time_s) == b""
+            assert vehicle.time_s < 5.0
+        assert all("hubfoc" in answer.result() for answer in found)
+        assert 1 not in inquiry.tables
+        inquiry.typed(0, vehicle.time_s)
+        with pytest.raises(HubfocError, match="somebody types"):
+            inquiry.command(0, "version", vehicle.time_s)
+        forgotten = inquiry.command(1, "version", vehicle.time_s)
+        inquiry.begin()
+        with pytest.raises(HubfocError, match="begun again"):
+            forgotten.result()
+
+
+def test_a_shell_without_an_answer_is_given_up() -> None:
+    class Silent:
+        time_s = 0.0
+
+        def serial_type(self, wheel: int, text: bytes) -> None:
+            """Take it and do nothing."""
+
+    silent, inquiry = Silent(), limits.Inquiry()
+    answer = inquiry.command(0, "version", 0.0)
+    inquiry.ask(silent)  # type: ignore[arg-type]
+    silent.time_s = limits.COMMAND_S - 0.1
+    inquiry.ask(silent)  # type: ignore[arg-type]
+    assert not answer.done()
+    silent.time_s = limits.COMMAND_S
+    inquiry.command(0, "version", silent.time_s)
+    inquiry.ask(silent)  # type: ignore[arg-type]
+    with pytest.raises(HubfocError, match="does not answer"):
+        answer.result()
+
+
+def test_the_black_box_shows_what_the_fault_did(vehicle: Running) -> None:
+    """The gate driver reports a fault while the wheel drives: the bridge opens, currents end.
+
+    Without current the inverter has the battery's voltage. The program began with the vehicle, and
+    the page had the finding by CAN: at most a cycle of WheelState later, 10 ms.
+    """
+    with Client(vehicle.url) as own:
+        own.say(do="blackbox", wheel=3)
+        none = own.message("blackbox")
+        assert (none["reason"], none["panels"]) == (None, [])
+        assert none["lines"]
+        until(lambda: vehicle.value("wheel3.mode") == 4)
+        for _ in range(20):
+            own.say(do="drive", accelerator=0.5, brake=0, direction="forward")
+            own.message("state")
+            if vehicle.value("wheel3.speed_rad_per_s") > 2.0:
+                break
+        own.say(do="change", change={"fault": "gate_driver", "wheel": "rear_right"})
+        while not (lines := own.message("state")["findings"]):
+            pass
+        found = next(line for line in lines if line["wheel"] == 3 and line["kind"] == "fault")
+        battery_v = vehicle.value("battery.voltage_v")
+        until(lambda: vehicle.value("time_s") > found["from_s"] + 0.6)  # half a second more
+        own.say(do="blackbox", wheel=3)
+        shown = own.message("blackbox")
+        own.say(do="change", change={"scenario": None})
+    assert shown["reason"] == found["reason"]
+    assert shown["text"] == found["text"]
+    assert 0.0 <= found["from_s"] - shown["fault_s"] < 0.012
+    currents, bus, torque, speed = shown["panels"]
+    fast_s, slow_s = np.array(currents["time_s"]), np.array(speed["time_s"])
+    assert fast_s[[0, -1]] == pytest.approx([0.005 - 399 / 20000, 0.005])
+    assert slow_s[[0, -1]] == pytest.approx([0.5 - 1.99, 0.5])
+    phases_a = np.array([curve["values"] for curve in currents["curves"]])
+    assert np.abs(phases_a.sum(axis=0)).max() < 1.0  # three times half a code
+    assert np.abs(phases_a[:, fast_s < -1e-3]).max() > 10.0
+    assert np.abs(phases_a[:, fast_s > 3e-3]).max() < 0.5
+    assert np.array(bus["curves"][0]["values"])[-20:] == pytest.approx(battery_v, rel=0.02)
+    estimate_nm = np.array(torque["curves"][1]["values"])
+    assert estimate_nm[slow_s < 0.0][-5:].min() > 5.0
+    drag_nm = estimate_nm[slow_s > 0.05]  # iron and bearings
+    assert np.all((drag_nm <= 0.0) & (drag_nm > -1.0))
+    assert np.array(speed["curves"][0]["values"])[slow_s > 0.0].min() > 1.5
+
+
+def test_a_terminals_log_is_drawn_as_well(vehicle: Running) -> None:
+    drive = vehicle.desk.drive_of(0)
+    found = black_boxes.shown(black_box_memory.printed(black_box_memory.memory()), drive)
+    assert found["reason"] == "OVERCURRENT"
+    phase_a = found["panels"][0]["curves"][0]["values"]
+    full_a = drive.inverter.current_full_scale_a
+    assert phase_a == pytest.approx([n / 2048 * full_a for n in range(400)], abs=1e-3)
 
 
 def test_the_stream_opens_as_the_standard_says_and_only_for_its_own_page(vehicle: Running) -> None:

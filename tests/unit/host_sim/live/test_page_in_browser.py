@@ -46,6 +46,23 @@ def browser(
         yield own
 
 
+def fits(browser: Browser, dialog: str, pictures: Path) -> bool:
+    """Return whether nothing in a dialog is wider than it, on a screen and on a phone.
+
+    What another size of the window moves is not counted among the shifts.
+    """
+    before, widths = browser.evaluate("globalThis.shifts"), []
+    for width, dark in ((1400, False), (1400, True), (400, False), (400, True)):
+        browser.size(width, 900, dark=dark)
+        browser.picture(pictures / f"{dialog[1:]}-{width}-{'dark' if dark else 'light'}.png")
+        box = f"document.querySelector('{dialog}')"
+        widths.append(browser.evaluate(f"{box}.scrollWidth - {box}.clientWidth"))
+    browser.size(1400, 900)
+    time.sleep(0.2)
+    browser.evaluate(f"globalThis.shifts = {before}")
+    return max(widths) <= 0
+
+
 def test_a_stop_by_slider_is_handed_over_from_motor_to_hydraulic_brake(browser: Browser) -> None:
     """Demand: the slider's share of all that both brakes can make.
 
@@ -107,6 +124,37 @@ def test_a_broken_sensor_is_named_acknowledged_and_mended(browser: Browser) -> N
     browser.until("document.querySelector('#finding-lines').innerText.includes('acknowledged at')")
     browser.click("#active .chip")
     browser.until("document.querySelector('#active').innerText === 'nothing is broken'")
+
+
+def test_the_black_box_of_a_fault_is_drawn(browser: Browser, tmp_path: Path) -> None:
+    """Four panels; the cursor shows what the record has at that time."""
+    words = "document.querySelector('#blackbox-words').innerText"
+    browser.until(f"{NOW}['wheel1.mode'] === 4")
+    browser.slide("#accelerator", 0.5)
+    browser.until(f"{NOW}['vehicle.speed_m_per_s'] > 1")
+    browser.slide("#fault", "gate_driver")
+    browser.slide("#fault-wheel", "front_right")
+    browser.click("#inject")
+    browser.until("document.querySelector('#finding-lines').innerText.includes('HARDWARE_BREAK')")
+    for _ in range(100):
+        browser.click("#open-blackbox")
+        browser.until(f"!{words}.startsWith('reading')")
+        if browser.evaluate("document.querySelectorAll('#blackbox-panels canvas').length") == 4:
+            break
+        browser.click("#blackbox-close")
+    browser.slide("#accelerator", 0.0)
+    assert browser.evaluate("document.querySelector('#blackbox-wheel').value") == "1"
+    assert browser.text("#blackbox-words").startswith("HARDWARE_BREAK")
+    assert "Phase currents, from the fault" in browser.text("#blackbox-panels")
+    assert fits(browser, "#blackbox", tmp_path)
+    browser.click("#blackbox-close")
+    browser.click("#active .chip")
+    browser.until("document.querySelector('#active').innerText === 'nothing is broken'")
+    browser.slide("#brake", 0.3)
+    browser.until(f"{NOW}['vehicle.speed_m_per_s'] < 0.01")
+    browser.slide("#brake", 0.0)
+    browser.press("a")
+    browser.until("document.querySelector('#finding-lines').innerText.includes('acknowledged at')")
 
 
 def test_the_world_and_the_pedals_obey_keys(browser: Browser) -> None:
@@ -204,7 +252,7 @@ def test_a_recording_is_replayed_bit_for_bit(browser: Browser, tmp_path: Path) -
     browser.until("!document.querySelector('#open-replay').disabled")
     browser.click("#open-replay")
     browser.until(f"{words}.includes('every output equal')")
-    assert browser.text("#replay-legend").startswith("recorded\nreplayed, equal")
+    assert "replayed, equal" in browser.text("#replay-plot .legend")
     browser.call("Page.setDownloadBehavior", behavior="allow", downloadPath=str(tmp_path))
     browser.click("#replay-file")
     browser.until_true(lambda: any(tmp_path.glob("*.parquet")), "no file")
@@ -240,7 +288,7 @@ def test_a_parameter_is_edited_replayed_and_stored(browser: Browser, tmp_path: P
     browser.click("#replay-steps")
     browser.click("#replay-run")
     browser.until(f"{words}.includes('open loop')")
-    assert "commanded for these sensor values" in browser.text("#replay-legend")
+    assert "commanded for these sensor values" in browser.text("#replay-plot .legend")
     browser.click("#replay-close")
 
     browser.click("#open-parameters")

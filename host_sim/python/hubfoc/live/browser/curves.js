@@ -2,10 +2,11 @@
 /* global uPlot */
 import { byId, fixed, made, write } from "./format.js";
 import { want } from "./link.js";
+import { STYLES, colour } from "./panel.js";
+import { saveCsv, savePicture } from "./export.js";
 import { Samples } from "./samples.js";
 
 const FIRST = ["wheel0.motor_torque_nm", "wheel0.hydraulic_torque_nm", "wheel0.available_nm", "vehicle.speed_m_per_s"];
-const STYLES = ["motor", "hydraulic", "limit", "battery", "ratio", "travel", "loss-text", "ink"];
 const DASHES = [[], [6, 3], [2, 3]];
 const HEIGHT = 160;
 const MOST_CURVES = 24;
@@ -85,10 +86,6 @@ function hold() {
 
 function showHold() {
   byId("hold").setAttribute("aria-pressed", String(held !== null));
-}
-
-export function colour(name) {
-  return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 }
 
 function build() {
@@ -177,36 +174,16 @@ export function showCurves(now_ms) {
   showValues();
 }
 
-function save(name, blob) {
-  const link = made("a", { href: URL.createObjectURL(blob), download: name });
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
-}
-
-export function csvOf(names, [times, ...columns]) {
-  const lines = [["time_s", ...names].join(",")];
-  times.forEach((time, row) => lines.push([time.toFixed(3), ...columns.map((column) => Number(column[row].toPrecision(7)))].join(",")));
-  return `${lines.join("\n")}\n`;
-}
-
 function exportCsv() {
   const [from, to] = shown();
-  const text = csvOf(chosen.map(({ name }) => name), samples.window(from, to, Infinity)); // prettier-ignore
-  save("hubfoc.csv", new Blob([text], { type: "text/csv" }));
+  const names = chosen.map(({ name }) => name);
+  saveCsv("hubfoc.csv", names, samples.window(from, to, Infinity));
 }
 
 function exportPicture() {
-  const source = plot.ctx.canvas;
-  const line = 18 * devicePixelRatio;
-  const canvas = made("canvas", { width: source.width, height: source.height + line * chosen.length });
-  const context = canvas.getContext("2d");
-  context.fillStyle = colour("paper");
-  context.fillRect(0, 0, canvas.width, canvas.height);
-  context.drawImage(source, 0, 0);
-  context.font = `${12 * devicePixelRatio}px system-ui, sans-serif`;
-  chosen.forEach(({ name, right }, place) => {
-    context.fillStyle = colour(STYLES[place % STYLES.length]);
-    context.fillText(`${name}, ${hello.signals[name][0]}, ${right ? "right" : "left"}`, 10, source.height + line * (place + 0.7));
-  });
-  canvas.toBlob((blob) => save("hubfoc.png", blob));
+  const lines = chosen.map(({ name, right }, place) => ({
+    text: `${name}, ${hello.signals[name][0]}, ${right ? "right" : "left"}`,
+    style: STYLES[place % STYLES.length],
+  }));
+  savePicture("hubfoc.png", plot, lines);
 }

@@ -9,6 +9,7 @@ import { buildFaults, greetFaults, showFaults, showFindings } from "./faults.js"
 import { addRows, buildCurves, greetCurves, showCurves } from "./curves.js";
 import { buildParameters, greetParameters, refuseParameters, showParameters } from "./parameters.js";
 import { buildRecording, greetRecording, refuseReplay, showRecording, showReplay } from "./recording.js";
+import { buildBlackBox, greetBlackBox, noticeFindings, refuseBlackBox, showBlackBox } from "./blackbox.js";
 import { Samples } from "./samples.js";
 
 const STALE_MS = 500;
@@ -33,6 +34,7 @@ const hears = {
     greetCurves(told);
     greetParameters(told);
     greetRecording(told);
+    greetBlackBox(told);
     last.rows = null;
   },
   state(told) {
@@ -44,10 +46,12 @@ const hears = {
     showLimits(told.limits);
     showFaults(told);
     showFindings(told);
+    noticeFindings(told.findings);
     showRecording(told);
   },
   parameters: showParameters,
   replay: showReplay,
+  blackbox: showBlackBox,
   rows(told) {
     counts.updates++;
     last.rows = told;
@@ -58,6 +62,7 @@ const hears = {
   refused({ why }) {
     refuseParameters(why);
     refuseReplay(why);
+    refuseBlackBox(why);
     write(byId("refused"), why);
     setTimeout(() => write(byId("refused"), ""), REFUSED_MS);
   },
@@ -98,6 +103,7 @@ buildFaults();
 buildCurves();
 buildParameters();
 buildRecording();
+buildBlackBox();
 loseControls();
 connect(hears);
 requestAnimationFrame(frame);

@@ -1,16 +1,14 @@
 // Record, and run it again: both drawn over one another, with what the second one is.
-/* global uPlot */
 import { byId, fixed, made, words, write } from "./format.js";
 import { want } from "./link.js";
 import { chosenWheel } from "./car.js";
-import { colour } from "./curves.js";
+import { drawPanel } from "./panel.js";
 import { editedValues } from "./parameters.js";
 
 const HEIGHT = 300;
 const FIRST = "motor_torque_command_nm";
 
 let hello = null;
-let plot = null;
 let told = null; // the latest replay
 
 export function buildRecording() {
@@ -27,8 +25,6 @@ export function buildRecording() {
   byId("replay-signal").addEventListener("change", () => {
     if (told !== null) want({ do: "replayed", signal: byId("replay-signal").value });
   });
-  addEventListener("resize", draw);
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
 }
 
 export function greetRecording(now) {
@@ -82,33 +78,15 @@ function label() {
 }
 
 function draw() {
-  if (told === null || !byId("replay").open) return;
-  plot?.destroy();
-  const soft = colour("soft");
+  if (!byId("replay").open) return;
   const [unit, text] = hello.commands[told.signal];
-  const axis = { stroke: soft, font: "12px system-ui, sans-serif", grid: { stroke: colour("rule"), width: 1 }, ticks: { show: false } };
-  const options = {
-    width: Math.max(byId("replay-plot").clientWidth, 200), height: HEIGHT, legend: { show: false }, pxAlign: false,
-    scales: { x: { time: false } },
-    axes: [
-      { ...axis, size: 26, values: (_, ticks) => ticks.map((tick) => `${Number(tick.toFixed(3))} s`) },
-      { ...axis, size: 64, values: (_, ticks) => ticks.map((tick) => fixed(tick, Number.isInteger(tick) ? 0 : 2)) },
+  drawPanel(byId("replay-plot"), {
+    title: text,
+    height: HEIGHT,
+    times: told.time_s,
+    curves: [
+      { name: "recorded", unit, values: told.recorded, style: "soft", width: 3.5 },
+      { name: label(), unit, values: told.replayed, style: "motor", width: 1.25 },
     ],
-    series: [
-      {},
-      { stroke: colour("soft"), width: 3.5, points: { show: false } },
-      { stroke: colour("motor"), width: 1.25, points: { show: false } },
-    ],
-  }; // prettier-ignore
-  plot = new uPlot(options, [told.time_s, told.recorded, told.replayed], byId("replay-plot"));
-  const mark = (name) => {
-    const out = made("i");
-    out.style.background = `var(--${name})`;
-    return out;
-  };
-  byId("replay-legend").replaceChildren(
-    made("li", {}, mark("soft"), "recorded"),
-    made("li", {}, mark("motor"), label()),
-    made("li", { class: "soft" }, `${unit.replace(".", " ")} · ${text}`),
-  );
+  });
 }
