@@ -102,6 +102,18 @@ def check_file(path: Path) -> Path:
     return path
 
 
+def part_of(path: Path) -> Path:
+    """Return the name of a file that is not complete."""
+    return path.with_name(f".{path.name}.part")
+
+
+def check_ready(path: Path) -> None:
+    """Refuse a file that cannot be written, or for which a library is missing."""
+    import pyarrow  # noqa: F401, PLC0415, as in schema()
+
+    outputs.check_writable(check_file(path))
+
+
 def schema(provenance: Mapping[str, Any]) -> "pa.Schema":
     """Return names, kinds, units and meanings of all columns."""
     import pyarrow as pa  # noqa: PLC0415, a big library that only this needs
@@ -199,9 +211,9 @@ class Writer:
     """A file that takes its name when it is complete; until then it ends in ``.part``."""
 
     def __init__(self, path: Path, provenance: Mapping[str, Any]) -> None:
-        self.path = check_file(path)
-        outputs.check_writable(path)
-        self._part = path.with_name(f".{path.name}.part")
+        check_ready(path)
+        self.path = path
+        self._part = part_of(path)
         self._columns = schema(provenance)
         self._waiting: list[pa.Table] = []
         self._rows = 0  # of those
@@ -235,15 +247,16 @@ class Writer:
         self._waiting, self._rows = [], 0
 
     def close(self, *, complete: bool = True) -> None:
-        """Give the file its name; without ``complete`` there is none."""
-        if complete:
-            self._flush()
-        self._writer.close()
-        if self._file is not None:
-            self._file.close()
-        if complete:
-            self._part.replace(self.path)
-        else:
+        """Give the file its name; without ``complete``, or after an error, there is none."""
+        try:
+            if complete:
+                self._flush()
+            self._writer.close()
+            if self._file is not None:
+                self._file.close()
+            if complete:
+                self._part.replace(self.path)
+        finally:
             self._part.unlink(missing_ok=True)
 
 

@@ -1,26 +1,30 @@
 # SPDX-License-Identifier: Apache-2.0
 """Records a virtual vehicle from its boot on: what goes in, and every step of its controllers."""
 
+import os
+import pickle
+import subprocess
+import sys
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from queue import Queue
 from threading import Thread
 from typing import Any
 
-import numpy as np
-from hubsim import configuration, steps
-from hubsim.engine import STEP, Steps
+from hubsim import configuration
+from hubsim.engine import Steps
 from regen_table import installation, layout
 from regen_table.schema import Drive
 
-from hubfoc.recording import Event, Group, Part, Writer
+from hubfoc.live.writing import Piece, WheelSteps
+from hubfoc.recording import Event, check_ready, part_of
 
-GROUP_MS = 200  # at once: Python converts them, and the vehicle waits for no more than that
-QUEUED_GROUPS = 80  # that wait for the disk; then the vehicle waits
-MILLISECOND_S = 1e-3
+PIECE_MS = 10  # handed over at once
+QUEUED_MS = 16_000  # that wait for the disk; then the vehicle waits
+LESS_URGENT = 5  # nice, than the vehicle
+WRITER = "hubfoc.live.writing"
 
 
 def axle(drive: Drive, file: Path) -> dict[str, Any]:
@@ -50,7 +54,10 @@ def crc32_of(image: bytes) -> int:
 
 
 class Recorder:
-    """The log of one vehicle (``vehicle.Log``), written by a thread of its own.
+    """The log of one vehicle (``vehicle.Log``), which a process of its own writes.
+
+    A thread hands over what has come, in pieces so small that the vehicle does not wait for Python
+    to make bytes of them.
 
     Attributes
     ----------
@@ -61,15 +68,22 @@ class Recorder:
     """
 
     def __init__(self, path: Path, origin: Mapping[str, Any]) -> None:
+        check_ready(path)
         self.path = path
         self.milliseconds = 0
         self.failure: str | None = None
         self._complete = True
-        self._wheels: dict[int, _Wheel] = {}
+        self._steps: list[WheelSteps] = []
         self._events: list[Event] = []
-        self._groups: Queue[tuple[list[_Taken], list[Event]] | None] = Queue(QUEUED_GROUPS)
-        self._writer = Writer(path, origin)
-        self._thread = Thread(target=self._write, daemon=True)
+        self._pieces: Queue[Piece | None] = Queue(QUEUED_MS // PIECE_MS)
+        self._writer = subprocess.Popen(
+            [sys.executable, "-m", WRITER], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+            start_new_session=True,  # Ctrl-C ends the recording, not its file
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+        )  # fmt: skip
+        with suppress(OSError):
+            os.setpriority(os.PRIO_PROCESS, self._writer.pid, LESS_URGENT)
+        self._thread = Thread(target=self._hand_over, args=(path, origin), daemon=True)
         self._thread.start()
 
     def frame(self, millisecond: int, identifier: int, data: bytes) -> None:
@@ -86,9 +100,9 @@ class Recorder:
 
     def stepped(self, millisecond: int, wheel: int, found: Steps, image: bytes | None) -> None:
         """Take the steps of a wheel's controller; ``image`` with a boot among them."""
-        if wheel == 0 and millisecond > 0 and millisecond % GROUP_MS == 0:
+        if wheel == 0 and millisecond > 0 and millisecond % PIECE_MS == 0:
             self._pass_on()
-        self._wheels.setdefault(wheel, _Wheel(wheel)).take(millisecond, found, image)
+        self._steps.append((millisecond, wheel, found.tobytes(), image))
         self.milliseconds = millisecond + 1
 
     def end(self, *, complete: bool = True) -> None:
@@ -96,7 +110,12 @@ class Recorder:
         self._complete = complete
         if complete:
             self._pass_on()
-        self._groups.put(None)
+        self._pieces.put(None)
+
+    @property
+    def pid(self) -> int:
+        """Return the number of the process that writes."""
+        return self._writer.pid
 
     def wait(self) -> None:
         """Wait for the end of the file."""
@@ -108,73 +127,27 @@ class Recorder:
         return not self._thread.is_alive()
 
     def _pass_on(self) -> None:
-        taken = [wheel.taken() for wheel in self._wheels.values()]
-        self._groups.put((taken, self._events))
-        self._events = []
+        self._pieces.put((self._steps, self._events))
+        self._steps, self._events = [], []
 
-    def _write(self) -> None:
-        """Write until the end; after a failure take what comes and write no more."""
-        while (found := self._groups.get()) is not None:
-            if self.failure is None:
-                parts = tuple(taken.part() for taken in found[0])
-                with self._noted():
-                    self._writer.write(Group(parts, tuple(found[1])))
-        with self._noted():
-            self._writer.close(complete=self._complete and self.failure is None)
-
-    @contextmanager
-    def _noted(self) -> Iterator[None]:
+    def _hand_over(self, path: Path, origin: Mapping[str, Any]) -> None:
+        """Give the process everything until the end, and take what it says of the file."""
+        assert self._writer.stdin is not None
+        assert self._writer.stdout is not None
+        ended = False
         try:
-            yield
-        except OSError as error:
-            self.failure = f"{self.path}: cannot be written: {error.strerror or error}"
-
-
-@dataclass(frozen=True)
-class _Taken:
-    """The steps of one wheel in some milliseconds, as they came."""
-
-    wheel: int
-    first: int  # number of the first step
-    period_s: float
-    blocks: list[tuple[int, Steps]]  # with their milliseconds
-    images: list[bytes]
-
-    def part(self) -> Part:
-        """Return them as one, each with its time: a period after the fast step before it."""
-        blocks = [(number, block) for number, block in self.blocks if len(block)]
-        found = np.concatenate([np.empty(0, STEP), *(block for _, block in blocks)])
-        lengths = np.array([len(block) for _, block in blocks], dtype=np.int64)
-        milliseconds = np.repeat([number for number, _ in blocks], lengths).astype(np.int32)
-        is_fast = found["kind"] == steps.FAST
-        before = np.cumsum(is_fast) - is_fast  # fast steps before each step of this part
-        periods = before - np.repeat(before[np.cumsum(lengths) - lengths], lengths)
-        early = milliseconds < 0
-        periods[early] -= np.count_nonzero(is_fast & early)
-        time_s = np.maximum(milliseconds, 0) * MILLISECOND_S + periods * self.period_s
-        numbers = np.arange(self.first, self.first + len(found), dtype=np.int64)
-        return Part(self.wheel, numbers, milliseconds, time_s, found, tuple(self.images))
-
-
-class _Wheel:
-    """What one wheel's controller did since it was taken."""
-
-    def __init__(self, wheel: int) -> None:
-        self._wheel = wheel
-        self._number = 0
-        self._period_s = 0.0
-        self._blocks: list[tuple[int, Steps]] = []
-        self._images: list[bytes] = []
-
-    def take(self, millisecond: int, found: Steps, image: bytes | None) -> None:
-        self._blocks.append((millisecond, found))
-        if image is not None:
-            config: Any = layout.load().ffi.from_buffer("config_t *", image)
-            self._period_s = 1.0 / float(config.drive.pwm_frequency_Hz)
-            self._images += [image] * int(np.count_nonzero(found["kind"] == steps.BOOT))
-
-    def taken(self) -> _Taken:
-        out = _Taken(self._wheel, self._number, self._period_s, self._blocks, self._images)
-        self._number += sum(len(block) for _, block in self._blocks)
-        self._blocks, self._images = [], []
-        return out
+            pickle.dump((path, dict(origin)), self._writer.stdin)
+            while (piece := self._pieces.get()) is not None:
+                pickle.dump(piece, self._writer.stdin, pickle.HIGHEST_PROTOCOL)
+            ended = True
+            pickle.dump(self._complete, self._writer.stdin)
+            self._writer.stdin.close()
+            self.failure = pickle.load(self._writer.stdout)
+        except (OSError, EOFError, pickle.UnpicklingError):
+            self.failure = f"{path}: the process that writes it has ended"
+            while not ended:
+                ended = self._pieces.get() is None
+            self._writer.kill()
+            part_of(path).unlink(missing_ok=True)
+        self._writer.wait()
+        self._writer.stdout.close()
