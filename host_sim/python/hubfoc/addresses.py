@@ -49,6 +49,9 @@ class Signal:
     address: int
     variable: variables.Variable
     is_fast: bool
+    list: int
+    """Its list of variables, and the number in it."""
+    number: int
 
     @property
     def place(self) -> int:
@@ -80,13 +83,13 @@ def signals() -> tuple[Signal, ...]:
         (variables.FAST_OUTPUT, "fast_output"), (variables.FAST_INPUT, "fast_input"),
     )  # fmt: skip
     rows = [
-        (f"{side}.{row.raw_name if port in _FAST else row.name}", row, port in _FAST)
+        (f"{side}.{row.raw_name if port in _FAST else row.name}", row, port, number)
         for port, side in ports
-        for row in variables.of_port(port)
+        for number, row in enumerate(variables.of_port(port))
     ]
     return tuple(
-        Signal(name, SIGNALS + SIGNAL_BYTES * place, row, is_fast)
-        for place, (name, row, is_fast) in enumerate(rows)
+        Signal(name, SIGNALS + SIGNAL_BYTES * place, row, port in _FAST, port, number)
+        for place, (name, row, port, number) in enumerate(rows)
     )
 
 

@@ -14,7 +14,7 @@ import socket
 import struct
 import time
 from collections import deque
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from typing import Protocol, Self
 
 from hubfoc import addresses, measuring
@@ -155,7 +155,11 @@ class Service:
         self._fields = {row.name: row for row in addresses.fields()}
         self._measured: deque[bytes] = deque()
         self._packet_bytes = PACKET_BYTES
-        self.connect()
+        try:
+            self.connect()
+        except HubfocError:
+            line.close()
+            raise
 
     def __enter__(self) -> Self:
         """Return the session itself."""
@@ -277,6 +281,7 @@ class Service:
     def scope(
         self, names: Sequence[str], *, trigger: measuring.Trigger | None = None, before: int = 0,
         rows: int = 0, every: int = 1, wait_s: float | None = None,
+        armed: Callable[[], None] | None = None,
     ) -> measuring.Recording:  # fmt: skip
         """Record up to eight signals at the PWM frequency around a trigger.
 
@@ -294,11 +299,15 @@ class Service:
             PWM periods a row.
         wait_s : float, optional
             For the trigger and the rows after it; default: for ever.
+        armed : callable, optional
+            Called as soon as it waits.
         """
         chosen = self._chosen(names)
         if self._scope_word("memory_bytes") == 0:
             raise HubfocError("this wheel has no scope")
         self._arm(chosen, trigger or measuring.Trigger(), before, rows, every)
+        if armed is not None:
+            armed()
         end_s = None if wait_s is None else time.monotonic() + wait_s
         while self._scope_word("phase") != measuring.COMPLETE:
             if end_s is not None and time.monotonic() > end_s:
@@ -307,8 +316,13 @@ class Service:
             time.sleep(measuring.LOOK_S)
         state = {name: self._scope_word(name) for name in addresses.STATES}
         data = self.read(addresses.RECORD, state["record_rows"] * state["row_bytes"])
-        frequency_hz = self._values("drive.pwm_frequency_Hz")[0]
+        frequency_hz = self.field("drive.pwm_frequency_Hz")[0]
         return measuring.recording(chosen, state, data, before, every / frequency_hz)
+
+    def scope_rows(self, names: Sequence[str]) -> int:
+        """Return how many rows of these signals the wheel's memory holds at least."""
+        row_bytes = addresses.SIGNAL_BYTES * max(len(self._chosen(names)), 1)
+        return self._scope_word("memory_bytes") // row_bytes
 
     def _arm(
         self, chosen: Sequence[addresses.Signal], trigger: measuring.Trigger, before: int,
@@ -327,7 +341,8 @@ class Service:
             self._set_scope(name, value)
         self._set_scope("run", 1)
 
-    def _values(self, name: str) -> list[int]:
+    def field(self, name: str) -> list[int]:
+        """Return the values of one field of the configuration in force."""
         field = self._fields[name]
         data = self.read(field.address, (field.info.count or 1) * field.value_bytes)
         return values_of(bytes(field.address - addresses.PAGE) + data, field)

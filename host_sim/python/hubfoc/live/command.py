@@ -204,7 +204,7 @@ def _run_board(options: argparse.Namespace) -> int:
     clock, orders = Clock(paced=True), Orders()
     world = Board(options.config, demands=options.allow_demand, rear=options.rear)
     with Terminals(0) as terminals, Gateways(0, 0) as gateways, _viewers(options) as viewers:
-        desk = Desk(world, clock)
+        desk = Desk(world, clock, channel=options.can)
         bus = join(options.can)
         try:
             shown = None if options.no_page else desk

@@ -12,9 +12,11 @@ from hubsim import engine, reasons
 from hubsim.scenario import cycles
 from regen_table.schema import Drive
 
-from hubfoc.bus import Frame
+from hubfoc import measuring
+from hubfoc.bus import Frame, join
 from hubfoc.client import WHEELS
 from hubfoc.errors import HubfocError
+from hubfoc.live import scopes
 from hubfoc.live.clock import Clock
 from hubfoc.live.cockpit import Cockpit
 from hubfoc.live.findings import Findings
@@ -23,6 +25,7 @@ from hubfoc.live.limits import Inquiry, texts
 from hubfoc.live.replays import signals
 from hubfoc.live.world import LiveWorld, World
 from hubfoc.live.xcp import Gateways
+from hubfoc.service import Can, Service, Udp
 
 OF_WHEEL = (
     *("motor_torque_nm", "hydraulic_torque_nm", "speed_rad_per_s", "available_nm"),
@@ -43,8 +46,12 @@ RECORDED_MS = 120_000  # of a recording that a page has begun
 class Desk:
     """The pages' side of one live vehicle."""
 
-    def __init__(self, world: LiveWorld, clock: Clock, gateways: Gateways | None = None) -> None:
+    def __init__(
+        self, world: LiveWorld, clock: Clock, gateways: Gateways | None = None,
+        channel: str | None = None,
+    ) -> None:  # fmt: skip
         self.world = world
+        self._channel = channel  # of real wheels
         self._gateways = gateways
         self._clock = clock
         self.cockpit = Cockpit(world.drive, world.rear)
@@ -81,6 +88,15 @@ class Desk:
         if self._gateways is None or not self._gateways.wheels:
             raise HubfocError("this drive has no XCP, accepted: one with [service] can_base")
         return self._gateways.wheels[wheel].address
+
+    def session(self, wheel: int) -> Service:
+        """Return a session of XCP with a wheel: of a real one by CAN."""
+        if not self.world.real:
+            return Service(Udp(self.address(wheel)))
+        base = self.drive_of(wheel).service.can_base
+        if self._channel is None or base == 0:
+            raise HubfocError("this drive has no XCP, accepted: one with [service] can_base")
+        return Service(Can(join(self._channel), base, wheel))
 
     def shell(self, wheel: int, command: str) -> Future[str]:
         """Ask a wheel's shell; its answer comes while the vehicle goes on."""
@@ -134,6 +150,8 @@ class Desk:
             "waits_for": {str(k): reasons.waits_for(k) for k in range(32)},
             "limits": texts(),
             "commands": signals(),
+            "scope": scopes.signals(),
+            "triggers": measuring.KINDS,
             "faults": world.fault_list(),
             "scenarios": world.scenarios(),
         }

@@ -86,6 +86,14 @@ class History:
         taken = np.arange(begin, end) % ROWS
         return begin, self._rows[taken[:, None], places[None, :]]
 
+    def columns(self, names: Sequence[str], first: int, end: int) -> dict[str, Columns]:
+        """Return the time and known signals of the rows from ``first`` to before ``end``."""
+        known = [name for name in names if name in self._place]
+        begin, rows = self.rows(first, self.places(known))
+        count = min(len(rows), max(end - begin, 0))
+        time_s = ((begin + 1 + np.arange(count)) * STEP_S).round(6)
+        return {"time_s": time_s, **{name: rows[:count, k] for k, name in enumerate(known)}}
+
     def latest(self, places: npt.NDArray[np.intp]) -> Columns:
         """Return the last row."""
         row: Columns = self._rows[(self.count - 1) % ROWS, places]

@@ -6,10 +6,12 @@ second, ``refused`` with the reason. As binary, little endian, sixty times a sec
 number, the first row, how many rows, how many curves (4 bytes each), then as 32-bit floats the
 signals of hello's ``shown`` now, and the rows of the chosen curves. From the page, as text: JSON
 with ``do`` (``Desk.do``), or ``curves`` with their names. What takes seconds (``SLOW``) a thread
-of its own does, one at a time for a page, and answers with ``parameters``, ``replay`` or
-``blackbox``; ``replayed`` asks for another signal of the latest replay.
+of its own does, one at a time for a page, and answers with ``parameters``, ``replay``,
+``blackbox``, ``armed`` and ``scope`` or ``file`` (in base64); ``replayed``
+asks for another signal of the latest replay.
 """
 
+import base64
 import json
 import struct
 import time
@@ -19,11 +21,12 @@ from threading import Thread
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 from hubsim.errors import HubsimError
 from regen_table.errors import ConfigurationError
 
 from hubfoc.errors import HubfocError
-from hubfoc.live import black_boxes, parameters, replays
+from hubfoc.live import black_boxes, exports, parameters, replays, scopes
 from hubfoc.live.desk import Desk
 from hubfoc.live.orders import Orders
 from hubfoc.live.service import Handler
@@ -32,7 +35,7 @@ from hubfoc.live.websocket import WebSocket, opened
 UPDATE_S = 1.0 / 60.0
 STATE_S = 0.2
 CURVES = 24
-SLOW = ("parameters", "store", "replay", "blackbox")
+SLOW = ("parameters", "store", "replay", "blackbox", "scope", "export")
 ANSWER_S = 30.0  # of a wheel's shell, whose vehicle may be slower than the clock
 # Of whoever wrote what a page wants, or of the vehicle.
 MISTAKES = (
@@ -54,6 +57,7 @@ class Page:
         self._closed = False
         self._busy = False
         self._replayed: replays.Replayed | None = None
+        self._scope: scopes.Found | None = None
 
     def run(self) -> None:
         """Serve the page until it is gone."""
@@ -97,6 +101,8 @@ class Page:
             "store": self._store,
             "replay": self._replay,
             "blackbox": self._show_black_box,
+            "scope": self._record_scope,
+            "export": self._export,
         }
         try:
             doing[wanted["do"]](wanted)
@@ -141,6 +147,32 @@ class Page:
         answer = str(log) if log is not None else self._answer_of(wheel, black_boxes.COMMAND)
         found = black_boxes.shown(answer, self._desk.drive_of(wheel))
         self._send({"kind": "blackbox", "wheel": wheel, **found})
+
+    def _record_scope(self, wanted: Mapping[str, Any]) -> None:
+        wheel = int(wanted["wheel"])
+        with self._desk.session(wheel) as session:
+            drive = self._desk.drive_of(wheel)
+            found = scopes.record(session, drive, wanted, lambda: self._send({"kind": "armed"}))
+        self._show_scope(wheel, found)
+
+    def _show_scope(self, wheel: int, found: scopes.Found) -> None:
+        self._scope = found
+        self._send({"kind": "scope", "wheel": wheel, **found.message()})
+
+    def _export(self, wanted: Mapping[str, Any]) -> None:
+        """Send curves as a file: of the scope, or rows of the vehicle's signals."""
+        columns: Mapping[str, npt.NDArray[Any]]
+        if wanted["of"] == "scope":
+            if self._scope is None:
+                raise HubfocError("nothing is recorded, accepted: after a recording of the scope")
+            columns = self._scope.columns()
+        else:
+            names = [str(name) for name in wanted["names"]]
+            columns = self._desk.history.columns(names, int(wanted["from"]), int(wanted["to"]))
+        kind = str(wanted["format"])
+        content = exports.content(kind, columns)
+        coded = base64.b64encode(content).decode("ascii")
+        self._send({"kind": "file", "name": f"hubfoc.{kind}", "content": coded})
 
     def _answer_of(self, wheel: int, command: str) -> str:
         answer = self._orders.call(lambda: self._desk.shell(wheel, command))

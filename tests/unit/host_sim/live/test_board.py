@@ -72,6 +72,20 @@ def known(vehicle: BoardVehicle) -> dict[str, float]:
     return dict(zip(names, row.tolist(), strict=True))
 
 
+def test_the_service_of_real_wheels_is_reached_by_can() -> None:
+    """The scope's settings and signals of the wheel that is meant, beside its other frames."""
+    pace = clock.Clock(paced=True)
+    with running() as own:
+        pages = desk.Desk(Board(cli.DEFAULT_CONFIG, demands=False), pace, channel=own.channel)
+        own.do(lambda: own.world.change({"fault": "gate_driver", "wheel": "rear_left"}))
+        until(lambda: own.value("wheel2.fault_reason") != 0)
+        for wheel in (1, 2):
+            with pages.session(wheel) as session:
+                reason = session.signal("output.fault_reason")
+                assert reason == own.value(f"wheel{wheel}.fault_reason")
+                assert session.scope_rows(["output.fault_reason"]) > 0
+
+
 def test_signals_are_those_of_the_frames_and_nan_once_they_come_no_more() -> None:
     vehicle = BoardVehicle(schema.load(cli.DEFAULT_CONFIG))
     assert math.isnan(known(vehicle)["wheel2.motor_torque_nm"])

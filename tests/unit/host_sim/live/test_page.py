@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the page is made of and told: accounts, limits, findings, the stream."""
 
+import base64
+import io
 import json
 import os
 import re
@@ -13,6 +15,7 @@ from urllib.parse import urlsplit
 
 import black_box_memory
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 from hubfoc.errors import HubfocError
 from hubfoc.live import black_boxes, desk, limits, page
@@ -56,9 +59,10 @@ class Client:
 
     def say(self, **wanted: object) -> None:
         data, mask = json.dumps(wanted).encode(), os.urandom(4)
-        assert len(data) < 126
         masked = bytes(byte ^ mask[k % 4] for k, byte in enumerate(data))
-        self._socket.sendall(struct.pack(">BB", 0x81, 0x80 | len(data)) + mask + masked)
+        head = struct.pack(">BB", 0x81, 0x80 | len(data)) if len(data) < 126 else struct.pack(
+            ">BBH", 0x81, 0x80 | 126, len(data))  # fmt: skip
+        self._socket.sendall(head + mask + masked)
 
     def hear(self) -> dict[str, Any] | bytes:
         kind, length = struct.unpack(">BB", self._file.read(2))
@@ -297,6 +301,34 @@ def test_a_terminals_log_is_drawn_as_well(vehicle: Running) -> None:
     phase_a = found["panels"][0]["curves"][0]["values"]
     full_a = drive.inverter.current_full_scale_a
     assert phase_a == pytest.approx([n / 2048 * full_a for n in range(400)], abs=1e-3)
+
+
+def test_the_scope_records_what_the_page_chooses_in_its_units(vehicle: Running) -> None:
+    """At rest: no current, the battery's voltage at the inverter, a sampled value each period."""
+    with Client(vehicle.url) as own:
+        until(lambda: vehicle.value("wheel2.mode") == 4)
+        names = ["fast_input.phase_current_code_a", "output.bus_voltage_v"]
+        own.say(do="scope", wheel=2, signals=names, trigger="none", on="", level="",
+                    before=0.25, every=1)  # fmt: skip
+        found = own.message("scope")
+        battery_v = vehicle.value("battery.voltage_v")
+        own.say(do="scope", wheel=2, signals=names, trigger="rises", on="nonsense", level="1",
+                    before=0, every=1)  # fmt: skip
+        assert "no such signal to trigger on" in own.message("refused")["why"]
+        own.say(do="export", of="scope", format="parquet")
+        content = base64.b64decode(own.message("file")["content"])
+        own.say(do="export", of="scope", format="xls")
+        assert own.message("refused")["why"] == "'xls': accepted: parquet"
+    period_s = 1.0 / schema.load(cli.DEFAULT_CONFIG).inverter.pwm_frequency_hz
+    assert np.diff(found["time_s"]) == pytest.approx(period_s, rel=1e-3)
+    assert found["time_s"][0] < 0.0 < found["time_s"][-1]
+    current, bus = found["curves"]
+    assert (current["unit"], bus["unit"]) == ("A", "V")
+    assert np.abs(current["values"]).max() < 0.5
+    assert bus["values"] == pytest.approx(np.full(len(bus["values"]), battery_v), rel=0.01)
+    table = pq.read_table(io.BytesIO(content))
+    assert table.column_names == ["time_s", *names]
+    assert table[names[0]].to_pylist() == pytest.approx(current["values"], rel=1e-6)
 
 
 def test_the_stream_opens_as_the_standard_says_and_only_for_its_own_page(vehicle: Running) -> None:

@@ -10,6 +10,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+import pyarrow.parquet as pq
 import pytest
 from diagrams.chromium import Browser
 from hubsim import cli
@@ -157,6 +158,47 @@ def test_the_black_box_of_a_fault_is_drawn(browser: Browser, tmp_path: Path) -> 
     browser.until("document.querySelector('#finding-lines').innerText.includes('acknowledged at')")
 
 
+def test_the_scope_is_drawn_and_exported(browser: Browser, tmp_path: Path) -> None:
+    """Around the rise of the demand, while the wheel drives; a row each PWM period."""
+    words = "document.querySelector('#scope-words').innerText"
+    names = ["fast_input.phase_current_code_a", "input.drive_torque_nm"]
+    browser.until(f"{NOW}['wheel0.mode'] === 4")
+    browser.click("#open-scope")
+    for _ in range(8):
+        browser.evaluate("document.querySelector('#scope-chosen button')?.click()")
+    for name in names:
+        browser.evaluate(f"document.querySelector('#scope-signal').value = '{name}'")
+        browser.click("#scope-add")
+    browser.slide("#scope-trigger", "rises")
+    browser.slide("#scope-on", "input.drive_torque_nm")
+    browser.slide("#scope-level", "2")
+    browser.click("#scope-run")
+    browser.until(f"{words}.startsWith('waiting')")
+    browser.slide("#accelerator", 0.5)
+    browser.until(f"{words}.includes('every PWM period')")
+    browser.slide("#accelerator", 0.0)
+    assert fits(browser, "#scope", tmp_path)
+    browser.call("Page.setDownloadBehavior", behavior="allow", downloadPath=str(tmp_path))
+    for button in ("csv", "parquet", "picture"):
+        browser.click(f"#scope-{button}")
+    files = [tmp_path / f"hubfoc{end}" for end in ("-scope.csv", ".parquet", "-scope.png")]
+    browser.until_true(lambda: all(file.is_file() for file in files), "no file")
+    with files[0].open(encoding="utf-8") as text:
+        rows = list(csv.DictReader(text))
+    table = pq.read_table(files[1])
+    assert table.column_names == list(rows[0]) == ["time_s", *names]
+    for name in table.column_names:
+        values = [float(row[name]) for row in rows]
+        assert values == pytest.approx(table[name].to_pylist(), rel=1e-5, abs=1e-7)
+    demand = table["input.drive_torque_nm"].to_pylist()
+    trigger = table["time_s"].to_pylist().index(0.0)
+    assert demand[trigger - 1] < 2.0 <= demand[trigger]
+    browser.click("#scope-close")
+    browser.slide("#brake", 0.3)
+    browser.until(f"{NOW}['vehicle.speed_m_per_s'] < 0.01")
+    browser.slide("#brake", 0.0)
+
+
 def test_the_world_and_the_pedals_obey_keys(browser: Browser) -> None:
     browser.press("w")
     browser.until("Number(document.querySelector('#accelerator').value) === 0.05")
@@ -184,9 +226,13 @@ def test_curves_are_chosen_and_exported(browser: Browser, tmp_path: Path) -> Non
     browser.until(f"{NOW} !== undefined && hubfoc.last.rows.curves === 5")
     browser.click("#hold")
     browser.click("#csv")
+    browser.click("#parquet")
     browser.click("#picture")
     table, picture = tmp_path / "hubfoc.csv", tmp_path / "hubfoc.png"
-    browser.until_true(lambda: table.is_file() and picture.is_file(), "no file")
+    columns = tmp_path / "hubfoc.parquet"
+    browser.until_true(
+        lambda: table.is_file() and picture.is_file() and columns.is_file(), "no file"
+    )
     with table.open(encoding="utf-8") as text:
         rows = list(csv.DictReader(text))
     assert next(iter(rows[0])) == "time_s"
@@ -196,6 +242,11 @@ def test_curves_are_chosen_and_exported(browser: Browser, tmp_path: Path) -> Non
     times_ms = [round(1e3 * float(row["time_s"])) for row in rows]
     assert times_ms == list(range(times_ms[0], times_ms[0] + len(rows)))
     assert 2990 <= len(rows) <= 3001
+    same = pq.read_table(columns)
+    assert same.column_names == list(rows[0])
+    for name in ("time_s", "battery.soc", "wheel0.motor_torque_nm"):
+        values = [float(row[name]) for row in rows]
+        assert same[name].to_pylist() == pytest.approx(values, rel=1e-5, abs=1e-6)
     assert picture.read_bytes().startswith(b"\x89PNG")
     browser.click("#hold")
 

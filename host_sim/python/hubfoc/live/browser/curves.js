@@ -31,6 +31,7 @@ export function buildCurves() {
     showHold();
   });
   byId("csv").addEventListener("click", exportCsv);
+  byId("parquet").addEventListener("click", exportParquet);
   byId("picture").addEventListener("click", exportPicture);
   addEventListener("keydown", (event) => {
     if (event.key.toLowerCase() === "h" && !event.target.matches("input, select")) hold();
@@ -178,6 +179,12 @@ function exportCsv() {
   const [from, to] = shown();
   const names = chosen.map(({ name }) => name);
   saveCsv("hubfoc.csv", names, samples.window(from, to, Infinity));
+}
+
+function exportParquet() {
+  const [from, to] = shown();
+  const rows = { from: Math.ceil(from), to: Math.floor(to) + 1 };
+  want({ do: "export", of: "curves", format: "parquet", names: chosen.map(({ name }) => name), ...rows });
 }
 
 function exportPicture() {

@@ -22,6 +22,10 @@ export function saveCsv(name, names, columns, decimals = 3) {
   save(name, new Blob([csvOf(names, columns, decimals)], { type: "text/csv" }));
 }
 
+export function bytesOf(coded) {
+  return Uint8Array.from(atob(coded), (letter) => letter.charCodeAt(0));
+}
+
 // What a plot shows, with a line of text for each curve in its colour.
 export function savePicture(name, plot, lines) {
   const source = plot.ctx.canvas;

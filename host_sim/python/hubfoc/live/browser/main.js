@@ -10,6 +10,7 @@ import { addRows, buildCurves, greetCurves, showCurves } from "./curves.js";
 import { buildParameters, greetParameters, refuseParameters, showParameters } from "./parameters.js";
 import { buildRecording, greetRecording, refuseReplay, showRecording, showReplay } from "./recording.js";
 import { buildBlackBox, greetBlackBox, noticeFindings, refuseBlackBox, showBlackBox } from "./blackbox.js";
+import { armedScope, buildScope, greetScope, refuseScope, showScope, takeFile } from "./scope.js";
 import { Samples } from "./samples.js";
 
 const STALE_MS = 500;
@@ -35,6 +36,7 @@ const hears = {
     greetParameters(told);
     greetRecording(told);
     greetBlackBox(told);
+    greetScope(told);
     last.rows = null;
   },
   state(told) {
@@ -52,6 +54,9 @@ const hears = {
   parameters: showParameters,
   replay: showReplay,
   blackbox: showBlackBox,
+  armed: armedScope,
+  scope: showScope,
+  file: takeFile,
   rows(told) {
     counts.updates++;
     last.rows = told;
@@ -63,6 +68,7 @@ const hears = {
     refuseParameters(why);
     refuseReplay(why);
     refuseBlackBox(why);
+    refuseScope(why);
     write(byId("refused"), why);
     setTimeout(() => write(byId("refused"), ""), REFUSED_MS);
   },
@@ -104,6 +110,7 @@ buildCurves();
 buildParameters();
 buildRecording();
 buildBlackBox();
+buildScope();
 loseControls();
 connect(hears);
 requestAnimationFrame(frame);
