@@ -21,7 +21,6 @@ from threading import Thread
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from hubsim.errors import HubsimError
 from regen_table.errors import ConfigurationError
 
@@ -161,16 +160,18 @@ class Page:
 
     def _export(self, wanted: Mapping[str, Any]) -> None:
         """Send curves as a file: of the scope, or rows of the vehicle's signals."""
-        columns: Mapping[str, npt.NDArray[Any]]
+        columns: exports.Columns
+        meanings: exports.Meanings
         if wanted["of"] == "scope":
             if self._scope is None:
                 raise HubfocError("nothing is recorded, accepted: after a recording of the scope")
-            columns = self._scope.columns()
+            columns, meanings = self._scope.columns(), scopes.signals()
         else:
             names = [str(name) for name in wanted["names"]]
+            meanings = self._desk.history.meanings
             columns = self._desk.history.columns(names, int(wanted["from"]), int(wanted["to"]))
         kind = str(wanted["format"])
-        content = exports.content(kind, columns)
+        content = exports.content(kind, columns, meanings)
         coded = base64.b64encode(content).decode("ascii")
         self._send({"kind": "file", "name": f"hubfoc.{kind}", "content": coded})
 

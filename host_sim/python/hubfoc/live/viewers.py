@@ -10,7 +10,7 @@ import json
 import math
 import socket
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -91,6 +91,14 @@ def destination(address: str) -> tuple[str, int]:
     return host.strip("[]"), int(port)
 
 
+def grouped(names: Iterable[str]) -> dict[str, list[str]]:
+    """Return names by the part before their first dot."""
+    out: dict[str, list[str]] = {}
+    for name in names:
+        out.setdefault(name.partition(".")[0], []).append(name)
+    return out
+
+
 def schema(members: Sequence[str], meanings: dict[str, tuple[str, str]]) -> dict[str, Any]:
     """Return the JSON schema of signals that share the part of their names before the first dot."""
     return {
@@ -140,9 +148,6 @@ class Foxglove:
         self._server.clear_session()
         for channel, _, _ in self._topics:
             channel.close()
-        groups: dict[str, list[str]] = {}
-        for name in history.names:
-            groups.setdefault(name.partition(".")[0], []).append(name)
         self._topics = [
             (
                 self._made.Channel(
@@ -152,7 +157,7 @@ class Foxglove:
                 [name.partition(".")[2] or name for name in members],
                 history.places(members),
             )
-            for group, members in groups.items()
+            for group, members in grouped(history.names).items()
         ]  # fmt: skip
 
     def show(self, time_s: float, row: Rows) -> None:

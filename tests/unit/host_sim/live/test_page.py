@@ -15,10 +15,11 @@ from urllib.parse import urlsplit
 
 import black_box_memory
 import numpy as np
+import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 from hubfoc.errors import HubfocError
-from hubfoc.live import black_boxes, desk, limits, page
+from hubfoc.live import black_boxes, desk, exports, limits, page
 from hubfoc.live.history import DRAWN, NOT_SHOWN, RETURNED, ROWS, History
 from hubfoc.live.vehicle import SimulatedVehicle
 from hubfoc.live.websocket import VERSION
@@ -303,6 +304,61 @@ def test_a_terminals_log_is_drawn_as_well(vehicle: Running) -> None:
     assert phase_a == pytest.approx([n / 2048 * full_a for n in range(400)], abs=1e-3)
 
 
+def mcap_records(content: bytes) -> Iterator[tuple[int, bytes]]:
+    """Yield operation code and content of every record of an MCAP file (mcap.dev/spec).
+
+    A chunk's records come in its place. Its content: times and size (8 bytes each), a checksum (4),
+    the compression's name and the records, each with its length before it.
+    """
+    assert content[:8] == content[-8:] == b"\x89MCAP0\r\n"
+
+    def within(data: bytes) -> Iterator[tuple[int, bytes]]:
+        at = 0
+        while at < len(data):
+            code, length = struct.unpack_from("<BQ", data, at)
+            yield code, data[at + 9 : at + 9 + length]
+            at += 9 + length
+
+    for code, record in within(content[8:-8]):
+        if code != 0x06:
+            yield code, record
+            continue
+        (size,) = struct.unpack_from("<Q", record, 16)
+        (named,) = struct.unpack_from("<I", record, 28)
+        kind = record[32 : 32 + named].decode()
+        packed = record[40 + named :]
+        yield from within(pa.decompress(packed, size, kind, asbytes=True) if kind else packed)
+
+
+def test_curves_as_mcap_have_their_names_units_and_times() -> None:
+    """Channel 0x04: number, schema, topic. Message 0x05: channel, number, two times, JSON."""
+    columns = {
+        "time_s": np.array([-0.001, 0.0, 0.001]),
+        "wheel0.motor_torque_nm": np.array([1.5, 2.5, 3.5]),
+        "battery.soc": np.array([0.5, 0.25, 0.125]),
+    }
+    meanings = {"wheel0.motor_torque_nm": ("N.m", "its torque"), "battery.soc": ("1", "charge")}
+    topics: dict[int, str] = {}
+    found: dict[str, list[tuple[int, dict[str, float]]]] = {}
+    schemas = []
+    for code, record in mcap_records(exports.content("mcap", columns, meanings)):
+        if code == 0x03:
+            schemas.append(record)
+        elif code == 0x04:
+            number, _, length = struct.unpack_from("<HHI", record)
+            topics[number] = record[8 : 8 + length].decode()
+        elif code == 0x05:
+            number, _, time_ns, _ = struct.unpack_from("<HIQQ", record)
+            found.setdefault(topics[number], []).append((time_ns, json.loads(record[22:])))
+    assert set(found) == {"/wheel0", "/battery"}
+    assert any(b"its torque, N.m" in text for text in schemas)
+    rows = found["/wheel0"]
+    assert [row["motor_torque_nm"] for _, row in rows] == [1.5, 2.5, 3.5]
+    assert [row["time_s"] for _, row in rows] == [-0.001, 0.0, 0.001]
+    assert np.diff([time_ns for time_ns, _ in rows]).tolist() == [1_000_000, 1_000_000]
+    assert [row["soc"] for _, row in found["/battery"]] == [0.5, 0.25, 0.125]
+
+
 def test_the_scope_records_what_the_page_chooses_in_its_units(vehicle: Running) -> None:
     """At rest: no current, the battery's voltage at the inverter, a sampled value each period."""
     with Client(vehicle.url) as own:
@@ -318,7 +374,7 @@ def test_the_scope_records_what_the_page_chooses_in_its_units(vehicle: Running) 
         own.say(do="export", of="scope", format="parquet")
         content = base64.b64decode(own.message("file")["content"])
         own.say(do="export", of="scope", format="xls")
-        assert own.message("refused")["why"] == "'xls': accepted: parquet"
+        assert own.message("refused")["why"] == "'xls': accepted: parquet, mcap"
     period_s = 1.0 / schema.load(cli.DEFAULT_CONFIG).inverter.pwm_frequency_hz
     assert np.diff(found["time_s"]) == pytest.approx(period_s, rel=1e-3)
     assert found["time_s"][0] < 0.0 < found["time_s"][-1]

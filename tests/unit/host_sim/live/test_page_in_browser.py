@@ -179,10 +179,12 @@ def test_the_scope_is_drawn_and_exported(browser: Browser, tmp_path: Path) -> No
     browser.slide("#accelerator", 0.0)
     assert fits(browser, "#scope", tmp_path)
     browser.call("Page.setDownloadBehavior", behavior="allow", downloadPath=str(tmp_path))
-    for button in ("csv", "parquet", "picture"):
+    named = {"csv": "-scope.csv", "parquet": ".parquet", "mcap": ".mcap", "picture": "-scope.png"}
+    files = []
+    for button, end in named.items():  # what the service writes, one after the other
+        files.append(tmp_path / f"hubfoc{end}")
         browser.click(f"#scope-{button}")
-    files = [tmp_path / f"hubfoc{end}" for end in ("-scope.csv", ".parquet", "-scope.png")]
-    browser.until_true(lambda: all(file.is_file() for file in files), "no file")
+        browser.until_true(files[-1].is_file, "no file")
     with files[0].open(encoding="utf-8") as text:
         rows = list(csv.DictReader(text))
     table = pq.read_table(files[1])

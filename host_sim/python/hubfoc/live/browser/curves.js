@@ -31,7 +31,7 @@ export function buildCurves() {
     showHold();
   });
   byId("csv").addEventListener("click", exportCsv);
-  byId("parquet").addEventListener("click", exportParquet);
+  for (const format of ["parquet", "mcap"]) byId(format).addEventListener("click", () => exportFile(format));
   byId("picture").addEventListener("click", exportPicture);
   addEventListener("keydown", (event) => {
     if (event.key.toLowerCase() === "h" && !event.target.matches("input, select")) hold();
@@ -181,10 +181,10 @@ function exportCsv() {
   saveCsv("hubfoc.csv", names, samples.window(from, to, Infinity));
 }
 
-function exportParquet() {
+function exportFile(format) {
   const [from, to] = shown();
   const rows = { from: Math.ceil(from), to: Math.floor(to) + 1 };
-  want({ do: "export", of: "curves", format: "parquet", names: chosen.map(({ name }) => name), ...rows });
+  want({ do: "export", of: "curves", format, names: chosen.map(({ name }) => name), ...rows });
 }
 
 function exportPicture() {

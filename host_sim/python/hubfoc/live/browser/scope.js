@@ -33,7 +33,9 @@ export function buildScope() {
     const columns = [told.time_s, ...told.curves.map(({ values }) => values)];
     saveCsv("hubfoc-scope.csv", namesOf(), columns, 7);
   });
-  byId("scope-parquet").addEventListener("click", () => want({ do: "export", of: "scope", format: "parquet" }));
+  for (const format of ["parquet", "mcap"]) {
+    byId(`scope-${format}`).addEventListener("click", () => want({ do: "export", of: "scope", format }));
+  }
   byId("scope-picture").addEventListener("click", () => {
     const lines = told.curves.map(({ name, unit }, place) => ({ text: `${name}, ${unit}`, style: styleOf(place) }));
     savePicture("hubfoc-scope.png", plot, lines);
@@ -126,7 +128,7 @@ export function showScope(now) {
 }
 
 function allowExport() {
-  for (const id of ["scope-csv", "scope-parquet", "scope-picture"]) byId(id).disabled = told === null;
+  for (const id of ["scope-csv", "scope-parquet", "scope-mcap", "scope-picture"]) byId(id).disabled = told === null;
 }
 
 function draw() {
