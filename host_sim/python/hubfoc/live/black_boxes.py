@@ -21,8 +21,8 @@ def shown(answer: str, drive: Drive) -> dict[str, Any]:
     """
     if "0000: " not in answer:
         lines = [line.strip() for line in answer.splitlines() if line.strip()]
-        said = [line for line in lines if not line.lstrip("> ").startswith(COMMAND)]
-        return {"reason": None, "text": "", "fault_s": None, "lines": said, "panels": []}
+        answered = [line for line in lines if not line.lstrip("> ").startswith(COMMAND)]
+        return {"reason": None, "text": "", "fault_s": None, "lines": answered, "panels": []}
     inverter = drive.inverter
     record = black_box.read(
         black_box.bytes_of(answer, "the wheel's answer"), "the wheel's answer",
