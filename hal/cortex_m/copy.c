@@ -11,7 +11,7 @@
 /* Words of whatever object they are in. */
 typedef uint32_t __attribute__((may_alias)) word_t;
 typedef struct {
-    uint32_t first, second;
+    uint32_t first, second, third, fourth;
 } __attribute__((may_alias)) words_t;
 
 void *copy_bytes(void *destination, const void *source, size_t size_bytes)
@@ -43,10 +43,10 @@ void *fill_bytes(void *destination, int value, size_t size_bytes)
             continue;
         }
         while ((size_t)(end - to) >= sizeof(words_t)) {
-            *(words_t *)(void *)to = (words_t){.first = word, .second = word};
+            *(words_t *)(void *)to = (words_t){word, word, word, word};
             to += sizeof(words_t);
         }
-        if ((size_t)(end - to) >= sizeof(word_t)) {
+        while ((size_t)(end - to) >= sizeof(word_t)) {
             *(word_t *)(void *)to = word;
             to += sizeof(word_t);
         }
