@@ -29,8 +29,10 @@ void torque_limits_clear(torque_limits_t *table)
     const loss_braking_t no_losses = {.by_map_mNm = FEASIBLE_UNBOUNDED};
     table->losses = no_losses;
     table->drawn_b = 0;
-    table->least_winding_mNm = 0;
-    table->least_switch_mNm = 0;
+    table->winding_lasting_mA = 0;
+    table->switch_lasting_mA = 0;
+    const wheel_temperatures_t unknown = {.winding_cC = 0, .switch_cC = 0};
+    table->sensed = unknown;
     table->winding_hotter_cC = 0;
     table->current_missing_q15 = 0;
     table->optimum_mNm = FEASIBLE_UNBOUNDED;
@@ -355,12 +357,18 @@ void torque_limits_plain(torque_limits_t *table, const motor_model_t *model,
              limit_init(power_torque_mNm(config, q_abs(model->speed_mrad_s)), REASON_MAX_POWER));
     const limit_t winding = share_line(config, winding_q15, REASON_WINDING_TEMPERATURE);
     const limit_t switches = share_line(config, switch_q15, REASON_SWITCH_TEMPERATURE);
-    table->driving[TORQUE_LINE_WINDING] = winding;
-    table->driving[TORQUE_LINE_SWITCH] = switches;
-    table->braking[TORQUE_LINE_WINDING] =
-        torque_limits_braking_hot(winding, table->least_winding_mNm);
-    table->braking[TORQUE_LINE_SWITCH] =
-        torque_limits_braking_hot(switches, table->least_switch_mNm);
+    set_both(table, TORQUE_LINE_WINDING, winding);
+    set_both(table, TORQUE_LINE_SWITCH, switches);
+    if (winding.torque_mNm != FEASIBLE_UNBOUNDED) {
+        const limit_t sensed = torque_limits_winding(config, table->sensed.winding_cC);
+        table->braking[TORQUE_LINE_WINDING] = torque_limits_braking_hot(
+            winding, least_hot_mNm(model, table->winding_lasting_mA, sensed));
+    }
+    if (switches.torque_mNm != FEASIBLE_UNBOUNDED) {
+        const limit_t sensed = torque_limits_switch(config, table->sensed.switch_cC);
+        table->braking[TORQUE_LINE_SWITCH] = torque_limits_braking_hot(
+            switches, least_hot_mNm(model, table->switch_lasting_mA, sensed));
+    }
     table->driving[TORQUE_LINE_MAX_SPEED] = torque_limits_max_speed(config, model->speed_mrad_s);
     const int32_t optimum_mNm =
         loss_maps_torque_mNm(config, model->speed_mrad_s, model->winding_temperature_cC) +
@@ -521,10 +529,9 @@ void torque_limits_step(torque_limits_state_t *state, motor_model_t *model, feas
     set_both(table, TORQUE_LINE_MAX_TORQUE,
              limit_init(config->motor.max_torque_mNm, REASON_MAX_TORQUE));
     permit(table, model, &discharge, &charge, in->charge_beyond_mA, bus_mV);
-    table->least_winding_mNm = least_hot_mNm(model, now->winding_lasting_mA,
-                                             torque_limits_winding(config, now->sensed.winding_cC));
-    table->least_switch_mNm = least_hot_mNm(model, now->switch_lasting_mA,
-                                            torque_limits_switch(config, now->sensed.switch_cC));
+    table->winding_lasting_mA = now->winding_lasting_mA;
+    table->switch_lasting_mA = now->switch_lasting_mA;
+    table->sensed = now->sensed;
     table->winding_hotter_cC = now->winding_hotter_cC;
     table->current_missing_q15 = in->current_missing_q15;
     torque_limits_plain(table, model, now->switch_temperature_cC, in->brake_torque_mNm);

@@ -211,8 +211,9 @@
 #define ORACLE_NOT_HASHED(X) \
     X(torque_limits_t, losses, "between two modules of the slow step, shown nowhere") \
     X(torque_limits_t, drawn_b, "between two modules of the slow step, shown nowhere") \
-    X(torque_limits_t, least_winding_mNm, "likewise") \
-    X(torque_limits_t, least_switch_mNm, "likewise") \
+    X(torque_limits_t, winding_lasting_mA, "likewise") \
+    X(torque_limits_t, switch_lasting_mA, "likewise") \
+    X(torque_limits_t, sensed, "likewise") \
     X(torque_limits_t, winding_hotter_cC, "likewise") \
     X(torque_limits_t, optimum_mNm, "likewise") \
     X(torque_limits_t, current_missing_q15, "likewise") \

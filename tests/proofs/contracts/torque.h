@@ -370,7 +370,9 @@ POST(torque_limits_clear, every(i, TORQUE_LINE_COUNT, table->driving[i].torque_m
      FEASIBLE_UNBOUNDED && table->braking[i].torque_mNm == FEASIBLE_UNBOUNDED))
 POST(torque_limits_clear, table->drawn_b == 0 && table_holds(table))
 
-PRE(torque_limits_plain, model_shifts_hold(model->constants) && table_holds(table))
+PRE(torque_limits_plain, motor_constants_hold(model->constants) && motor_model_holds(model) &&
+     derating_relations_hold(model->config))
+PRE(torque_limits_plain, table_holds(table))
 POST(torque_limits_plain, table_holds(table) && table->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm ==
      old(table->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm) &&
      table->braking[TORQUE_LINE_MAX_TORQUE].torque_mNm ==

@@ -82,14 +82,16 @@ typedef struct {
     limit_t driving[TORQUE_LINE_COUNT];
     /* Torque against the direction of rotation. */
     limit_t braking[TORQUE_LINE_COUNT];
-    loss_braking_t losses;                       /* for the current setpoint */
-    int32_t drawn_b;                             /* feasible_power_b() of the discharge current */
-    int32_t least_winding_mNm, least_switch_mNm; /* the lines WINDING and SWITCH fall no lower,
-                                                    braking, while only an estimate is hot */
-    int32_t winding_hotter_cC;                   /* measured_t */
-    int32_t current_missing_q15;                 /* torque_limits_input_t */
-    int32_t optimum_mNm;                         /* braking torque that returns the most energy */
-    torque_limits_currents_t at;                 /* read in the next step */
+    loss_braking_t losses;                         /* for the current setpoint */
+    int32_t drawn_b;                               /* feasible_power_b() of the discharge current */
+    int32_t winding_lasting_mA, switch_lasting_mA; /* measured_t; the lines WINDING and SWITCH fall
+                                                      no lower, braking, while only an estimate is
+                                                      hot */
+    wheel_temperatures_t sensed;                   /* measured_t */
+    int32_t winding_hotter_cC;                     /* measured_t */
+    int32_t current_missing_q15;                   /* torque_limits_input_t */
+    int32_t optimum_mNm;                           /* braking torque that returns the most energy */
+    torque_limits_currents_t at;                   /* read in the next step */
 } torque_limits_t;
 
 /* No bounds, whole battery currents. */
@@ -110,8 +112,8 @@ void torque_limits_step(torque_limits_state_t *state, motor_model_t *model, feas
 /* ---- the table as a function ----
  * Its parts in the order of a step, for this step and for a later one (available_ahead.h): of the
  * motor at a speed, winding temperature and voltage, and of what the table holds: of a battery
- * drawn_b, losses.returned, and the reasons of DRAWN and RETURNED; least_winding_mNm,
- * least_switch_mNm, winding_hotter_cC, current_missing_q15. */
+ * drawn_b, losses.returned, and the reasons of DRAWN and RETURNED; lasting currents, temperatures,
+ * current_missing_q15. */
 
 /* MAX_POWER, MAX_SPEED, WINDING, SWITCH and the lines of the strategy; the current of the losses.
  */
@@ -147,7 +149,7 @@ limit_t torque_limits_winding(const config_t *config, int32_t temperature_cC);
 
 limit_t torque_limits_switch(const config_t *config, int32_t temperature_cC);
 
-/* The same line braking. least_mNm: of torque_limits_t. */
+/* The same line braking. least_mNm: what the lasting current makes. */
 limit_t torque_limits_braking_hot(limit_t driving, int32_t least_mNm);
 
 limit_t torque_limits_max_speed(const config_t *config, int32_t speed_mrad_s);
