@@ -174,15 +174,15 @@ static void check_rotor_reading(monitor_state_t *state, const measured_t *now, f
                  read && state->flow_level > 0 && !findings_off(findings));
 }
 
+/* The tolerance is less than the middle: a negative offset wraps to a large number. */
 static bool offsets_plausible(const config_t *config, const int32_t offset_q4[3])
 {
     const int32_t tolerance_q4 = config->monitor.offset_tolerance_codes * OFFSET_SCALE;
-    bool plausible = true;
-    for (int x = 0; x < 3; x++) {
-        const int32_t deviation_q4 = q_max(offset_q4[x], 0) - OFFSET_MID_CODE * OFFSET_SCALE;
-        plausible = plausible && q_abs(deviation_q4) <= tolerance_q4;
-    }
-    return plausible;
+    const uint32_t least_q4 = (uint32_t)(OFFSET_MID_CODE * OFFSET_SCALE - tolerance_q4);
+    const uint32_t span_q4 = 2U * (uint32_t)tolerance_q4;
+    return (uint32_t)offset_q4[0] - least_q4 <= span_q4 &&
+           (uint32_t)offset_q4[1] - least_q4 <= span_q4 &&
+           (uint32_t)offset_q4[2] - least_q4 <= span_q4;
 }
 
 /* Without PWM no current is expected, so one sensor at its rail makes a sum as large. */

@@ -327,6 +327,9 @@ reason_t brake_blending_report(const brake_blending_state_t *state, findings_t *
     findings_set(findings, FINDING_BRAKE_STRONG, shows == REASON_HYDRAULIC_STRONG);
     findings_set(findings, FINDING_BRAKE_LATE, came);
     findings_set(findings, FINDING_BRAKE_REPORT, feedback->seen && !used);
+    if (!findings_any_qualified(findings, FINDING_BRAKE_DEAD, FINDING_BRAKE_REPORT)) {
+        return REASON_NONE;
+    }
     for (finding_t row = FINDING_BRAKE_DEAD; row <= FINDING_BRAKE_REPORT; row++) {
         if (findings_present(findings, row)) {
             return findings_reason(findings, row);

@@ -246,6 +246,15 @@ static inline bool findings_qualified(const findings_t *findings, finding_t row)
     return (findings->present[(uint32_t)row / 32U] & findings_bit(row)) != 0U;
 }
 
+/* True while one of the neighbouring rows first to last is. */
+static inline bool findings_any_qualified(const findings_t *findings, finding_t first,
+                                          finding_t last)
+{
+    const uint64_t rows = (UINT64_C(2) << (uint32_t)last) - (UINT64_C(1) << (uint32_t)first);
+    return ((findings->present[0] & (uint32_t)rows) |
+            (findings->present[1] & (uint32_t)(rows >> 32U))) != 0U;
+}
+
 /* For findings_present(). */
 bool findings_explained(const findings_t *findings, finding_t row);
 
