@@ -85,8 +85,8 @@ typedef struct {
     loss_braking_t losses;                         /* for the current setpoint */
     int32_t drawn_b;                               /* feasible_power_b() of the discharge current */
     int32_t winding_lasting_mA, switch_lasting_mA; /* measured_t; the lines WINDING and SWITCH fall
-                                                      no lower, braking, while only an estimate is
-                                                      hot */
+                                                      no lower than their torque, braking, while
+                                                      only an estimate is hot */
     wheel_temperatures_t sensed;                   /* measured_t */
     int32_t winding_hotter_cC;                     /* measured_t */
     int32_t current_missing_q15;                   /* torque_limits_input_t */
