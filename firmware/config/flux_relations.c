@@ -4,6 +4,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "config/flux_largest.h"
+#include "core/q15.h"
+
 enum { LEAST_D_POINTS = 3, LEAST_Q_POINTS = 2 };
 
 static bool points_fit(const config_flux_map_t *map)
@@ -78,4 +81,27 @@ const char *flux_map_broken(const config_t *config)
         broken = "flux_map.psi_d_lsb above zero without current";
     }
     return broken;
+}
+
+static int32_t slope_nH(const config_flux_map_t *map, int32_t rise_lsb, int32_t step_mA)
+{
+    const int64_t rise_nWb = (int64_t)rise_lsb * (int32_t)(UINT32_C(1) << map->lsb_log2);
+    return q_saturate64(rise_nWb * 1000 / q_divisor(step_mA));
+}
+
+int32_t config_flux_map_largest_nH(const config_t *config)
+{
+    const config_flux_map_t *map = &config->flux_map;
+    const int32_t points = map->d_points * map->q_points;
+    int32_t d_lsb = 0;
+    int32_t q_lsb = 0;
+    for (int32_t k = 0; k < points; k++) {
+        if (k + map->q_points < points) {
+            d_lsb = q_max(d_lsb, map->psi_d_lsb[k + map->q_points] - map->psi_d_lsb[k]);
+        }
+        if ((k + 1) % map->q_points != 0) {
+            q_lsb = q_max(q_lsb, map->psi_q_lsb[k + 1] - map->psi_q_lsb[k]);
+        }
+    }
+    return q_max(slope_nH(map, d_lsb, map->d_step_mA), slope_nH(map, q_lsb, map->q_step_mA));
 }

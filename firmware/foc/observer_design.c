@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "foc/observer_design.h"
 
+#include "config/flux_largest.h"
 #include "core/q15.h"
 #include "core/sqrt3.h"
 
@@ -17,24 +18,12 @@ static int64_t current_nWb(const config_t *config)
     return (int64_t)config->motor.q_inductance_nH * config->drive.current_full_scale_mA / 1000;
 }
 
-/* The largest psi_q/i_q of a flux map is no more than its steepest change from point to point. */
-static int64_t largest_nH(const config_t *config)
-{
-    const config_flux_map_t *map = &config->flux_map;
-    int32_t steepest_lsb = 0;
-    for (int32_t k = 1; k < map->d_points * map->q_points; k++) {
-        const int32_t rise_lsb = map->psi_q_lsb[k] - map->psi_q_lsb[k - 1];
-        steepest_lsb = k % map->q_points != 0 ? q_max(steepest_lsb, rise_lsb) : steepest_lsb;
-    }
-    const int64_t steepest_nWb = (int64_t)steepest_lsb * (int32_t)(UINT32_C(1) << map->lsb_log2);
-    const int64_t map_nH = steepest_nWb * 1000 / q_divisor(map->q_step_mA);
-    return map_nH > config->motor.q_inductance_nH ? map_nH : config->motor.q_inductance_nH;
-}
-
 /* 2 psi for the magnets and for errors, 5/4 of the largest L_q I_base for the current. */
 static int64_t full_scale_nWb(const config_t *config)
 {
-    const int64_t largest_nWb = largest_nH(config) * config->drive.current_full_scale_mA / 1000;
+    const int64_t largest_nH =
+        q_max(config->motor.q_inductance_nH, config_flux_map_largest_nH(config));
+    const int64_t largest_nWb = largest_nH * config->drive.current_full_scale_mA / 1000;
     return INT64_C(2) * config->motor.flux_linkage_nWb + largest_nWb * 5 / 4;
 }
 

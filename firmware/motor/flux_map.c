@@ -151,22 +151,3 @@ int32_t flux_map_shift_mA(const config_t *config, int32_t winding_temperature_cC
     return (index - map->d_negative_points) * map->d_step_mA +
            scaled_multiply(share, map->d_step_mA);
 }
-
-/* Of both axes: the steepest change between two points. */
-int32_t flux_map_largest_nH(const config_t *config)
-{
-    const config_flux_map_t *map = &config->flux_map;
-    const int32_t points = map->d_points * map->q_points;
-    int32_t most_nH = 0;
-    for (int32_t k = 0; k < points; k++) {
-        if (k + map->q_points < points) {
-            const int32_t rise = map->psi_d_lsb[k + map->q_points] - map->psi_d_lsb[k];
-            most_nH = q_max(most_nH, inductance_nH(map, rise * ONE, map->d_step_mA));
-        }
-        if ((k + 1) % map->q_points != 0) {
-            const int32_t rise = map->psi_q_lsb[k + 1] - map->psi_q_lsb[k];
-            most_nH = q_max(most_nH, inductance_nH(map, rise * ONE, map->q_step_mA));
-        }
-    }
-    return most_nH;
-}

@@ -19,9 +19,3 @@ int32_t flux_map_shift_mA(const config_t *config, int32_t winding_temperature_cC
     (void)winding_temperature_cC;
     return 0;
 }
-
-int32_t flux_map_largest_nH(const config_t *config)
-{
-    (void)config;
-    return 0;
-}

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* motor_constants_init(), which no control step executes: compiled for size. */
 #include "config/bases.h"
+#include "config/flux_largest.h"
 #include "core/q15.h"
-#include "motor/flux_map.h"
 #include "motor/motor_model.h"
 
 enum {
@@ -36,7 +36,7 @@ static int64_t largest_voltage_mV(const config_t *config, int64_t w_most_mrad_s)
     const config_motor_t *motor = &config->motor;
     const int64_t emf_mV = w_most_mrad_s * motor->flux_linkage_nWb / BILLION;
     const int64_t l_nH = larger(larger(motor->d_inductance_nH, motor->q_inductance_nH),
-                                INT64_C(2) * flux_map_largest_nH(config));
+                                INT64_C(2) * config_flux_map_largest_nH(config));
     const int64_t x_uOhm = w_most_mrad_s * l_nH / MILLION;
     const int64_t z_uOhm = larger(q_saturate64(x_uOhm), motor->phase_resistance_uOhm);
     const int64_t drop_mV = z_uOhm * motor->max_phase_current_mA / MILLION;

@@ -33,7 +33,4 @@ flux_map_point_t flux_map_at(const config_t *config, int32_t i_d_mA, int32_t i_q
  * psi_d at i_q = 0 is the flux of the magnets. 0 without a map. */
 int32_t flux_map_shift_mA(const config_t *config, int32_t winding_temperature_cC);
 
-/* The largest inductance of the map, 0 without one. For start-up. */
-int32_t flux_map_largest_nH(const config_t *config);
-
 #endif
