@@ -3,7 +3,7 @@
 #include "feasible_ellipse.h"
 
 enum {
-    CORRECTIONS = 2,   /* of i_d, for a power; the second only after a large change */
+    CORRECTIONS = 3,   /* of i_d, for a power; a further one only after a large change */
     FAR_LOG2 = 5,      /* 3 % of the phase current */
     STEEPEST = 1 << 25 /* i_d over i_qt, 24 fraction bits */
 };
@@ -146,14 +146,19 @@ static int32_t ellipse_slope(const motor_model_t *m, motor_point_t at)
 static bool corrected(const feasible_set_t *set, motor_point_t *at, bool straight, power_t *power)
 {
     const int32_t before_b = at->d_b;
+    const int32_t map_b = map_d_b(set, motor_model_airgap_b(set->model, *at));
+    const motor_point_t by_map = {.d_b = map_b, .x_b = at->x_b};
     bool on_ellipse = false;
-    at->d_b = map_d_b(set, motor_model_airgap_b(set->model, *at));
-    if (!voltage_suffices(set, *at)) {
-        const line_t line = line_from(set->model, *at, SCALED_ONE, 0);
-        const int32_t lowest_b = q_min(set->weakest_d_b, at->d_b);
+    if (voltage_suffices(set, by_map)) {
+        at->d_b = map_b;
+    } else {
+        const int32_t x_per_d = motor_model_x_per_d(set->model, *at);
+        const line_t line = line_from(set->model, *at, SCALED_ONE, x_per_d);
+        const int32_t lowest_b = q_min(set->weakest_d_b, map_b);
         int32_t change_b = 0;
         (void)feasible_ellipse_root(set, &line, 1, &change_b);
-        at->d_b = q_clamp(at->d_b + change_b, lowest_b, at->d_b);
+        at->d_b = q_clamp(before_b + change_b, lowest_b, map_b);
+        at->x_b = clamped_b(at->x_b + scaled_multiply(x_per_d, at->d_b - before_b));
         on_ellipse = at->d_b > lowest_b;
     }
     const bool far = q_abs(at->d_b - before_b) > set->model->constants->current_most_b >> FAR_LOG2;
