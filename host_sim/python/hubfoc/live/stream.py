@@ -44,6 +44,13 @@ MISTAKES = (
 ABOUT = ("wheel", "words", "open_loop", "simulated", "equal")  # of a replay
 ROWS_AT_ONCE = 60000
 
+Message = dict[str, Any]  # to the page, with its ``kind``
+
+
+def refusal(why: str) -> Message:
+    """Of what a page wants, with the reason."""
+    return {"kind": "refused", "why": why}
+
 
 class Page:
     """One page in a browser."""
@@ -81,7 +88,7 @@ class Page:
             elif wanted.get("do") in SLOW:
                 self._begin(wanted)
             elif wanted.get("do") == "replayed":
-                self._send_curve(str(wanted["signal"]))
+                self._send(self._curve(str(wanted["signal"])))
             else:
                 self._orders.call(lambda: self._desk.do(self, wanted))
         except (HubfocError, ValueError, KeyError, TypeError, AttributeError) as error:
@@ -96,28 +103,30 @@ class Page:
 
     def _do_slowly(self, wanted: dict[str, Any]) -> None:
         doing = {
-            "parameters": self._show_parameters,
+            "parameters": self._parameters,
             "store": self._store,
             "replay": self._replay,
-            "blackbox": self._show_black_box,
+            "blackbox": self._black_box,
             "scope": self._record_scope,
             "export": self._export,
         }
         try:
-            doing[wanted["do"]](wanted)
+            answer = doing[wanted["do"]](wanted)
         except MISTAKES as error:
-            self._refuse(str(error))
+            answer = refusal(str(error))
         except OSError:
-            pass  # the page is gone
+            return  # the page is gone
         finally:
-            self._busy = False
+            self._busy = False  # before the answer: the page may ask again at once
+        with suppress(OSError):
+            self._send(answer)
 
-    def _show_parameters(self, wanted: Mapping[str, Any]) -> None:
+    def _parameters(self, wanted: Mapping[str, Any]) -> Message:
         wheel = int(wanted["wheel"])
         rows = parameters.rows(self._desk.address(wheel), self._desk.drive_of(wheel))
-        self._send({"kind": "parameters", "wheel": wheel, "rows": rows})
+        return {"kind": "parameters", "wheel": wheel, "rows": rows}
 
-    def _store(self, wanted: Mapping[str, Any]) -> None:
+    def _store(self, wanted: Mapping[str, Any]) -> Message:
         """Switch the vehicle off for as long as wheels keep values and restart."""
         desk, cockpit = self._desk, self._desk.cockpit
         wheels = [int(wheel) for wheel in wanted["wheels"]]
@@ -128,9 +137,9 @@ class Page:
                 parameters.store(desk.address(wheel), desk.simulation.vehicle.key, wanted["values"])
         finally:
             cockpit.switched_off = False
-        self._show_parameters({"wheel": wheels[0]})
+        return self._parameters({"wheel": wheels[0]})
 
-    def _replay(self, wanted: Mapping[str, Any]) -> None:
+    def _replay(self, wanted: Mapping[str, Any]) -> Message:
         file = self._desk.simulation.recorded
         if file is None:
             raise HubfocError("nothing is recorded, accepted: after a recording")
@@ -138,28 +147,25 @@ class Page:
             file, int(wanted["wheel"]), wanted["values"], simulate=bool(wanted["simulate"])
         )
         self._replayed = found
-        self._send_curve(str(wanted["signal"]))
+        return self._curve(str(wanted["signal"]))
 
-    def _show_black_box(self, wanted: Mapping[str, Any]) -> None:
+    def _black_box(self, wanted: Mapping[str, Any]) -> Message:
         """Read a wheel's record through its shell, or from a terminal's log that the page has."""
         wheel, log = int(wanted["wheel"]), wanted.get("log")
         answer = str(log) if log is not None else self._answer_of(wheel, black_boxes.COMMAND)
         found = black_boxes.shown(answer, self._desk.drive_of(wheel))
-        self._send({"kind": "blackbox", "wheel": wheel, **found})
+        return {"kind": "blackbox", "wheel": wheel, **found}
 
-    def _record_scope(self, wanted: Mapping[str, Any]) -> None:
+    def _record_scope(self, wanted: Mapping[str, Any]) -> Message:
         wheel = int(wanted["wheel"])
         with self._desk.session(wheel) as session:
             drive = self._desk.drive_of(wheel)
             found = scopes.record(session, drive, wanted, lambda: self._send({"kind": "armed"}))
-        self._show_scope(wheel, found)
-
-    def _show_scope(self, wheel: int, found: scopes.Found) -> None:
         self._scope = found
-        self._send({"kind": "scope", "wheel": wheel, **found.message()})
+        return {"kind": "scope", "wheel": wheel, **found.message()}
 
-    def _export(self, wanted: Mapping[str, Any]) -> None:
-        """Send curves as a file: of the scope, or rows of the vehicle's signals."""
+    def _export(self, wanted: Mapping[str, Any]) -> Message:
+        """Curves as a file: of the scope, or rows of the vehicle's signals."""
         columns: exports.Columns
         meanings: exports.Meanings
         if wanted["of"] == "scope":
@@ -173,7 +179,7 @@ class Page:
         kind = str(wanted["format"])
         content = exports.content(kind, columns, meanings)
         coded = base64.b64encode(content).decode("ascii")
-        self._send({"kind": "file", "name": f"hubfoc.{kind}", "content": coded})
+        return {"kind": "file", "name": f"hubfoc.{kind}", "content": coded}
 
     def _answer_of(self, wheel: int, command: str) -> str:
         answer = self._orders.call(lambda: self._desk.shell(wheel, command))
@@ -182,16 +188,16 @@ class Page:
         except TimeoutError as error:
             raise HubfocError("no answer, accepted: while the time goes on") from error
 
-    def _send_curve(self, signal: str) -> None:
+    def _curve(self, signal: str) -> Message:
         found = self._replayed
         if found is None:
-            return
+            raise HubfocError("nothing is replayed, accepted: after a replay")
         about = {name: getattr(found, name) for name in ABOUT}
-        self._send({"kind": "replay", **about, **replays.curve(found, signal)})
+        return {"kind": "replay", **about, **replays.curve(found, signal)}
 
     def _refuse(self, why: str) -> None:
         with suppress(OSError):
-            self._send({"kind": "refused", "why": why})
+            self._send(refusal(why))
 
     def _choose(self, names: Sequence[str]) -> None:
         known = self._desk.history.meanings
