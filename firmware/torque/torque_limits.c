@@ -538,14 +538,16 @@ void torque_limits_step(torque_limits_state_t *state, motor_model_t *model, feas
     feasible_circle_t circle = {.known = false};
     const feasible_side_t driving = torque_limits_ends(table, model, set, SIDE_DRIVING, &circle);
     torque_limits_drawn(table, model, set, &driving);
-    table->driving[TORQUE_LINE_ROTOR] = rotor_line(now, &driving);
+    const limit_t driving_rotor = rotor_line(now, &driving);
     const feasible_side_t braking = torque_limits_ends(table, model, set, SIDE_BRAKING, &circle);
     torque_limits_drawn(table, model, set, &braking);
-    table->braking[TORQUE_LINE_ROTOR] = rotor_line(now, &braking);
+    const limit_t braking_rotor = rotor_line(now, &braking);
     torque_limits_returned(table, model, set, &braking);
     if (charge.peak_mA != charge.current_mA) {
         raise_peak(table, model, set, &braking, &charge, bus_mV);
     }
+    table->driving[TORQUE_LINE_ROTOR] = driving_rotor;
+    table->braking[TORQUE_LINE_ROTOR] = braking_rotor;
     table->driving[TORQUE_LINE_ENABLE] = share_line(config, enable->drive_q15, enable->reason);
     table->braking[TORQUE_LINE_ENABLE] = share_line(config, enable->brake_q15, enable->reason);
     table->driving[TORQUE_LINE_CURRENT_GAIN] = gain_line(table->driving, in->current_missing_q15);
