@@ -384,14 +384,14 @@ static bool add_fault(const boot_report_t *boot, reason_t reason, uint32_t *left
         listed = true;
         if (*left == 0) {
             text_add(line, "   after ");
-            add_time(boot, row.qualify, line);
+            add_time(boot, row.time.qualify, line);
             text_add(line, ": ");
             text_add(line, findings_reaction_text(row.reaction));
             text_add(line, "; ends ");
             text_add(line, fault_clearing_text(fault_clearing(reason)));
             if (fault_clearing(reason) == FAULT_CLEARING_HEALS) {
                 text_add(line, ", ");
-                add_time(boot, row.heal, line);
+                add_time(boot, row.time.heal, line);
             }
             return true;
         }

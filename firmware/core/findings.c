@@ -46,25 +46,11 @@ static const row_t ROWS[FINDING_COUNT] = {FINDING_LIST(ROW)};
 #define ONE_MORE(check, name, evidence, qualify, heal, explanation, reacts) +1
 enum { FIRST_WARNING = FINDING_FAULTS(ONE_MORE) };
 
-/* Times as words, of which the linker keeps each one once. */
-#define AT_ONCE "at once"
-#define NEVER "never"
-#define MS(n) #n " ms"
-#define FIELD(section, name) #section "." #name
-#define RAMP(section, name) "torque ramp + " #section "." #name
-#define OWN(text) text
-#define TIMES(check, name, evidence, qualify, heal, explanation, reacts) {qualify, heal},
-#define REACTION_TEXT(identifier, text) text "\0"
-static const struct {
-    const char *qualify, *heal;
-} TIMES_TEXT[] = {FINDING_LIST(TIMES)};
-
 finding_row_t findings_row(finding_t row)
 {
     const bool known = row < FINDING_COUNT;
     const finding_row_t out = {
-        .qualify = known ? TIMES_TEXT[row].qualify : "unknown",
-        .heal = known ? TIMES_TEXT[row].heal : "unknown",
+        .time = finding_text(row),
         .reason = known ? (reason_t)ROWS[row].reason : REASON_NONE,
         .reaction = findings_reaction(row),
     };
@@ -76,6 +62,7 @@ finding_reaction_t findings_reaction(finding_t row)
     return row < FINDING_COUNT ? (finding_reaction_t)ROWS[row].reaction : FINDING_REACTION_NONE;
 }
 
+#define REACTION_TEXT(identifier, text) text "\0"
 const char *findings_reaction_text(finding_reaction_t reaction)
 {
     return words_at(FINDING_REACTION_LIST(REACTION_TEXT), (uint32_t)reaction);

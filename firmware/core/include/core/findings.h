@@ -277,15 +277,22 @@ bool findings_off(const findings_t *findings);
 /* Reason of a row; REASON_NONE for FINDING_COUNT. */
 reason_t findings_reason(const findings_t *findings, finding_t row);
 
-/* Columns of the table, for shell and documents. Texts are never NULL. */
+/* How long a row must be present and absent: configuration fields, or words such as "9 ms"; "its
+ * time" on a port without these texts. Never NULL. */
 typedef struct {
-    const char *qualify, *heal; /* configuration fields, or words such as "9 ms" */
+    const char *qualify, *heal;
+} finding_text_t;
+
+/* Columns of the table, for shell and documents. */
+typedef struct {
+    finding_text_t time;
     reason_t reason;
     finding_reaction_t reaction;
 } finding_row_t;
 
 finding_reaction_t findings_reaction(finding_t row);
 finding_row_t findings_row(finding_t row);
+finding_text_t finding_text(finding_t row);
 const char *findings_reaction_text(finding_reaction_t reaction);
 
 #endif

@@ -167,28 +167,28 @@ void test_every_row_has_its_reason_reaction_and_times(void)
         TEST_ASSERT_EQUAL_INT(ROWS[k].reason, row.reason);
         TEST_ASSERT_EQUAL_INT(ROWS[k].reaction, row.reaction);
         TEST_ASSERT_EQUAL_INT(ROWS[k].reaction, findings_reaction(ROWS[k].row));
-        TEST_ASSERT_EQUAL_STRING(ROWS[k].qualify, row.qualify);
-        TEST_ASSERT_EQUAL_STRING(ROWS[k].heal, row.heal);
+        TEST_ASSERT_EQUAL_STRING(ROWS[k].qualify, row.time.qualify);
+        TEST_ASSERT_EQUAL_STRING(ROWS[k].heal, row.time.heal);
     }
 }
 
 void test_times_are_written_with_their_field_or_number(void)
 {
-    TEST_ASSERT_EQUAL_STRING("at once", findings_row(FINDING_STATE_DAMAGED).qualify);
-    TEST_ASSERT_EQUAL_STRING("never", findings_row(FINDING_STATE_DAMAGED).heal);
+    TEST_ASSERT_EQUAL_STRING("at once", findings_row(FINDING_STATE_DAMAGED).time.qualify);
+    TEST_ASSERT_EQUAL_STRING("never", findings_row(FINDING_STATE_DAMAGED).time.heal);
     TEST_ASSERT_EQUAL_STRING("torque ramp + monitor.rotor_fault_time_ms",
-                             findings_row(FINDING_ANGLE_MISSING).qualify);
+                             findings_row(FINDING_ANGLE_MISSING).time.qualify);
     TEST_ASSERT_EQUAL_STRING("monitor.rotor_warning_time_ms",
-                             findings_row(FINDING_ROTOR_READING).heal);
-    TEST_ASSERT_EQUAL_STRING("1000 ms", findings_row(FINDING_FORCED_TORQUE).heal);
-    TEST_ASSERT_EQUAL_STRING("9 ms", findings_row(FINDING_STEPS).qualify);
+                             findings_row(FINDING_ROTOR_READING).time.heal);
+    TEST_ASSERT_EQUAL_STRING("1000 ms", findings_row(FINDING_FORCED_TORQUE).time.heal);
+    TEST_ASSERT_EQUAL_STRING("9 ms", findings_row(FINDING_STEPS).time.qualify);
 }
 
 void test_a_number_beyond_the_table_has_no_reason_and_no_reaction(void)
 {
     const finding_row_t none = findings_row(FINDING_COUNT);
-    TEST_ASSERT_EQUAL_STRING("unknown", none.qualify);
-    TEST_ASSERT_EQUAL_STRING("unknown", none.heal);
+    TEST_ASSERT_EQUAL_STRING("unknown", none.time.qualify);
+    TEST_ASSERT_EQUAL_STRING("unknown", none.time.heal);
     TEST_ASSERT_EQUAL_INT(REASON_NONE, none.reason);
     TEST_ASSERT_EQUAL_INT(FINDING_REACTION_NONE, none.reaction);
     TEST_ASSERT_EQUAL_INT(FINDING_REACTION_NONE, findings_reaction(FINDING_COUNT));
@@ -249,7 +249,7 @@ void test_a_fault_takes_the_torque_and_is_latched_and_a_warning_ends_by_itself(v
                              columns.reaction != FINDING_REACTION_TRIP &&
                              columns.reaction != FINDING_REACTION_RAMP);
             TEST_ASSERT_FALSE(is_latched(columns.reason));
-            TEST_ASSERT_TRUE(strcmp(columns.heal, "never") != 0);
+            TEST_ASSERT_TRUE(strcmp(columns.time.heal, "never") != 0);
         }
     }
 }
