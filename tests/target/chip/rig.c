@@ -11,7 +11,8 @@
 #include "wiring.h"
 
 static const double SPEED_M_PER_S = IMAGE_SPEED_M_PER_S;
-enum { READY_PERIODS = 8000 };
+/* 0.6 s: the CRC of the program takes 0.5 s on the internal oscillator. */
+enum { READY_PERIODS = 12000 };
 
 rig_t rig;
 
