@@ -4,17 +4,17 @@
  * braking, within the torque limits and no faster than the torque rate. 1 kHz.
  *
  * The rate is for comfort. At once, in one slow step, go: a driving torque that is withdrawn (brake
- * pedal, lost demand, neutral), braking torque above the limit ABS, torque above the limit
- * ROTOR with the observer's angle, braking torque that would drive because the wheel has turned
- * round, and what the hydraulic brake has taken over in this step.
+ * pedal, lost demand, neutral), braking torque above the limit ABS, torque above the limit ROTOR
+ * with the observer's angle, braking torque that would drive because the wheel has turned round, and
+ * what the hydraulic brake has taken over in this step.
  *
  * A rising torque needs voltage, which field weakening makes available only after some
  * milliseconds. The rate limit for rising torque therefore falls with u^2/U^2, the square of the
  * modulation index, along a straight line: zero at brake.torque_growth_end, slope
  * brake.torque_growth_slope. Default values: full rate up to 0.94 (the setpoint of field
- * weakening), zero at 0.96, negative above: the torque falls, but not by the voltage that a
- * torque which has just risen needs besides, to move the current. The voltage is the measured one, so errors of
- * the motor parameters have no effect. Falling torque is not limited by it.
+ * weakening), zero at 0.96, negative above: the torque falls, but not by the voltage that a torque
+ * which has just risen needs besides, to move the current. The voltage is the measured one, so
+ * errors of the motor parameters have no effect. Falling torque is not limited by it.
  * DERIVATIONS.md, Torque growth.
  */
 #ifndef TORQUE_TORQUE_COMMAND_H
