@@ -56,8 +56,9 @@ HEAVY: tuple[str, ...] = (
 # Of these the postconditions are proved with arithmetic that wraps around, not that none overflows:
 # their products and quotients of 64 bits are too hard for the solvers (SOUNDNESS.md, Values only).
 VALUES: dict[str, tuple[str, ...]] = {
+    "torque_limits_step": ("torque_limits_step",),
     "torque_steps": (
-        "torque_limits_step", "torque_limits_plain", "torque_limits_ends", "torque_limits_drawn",
+        "torque_limits_plain", "torque_limits_ends", "torque_limits_drawn",
         "torque_limits_returned", "current_setpoint_step", "brake_blending_step",
         "brake_blending_report", "torque_step", "torque_limits_of",
     ),

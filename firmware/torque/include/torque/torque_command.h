@@ -5,8 +5,8 @@
  *
  * The rate is for comfort. At once, in one slow step, go: a driving torque that is withdrawn (brake
  * pedal, lost demand, neutral), braking torque above the limit ABS, torque above the limit ROTOR
- * with the observer's angle, braking torque that would drive because the wheel has turned round, and
- * what the hydraulic brake has taken over in this step.
+ * with the observer's angle, braking torque that would drive because the wheel has turned round,
+ * and what the hydraulic brake has taken over in this step.
  *
  * A rising torque needs voltage, which field weakening makes available only after some
  * milliseconds. The rate limit for rising torque therefore falls with u^2/U^2, the square of the

@@ -172,18 +172,6 @@ void test_every_row_has_its_reason_reaction_and_times(void)
     }
 }
 
-void test_times_are_written_with_their_field_or_number(void)
-{
-    TEST_ASSERT_EQUAL_STRING("at once", findings_row(FINDING_STATE_DAMAGED).time.qualify);
-    TEST_ASSERT_EQUAL_STRING("never", findings_row(FINDING_STATE_DAMAGED).time.heal);
-    TEST_ASSERT_EQUAL_STRING("torque ramp + monitor.rotor_fault_time_ms",
-                             findings_row(FINDING_ANGLE_MISSING).time.qualify);
-    TEST_ASSERT_EQUAL_STRING("monitor.rotor_warning_time_ms",
-                             findings_row(FINDING_ROTOR_READING).time.heal);
-    TEST_ASSERT_EQUAL_STRING("1000 ms", findings_row(FINDING_FORCED_TORQUE).time.heal);
-    TEST_ASSERT_EQUAL_STRING("9 ms", findings_row(FINDING_STEPS).time.qualify);
-}
-
 void test_a_number_beyond_the_table_has_no_reason_and_no_reaction(void)
 {
     const finding_row_t none = findings_row(FINDING_COUNT);
