@@ -57,11 +57,12 @@ HEAVY: tuple[str, ...] = (
 # their products and quotients of 64 bits are too hard for the solvers (SOUNDNESS.md, Values only).
 VALUES: dict[str, tuple[str, ...]] = {
     "torque_limits_step": ("torque_limits_step",),
-    "torque_steps": (
-        "torque_limits_plain", "torque_limits_ends", "torque_limits_drawn",
-        "torque_limits_returned", "current_setpoint_step", "brake_blending_step",
-        "brake_blending_report", "torque_step", "torque_limits_of",
+    "torque_limits_plain": ("torque_limits_plain",),
+    "torque_bounds": (
+        "torque_limits_ends", "torque_limits_drawn", "torque_limits_returned",
+        "current_setpoint_step", "torque_limits_of",
     ),
+    "torque_steps": ("brake_blending_step", "brake_blending_report", "torque_step"),
     "monitor_whole": ("monitor_step",),
     "torque_init": ("torque_init", "torque_hold", "torque_start_hold"),
     "feasible_torque": (
