@@ -62,7 +62,8 @@ VALUES: dict[str, tuple[str, ...]] = {
         "torque_limits_ends", "torque_limits_drawn", "torque_limits_returned",
         "current_setpoint_step", "torque_limits_of",
     ),
-    "torque_steps": ("brake_blending_step", "brake_blending_report", "torque_step"),
+    "brake_blending": ("brake_blending_step", "brake_blending_report"),
+    "torque_step": ("torque_step",),
     "monitor_whole": ("monitor_step",),
     "torque_init": ("torque_init", "torque_hold", "torque_start_hold"),
     "feasible_torque": (

@@ -60,8 +60,8 @@
 
 #define table_holds(t)                                                                             \
     (is_within((t)->current_missing_q15, 0, 16384) &&                                              \
-     is_within((t)->winding_hotter_cC, -69400, 69400) &&                                           \
-     (t)->winding_lasting_mA >= 0 && (t)->switch_lasting_mA >= 0 &&                                \
+     is_within((t)->winding_hotter_cC, -69400, 69400) && (t)->winding_lasting_mA >= 0 &&           \
+     (t)->switch_lasting_mA >= 0 &&                                                                \
      every(i, TORQUE_LINE_COUNT,                                                                   \
            (t)->driving[i].torque_mNm >= 0 && (t)->braking[i].torque_mNm >= 0))
 
