@@ -47,6 +47,7 @@ def has_symbol(image: Path, prefix: str) -> bool:
 FOUND: dict[str, Callable[[Path], bool]] = {
     "XCP": lambda image: has_symbol(image, "xcp_"),
     "texts of reasons": lambda image: b"motor torque limit" in image.read_bytes(),
+    "times of findings": lambda image: b"torque ramp + monitor." in image.read_bytes(),
     "flux maps": lambda image: b"no maps on this port" not in image.read_bytes(),
 }
 
