@@ -2,6 +2,7 @@
 """Fixtures of the regen_table tests."""
 
 import copy
+import os
 import subprocess
 import sys
 import tomllib
@@ -59,16 +60,23 @@ def random_drives() -> list[schema.Drive]:
 
 
 @pytest.fixture(scope="session")
-def validated(tmp_path_factory: pytest.TempPathFactory) -> Validator:
+def firmware_library(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """The host build's firmware above the controller, as one shared library for cffi."""
+    library = tmp_path_factory.mktemp("firmware") / "firmware.so"
+    folder = Path(os.environ["HUBFOC_BUILD_DIR"]) / "firmware"
+    archives = [
+        str(folder / name / f"libhubfoc_{name}.a")
+        for name in ("controller", "foc", "modes", "monitor", "torque", "motor", "pedals")
+    ]
+    archives += [str(folder / name / f"libhubfoc_{name}.a") for name in ("config", "core")]
+    whole = ["-Wl,--whole-archive", *archives, "-Wl,--no-whole-archive"]
+    subprocess.run(["cc", "-shared", "-Wl,-z,defs", *whole, "-o", str(library)], check=True)
+    return str(library)
+
+
+@pytest.fixture(scope="session")
+def validated(firmware_library: str) -> Validator:
     """Return the firmware's validator of images: what it refuses one for, "" where it accepts."""
-    library = tmp_path_factory.mktemp("firmware") / "validate.so"
-    includes = [f"-I{ROOT / 'firmware' / module / 'include'}" for module in ("config", "core")]
-    names = ("derived.c", "fields.c", "flux_relations.c", "physics.c", "validate.c")
-    sources = [str(ROOT / "firmware" / "config" / name) for name in names]
-    subprocess.run(
-        ["cc", "-std=c11", "-O1", "-shared", "-fPIC", *includes, *sources, "-o", str(library)],
-        check=True,
-    )
     ffi: Any = cffi.FFI()
     ffi.cdef("""
         typedef struct {
@@ -78,7 +86,7 @@ def validated(tmp_path_factory: pytest.TempPathFactory) -> Validator:
         } outcome_t;
         outcome_t config_validate(const void *config, uint32_t size_bytes);
     """)
-    firmware: Any = ffi.dlopen(str(library))
+    firmware: Any = ffi.dlopen(firmware_library)
 
     def validate(raw: bytes) -> str:
         outcome = firmware.config_validate(ffi.from_buffer(raw), len(raw))

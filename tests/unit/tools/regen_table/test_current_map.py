@@ -6,7 +6,6 @@ Exact torque, minimum loss with few points, independence of the bus voltage.
 
 import dataclasses
 import math
-import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -212,17 +211,8 @@ def test_the_optimum_of_the_map_is_the_joint_optimum_of_both_currents(drive: sch
 
 
 def test_look_up_of_generator_and_firmware_is_bit_identical(
-    tmp_path: Path, drive: schema.Drive
+    firmware_library: str, drive: schema.Drive
 ) -> None:
-    library = tmp_path / "current_map.so"
-    includes = [
-        f"-I{ROOT / 'firmware' / module / 'include'}" for module in ("config", "core", "motor")
-    ]
-    sources = [str(ROOT / "firmware" / name) for name in ("motor/loss_maps.c", "core/grid.c")]
-    subprocess.run(
-        ["cc", "-std=c11", "-O1", "-shared", "-fPIC", *includes, *sources, "-o", str(library)],
-        check=True,
-    )
     ffi = cffi.FFI()
     ffi.cdef("""
         typedef struct { int64_t words[16]; } row_t;
@@ -230,7 +220,7 @@ def test_look_up_of_generator_and_firmware_is_bit_identical(
                                int32_t winding_temperature_cC);
         int32_t loss_maps_row_d_mA(const row_t *row, int32_t along_mNm);
     """)
-    firmware: Any = ffi.dlopen(str(library))
+    firmware: Any = ffi.dlopen(firmware_library)
     raw = ffi.from_buffer(image.build(drive))
     table = current_audit.choose(drive)
     rng = np.random.default_rng(8)
@@ -251,7 +241,7 @@ def test_look_up_of_generator_and_firmware_is_bit_identical(
 
 
 def test_power_at_every_torque_in_the_firmware_equals_that_of_the_generator(
-    tmp_path: Path, drive: schema.Drive
+    firmware_library: str, drive: schema.Drive
 ) -> None:
     """The current setpoint, compiled, against the model.
 
@@ -259,28 +249,6 @@ def test_power_at_every_torque_in_the_firmware_equals_that_of_the_generator(
     limit where the map lies outside it. A torque beyond the current limit is reduced to the largest
     one inside it.
     """
-    library = tmp_path / "reference.so"
-    includes = [
-        f"-I{ROOT / 'firmware' / module / 'include'}" for module in ("config", "core", "motor")
-    ]
-    names = (
-        "motor/loss_maps.c",
-        "motor/current_setpoint.c",
-        "motor/feasible_circle.c",
-        "motor/feasible_power.c",
-        "motor/feasible_torque.c",
-        "motor/flux_map.c",
-        "motor/motor_constants.c",
-        "motor/motor_model.c",
-        "core/divide.c",
-        "core/grid.c",
-        "core/scaled.c",
-    )
-    sources = [str(ROOT / "firmware" / name) for name in names]
-    subprocess.run(
-        ["cc", "-std=c11", "-O1", "-shared", "-fPIC", *includes, *sources, "-o", str(library)],
-        check=True,
-    )
     ffi = cffi.FFI()
     ffi.cdef("""
         typedef struct { int64_t words[32]; } constants_t;
@@ -294,7 +262,7 @@ def test_power_at_every_torque_in_the_firmware_equals_that_of_the_generator(
         current_t current_setpoint_step(const set_t *set, int32_t torque_mNm,
                                         int32_t i_d_weakening_mA);
     """)
-    firmware: Any = ffi.dlopen(str(library))
+    firmware: Any = ffi.dlopen(firmware_library)
     raw = ffi.from_buffer(image.build(drive))
     constants = ffi.new("constants_t *")
     firmware.motor_constants_init(constants, raw)

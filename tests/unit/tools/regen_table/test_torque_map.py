@@ -8,7 +8,6 @@ import dataclasses
 import itertools
 import math
 import re
-import subprocess
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
@@ -41,26 +40,18 @@ from regen_table.errors import ConfigurationError
 ROOT = Path(__file__).resolve().parents[4]
 MOTORS = sorted((ROOT / "tools" / "motors").glob("*.toml"))
 Change = Callable[[dict[str, Any]], schema.Drive]
-CORE = ("angle.c", "circle.c", "divide.c", "isqrt.c", "reciprocal.c", "scaled.c")
 
 
 @pytest.mark.parametrize("path", MOTORS, ids=lambda path: path.stem)
-def test_look_up_of_generator_and_firmware_is_bit_identical(tmp_path: Path, path: Path) -> None:
-    library = tmp_path / "regen_map.so"
-    includes = [
-        f"-I{ROOT / 'firmware' / module / 'include'}" for module in ("config", "core", "motor")
-    ]
-    sources = [str(ROOT / "firmware" / name) for name in ("motor/loss_maps.c", "core/grid.c")]
-    subprocess.run(
-        ["cc", "-std=c11", "-O1", "-shared", "-fPIC", *includes, *sources, "-o", str(library)],
-        check=True,
-    )
+def test_look_up_of_generator_and_firmware_is_bit_identical(
+    firmware_library: str, path: Path
+) -> None:
     ffi = cffi.FFI()
     ffi.cdef(
         "int32_t loss_maps_torque_mNm(const void *config, int32_t speed_mrad_s, int32_t"
         " winding_temperature_cC);"
     )
-    firmware: Any = ffi.dlopen(str(library))
+    firmware: Any = ffi.dlopen(firmware_library)
     drive = schema.load(path)
     raw = ffi.from_buffer(image.build(drive))
     table = current_map.regen_map(drive, current_audit.choose(drive))
@@ -340,23 +331,8 @@ def test_an_interval_contains_every_result_of_its_operations() -> None:
 
 @pytest.mark.parametrize("path", MOTORS, ids=lambda path: path.stem)
 def test_the_firmwares_scaled_gains_are_inside_the_proved_intervals(
-    tmp_path: Path, path: Path
+    firmware_library: str, path: Path
 ) -> None:
-    library = tmp_path / "loop.so"
-    includes = [
-        f"-I{ROOT / 'firmware' / module / 'include'}"
-        for module in ("config", "controller", "core", "foc")
-    ]
-    sources = [
-        str(ROOT / "firmware" / "controller" / "tuning.c"),
-        str(ROOT / "firmware" / "controller" / "winding_constants.c"),
-        str(ROOT / "firmware" / "foc" / "observer_design.c"),
-        *(str(ROOT / "firmware" / "core" / name) for name in CORE),
-    ]
-    subprocess.run(
-        ["cc", "-std=c11", "-O1", "-shared", "-fPIC", *includes, *sources, "-o", str(library)],
-        check=True,
-    )
     ffi = cffi.FFI()
     ffi.cdef("""
         typedef struct { int32_t proportional_q10, integral_q15, anti_windup_q15; } pi_gains_t;
@@ -371,7 +347,7 @@ def test_the_firmwares_scaled_gains_are_inside_the_proved_intervals(
         tuning_t current_tuning(const void *config, const winding_t *winding, int32_t limit_q15,
                                 int32_t v_dc_pu, int32_t speed_q32, int32_t winding_temperature_cC);
     """)
-    firmware: Any = ffi.dlopen(str(library))
+    firmware: Any = ffi.dlopen(firmware_library)
     drive = schema.load(path)
     raw = ffi.from_buffer(image.build(drive))
     proved = {proof.quantity: proof.found for proof in envelope.proofs(drive)}
