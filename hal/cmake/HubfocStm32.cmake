@@ -3,8 +3,8 @@
 # object library: what the chips have in common (hal/stm32) and the sources of the chip, from whose
 # folder this is called.
 set(HUBFOC_STM32 "${PROJECT_SOURCE_DIR}/hal/stm32")
-set(HUBFOC_STM32_SOURCES dead_time.c flash.c gpio.c interrupts.c inverter.c memory.c packets.c
-  power.c rotor_sensor.c serial.c startup.c stop_timer.c time.c watchdog.c)
+set(HUBFOC_STM32_SOURCES dead_time.c flash.c gpio.c interrupts.c inverter.c packets.c power.c
+  rotor_sensor.c serial.c startup.c stop_timer.c time.c watchdog.c)
 list(TRANSFORM HUBFOC_STM32_SOURCES PREPEND "${HUBFOC_STM32}/")
 set(HUBFOC_STM32_APART flash.c startup.c)
 list(TRANSFORM HUBFOC_STM32_APART PREPEND "${HUBFOC_STM32}/")
@@ -12,6 +12,7 @@ foreach(source IN ITEMS copy.c crash.c divide64.c fault_entry.c)
   list(APPEND HUBFOC_STM32_SOURCES "${PROJECT_SOURCE_DIR}/hal/cortex_m/${source}")
   list(APPEND HUBFOC_STM32_APART "${PROJECT_SOURCE_DIR}/hal/cortex_m/${source}")
 endforeach()
+list(APPEND HUBFOC_STM32_SOURCES "${PROJECT_SOURCE_DIR}/hal/cortex_m/memory.c")
 
 # The PWM interrupt's; everything else no control step executes.
 set(HUBFOC_STM32_FAST inverter.c rotor_sensor.c analog.c)

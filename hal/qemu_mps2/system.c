@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Time, serial line, watchdog and memory of the emulated board. */
+/* Time, serial line, watchdog and flash of the emulated board. */
 #include "../cortex_m/mpu.h"
 #include "hal/crash.h"
 #include "hal/flash.h"
-#include "hal/memory.h"
 #include "hal/serial.h"
 #include "hal/time.h"
 #include "hal/upcall.h"
@@ -21,15 +20,12 @@ enum {
     UART_DIVIDER_SMALLEST = 16,
     MILLISECOND_PRIORITY = 0x80,
     RUN_ms_DEFAULT = 500, /* run_ms=NUMBER on the command line overrides it */
-    WATCHDOG_INTERRUPT = 1,
-    STACK_MARGIN_BYTES = 256
+    WATCHDOG_INTERRUPT = 1
 };
-#define STACK_PATTERN 0x5AA5C33CU
 
 extern const uint32_t link_image_begin[], link_image_end[], link_image_crc32[];
 extern const uint32_t link_configuration_begin[], link_configuration_end[];
-extern uint32_t link_guard_begin[], link_stack_begin[], link_retained_begin[], link_retained_end[],
-    link_scope_begin[], link_scope_end[];
+extern uint32_t link_guard_begin[];
 
 static volatile uint32_t milliseconds;
 static uint32_t run_ms;
@@ -186,52 +182,4 @@ flash_status_t flash_program(flash_sector_t sector, uint32_t at_bytes, const voi
     (void)words;
     (void)size_bytes;
     return FLASH_UNSUPPORTED;
-}
-
-static uint32_t stack_pointer(void)
-{
-    uint32_t pointer;
-    __asm volatile("mov %0, sp" : "=r"(pointer));
-    return pointer;
-}
-
-memory_window_t memory_unused(void)
-{
-    const uint32_t free_bytes = stack_pointer() - (uint32_t)(uintptr_t)link_stack_begin;
-    const memory_window_t window = {link_stack_begin, free_bytes > STACK_MARGIN_BYTES
-                                                          ? (free_bytes - STACK_MARGIN_BYTES) / 4U
-                                                          : 0U};
-    return window;
-}
-
-void memory_mark_stack(void)
-{
-    const memory_window_t window = memory_unused();
-    for (uint32_t i = 0; i < window.words; i++) {
-        window.begin[i] = STACK_PATTERN;
-    }
-}
-
-memory_window_t memory_retained(void)
-{
-    const memory_window_t window = {link_retained_begin,
-                                    (uint32_t)(link_retained_end - link_retained_begin)};
-    return window;
-}
-
-memory_window_t memory_scope(void)
-{
-    const memory_window_t window = {link_scope_begin,
-                                    (uint32_t)(link_scope_end - link_scope_begin)};
-    return window;
-}
-
-uint32_t memory_stack_free_bytes(void)
-{
-    const uint32_t most = memory_unused().words;
-    uint32_t words = 0;
-    while (words < most && link_stack_begin[words] == STACK_PATTERN) {
-        words++;
-    }
-    return 4U * words;
 }

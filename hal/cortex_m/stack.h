@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* stack.h: the stack pointer, which C has no name for. */
-#ifndef STM32_STACK_H
-#define STM32_STACK_H
+#ifndef CORTEX_M_STACK_H
+#define CORTEX_M_STACK_H
 
 #include <stdint.h>
 
