@@ -200,13 +200,15 @@ def cycle_ms(message: Message) -> int:
 
 def number(value: float | int | None) -> str:
     """Return a number without a needless fraction."""
-    return f"{value:g}"
+    return f"{value:.9g}"
 
 
 def signal_row(signal: Signal) -> str:
     """Return the row of one signal: where, how fine, how far, what."""
     last = signal.start + signal.length - 1
     bits = f"{signal.start}" if signal.length == 1 else f"{signal.start} .. {last}"
+    if signal.multiplexer_ids:
+        bits += f"; `{signal.multiplexer_signal}` {signal.multiplexer_ids[0]}"
     listed = signal.choices and not signal.unit
     span = "" if listed else f"{number(signal.minimum)} .. {number(signal.maximum)}"
     step = number(signal.conversion.scale) if signal.unit else ""

@@ -32,6 +32,9 @@ enum {
     PACK_CURRENT_NOT_GIVEN = -8192,
     TEMPERATURE_MIN = -2000,
     TEMPERATURE_NOT_AVAILABLE = 3000,
+    ENERGY_STEP_10J = 36,        /* 0.1 Wh */
+    LIFE_ENERGY_STEP_10J = 1800, /* 5 Wh; 32 bits of 10 J are 22 bits of them */
+    ENERGY_MAX = 4194302,
     MODE_MASK = 0x0F,
     DIRECTION_MASK = 0x03,
     ERRORS_MASK = 0x0F
@@ -62,6 +65,8 @@ static const kind_t KINDS[MESSAGES_KINDS] = {
     [MESSAGES_WHEEL_AHEAD] = {HUBFOC_WHEEL_AHEAD_FRAME_ID, HUBFOC_WHEEL_AHEAD_CYCLE_TIME_MS, true},
     [MESSAGES_WHEEL_AVAILABLE] = {HUBFOC_WHEEL_AVAILABLE_FRAME_ID,
                                   HUBFOC_WHEEL_AVAILABLE_CYCLE_TIME_MS, true},
+    [MESSAGES_WHEEL_ENERGY] = {HUBFOC_WHEEL_ENERGY_FRAME_ID, HUBFOC_WHEEL_ENERGY_CYCLE_TIME_MS,
+                               true},
 };
 
 const char *messages_wheel_text(messages_wheel_t wheel)
@@ -310,13 +315,13 @@ bool messages_read_output(const messages_frame_t *frame, messages_address_t addr
     if (frame->length != E2E_FRAME_BYTES) {
         return false;
     }
-    static bool (*const READ[MESSAGES_KINDS])(const messages_frame_t *, slow_output_t *) = {
+    static bool (*const READ[MESSAGES_WHEEL_ENERGY])(const messages_frame_t *, slow_output_t *) = {
         [MESSAGES_WHEEL_STATE] = read_state,         [MESSAGES_WHEEL_BRAKE] = read_brake,
         [MESSAGES_WHEEL_DRIVE] = read_drive,         [MESSAGES_WHEEL_POWER] = read_power,
         [MESSAGES_WHEEL_HEALTH] = read_health,       [MESSAGES_WHEEL_AHEAD] = read_ahead,
         [MESSAGES_WHEEL_AVAILABLE] = read_available,
     };
-    for (int kind = MESSAGES_RECEIVED; kind < MESSAGES_KINDS; kind++) {
+    for (int kind = MESSAGES_RECEIVED; kind < MESSAGES_WHEEL_ENERGY; kind++) {
         if (frame->identifier == messages_identifier((messages_kind_t)kind, address)) {
             return READ[kind](frame, output);
         }
@@ -512,10 +517,43 @@ static void put_available(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o)
     (void)hubfoc_wheel_available_pack(data, &raw, E2E_FRAME_BYTES);
 }
 
+static uint32_t energy_steps(uint32_t energy_10J)
+{
+    const uint32_t steps = energy_10J / ENERGY_STEP_10J;
+    return steps <= ENERGY_MAX ? steps
+                               : (uint32_t)HUBFOC_WHEEL_ENERGY_DRAWN_WH_NOT_AVAILABLE_CHOICE;
+}
+
+static uint8_t friction_steps(const messages_energy_t *energy)
+{
+    return (uint8_t)(energy->friction_percent <= SHARE_MAX
+                         ? energy->friction_percent
+                         : HUBFOC_WHEEL_ENERGY_FRICTION_PERCENT_NOT_AVAILABLE_CHOICE);
+}
+
+messages_frame_t messages_energy(const messages_energy_t *since_start,
+                                 const messages_energy_t *for_life, messages_address_t address,
+                                 uint8_t counter)
+{
+    const struct hubfoc_wheel_energy_t raw = {
+        .account = counter & 1U,
+        .drawn_wh = energy_steps(since_start->drawn_10J),
+        .returned_wh = energy_steps(since_start->returned_10J),
+        .friction_percent = friction_steps(since_start),
+        .life_drawn_wh = for_life->drawn_10J / LIFE_ENERGY_STEP_10J,
+        .life_returned_wh = for_life->returned_10J / LIFE_ENERGY_STEP_10J,
+        .life_friction_percent = friction_steps(for_life),
+    };
+    messages_frame_t frame = new_frame(MESSAGES_WHEEL_ENERGY, address);
+    (void)hubfoc_wheel_energy_pack(frame.data, &raw, sizeof frame.data);
+    protect(&frame, MESSAGES_WHEEL_ENERGY, counter);
+    return frame;
+}
+
 messages_frame_t messages_output(messages_kind_t kind, const messages_values_t *values,
                                  messages_address_t address, uint8_t counter)
 {
-    if ((uint32_t)kind < MESSAGES_RECEIVED || (uint32_t)kind >= MESSAGES_KINDS) {
+    if ((uint32_t)kind < MESSAGES_RECEIVED || (uint32_t)kind >= MESSAGES_WHEEL_ENERGY) {
         const messages_frame_t empty = {.length = 0};
         return empty;
     }
@@ -546,8 +584,9 @@ messages_frame_t messages_output(messages_kind_t kind, const messages_values_t *
     case MESSAGES_HYDRAULIC_FEEDBACK:
     case MESSAGES_BATTERY_LIMITS:
     case MESSAGES_BATTERY_PEAK:
+    case MESSAGES_WHEEL_ENERGY:
     case MESSAGES_KINDS:
-        break; /* received kinds, excluded above */
+        break; /* excluded above */
     }
     protect(&frame, kind, counter);
     return frame;

@@ -343,7 +343,25 @@ static bool next_of(node_t *node, uint32_t kinds, uint32_t now_ms, const slow_ou
 bool node_next(node_t *node, uint32_t now_ms, const slow_output_t *output,
                const wheel_temperatures_t *temperature, messages_frame_t *frame)
 {
-    return next_of(node, UINT32_MAX, now_ms, output, temperature, frame);
+    return next_of(node, ~bit_of(MESSAGES_WHEEL_ENERGY), now_ms, output, temperature, frame);
+}
+
+bool node_energy_is_due(const node_t *node, uint32_t now_ms)
+{
+    return is_due(node->due_ms[MESSAGES_WHEEL_ENERGY - MESSAGES_RECEIVED], now_ms);
+}
+
+bool node_next_energy(node_t *node, uint32_t now_ms, const messages_energy_t *since_start,
+                      const messages_energy_t *for_life, messages_frame_t *frame)
+{
+    if (!node_energy_is_due(node, now_ms)) {
+        node->offered = MESSAGES_KINDS;
+        return false;
+    }
+    node->offered = MESSAGES_WHEEL_ENERGY;
+    *frame = messages_energy(since_start, for_life, node->address,
+                             node->counter[MESSAGES_WHEEL_ENERGY - MESSAGES_RECEIVED]);
+    return true;
 }
 
 bool node_next_state(node_t *node, uint32_t now_ms, const slow_output_t *output,

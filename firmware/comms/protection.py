@@ -89,6 +89,9 @@ def _message(message: Message) -> str:
         least, most = float(signal.minimum or 0), float(signal.maximum or 0)
         named = {str(meaning): raw for raw, meaning in (signal.choices or {}).items()}
         last = f", {named['NOT_AVAILABLE']}" if "NOT_AVAILABLE" in named else ""
+        if signal.multiplexer_ids:
+            only = f'("{signal.multiplexer_signal}", {signal.multiplexer_ids[0]})'
+            last = f"{last or ', None'}, {only}"
         values = f"{signal.start}, {signal.length}, {signal.is_signed}, {step}, {least}, {most}"
         text += f'            "{signal.name}": Signal({values}{last}),\n'
     return f"{text}        }},\n    ),\n"

@@ -96,6 +96,14 @@ static void require_sent(node_t *node, uint32_t now_ms)
             (void)node_left(node, place, now_ms);
         }
     }
+    const messages_energy_t started = {now_ms, 4711, 50}, life = {UINT32_MAX, now_ms, 255};
+    if (node_next_energy(node, now_ms, &started, &life, &frame)) {
+        require(e2e_intact(E2E_PROFILE_2, frame.data, frame.identifier));
+        node_taken(node, now_ms);
+        if (now_ms % 2U == 0) {
+            (void)node_left(node, MESSAGES_WHEEL_ENERGY - MESSAGES_RECEIVED, now_ms);
+        }
+    }
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

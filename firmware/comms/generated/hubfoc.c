@@ -1262,3 +1262,153 @@ bool hubfoc_wheel_available_electric_brake_available_reason_is_in_range(uint8_t 
 
     return (true);
 }
+
+int hubfoc_wheel_energy_pack(
+    uint8_t *dst_p,
+    const struct hubfoc_wheel_energy_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u8(src_p->crc, 0u, 0xffu);
+    dst_p[1] |= pack_left_shift_u8(src_p->counter, 0u, 0x0fu);
+    dst_p[1] |= pack_left_shift_u8(src_p->account, 4u, 0x10u);
+
+    switch (src_p->account) {
+
+    case 0:
+        dst_p[1] |= pack_left_shift_u32(src_p->drawn_wh, 5u, 0xe0u);
+        dst_p[2] |= pack_right_shift_u32(src_p->drawn_wh, 3u, 0xffu);
+        dst_p[3] |= pack_right_shift_u32(src_p->drawn_wh, 11u, 0xffu);
+        dst_p[4] |= pack_right_shift_u32(src_p->drawn_wh, 19u, 0x07u);
+        dst_p[4] |= pack_left_shift_u32(src_p->returned_wh, 3u, 0xf8u);
+        dst_p[5] |= pack_right_shift_u32(src_p->returned_wh, 5u, 0xffu);
+        dst_p[6] |= pack_right_shift_u32(src_p->returned_wh, 13u, 0xffu);
+        dst_p[7] |= pack_right_shift_u32(src_p->returned_wh, 21u, 0x01u);
+        dst_p[7] |= pack_left_shift_u8(src_p->friction_percent, 1u, 0xfeu);
+        break;
+
+    case 1:
+        dst_p[1] |= pack_left_shift_u32(src_p->life_drawn_wh, 5u, 0xe0u);
+        dst_p[2] |= pack_right_shift_u32(src_p->life_drawn_wh, 3u, 0xffu);
+        dst_p[3] |= pack_right_shift_u32(src_p->life_drawn_wh, 11u, 0xffu);
+        dst_p[4] |= pack_right_shift_u32(src_p->life_drawn_wh, 19u, 0x07u);
+        dst_p[4] |= pack_left_shift_u32(src_p->life_returned_wh, 3u, 0xf8u);
+        dst_p[5] |= pack_right_shift_u32(src_p->life_returned_wh, 5u, 0xffu);
+        dst_p[6] |= pack_right_shift_u32(src_p->life_returned_wh, 13u, 0xffu);
+        dst_p[7] |= pack_right_shift_u32(src_p->life_returned_wh, 21u, 0x01u);
+        dst_p[7] |= pack_left_shift_u8(src_p->life_friction_percent, 1u, 0xfeu);
+        break;
+
+    default:
+        break;
+    }
+
+    return (8);
+}
+
+int hubfoc_wheel_energy_unpack(
+    struct hubfoc_wheel_energy_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->crc = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
+    dst_p->counter = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
+    dst_p->account = unpack_right_shift_u8(src_p[1], 4u, 0x10u);
+
+    switch (dst_p->account) {
+
+    case 0:
+        dst_p->drawn_wh = unpack_right_shift_u32(src_p[1], 5u, 0xe0u);
+        dst_p->drawn_wh |= unpack_left_shift_u32(src_p[2], 3u, 0xffu);
+        dst_p->drawn_wh |= unpack_left_shift_u32(src_p[3], 11u, 0xffu);
+        dst_p->drawn_wh |= unpack_left_shift_u32(src_p[4], 19u, 0x07u);
+        dst_p->returned_wh = unpack_right_shift_u32(src_p[4], 3u, 0xf8u);
+        dst_p->returned_wh |= unpack_left_shift_u32(src_p[5], 5u, 0xffu);
+        dst_p->returned_wh |= unpack_left_shift_u32(src_p[6], 13u, 0xffu);
+        dst_p->returned_wh |= unpack_left_shift_u32(src_p[7], 21u, 0x01u);
+        dst_p->friction_percent = unpack_right_shift_u8(src_p[7], 1u, 0xfeu);
+        break;
+
+    case 1:
+        dst_p->life_drawn_wh = unpack_right_shift_u32(src_p[1], 5u, 0xe0u);
+        dst_p->life_drawn_wh |= unpack_left_shift_u32(src_p[2], 3u, 0xffu);
+        dst_p->life_drawn_wh |= unpack_left_shift_u32(src_p[3], 11u, 0xffu);
+        dst_p->life_drawn_wh |= unpack_left_shift_u32(src_p[4], 19u, 0x07u);
+        dst_p->life_returned_wh = unpack_right_shift_u32(src_p[4], 3u, 0xf8u);
+        dst_p->life_returned_wh |= unpack_left_shift_u32(src_p[5], 5u, 0xffu);
+        dst_p->life_returned_wh |= unpack_left_shift_u32(src_p[6], 13u, 0xffu);
+        dst_p->life_returned_wh |= unpack_left_shift_u32(src_p[7], 21u, 0x01u);
+        dst_p->life_friction_percent = unpack_right_shift_u8(src_p[7], 1u, 0xfeu);
+        break;
+
+    default:
+        break;
+    }
+
+    return (0);
+}
+
+int hubfoc_wheel_energy_init(struct hubfoc_wheel_energy_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct hubfoc_wheel_energy_t));
+
+    return 0;
+}
+
+bool hubfoc_wheel_energy_crc_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool hubfoc_wheel_energy_counter_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool hubfoc_wheel_energy_account_is_in_range(uint8_t value)
+{
+    return (value <= 1u);
+}
+
+bool hubfoc_wheel_energy_drawn_wh_is_in_range(uint32_t value)
+{
+    return (value <= 4194302u);
+}
+
+bool hubfoc_wheel_energy_life_drawn_wh_is_in_range(uint32_t value)
+{
+    return (value <= 2386092u);
+}
+
+bool hubfoc_wheel_energy_returned_wh_is_in_range(uint32_t value)
+{
+    return (value <= 4194302u);
+}
+
+bool hubfoc_wheel_energy_life_returned_wh_is_in_range(uint32_t value)
+{
+    return (value <= 2386092u);
+}
+
+bool hubfoc_wheel_energy_friction_percent_is_in_range(uint8_t value)
+{
+    return (value <= 100u);
+}
+
+bool hubfoc_wheel_energy_life_friction_percent_is_in_range(uint8_t value)
+{
+    return (value <= 100u);
+}

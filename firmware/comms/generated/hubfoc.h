@@ -57,6 +57,7 @@ extern "C" {
 #define HUBFOC_WHEEL_HEALTH_FRAME_ID (0x190u)
 #define HUBFOC_WHEEL_AHEAD_FRAME_ID (0x194u)
 #define HUBFOC_WHEEL_AVAILABLE_FRAME_ID (0x198u)
+#define HUBFOC_WHEEL_ENERGY_FRAME_ID (0x19cu)
 
 /* Frame lengths in bytes. */
 #define HUBFOC_DEMAND_LENGTH (8u)
@@ -70,6 +71,7 @@ extern "C" {
 #define HUBFOC_WHEEL_HEALTH_LENGTH (8u)
 #define HUBFOC_WHEEL_AHEAD_LENGTH (8u)
 #define HUBFOC_WHEEL_AVAILABLE_LENGTH (8u)
+#define HUBFOC_WHEEL_ENERGY_LENGTH (8u)
 
 /* Extended or standard frame types. */
 #define HUBFOC_DEMAND_IS_EXTENDED (0)
@@ -83,6 +85,7 @@ extern "C" {
 #define HUBFOC_WHEEL_HEALTH_IS_EXTENDED (0)
 #define HUBFOC_WHEEL_AHEAD_IS_EXTENDED (0)
 #define HUBFOC_WHEEL_AVAILABLE_IS_EXTENDED (0)
+#define HUBFOC_WHEEL_ENERGY_IS_EXTENDED (0)
 
 /* Frame cycle times in milliseconds. */
 #define HUBFOC_DEMAND_CYCLE_TIME_MS (10u)
@@ -96,6 +99,7 @@ extern "C" {
 #define HUBFOC_WHEEL_HEALTH_CYCLE_TIME_MS (100u)
 #define HUBFOC_WHEEL_AHEAD_CYCLE_TIME_MS (50u)
 #define HUBFOC_WHEEL_AVAILABLE_CYCLE_TIME_MS (100u)
+#define HUBFOC_WHEEL_ENERGY_CYCLE_TIME_MS (500u)
 
 /* Signal choices. */
 #define HUBFOC_DEMAND_DIRECTION_NEUTRAL_CHOICE (0u)
@@ -735,6 +739,17 @@ extern "C" {
 #define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_DEMAND_CONTRADICTED_CHOICE (106u)
 #define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_HOLD_FAILED_CHOICE (107u)
 
+#define HUBFOC_WHEEL_ENERGY_ACCOUNT_SINCE_START_CHOICE (0u)
+#define HUBFOC_WHEEL_ENERGY_ACCOUNT_FOR_LIFE_CHOICE (1u)
+
+#define HUBFOC_WHEEL_ENERGY_DRAWN_WH_NOT_AVAILABLE_CHOICE (4194303u)
+
+#define HUBFOC_WHEEL_ENERGY_RETURNED_WH_NOT_AVAILABLE_CHOICE (4194303u)
+
+#define HUBFOC_WHEEL_ENERGY_FRICTION_PERCENT_NOT_AVAILABLE_CHOICE (127u)
+
+#define HUBFOC_WHEEL_ENERGY_LIFE_FRICTION_PERCENT_NOT_AVAILABLE_CHOICE (127u)
+
 /* Frame Names. */
 #define HUBFOC_DEMAND_NAME "Demand"
 #define HUBFOC_HYDRAULIC_FEEDBACK_NAME "HydraulicFeedback"
@@ -747,6 +762,7 @@ extern "C" {
 #define HUBFOC_WHEEL_HEALTH_NAME "WheelHealth"
 #define HUBFOC_WHEEL_AHEAD_NAME "WheelAhead"
 #define HUBFOC_WHEEL_AVAILABLE_NAME "WheelAvailable"
+#define HUBFOC_WHEEL_ENERGY_NAME "WheelEnergy"
 
 /* Signal Names. */
 #define HUBFOC_DEMAND_CRC_NAME "crc"
@@ -819,6 +835,15 @@ extern "C" {
 #define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_NAME "drive_available_reason"
 #define HUBFOC_WHEEL_AVAILABLE_WAITS_FOR_NAME "waits_for"
 #define HUBFOC_WHEEL_AVAILABLE_ELECTRIC_BRAKE_AVAILABLE_REASON_NAME "electric_brake_available_reason"
+#define HUBFOC_WHEEL_ENERGY_CRC_NAME "crc"
+#define HUBFOC_WHEEL_ENERGY_COUNTER_NAME "counter"
+#define HUBFOC_WHEEL_ENERGY_ACCOUNT_NAME "account"
+#define HUBFOC_WHEEL_ENERGY_DRAWN_WH_NAME "drawn_wh"
+#define HUBFOC_WHEEL_ENERGY_LIFE_DRAWN_WH_NAME "life_drawn_wh"
+#define HUBFOC_WHEEL_ENERGY_RETURNED_WH_NAME "returned_wh"
+#define HUBFOC_WHEEL_ENERGY_LIFE_RETURNED_WH_NAME "life_returned_wh"
+#define HUBFOC_WHEEL_ENERGY_FRICTION_PERCENT_NAME "friction_percent"
+#define HUBFOC_WHEEL_ENERGY_LIFE_FRICTION_PERCENT_NAME "life_friction_percent"
 
 /**
  * Signals in message Demand.
@@ -1547,6 +1572,96 @@ struct hubfoc_wheel_available_t {
      * Offset: 0
      */
     uint8_t electric_brake_available_reason;
+};
+
+/**
+ * Signals in message WheelEnergy.
+ *
+ * Energy account of this wheel, since the start and for life in turn. Energies are rounded down; the account itself counts on without rounding.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct hubfoc_wheel_energy_t {
+    /**
+     * CRC-8, polynomial 0x2F, initial and final 0xFF, over bytes 1 to 7 and the data id.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t crc;
+
+    /**
+     * One more with every frame, 15 is followed by 0.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t counter;
+
+    /**
+     * Which account the frame carries: the counter's lowest bit.
+     *
+     * Range: 0..1 (0..1 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t account;
+
+    /**
+     * Drawn from the direct-current side since the start.
+     *
+     * Range: 0..4194302 (0..419430.2 Wh)
+     * Scale: 0.1
+     * Offset: 0
+     */
+    uint32_t drawn_wh;
+
+    /**
+     * Drawn for life. The largest number: this, or more.
+     *
+     * Range: 0..2386092 (0..11930460 Wh)
+     * Scale: 5
+     * Offset: 0
+     */
+    uint32_t life_drawn_wh;
+
+    /**
+     * Returned to the direct-current side since the start.
+     *
+     * Range: 0..4194302 (0..419430.2 Wh)
+     * Scale: 0.1
+     * Offset: 0
+     */
+    uint32_t returned_wh;
+
+    /**
+     * Returned for life. The largest number: this, or more.
+     *
+     * Range: 0..2386092 (0..11930460 Wh)
+     * Scale: 5
+     * Offset: 0
+     */
+    uint32_t life_returned_wh;
+
+    /**
+     * Hydraulic brake's share, as commanded, of the braking work of both brakes since the start. NOT_AVAILABLE: no braking work yet.
+     *
+     * Range: 0..100 (0..100 %)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t friction_percent;
+
+    /**
+     * As friction_percent, for life.
+     *
+     * Range: 0..100 (0..100 %)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t life_friction_percent;
 };
 
 /**
@@ -2585,6 +2700,124 @@ bool hubfoc_wheel_available_waits_for_is_in_range(uint8_t value);
  * @return true if in range, false otherwise.
  */
 bool hubfoc_wheel_available_electric_brake_available_reason_is_in_range(uint8_t value);
+
+/**
+ * Pack message WheelEnergy.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int hubfoc_wheel_energy_pack(
+    uint8_t *dst_p,
+    const struct hubfoc_wheel_energy_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message WheelEnergy.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int hubfoc_wheel_energy_unpack(
+    struct hubfoc_wheel_energy_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from WheelEnergy.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int hubfoc_wheel_energy_init(struct hubfoc_wheel_energy_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_wheel_energy_crc_is_in_range(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_wheel_energy_counter_is_in_range(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_wheel_energy_account_is_in_range(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_wheel_energy_drawn_wh_is_in_range(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_wheel_energy_life_drawn_wh_is_in_range(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_wheel_energy_returned_wh_is_in_range(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_wheel_energy_life_returned_wh_is_in_range(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_wheel_energy_friction_percent_is_in_range(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_wheel_energy_life_friction_percent_is_in_range(uint8_t value);
 
 
 #ifdef __cplusplus

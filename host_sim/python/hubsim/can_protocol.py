@@ -33,6 +33,7 @@ class Signal:
     least: float
     most: float
     not_available: int | None = None  # steps that stand for a quantity beyond the range
+    only: tuple[str, int] | None = None  # in frames whose signal of this name has this value
 
     def holds(self, raw: int) -> bool:
         """Return whether this many steps are within the range."""
@@ -220,6 +221,23 @@ MESSAGES: Final[Mapping[str, Message]] = {
             "electric_brake_available_reason": Signal(46, 8, False, 1.0, 0.0, 255.0),
         },
     ),
+    "WheelEnergy": Message(
+        0x19C,
+        True,
+        500,
+        2,
+        {
+            "crc": Signal(0, 8, False, 1.0, 0.0, 255.0),
+            "counter": Signal(8, 4, False, 1.0, 0.0, 15.0),
+            "account": Signal(12, 1, False, 1.0, 0.0, 1.0),
+            "drawn_wh": Signal(13, 22, False, 0.1, 0.0, 419430.2, 4194303, ("account", 0)),
+            "life_drawn_wh": Signal(13, 22, False, 5.0, 0.0, 11930460.0, None, ("account", 1)),
+            "returned_wh": Signal(35, 22, False, 0.1, 0.0, 419430.2, 4194303, ("account", 0)),
+            "life_returned_wh": Signal(35, 22, False, 5.0, 0.0, 11930460.0, None, ("account", 1)),
+            "friction_percent": Signal(57, 7, False, 1.0, 0.0, 100.0, 127, ("account", 0)),
+            "life_friction_percent": Signal(57, 7, False, 1.0, 0.0, 100.0, 127, ("account", 1)),
+        },
+    ),
 }
 
 
@@ -288,13 +306,15 @@ def encode(
 ) -> tuple[int, bytes]:
     """Return identifier and content of a complete frame; signals not named are zero.
 
-    A value is rounded to whole steps; one beyond its range is a ValueError. NaN is a quantity that
-    is not available, where the signal has a number for it.
+    A value is rounded to whole steps; one beyond its range, or that this frame does not carry, is a
+    ValueError. NaN is a quantity that is not available, where the signal has a number for it.
     """
     message = MESSAGES[name]
     word = 0
     for key, value in values.items():
         signal = message.signals[key]
+        if signal.only is not None and values.get(signal.only[0], 0.0) != signal.only[1]:
+            raise ValueError(f"{name}.{key}: only with {signal.only[0]} {signal.only[1]}")
         try:
             raw = signal.steps(value)
         except ValueError as error:
@@ -306,7 +326,7 @@ def encode(
 
 
 def decode(name: str, data: bytes) -> dict[str, float] | None:
-    """Return the values of a frame's signals; None if its length or a value is out of range.
+    """Return the values of the signals in a frame; None if its length or a value is out of range.
 
     NaN is a quantity that is not available.
     """
@@ -315,6 +335,8 @@ def decode(name: str, data: bytes) -> dict[str, float] | None:
     word = int.from_bytes(data, "little")
     values: dict[str, float] = {}
     for key, signal in MESSAGES[name].signals.items():
+        if signal.only is not None and values[signal.only[0]] != signal.only[1]:
+            continue
         raw = word >> signal.start & ((1 << signal.length) - 1)
         if signal.signed and raw >> (signal.length - 1):
             raw -= 1 << signal.length

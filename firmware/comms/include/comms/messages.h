@@ -34,7 +34,7 @@ typedef enum {
 } messages_wheel_t;
 
 /* Where a wheel is on the bus. Its messages, and those for all wheels, have the identifiers base
- * .. base + 0x9B, in the DBC those of MESSAGES_BASE. */
+ * .. base + 0x9F, in the DBC those of MESSAGES_BASE. */
 typedef struct {
     uint16_t base; /* a multiple of 32, at most 0x740 */
     messages_wheel_t wheel;
@@ -55,6 +55,7 @@ typedef enum {
     MESSAGES_WHEEL_HEALTH,
     MESSAGES_WHEEL_AHEAD,
     MESSAGES_WHEEL_AVAILABLE,
+    MESSAGES_WHEEL_ENERGY,
     MESSAGES_KINDS
 } messages_kind_t;
 
@@ -82,7 +83,16 @@ typedef struct {
     uint8_t demand_counter; /* of the newest demand in use, for WheelBrake */
 } messages_links_t;
 
-/* Everything that one wheel sends. */
+/* An energy account of the wheel. */
+typedef struct {
+    uint32_t drawn_10J, returned_10J;
+    uint8_t friction_percent; /* of the braking work of both brakes; MESSAGES_NO_SHARE */
+} messages_energy_t;
+
+/* There was no braking work. */
+enum { MESSAGES_NO_SHARE = 255 };
+
+/* Everything that one wheel sends but for its energy accounts. */
 typedef struct {
     const slow_output_t *output;
     const wheel_temperatures_t *temperature; /* 29 999 or more is 300 degrees: not available */
@@ -125,11 +135,17 @@ messages_frame_t messages_hydraulic(const hydraulic_feedback_t *feedback,
 
 /* Decodes for the vehicle's side: the fields that this kind of frame carries, in whole steps; the
  * others, and those that are NOT_AVAILABLE, are left as they are. False, and the structure
- * untouched, if it is none of what that wheel sends. */
+ * untouched, if it is none of what that wheel sends of them: also for WheelEnergy. */
 bool messages_read_output(const messages_frame_t *frame, messages_address_t address,
                           slow_output_t *output);
 
-/* One of the sent kinds, complete and protected; an empty frame for the received ones. */
+/* WheelEnergy, complete and protected. An even counter takes the account since the start, in steps
+ * of 0.1 Wh, an odd one that for life, in steps of 5 Wh; energies are rounded down. */
+messages_frame_t messages_energy(const messages_energy_t *since_start,
+                                 const messages_energy_t *for_life, messages_address_t address,
+                                 uint8_t counter);
+
+/* One of the other sent kinds, complete and protected; an empty frame for the received ones. */
 messages_frame_t messages_output(messages_kind_t kind, const messages_values_t *values,
                                  messages_address_t address, uint8_t counter);
 

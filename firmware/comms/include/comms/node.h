@@ -119,10 +119,19 @@ bool node_tick(node_t *node, uint32_t now_ms);
 /* Background context, once for each received frame. True if the command has changed. */
 bool node_receive(node_t *node, const messages_frame_t *frame, uint32_t now_ms);
 
-/* The most urgent frame that is due; false if there is none. The same one again until node_taken().
+/* The most urgent frame that is due, but for WheelEnergy; false if there is none. The same one
+ * again until node_taken().
  */
 bool node_next(node_t *node, uint32_t now_ms, const slow_output_t *output,
                const wheel_temperatures_t *temperature, messages_frame_t *frame);
+
+/* True while WheelEnergy is due. node_next() leaves it out: it comes after everything else, and its
+ * accounts are made for it alone. */
+bool node_energy_is_due(const node_t *node, uint32_t now_ms);
+
+/* WheelEnergy, if it is due. */
+bool node_next_energy(node_t *node, uint32_t now_ms, const messages_energy_t *since_start,
+                      const messages_energy_t *for_life, messages_frame_t *frame);
 
 /* The same of WheelState alone: the brake system sees the other counters stand still. */
 bool node_next_state(node_t *node, uint32_t now_ms, const slow_output_t *output,

@@ -252,5 +252,5 @@ void test_can_works_after_a_late_start_of_the_transceiver(void)
     (void)can_link_receive(&can_link, 2000);
     can_link_transmit(&can_link, 2000, &output, &TEMPERATURE);
     TEST_ASSERT_EQUAL_INT(1, delivered);
-    TEST_ASSERT_EQUAL_INT(MESSAGES_SENT, sent_count);
+    TEST_ASSERT_EQUAL_INT(MESSAGES_SENT - 1, sent_count); /* all but WheelEnergy */
 }

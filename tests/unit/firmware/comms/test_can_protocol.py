@@ -31,7 +31,8 @@ def random_values(name: str, dice: random.Random) -> dict[str, float]:
     """Return whole steps of every signal, within its range."""
     values = {}
     for key, signal in can_protocol.MESSAGES[name].signals.items():
-        if key not in ("crc", "counter"):
+        carried = signal.only is None or values[signal.only[0]] == signal.only[1]
+        if key not in ("crc", "counter") and carried:
             least, most = round(signal.least / signal.step), round(signal.most / signal.step)
             values[key] = dice.randint(least, most) * signal.step
     return values
@@ -94,6 +95,18 @@ def test_values_beyond_their_range_are_refused_in_both_directions() -> None:
     assert can_protocol.decode("Demand", bytes(7)) is None
     assert not can_protocol.intact(5, bytes(7), 0x100)
     assert can_protocol.message_of(0x7FF) is None
+
+
+def test_a_frame_carries_the_energies_of_one_account() -> None:
+    own = {"account": 1.0, "life_drawn_wh": 35.0}
+    values = can_protocol.decode("WheelEnergy", can_protocol.encode("WheelEnergy", own)[1])
+    assert values is not None
+    assert {name for name in values if name.endswith("_wh")} == {
+        "life_drawn_wh", "life_returned_wh"
+    }  # fmt: skip
+    assert values["life_drawn_wh"] == 35.0
+    with pytest.raises(ValueError, match=r"WheelEnergy\.drawn_wh: only with account 0"):
+        can_protocol.encode("WheelEnergy", {"account": 1.0, "drawn_wh": 1.0})
 
 
 def test_a_quantity_that_is_not_available_is_not_a_number_in_both_directions(comms: Comms) -> None:

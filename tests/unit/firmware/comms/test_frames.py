@@ -39,6 +39,7 @@ KINDS = {
     "WheelHealth": "MESSAGES_WHEEL_HEALTH",
     "WheelAhead": "MESSAGES_WHEEL_AHEAD",
     "WheelAvailable": "MESSAGES_WHEEL_AVAILABLE",
+    "WheelEnergy": "MESSAGES_WHEEL_ENERGY",
 }
 
 # Member of slow_output_t or, with a dot, of messages_values_t; and the signal it becomes: message,
@@ -131,8 +132,21 @@ def values_in(database: Database, frame: CValue) -> dict[str, float]:
     found = message.decode(content(frame), decode_choices=False)
     assert isinstance(found, dict)
     numbers = {name: value for name, value in found.items() if isinstance(value, int | float)}
-    assert len(numbers) == len(message.signals)
+    account = [found["account"]] if "account" in found else None
+    carried = [s for s in message.signals if s.multiplexer_ids in (None, account)]
+    assert set(numbers) == {signal.name for signal in carried}
     return numbers
+
+
+def energy_frame(comms: Comms, wheel: int, counter: int, *accounts: tuple[int, int, int]) -> CValue:
+    """Return WheelEnergy: drawn and returned in units of 10 J, friction's share of each account."""
+    made = [
+        comms.struct(
+            "messages_energy_t", drawn_10J=drawn, returned_10J=back, friction_percent=share
+        )
+        for drawn, back, share in accounts
+    ]
+    return comms.lib.messages_energy(*made, comms.address(wheel), counter)
 
 
 def decoded(comms: Comms, database: Database, message: str, **values: int) -> dict[str, float]:
@@ -174,6 +188,8 @@ def frames(comms: Comms) -> Iterator[tuple[str, int, int, CValue]]:
                     "hydraulic_torque_mNm": 900,
                 }
                 yield name, wheel, counter, output_frame(comms, name, wheel, counter, **values)
+            accounts = (4711, 815, 42), (123_456_789, 98_765, 7)
+            yield "WheelEnergy", wheel, counter, energy_frame(comms, wheel, counter, *accounts)
 
 
 # ---- end-to-end protection ----
@@ -190,7 +206,7 @@ def test_every_message_of_every_wheel_is_as_an_independent_implementation_protec
         profile = comms.lib.messages_profile(comms.number(KINDS[name]))
         assert profile == comms.number(f"E2E_PROFILE_{5 if name in PROFILE_5 else 2}"), name
         count += 1
-    assert count == 16 * (2 + 4 * 9)
+    assert count == 16 * (2 + 4 * 10)
 
 
 @pytest.mark.parametrize("profile", [2, 5])
@@ -223,7 +239,8 @@ def test_a_client_that_knows_the_four_wheels_dbc_alone_is_understood(comms: Comm
     assert isinstance(four, Database)
     for message in four.messages:
         for counter in range(16):
-            start = {signal.name: signal.initial or 0 for signal in message.signals}
+            carried = [s for s in message.signals if s.multiplexer_ids in (None, [0])]
+            start = {signal.name: signal.initial or 0 for signal in carried}
             data = bytes(message.encode(start | {"counter": counter}))
             if attribute(message, "E2EProfile") == 5:
                 sent = apply_profile5_crc(data, int(attribute(message, "E2EDataID")))
@@ -427,6 +444,77 @@ def test_a_broken_temperature_sensor_is_300_degrees(comms: Comms, database: Data
     broken = {"temperature.winding_cC": 29999, "temperature.switch_cC": 29999}
     got = decoded(comms, database, "WheelHealth", **broken)
     assert (got["winding_temperature_c"], got["switch_temperature_c"]) == (300.0, 300.0)
+
+
+# ---- the energy accounts ----
+
+JOULE_A_UNIT = 10
+JOULE_A_WH = 3600.0
+
+
+def test_the_accounts_come_in_turn_and_are_read_with_both_dbcs(
+    comms: Comms, all_wheels: Database
+) -> None:
+    """3.6 MJ are 1 kWh; a quarter of it came back, and friction took 12 % of the braking."""
+    four = cantools.database.load_file(str(FOUR_WHEELS_DBC), strict=True)
+    assert isinstance(four, Database)
+    started, life = (360_000, 90_000, 12), (360_000_000, 180_000_000, 100)
+    for name, wheel in WHEELS.items():
+        for counter in range(16):
+            frame = energy_frame(comms, wheel, counter, started, life)
+            own = f"WheelEnergy{name.title().replace('_', '')}"
+            assert four.get_message_by_frame_id(frame.identifier).name == own
+            for database in (all_wheels, four):
+                values = values_in(database, frame)
+                assert (values.pop("counter"), values.pop("account")) == (counter, counter % 2)
+                del values["crc"]
+                if counter % 2 == 0:
+                    expected = {"drawn_wh": 1000.0, "returned_wh": 250.0, "friction_percent": 12}
+                else:
+                    expected = {
+                        "life_drawn_wh": 1e6, "life_returned_wh": 5e5, "life_friction_percent": 100
+                    }  # fmt: skip
+                assert values == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(("prefix", "step_wh"), [("", 0.1), ("life_", 5.0)])
+def test_an_energy_is_rounded_down_by_less_than_a_step_and_never_wraps(
+    prefix: str, step_wh: float, comms: Comms, database: Database
+) -> None:
+    """Over all that the account holds, 11.93 MWh; beyond the range it is not available."""
+    dice = random.Random(prefix)
+    most = 2**32 - 1
+    steps = [round(step_wh * JOULE_A_WH / JOULE_A_UNIT) * k for k in (1, 2, 4_194_302, 4_194_303)]
+    near = [step + more for step in steps for more in (-1, 0, 1) if step + more <= most]
+    counts = [0, 1, most, *near, *(int(2 ** dice.uniform(0, 32)) for _ in range(500))]
+    signal = signal_of(database, "WheelEnergy", f"{prefix}drawn_wh")
+    absent = 0
+    for count in counts:
+        for place, name in enumerate(("drawn_wh", "returned_wh")):
+            account = [0, 0, 0]
+            account[place] = count
+            both = (tuple(account), (0, 0, 0)) if not prefix else ((0, 0, 0), tuple(account))
+            frame = energy_frame(comms, 0, 0 if not prefix else 1, *both)
+            values = values_in(database, frame)
+            got, true_wh = values[f"{prefix}{name}"], count * JOULE_A_UNIT / JOULE_A_WH
+            assert values[f"{prefix}{'returned_wh' if place == 0 else 'drawn_wh'}"] == 0.0
+            if not prefix and got == pytest.approx(not_available(signal), abs=0.01):
+                assert true_wh >= (signal.maximum or 0) + step_wh - 1e-6
+                absent += 1
+            else:
+                assert got - 1e-6 <= true_wh < got + step_wh + 1e-6
+                assert got <= (signal.maximum or 0) + 1e-6
+    assert (absent > 0) == (not prefix)
+
+
+def test_the_share_of_friction_is_a_percentage_or_not_available(
+    comms: Comms, database: Database
+) -> None:
+    for share in range(256):
+        for counter, name in ((0, "friction_percent"), (1, "life_friction_percent")):
+            accounts = ((0, 0, share if counter == 0 else 0), (0, 0, share if counter else 0))
+            got = values_in(database, energy_frame(comms, 0, counter, *accounts))[name]
+            assert got == (share if share <= 100 else 127)
 
 
 # ---- frames of vehicle and battery, packed by cantools ----

@@ -153,7 +153,7 @@ void test_all_other_messages_of_a_wheel_unpack_to_the_packed_values(void)
         .direction = DRIVE_DIRECTION_REVERSE,
     };
     slow_output_t back = {.speed_mrad_s = 77};
-    for (messages_kind_t kind = MESSAGES_WHEEL_DRIVE; kind < MESSAGES_KINDS; kind++) {
+    for (messages_kind_t kind = MESSAGES_WHEEL_DRIVE; kind < MESSAGES_WHEEL_ENERGY; kind++) {
         const messages_frame_t frame = frame_of(kind, &meant, MESSAGES_FRONT_RIGHT, 3);
         TEST_ASSERT_TRUE(messages_read_output(&frame, address_of(MESSAGES_FRONT_RIGHT), &back));
     }
@@ -371,6 +371,8 @@ void test_received_messages_cannot_be_sent(void)
     TEST_ASSERT_EQUAL_UINT8(0, frame_of(MESSAGES_DEMAND, &output, MESSAGES_FRONT_LEFT, 0).length);
     TEST_ASSERT_EQUAL_UINT8(
         0, frame_of(MESSAGES_BATTERY_LIMITS, &output, MESSAGES_FRONT_LEFT, 0).length);
+    TEST_ASSERT_EQUAL_UINT8(
+        0, frame_of(MESSAGES_WHEEL_ENERGY, &output, MESSAGES_FRONT_LEFT, 0).length);
     TEST_ASSERT_EQUAL_UINT8(0, frame_of(MESSAGES_KINDS, &output, MESSAGES_FRONT_LEFT, 0).length);
 }
 
@@ -445,4 +447,30 @@ void test_hydraulic_feedback_beyond_the_range_and_a_short_battery_peak_are_refus
     battery_limits_t limits = {.charge_peak_current_mA = 7};
     TEST_ASSERT_FALSE(messages_read_peak(&frame, &limits));
     TEST_ASSERT_EQUAL_INT32(7, limits.charge_peak_current_mA);
+}
+
+/* Signals by their bits in the DBC: account 12, drawn 13 .. 34, returned 35 .. 56, friction 57 ..
+ * 63. 1 Wh is 360 times 10 J. */
+void test_wheel_energy_has_the_account_of_its_counter(void)
+{
+    const messages_energy_t start = {360, 36, 25}, life = {360000, 1799, MESSAGES_NO_SHARE};
+    const messages_address_t address = address_of(MESSAGES_REAR_LEFT);
+    slow_output_t untouched = {.speed_mrad_s = 77};
+    for (uint8_t counter = 0; counter < 16; counter++) {
+        const messages_frame_t frame = messages_energy(&start, &life, address, counter);
+        uint64_t bits = 0;
+        for (uint32_t k = 0; k < 8; k++) {
+            bits |= (uint64_t)frame.data[k] << (8U * k);
+        }
+        TEST_ASSERT_EQUAL_HEX16(0x19E, frame.identifier);
+        TEST_ASSERT_TRUE(e2e_intact(E2E_PROFILE_2, frame.data, 0x19E));
+        TEST_ASSERT_EQUAL_UINT8(counter, frame.data[1] & 0x0F);
+        TEST_ASSERT_EQUAL_UINT8(counter & 1U, bits >> 12 & 1U);
+        const bool for_life = (counter & 1U) != 0;
+        TEST_ASSERT_EQUAL_UINT32(for_life ? 200 : 10, bits >> 13 & 0x3FFFFF);
+        TEST_ASSERT_EQUAL_UINT32(for_life ? 0 : 1, bits >> 35 & 0x3FFFFF);
+        TEST_ASSERT_EQUAL_UINT32(for_life ? 127 : 25, bits >> 57);
+        TEST_ASSERT_FALSE(messages_read_output(&frame, address, &untouched));
+    }
+    TEST_ASSERT_EQUAL_INT(77, untouched.speed_mrad_s);
 }

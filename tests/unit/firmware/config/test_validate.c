@@ -260,7 +260,7 @@ void test_the_base_of_the_identifiers_is_a_multiple_of_32(void)
     assert_relation("vehicle.can_base a multiple of 32");
 }
 
-/* Identifiers of the messages: up to 0x9B above the base (README of comms). */
+/* Identifiers of the messages: up to 0x9F above the base (README of comms). */
 void test_xcp_is_less_urgent_than_every_message(void)
 {
     static const int32_t GOOD[] = {0, 0x1A0, 0x7F8};

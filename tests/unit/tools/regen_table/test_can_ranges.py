@@ -58,6 +58,8 @@ SENDERS_OWN = {
     "BatteryPeak.charge_peak_current_a",
     "BatteryPeak.pack_voltage_v",
     "BatteryPeak.pack_current_a",
+    *(f"WheelEnergy.{name}_wh" for name in ("drawn", "returned", "life_drawn", "life_returned")),
+    *("WheelEnergy.friction_percent", "WheelEnergy.life_friction_percent"),
 }
 
 
