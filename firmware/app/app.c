@@ -8,6 +8,7 @@
 #include "app/can_link.h"
 #include "app/console.h"
 #include "app/double_buffer.h"
+#include "app/energy_frame.h"
 #include "app/fault_journal.h"
 #include "app/kept_hold.h"
 #include "app/kept_temperature.h"
@@ -499,6 +500,7 @@ void app_background(void)
         }
         if (slow_loop_steps(snapshot, now_ms)) {
             can_link_transmit(&app.can, now_ms, &snapshot->output, &snapshot->input.temperature);
+            energy_frame_transmit(&app.can, now_ms, &app.journal.energy);
         } else if (app.slow_steps_seen != 0) { /* it has run */
             report_stopped_loop(now_ms);
         }

@@ -110,6 +110,16 @@ void can_link_transmit(can_link_t *link, uint32_t now_ms, const slow_output_t *o
     }
 }
 
+void can_link_transmit_energy(can_link_t *link, uint32_t now_ms,
+                              const messages_energy_t *since_start,
+                              const messages_energy_t *for_life)
+{
+    messages_frame_t frame;
+    if (node_next_energy(&link->node, now_ms, since_start, for_life, &frame) && transmit(&frame)) {
+        node_taken(&link->node, now_ms);
+    }
+}
+
 void can_link_transmit_state(can_link_t *link, uint32_t now_ms, const slow_output_t *output,
                              const wheel_temperatures_t *temperature)
 {

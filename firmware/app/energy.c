@@ -61,28 +61,28 @@ static uint32_t counted_10J(const energy_t *energy, uint32_t kind, bool for_life
     return energy->life_10J[kind] - (for_life ? 0U : energy->before_10J[kind]);
 }
 
-energy_report_t energy_report(const energy_t *energy, bool for_life)
+messages_energy_t energy_report(const energy_t *energy, bool for_life)
 {
     const uint64_t friction = counted_10J(energy, ENERGY_FRICTION, for_life);
     const uint64_t work = friction + counted_10J(energy, ENERGY_MOTOR_BRAKING, for_life);
-    const energy_report_t out = {
-        .drawn_Wh = counted_10J(energy, ENERGY_DRAWN, for_life) / STEPS_A_Wh,
-        .returned_Wh = counted_10J(energy, ENERGY_RETURNED, for_life) / STEPS_A_Wh,
+    const messages_energy_t out = {
+        .drawn_10J = counted_10J(energy, ENERGY_DRAWN, for_life),
+        .returned_10J = counted_10J(energy, ENERGY_RETURNED, for_life),
         .friction_percent = (uint8_t)(work > 0 ? (PERCENT * friction + work / 2U) / work
-                                               : (uint64_t)ENERGY_NO_SHARE),
+                                               : (uint64_t)MESSAGES_NO_SHARE),
     };
     return out;
 }
 
 bool energy_line(const energy_t *energy, uint32_t number, text_t *line)
 {
-    const energy_report_t report = energy_report(energy, number > 0);
+    const messages_energy_t report = energy_report(energy, number > 0);
     text_add(line, number > 0 ? "energy for life: drawn " : "energy since the start: drawn ");
-    text_add_integer(line, (int32_t)report.drawn_Wh);
+    text_add_integer(line, (int32_t)(report.drawn_10J / STEPS_A_Wh));
     text_add(line, " Wh, returned ");
-    text_add_integer(line, (int32_t)report.returned_Wh);
+    text_add_integer(line, (int32_t)(report.returned_10J / STEPS_A_Wh));
     text_add(line, " Wh");
-    if (report.friction_percent != ENERGY_NO_SHARE) {
+    if (report.friction_percent != MESSAGES_NO_SHARE) {
         text_add(line, ", friction ");
         text_add_integer(line, report.friction_percent);
         text_add(line, " % of the braking work");

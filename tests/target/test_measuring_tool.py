@@ -46,6 +46,7 @@ def has_symbol(image: Path, prefix: str) -> bool:
 # A row of the list by its first words: whether an image has what it names.
 FOUND: dict[str, Callable[[Path], bool]] = {
     "XCP": lambda image: has_symbol(image, "xcp_"),
+    "WheelEnergy": lambda image: has_symbol(image, "can_link_transmit_energy"),
     "texts of reasons": lambda image: b"motor torque limit" in image.read_bytes(),
     "times of findings": lambda image: b"torque ramp + monitor." in image.read_bytes(),
     "flux maps": lambda image: b"no maps on this port" not in image.read_bytes(),

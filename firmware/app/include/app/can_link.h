@@ -39,9 +39,14 @@ bool can_link_receive(can_link_t *link, uint32_t now_ms);
 /* Once, an XCP command that came, valid until the next can_link_receive(); NULL: there is none. */
 const can_frame_t *can_link_service(can_link_t *link);
 
-/* Sends the frames that are due, as many as the CAN controller takes. */
+/* Sends the frames that are due but for WheelEnergy, as many as the CAN controller takes. */
 void can_link_transmit(can_link_t *link, uint32_t now_ms, const slow_output_t *output,
                        const wheel_temperatures_t *temperature);
+
+/* Sends WheelEnergy, if it is due (node_energy_is_due()). */
+void can_link_transmit_energy(can_link_t *link, uint32_t now_ms,
+                              const messages_energy_t *since_start,
+                              const messages_energy_t *for_life);
 
 /* Sends WheelState alone, if it is due: of a slow loop that stands still. */
 void can_link_transmit_state(can_link_t *link, uint32_t now_ms, const slow_output_t *output,

@@ -14,6 +14,7 @@
  *
  * For life is what the journal had at the start and what came since; fault_journal.h stores it
  * each time the driver switches off. What came since then is lost with the supply and with a reset.
+ * energy_frame.h sends both by CAN.
  */
 #ifndef APP_ENERGY_H
 #define APP_ENERGY_H
@@ -21,13 +22,11 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "comms/messages.h"
 #include "comms/text.h"
 #include "core/slow_messages.h"
 
 enum { ENERGY_DRAWN, ENERGY_RETURNED, ENERGY_MOTOR_BRAKING, ENERGY_FRICTION, ENERGY_KINDS };
-
-/* Of a share that is not known: there was no braking work. */
-enum { ENERGY_NO_SHARE = 255 };
 
 typedef struct {
     uint32_t life_10J[ENERGY_KINDS];   /* saturating */
@@ -36,19 +35,13 @@ typedef struct {
     uint16_t slow_steps;               /* until the latest pass */
 } energy_t;
 
-/* Energies in Wh, rounded down. */
-typedef struct {
-    uint32_t drawn_Wh, returned_Wh;
-    uint8_t friction_percent; /* of the braking work of both brakes; ENERGY_NO_SHARE */
-} energy_report_t;
-
 /* before_10J: for life, as the journal has it. */
 void energy_init(energy_t *energy, const uint32_t before_10J[ENERGY_KINDS]);
 
 /* slow_steps: counted by the slow loop, modulo 2^16. */
 void energy_step(energy_t *energy, const slow_output_t *output, uint16_t slow_steps);
 
-energy_report_t energy_report(const energy_t *energy, bool for_life);
+messages_energy_t energy_report(const energy_t *energy, bool for_life);
 
 /* Line `number` (from 0) of the shell's answer; false if there is no such line. */
 bool energy_line(const energy_t *energy, uint32_t number, text_t *line);
