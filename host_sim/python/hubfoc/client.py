@@ -17,7 +17,7 @@ from hubfoc.errors import HubfocError
 WHEELS = ("front_left", "front_right", "rear_left", "rear_right")
 DIRECTIONS = {"neutral": 0, "forward": 1, "reverse": 2}
 SENT_BY_WHEELS = ("WheelState", "WheelBrake", "WheelDrive", "WheelPower", "WheelHealth",
-                  "WheelAhead", "WheelAvailable")  # fmt: skip
+                  "WheelAhead", "WheelAvailable", "WheelEnergy")  # fmt: skip
 END_CYCLES = 10  # zero demands before the sender falls silent
 LISTEN_CYCLES = 10  # before the first demand, whether somebody else sends some
 
@@ -44,6 +44,12 @@ class WheelStatus:
     winding_temperature_c: float | None
     warning: str | None
     waits_for: str | None  # before it drives; empty: for nothing
+    drawn_wh: float | None  # energies and friction's share of the braking work since the start
+    returned_wh: float | None
+    friction_percent: float | None
+    life_drawn_wh: float | None  # and for life
+    life_returned_wh: float | None
+    life_friction_percent: float | None
     lost: tuple[str, ...]
 
 
@@ -67,7 +73,7 @@ class Wheel:
         ):
             values = can_protocol.decode(name, data)
             assert values is not None
-            self.values[name] = values
+            self.values[name] = {**self.values.get(name, {}), **values}
 
     def status(self, now_ms: int | None = None) -> WheelStatus:
         """Return what the wheel last said; ``now_ms`` of another clock than the wall's."""
@@ -104,6 +110,12 @@ class Wheel:
             waits_for=None
             if (waits_for := latest("WheelAvailable", "waits_for")) is None
             else reasons.waits_for(int(waits_for)),
+            drawn_wh=latest("WheelEnergy", "drawn_wh"),
+            returned_wh=latest("WheelEnergy", "returned_wh"),
+            friction_percent=latest("WheelEnergy", "friction_percent"),
+            life_drawn_wh=latest("WheelEnergy", "life_drawn_wh"),
+            life_returned_wh=latest("WheelEnergy", "life_returned_wh"),
+            life_friction_percent=latest("WheelEnergy", "life_friction_percent"),
             lost=tuple(n for n, r in self.receivers.items() if r.link == "TIMED_OUT"),
         )
 

@@ -19,7 +19,7 @@ LINE_S = 1.0  # between two tables where there is no terminal
 SETTLE_S = 0.5  # within which a wheel that is there has spoken
 SWITCH_ON_S = 2.0
 RUNNING = ("RUN", "LIMP")
-UNITS = {"rad_s": "rad/s", "nm": "N m", "v": "V", "a": "A", "c": "degC"}
+UNITS = {"rad_s": "rad/s", "nm": "N m", "v": "V", "a": "A", "c": "degC", "wh": "Wh", "percent": "%"}
 
 
 def _label(key: str) -> str:

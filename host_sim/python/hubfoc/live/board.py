@@ -39,6 +39,12 @@ ON_CAN = {
     "bus_current_a": ("WheelPower", "bus_current_a", "A", "out of the battery"),
     "winding_temperature_c": ("WheelHealth", "winding_temperature_c", "degC", "in use"),
     "switch_temperature_c": ("WheelHealth", "switch_temperature_c", "degC", "in use"),
+    "drawn_wh": ("WheelEnergy", "drawn_wh", "Wh", "drawn since its start"),
+    "returned_wh": ("WheelEnergy", "returned_wh", "Wh", "returned since its start"),
+    "friction_percent": ("WheelEnergy", "friction_percent", "%", "of braking, since its start"),
+    "life_drawn_wh": ("WheelEnergy", "life_drawn_wh", "Wh", "drawn for life"),
+    "life_returned_wh": ("WheelEnergy", "life_returned_wh", "Wh", "returned for life"),
+    "life_friction_percent": ("WheelEnergy", "life_friction_percent", "%", "of braking, for life"),
 }
 OF_VEHICLE = {
     "vehicle.speed_m_per_s": ("m/s", "mean of the wheels"),

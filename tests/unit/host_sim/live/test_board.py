@@ -104,6 +104,23 @@ def test_signals_are_those_of_the_frames_and_nan_once_they_come_no_more() -> Non
     assert math.isnan(known(vehicle)["wheel2.motor_torque_nm"])
 
 
+def test_both_accounts_of_a_wheel_stay_until_they_come_no_more() -> None:
+    vehicle = BoardVehicle(schema.load(cli.DEFAULT_CONFIG))
+    for counter in range(4):
+        own = {"account": 0.0, "drawn_wh": 12.5, "friction_percent": math.nan}
+        life = {"account": 1.0, "life_drawn_wh": 4000.0, "life_friction_percent": 7.0}
+        vehicle.step([
+            can_protocol.encode("WheelEnergy", life if counter % 2 else own, counter=counter)
+        ])  # fmt: skip
+    now = known(vehicle)
+    assert (now["wheel0.drawn_wh"], now["wheel0.life_drawn_wh"]) == (12.5, 4000.0)
+    assert math.isnan(now["wheel0.friction_percent"])
+    assert now["wheel0.life_friction_percent"] == 7.0
+    for _ in range(CYCLES_LOST_ms + 1):
+        vehicle.step([])
+    assert math.isnan(known(vehicle)["wheel0.drawn_wh"])
+
+
 def test_energy_is_torque_by_speed_and_a_silent_wheel_counts_nothing() -> None:
     vehicle = BoardVehicle(schema.load(cli.DEFAULT_CONFIG))
     history = History(vehicle)
