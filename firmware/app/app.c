@@ -132,7 +132,7 @@ static void start_as_before(controller_slow_t *slow, retained_t *retained)
 
 static void join_bus(const config_t *config)
 {
-    static const service_link_t LINK = {.fast_output = &app.controller.fast.output,
+    static const service_link_t LINK = {.fast = &app.controller.fast,
                                         .fast_input = &app.fast_input,
                                         .findings = &app.controller.slow.findings,
                                         .recording = &app.recording};
@@ -253,7 +253,7 @@ void app_pwm_period_isr(void)
     report_when_due();
     scope_t *recording = app.recording;
     if (recording != NULL) {
-        service_fast_step(recording);
+        service_fast_step(recording, &app.controller.fast);
     }
 
     const uint32_t cycles = time_cycles() - begin_cycles;

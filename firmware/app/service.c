@@ -21,9 +21,11 @@ enum {
 #define INPUT(name, raw, where, ...) PLACE(XCP_RECORD_INPUT, slow_input_t, where)
 #define FAST_OUTPUT(name, raw, where, ...) PLACE(XCP_RECORD_FAST_OUTPUT, fast_output_t, where)
 #define FAST_INPUT(name, raw, where, ...) PLACE(XCP_RECORD_FAST_INPUT, fast_input_t, where)
+#define FAST_VIEW(name, raw, where, ...) PLACE(XCP_RECORD_FAST_VIEW, fast_view_t, where)
 
-static const xcp_signal_t SIGNALS[] = {SIGNALS_SLOW_OUTPUTS(OUTPUT) SIGNALS_SLOW_INPUTS(
-    INPUT) SIGNALS_FAST_OUTPUTS(FAST_OUTPUT) SIGNALS_FAST_INPUTS(FAST_INPUT)};
+static const xcp_signal_t SIGNALS[] = {
+    SIGNALS_SLOW_OUTPUTS(OUTPUT) SIGNALS_SLOW_INPUTS(INPUT) SIGNALS_FAST_OUTPUTS(FAST_OUTPUT)
+        SIGNALS_FAST_INPUTS(FAST_INPUT) SIGNALS_FAST_VIEW(FAST_VIEW)};
 _Static_assert(sizeof SIGNALS / sizeof SIGNALS[0] <= UINT8_MAX, "places in scope_entry_t");
 
 static const daq_line_t CAN = {.packet_bytes = XCP_PACKET_BYTES, .packets_a_ms = 1};
@@ -34,17 +36,23 @@ _Static_assert((int)DAQ_PACKET_BYTES <= (int)PACKET_BYTES, "hal/packets.h");
 /* Apart from service_t, which a port without XCP has too. */
 static daq_t daq;
 static scope_t scope;
+/* Each context fills it before it reads. One interrupts another with later values: in the PWM
+ * period, where whole rows are taken, they are always of that period. */
+static fast_view_t loop;
 
 static xcp_table_t table_of(const service_t *service, const slow_output_t *output,
                             const slow_input_t *input)
 {
+    const controller_fast_t *fast = service->link->fast;
+    controller_fast_view(fast, &loop);
     const xcp_table_t table = {
         .signals = SIGNALS,
         .signals_count = sizeof SIGNALS / sizeof SIGNALS[0],
         .record = {[XCP_RECORD_OUTPUT] = output,
                    [XCP_RECORD_INPUT] = input,
-                   [XCP_RECORD_FAST_OUTPUT] = service->link->fast_output,
-                   [XCP_RECORD_FAST_INPUT] = service->link->fast_input},
+                   [XCP_RECORD_FAST_OUTPUT] = &fast->output,
+                   [XCP_RECORD_FAST_INPUT] = service->link->fast_input,
+                   [XCP_RECORD_FAST_VIEW] = &loop},
     };
     return table;
 }
@@ -103,8 +111,9 @@ void service_slow_step(service_t *service, const slow_output_t *output, const sl
     }
 }
 
-void service_fast_step(scope_t *recording)
+void service_fast_step(scope_t *recording, const controller_fast_t *fast)
 {
+    controller_fast_view(fast, &loop);
     scope_fast_step(recording);
 }
 

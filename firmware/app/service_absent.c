@@ -16,9 +16,10 @@ void service_slow_step(service_t *service, const slow_output_t *output, const sl
     (void)input;
 }
 
-void service_fast_step(scope_t *recording)
+void service_fast_step(scope_t *recording, const controller_fast_t *fast)
 {
     (void)recording;
+    (void)fast;
 }
 
 bool service_accepts(const service_t *service, uint16_t *identifier)

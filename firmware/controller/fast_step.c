@@ -42,3 +42,8 @@ void controller_fast_report_copy(const controller_fast_t *fast, fast_report_t *r
     report->bridge = fast->output.bridge;
     foc_report_copy(&fast->foc, report);
 }
+
+void controller_fast_view(const controller_fast_t *fast, fast_view_t *view)
+{
+    foc_view(&fast->foc, view);
+}

@@ -44,6 +44,20 @@ void foc_report_copy(const foc_state_t *state, fast_report_t *report)
     report->idle_beta_pu = state->idle.beta_pu;
 }
 
+void foc_view(const foc_state_t *state, fast_view_t *view)
+{
+    const foc_period_t *period = &state->period;
+    const dq_t i = dq_of(period->i_pu);
+    const dq_t u = dq_of(period->voltage.applied);
+    view->i_d_pu = i.d;
+    view->i_q_pu = i.q;
+    view->i_d_reference_pu = state->prefilter.reference_pu.d;
+    view->i_q_reference_pu = state->prefilter.reference_pu.q;
+    view->u_d_pu = u.d;
+    view->u_q_pu = u.q;
+    view->theta_turn = period->theta_turn;
+}
+
 void foc_report_complete(fast_report_t *report)
 {
     const fast_sample_t *sample = &report->sample;

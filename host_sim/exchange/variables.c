@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { CODE_MID = 2048, CODES = 4096, TURN_STEPS = 65536 };
+enum { CODE_MID = 2048, CODES = 4096, ONE_Q15 = 32768, TURN_STEPS = 65536 };
 
 #define LINE(message, label, raw, where, kind, conversion, lowest, highest, start, what, meaning)  \
     {.name = #label,                                                                               \
@@ -22,15 +22,18 @@ enum { CODE_MID = 2048, CODES = 4096, TURN_STEPS = 65536 };
      .bytes = sizeof(((message *)NULL)->where)},
 #define FAST_INPUT_LINE(...) LINE(fast_input_t, __VA_ARGS__)
 #define FAST_OUTPUT_LINE(...) LINE(fast_output_t, __VA_ARGS__)
+#define FAST_VIEW_LINE(...) LINE(fast_view_t, __VA_ARGS__)
 #define SLOW_INPUT_LINE(...) LINE(slow_input_t, __VA_ARGS__)
 #define SLOW_OUTPUT_LINE(...) LINE(slow_output_t, __VA_ARGS__)
 static const variable_info_t FAST_INPUTS[] = {SIGNALS_FAST_INPUTS(FAST_INPUT_LINE)};
 static const variable_info_t FAST_OUTPUTS[] = {SIGNALS_FAST_OUTPUTS(FAST_OUTPUT_LINE)};
+static const variable_info_t FAST_VIEW[] = {SIGNALS_FAST_VIEW(FAST_VIEW_LINE)};
 static const variable_info_t SLOW_INPUTS[] = {SIGNALS_SLOW_INPUTS(SLOW_INPUT_LINE)};
 static const variable_info_t SLOW_OUTPUTS[] = {SIGNALS_SLOW_OUTPUTS(SLOW_OUTPUT_LINE)};
 
 _Static_assert((int)SIGNALS_FAST_INPUT_COUNT <= (int)EXCHANGE_PORT_MAX &&
                    (int)SIGNALS_FAST_OUTPUT_COUNT <= (int)EXCHANGE_PORT_MAX &&
+                   (int)SIGNALS_FAST_VIEW_COUNT <= (int)EXCHANGE_PORT_MAX &&
                    (int)SIGNALS_SLOW_INPUT_COUNT <= (int)EXCHANGE_PORT_MAX &&
                    (int)SIGNALS_SLOW_OUTPUT_COUNT <= (int)EXCHANGE_PORT_MAX,
                "arrays of a port are too short");
@@ -46,14 +49,16 @@ int variables_count(exchange_port_t port)
         return SIGNALS_SLOW_INPUT_COUNT;
     case EXCHANGE_PORT_SLOW_OUTPUT:
         return SIGNALS_SLOW_OUTPUT_COUNT;
+    case EXCHANGE_PORT_FAST_VIEW:
+        return SIGNALS_FAST_VIEW_COUNT;
     }
     return 0;
 }
 
 variable_info_t variables_info(exchange_port_t port, int index)
 {
-    static const variable_info_t *const LISTS[EXCHANGE_PORTS] = {FAST_INPUTS, FAST_OUTPUTS,
-                                                                 SLOW_INPUTS, SLOW_OUTPUTS};
+    static const variable_info_t *const LISTS[EXCHANGE_PORTS] = {
+        FAST_INPUTS, FAST_OUTPUTS, SLOW_INPUTS, SLOW_OUTPUTS, FAST_VIEW};
     return LISTS[port][index];
 }
 
@@ -124,6 +129,12 @@ variables_affine_t variables_affine(exchange_scale_t scale, const config_t *conf
         break;
     case EXCHANGE_VOLTAGE_CODE:
         out.per_unit = CODES * 1000.0 / config->drive.voltage_full_scale_mV;
+        break;
+    case EXCHANGE_CURRENT_PU:
+        out.per_unit = ONE_Q15 * 1000.0 / config->drive.current_full_scale_mA;
+        break;
+    case EXCHANGE_SHARE:
+        out.per_unit = ONE_Q15;
         break;
     case EXCHANGE_DUTY:
         out.per_unit = bases_pwm_period_counts(config, BASES_MODEL_TIMER_Hz);

@@ -11,23 +11,22 @@
 #include "exchange/variables.h"
 #include "fmu/model.h"
 
-enum { NAME_LENGTH = 80 };
+enum { NAME_LENGTH = 80, STEP_PORTS = EXCHANGE_PORT_SLOW_OUTPUT + 1 };
 static const double ROUNDING = 1e-6; /* of a period: periods are counted, not added up */
 
-static const char *const PORT_NAME[EXCHANGE_PORTS] = {"fast_input", "fast_output", "slow_input",
-                                                      "slow_output"};
+static const char *const PORT_NAME[STEP_PORTS] = {"fast_input", "fast_output", "slow_input",
+                                                  "slow_output"};
 
 /* What changes while it runs. */
 typedef struct {
     controller_instance_t controller;
     int64_t periods, slow_steps;
-    int32_t raw[EXCHANGE_PORTS][EXCHANGE_PORT_MAX];
+    int32_t raw[STEP_PORTS][EXCHANGE_PORT_MAX];
 } running_t;
 
 struct model {
     running_t run;
-    int index[EXCHANGE_PORTS]
-             [EXCHANGE_PORT_MAX]; /* of a port's variable in the table; -1: not in it */
+    int index[STEP_PORTS][EXCHANGE_PORT_MAX]; /* of a port's variable in the table; -1: not in it */
     const char *error;
 };
 
@@ -110,7 +109,7 @@ bool model_begin(model_t *model, double *values)
         return false;
     }
     controller_instance_init(&model->run.controller, &config);
-    for (int port = 0; port < EXCHANGE_PORTS; port++) {
+    for (int port = 0; port < STEP_PORTS; port++) {
         for (int k = 0; k < variables_count((exchange_port_t)port); k++) {
             model->index[port][k] =
                 index_of(PORT_NAME[port], variables_info((exchange_port_t)port, k).name);

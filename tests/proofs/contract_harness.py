@@ -113,7 +113,7 @@ VALUES: dict[str, tuple[str, ...]] = {
     ),
     "controller_ends": (
         "controller_initial_setpoint", "controller_fast_report", "controller_fast_report_copy",
-        "controller_fast_report_complete",
+        "controller_fast_report_complete", "controller_fast_view",
     ),
     "black_box": ("recorder_init", "recorder_slow", "recorder_seal"),
 }  # fmt: skip

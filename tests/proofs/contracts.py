@@ -143,7 +143,7 @@ def known() -> dict[str, Contract]:
 
 
 # Of foc, called as they are.
-AS_THEY_ARE = ("foc_report_copy", "foc_report_complete")
+AS_THEY_ARE = ("foc_report_copy", "foc_report_complete", "foc_view")
 
 
 @cache

@@ -34,15 +34,15 @@ STATES = {
     "first_row": "number of the oldest row",
     "memory_bytes": "0: there is no scope",
 }
-_FAST = (variables.FAST_OUTPUT, variables.FAST_INPUT)
+_FAST = (variables.FAST_OUTPUT, variables.FAST_INPUT, variables.FAST_VIEW)
 
 
 @dataclass(frozen=True)
 class Signal:
     """One row of the table, a signed word.
 
-    ``name`` begins with ``output.`` or ``input.`` of the slow step, and with ``fast_output.`` or
-    ``fast_input.`` of the PWM period, whose values are raw.
+    ``name`` begins with ``output.`` or ``input.`` of the slow step, and with ``fast_output.``,
+    ``fast_input.`` or ``fast_view.`` of the PWM period, whose values are raw.
     """
 
     name: str
@@ -81,6 +81,7 @@ def signals() -> tuple[Signal, ...]:
     ports = (
         (variables.SLOW_OUTPUT, "output"), (variables.SLOW_INPUT, "input"),
         (variables.FAST_OUTPUT, "fast_output"), (variables.FAST_INPUT, "fast_input"),
+        (variables.FAST_VIEW, "fast_view"),
     )  # fmt: skip
     rows = [
         (f"{side}.{row.raw_name if port in _FAST else row.name}", row, port, number)

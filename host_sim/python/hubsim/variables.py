@@ -8,7 +8,7 @@ from functools import cache
 from hubsim.engine import library, text_of
 from hubsim.errors import HubsimError
 
-FAST_INPUT, FAST_OUTPUT, SLOW_INPUT, SLOW_OUTPUT = range(4)
+FAST_INPUT, FAST_OUTPUT, SLOW_INPUT, SLOW_OUTPUT, FAST_VIEW = range(5)
 REAL, FLAG, CODE = range(3)
 
 

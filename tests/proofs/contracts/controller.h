@@ -69,6 +69,9 @@ POST(controller_fast_report_complete, report->trip == old(report->trip) && repor
      old(report->bridge) && report->sensor_valid == old(report->sensor_valid) && report->sequence ==
      old(report->sequence))
 
+POST(controller_fast_view, view->i_q_reference_pu == fast->foc.prefilter.reference_pu.q &&
+     view->theta_turn == fast->foc.period.theta_turn)
+
 POST(controller_limits, result == &slow->torque.table)
 
 POST(controller_start_warm, slow->measure.temperatures.kept_cC == warmest_cC)

@@ -29,7 +29,7 @@ enum { SERVICE_ANSWER_ms = 100 };
 
 /* What it reads besides the slow step's messages, and whom it tells what to do in a PWM period. */
 typedef struct {
-    const fast_output_t *fast_output;
+    const controller_fast_t *fast;
     const fast_input_t *fast_input;
     const findings_t *findings;
     /* What service_fast_step() is to be called with in each PWM period; NULL: it is not to be
@@ -71,7 +71,7 @@ void service_init(service_t *service, const config_t *config, const service_link
 void service_slow_step(service_t *service, const slow_output_t *output, const slow_input_t *input);
 
 /* PWM period, after the fast step. */
-void service_fast_step(scope_t *recording);
+void service_fast_step(scope_t *recording, const controller_fast_t *fast);
 
 /* True, with the identifier that the CAN controller is to accept, if there is XCP on CAN. */
 bool service_accepts(const service_t *service, uint16_t *identifier);

@@ -15,6 +15,7 @@ typedef enum {
     XCP_RECORD_INPUT = 1,
     XCP_RECORD_FAST_OUTPUT = 2, /* of one PWM period */
     XCP_RECORD_FAST_INPUT = 3,
+    XCP_RECORD_FAST_VIEW = 4,
     XCP_RECORDS
 } xcp_record_t;
 

@@ -36,6 +36,7 @@
 #include "controller/current_expectation.h"
 #include "controller/measure.h"
 #include "core/fast_messages.h"
+#include "core/fast_view.h"
 #include "core/findings.h"
 #include "core/last.h"
 #include "core/measured.h"
@@ -103,6 +104,9 @@ void controller_fast_report(const controller_fast_t *fast, fast_report_t *report
 void controller_fast_report_copy(const controller_fast_t *fast, fast_report_t *report);
 /* In the context of controller_slow_step(): computes the remaining fields. */
 void controller_fast_report_complete(fast_report_t *report);
+
+/* The current loop for tools that measure (foc_view()). */
+void controller_fast_view(const controller_fast_t *fast, fast_view_t *view);
 
 /* The table of all torque limits of the latest slow step, for shell, log and report. In the context
  * of controller_slow_step(). */

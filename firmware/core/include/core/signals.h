@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * signals.h: the one table of signals, the inputs and outputs of the controller's two steps: names,
- * units, ranges, meanings, and where each of them is in the messages.
+ * signals.h: the one table of signals, the inputs and outputs of the controller's two steps and the
+ * view of its current loop: names, units, ranges, meanings, and where each of them is in the
+ * messages.
  *
  *     X(name_unit, raw name, member, type, scale, lowest, highest, start, "unit", "meaning")
  *
- * member is the member of fast_input_t, fast_output_t, slow_input_t or slow_output_t; a test
- * compares the table with these structures. The raw value is the integer in that member; lowest,
- * highest and start (of an input) are raw. scale names the conversion between raw and engineering
- * values: PLAIN the number itself, MILLI, CENTI, TURN (65 536 to one), CURRENT_CODE and
- * VOLTAGE_CODE of the converter, DUTY timer counts. type is the kind of variable for a tool: REAL,
- * FLAG or CODE (an integer with enumerated meaning).
+ * member is the member of fast_input_t, fast_output_t, fast_view_t, slow_input_t or slow_output_t;
+ * a test compares the table with these structures. The raw value is the integer in that member;
+ * lowest, highest and start (of an input) are raw. scale names the conversion between raw and
+ * engineering values: PLAIN the number itself, MILLI, CENTI, TURN (65 536 to one), CURRENT_CODE and
+ * VOLTAGE_CODE of the converter, CURRENT_PU and SHARE Q15 of the current base and of one, DUTY
+ * timer counts. type is the kind of variable for a tool: REAL, FLAG or CODE (an integer with
+ * enumerated meaning).
  *
  * Everything that offers a controller to other programs (Python, FMU, XCP) reads this table, so a
  * signal has one name, one unit and one meaning everywhere. Units and texts are of no use to a
@@ -56,6 +58,24 @@
     X(bridge, bridge, bridge, CODE, PLAIN, 0, 3, 0, "", \
       "0 freewheel: all switches off, 1 pulse-width modulation, 2 active short circuit, " \
       "3 the same on the high side")
+
+#define SIGNALS_FAST_VIEW(X) \
+    X(current_d_a, i_d_pu, i_d_pu, REAL, CURRENT_PU, -32768, 32767, 0, "A", \
+      "direct-axis current at the sampling instant, peak phase value") \
+    X(current_q_a, i_q_pu, i_q_pu, REAL, CURRENT_PU, -32768, 32767, 0, "A", \
+      "quadrature-axis current at the sampling instant, peak phase value") \
+    X(reference_d_a, i_d_reference_pu, i_d_reference_pu, \
+      REAL, CURRENT_PU, -32768, 32767, 0, "A", \
+      "reference of the direct-axis current, before the prefilter") \
+    X(reference_q_a, i_q_reference_pu, i_q_reference_pu, \
+      REAL, CURRENT_PU, -32768, 32767, 0, "A", \
+      "reference of the quadrature-axis current, before the prefilter") \
+    X(voltage_d, u_d_pu, u_d_pu, REAL, SHARE, -32768, 32767, 0, "1", \
+      "direct-axis voltage of the next period, share of the voltage circle") \
+    X(voltage_q, u_q_pu, u_q_pu, REAL, SHARE, -32768, 32767, 0, "1", \
+      "quadrature-axis voltage of the next period, share of the voltage circle") \
+    X(angle_turn, theta_turn, theta_turn, REAL, TURN, 0, 65535, 0, "turn", \
+      "electrical angle in use at the sampling instant")
 
 #define SIGNALS_SLOW_INPUTS(X) \
     X(drive_torque_nm, drive_torque_mNm, demand.drive_torque_mNm, \
@@ -184,6 +204,7 @@
 enum {
     SIGNALS_FAST_INPUT_COUNT = 0 SIGNALS_FAST_INPUTS(SIGNALS_COUNT),
     SIGNALS_FAST_OUTPUT_COUNT = 0 SIGNALS_FAST_OUTPUTS(SIGNALS_COUNT),
+    SIGNALS_FAST_VIEW_COUNT = 0 SIGNALS_FAST_VIEW(SIGNALS_COUNT),
     SIGNALS_SLOW_INPUT_COUNT = 0 SIGNALS_SLOW_INPUTS(SIGNALS_COUNT),
     SIGNALS_SLOW_OUTPUT_COUNT = 0 SIGNALS_SLOW_OUTPUTS(SIGNALS_COUNT)
 };

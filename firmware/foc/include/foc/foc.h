@@ -21,6 +21,7 @@
 
 #include "config/config.h"
 #include "core/fast_messages.h"
+#include "core/fast_view.h"
 #include "core/frames.h"
 #include "foc/input.h"
 #include "foc/state.h"
@@ -49,6 +50,10 @@ void foc_idle_step(foc_state_t *state, const config_t *config, const fast_setpoi
  * the fields that follow from the copied ones; once more changes nothing. */
 void foc_report_copy(const foc_state_t *state, fast_report_t *report);
 void foc_report_complete(fast_report_t *report);
+
+/* The state after the latest step as tools see it. Same context as the steps; in another one each
+ * value is of one period, but not all of the same. */
+void foc_view(const foc_state_t *state, fast_view_t *view);
 
 /* The latest period. */
 static inline const foc_period_t *foc_latest(const foc_state_t *state)

@@ -23,7 +23,8 @@ enum {
     HUBSIM_PORT_FAST_INPUT = 0,
     HUBSIM_PORT_FAST_OUTPUT = 1,
     HUBSIM_PORT_SLOW_INPUT = 2,
-    HUBSIM_PORT_SLOW_OUTPUT = 3
+    HUBSIM_PORT_SLOW_OUTPUT = 3,
+    HUBSIM_PORT_FAST_VIEW = 4 /* of tools that measure, no array of a step */
 };
 
 enum { HUBSIM_TYPE_REAL = 0, HUBSIM_TYPE_FLAG = 1, HUBSIM_TYPE_CODE = 2 };

@@ -19,9 +19,10 @@ typedef enum {
     EXCHANGE_PORT_FAST_INPUT = 0,
     EXCHANGE_PORT_FAST_OUTPUT = 1,
     EXCHANGE_PORT_SLOW_INPUT = 2,
-    EXCHANGE_PORT_SLOW_OUTPUT = 3
+    EXCHANGE_PORT_SLOW_OUTPUT = 3,
+    EXCHANGE_PORT_FAST_VIEW = 4 /* no message of a step */
 } exchange_port_t;
-enum { EXCHANGE_PORTS = 4 };
+enum { EXCHANGE_PORTS = 5 };
 
 typedef enum { EXCHANGE_REAL, EXCHANGE_FLAG, EXCHANGE_CODE } exchange_type_t;
 typedef enum {
@@ -31,6 +32,8 @@ typedef enum {
     EXCHANGE_TURN,         /* 65 536 to a turn, wrapping */
     EXCHANGE_CURRENT_CODE, /* converter codes around 2048 */
     EXCHANGE_VOLTAGE_CODE, /* converter codes from 0 */
+    EXCHANGE_CURRENT_PU,   /* Q15 of the current base */
+    EXCHANGE_SHARE,        /* Q15 of one */
     EXCHANGE_DUTY          /* timer counts of a period */
 } exchange_scale_t;
 

@@ -20,9 +20,11 @@ enum { COMMANDS = 0x7F0 + 2, ANSWERS = COMMANDS + 4, PERIODS_A_ms = 20, ANSWER_M
 #define INPUT_PLACE(name, ...) PLACE_INPUT_##name,
 #define FAST_OUTPUT_PLACE(name, ...) PLACE_FAST_OUTPUT_##name,
 #define FAST_INPUT_PLACE(name, ...) PLACE_FAST_INPUT_##name,
+#define FAST_VIEW_PLACE(name, ...) PLACE_FAST_VIEW_##name,
 enum {
     SIGNALS_SLOW_OUTPUTS(OUTPUT_PLACE) SIGNALS_SLOW_INPUTS(INPUT_PLACE)
-        SIGNALS_FAST_OUTPUTS(FAST_OUTPUT_PLACE) SIGNALS_FAST_INPUTS(FAST_INPUT_PLACE) PLACES
+        SIGNALS_FAST_OUTPUTS(FAST_OUTPUT_PLACE) SIGNALS_FAST_INPUTS(FAST_INPUT_PLACE)
+            SIGNALS_FAST_VIEW(FAST_VIEW_PLACE) PLACES
 };
 
 static config_t config;
@@ -345,4 +347,25 @@ void test_the_scope_has_what_the_sensors_gave_in_each_period(void)
         (void)next_sample(&twin);
     }
     TEST_ASSERT_EQUAL_UINT32(ROWS, most);
+}
+
+/* The angle of the sensors turns by as much in each period; its first differences are the speed. */
+void test_the_scope_has_the_current_loop_of_each_period(void)
+{
+    const uint32_t turn_a_period = 8000000 >> 16;
+    start(8000000);
+    write_scope(offsetof(scope_page_t, signal[0]), PLACE_FAST_VIEW_angle_turn);
+    write_scope(offsetof(scope_page_t, signal[1]), PLACE_FAST_OUTPUT_duty_a);
+    write_scope(offsetof(scope_page_t, rows), ROWS);
+    write_scope(offsetof(scope_page_t, run), 1);
+    run_for(2 * ROWS);
+    TEST_ASSERT_EQUAL_UINT32(SCOPE_COMPLETE, read_scope(offsetof(scope_page_t, phase)));
+    TEST_ASSERT_EQUAL_UINT32(ROW_BYTES, read_scope(offsetof(scope_page_t, row_bytes)));
+    upload_record();
+    for (uint32_t row = 1; row < ROWS; row++) {
+        const uint8_t *now = &record[ROW_BYTES * row];
+        const uint8_t *before = now - ROW_BYTES;
+        const uint32_t turned = (now[0] | (uint32_t)now[1] << 8) - (before[0] | before[1] << 8);
+        TEST_ASSERT_UINT32_WITHIN(turn_a_period / 4, turn_a_period, turned & 0xFFFFU);
+    }
 }

@@ -46,6 +46,16 @@ void test_a_trip_acts_in_its_own_period_and_stays_without_its_cause(void)
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step(true));
 }
 
+void test_the_view_is_that_of_the_current_loop(void)
+{
+    fast_view_t view;
+    (void)step(true);
+    controller.fast.foc.prefilter.reference_pu.q = -123;
+    controller_fast_view(&controller.fast, &view);
+    TEST_ASSERT_EQUAL_INT32(-123, view.i_q_reference_pu);
+    TEST_ASSERT_EQUAL_INT32(dq_of(foc_latest(&controller.fast.foc)->i_pu).q, view.i_q_pu);
+}
+
 void test_the_report_names_trip_and_bridge_of_the_latest_period(void)
 {
     fast_report_t report;

@@ -45,6 +45,25 @@ void test_the_initial_report_is_unlimited_with_mid_range_offsets(void)
     TEST_ASSERT_EQUAL_INT32(2048 * 16, report.offset_q4[2]);
 }
 
+void test_the_view_has_currents_references_and_voltages_of_the_latest_period(void)
+{
+    fast_view_t view;
+    foc.period.i_pu.v = q_pair(-1, 2);
+    foc.period.i_reference_pu.v = q_pair(-3, 4); /* behind the prefilter: not shown */
+    foc.prefilter.reference_pu.d = -5;
+    foc.prefilter.reference_pu.q = 6;
+    set_applied(-7, 8);
+    foc.period.theta_turn = 65535;
+    foc_view(&foc, &view);
+    TEST_ASSERT_EQUAL_INT32(-1, view.i_d_pu);
+    TEST_ASSERT_EQUAL_INT32(2, view.i_q_pu);
+    TEST_ASSERT_EQUAL_INT32(-5, view.i_d_reference_pu);
+    TEST_ASSERT_EQUAL_INT32(6, view.i_q_reference_pu);
+    TEST_ASSERT_EQUAL_INT32(-7, view.u_d_pu);
+    TEST_ASSERT_EQUAL_INT32(8, view.u_q_pu);
+    TEST_ASSERT_EQUAL_UINT16(65535, view.theta_turn);
+}
+
 void test_every_copied_field_is_that_of_the_state(void)
 {
     fast_report_t report = {0};

@@ -13,11 +13,14 @@ from hubsim import variables
 from hubsim.engine import ROOT
 
 PORTS = {
-    "foc_input_t": ("firmware/foc/include/foc/input.h", "fast_input"),
-    "fast_output_t": ("firmware/controller/include/controller/controller.h", "fast_output"),
-    "slow_input_t": ("firmware/core/include/core/slow_messages.h", "slow_input"),
-    "slow_output_t": ("firmware/core/include/core/slow_messages.h", "slow_output"),
-}
+    "foc_input_t": ("firmware/foc/include/foc/input.h", variables.FAST_INPUT),
+    "fast_output_t": (
+        "firmware/controller/include/controller/controller.h", variables.FAST_OUTPUT,
+    ),
+    "fast_view_t": ("firmware/core/include/core/fast_view.h", variables.FAST_VIEW),
+    "slow_input_t": ("firmware/core/include/core/slow_messages.h", variables.SLOW_INPUT),
+    "slow_output_t": ("firmware/core/include/core/slow_messages.h", variables.SLOW_OUTPUT),
+}  # fmt: skip
 
 
 def bodies() -> dict[str, str]:
@@ -47,14 +50,14 @@ def members(struct: str) -> list[str]:
 @pytest.mark.parametrize("struct", PORTS)
 def test_the_list_contains_every_member_of_the_messages_once(struct: str) -> None:
     _, port = PORTS[struct]
-    listed = [v.member for v in hubsim.Controller.variables()[port]]
+    listed = [v.member for v in variables.of_port(port)]
     assert sorted(listed) == sorted(members(struct))
 
 
 def test_a_raw_name_has_the_suffix_of_its_member() -> None:
     """Raw names are those of the firmware: same quantity, same unit."""
-    for port in hubsim.Controller.variables().values():
-        for v in port:
+    for _, port in PORTS.values():
+        for v in variables.of_port(port):
             last = re.sub(
                 r"\[([012])\]$", lambda k: "_" + "abc"[int(k[1])], v.member.split(".")[-1]
             )

@@ -23,7 +23,7 @@ PAGES = """
 struct {
     struct { SIGNALS_SLOW_OUTPUTS(WORD) } output; struct { SIGNALS_SLOW_INPUTS(WORD) } input;
     struct { SIGNALS_FAST_OUTPUTS(RAW) } fast_output;
-    struct { SIGNALS_FAST_INPUTS(RAW) } fast_input;
+    struct { SIGNALS_FAST_INPUTS(RAW) } fast_input; struct { SIGNALS_FAST_VIEW(RAW) } fast_view;
 } measurement_page __attribute__((section("signals"))) = {{1}, {1}};
 config_t calibration_page __attribute__((section("page"))) = {1};
 struct {
