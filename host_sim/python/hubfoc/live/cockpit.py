@@ -42,6 +42,7 @@ class Cockpit:
         self.drive_nm, self.brake_nm = self._ends_nm[0]
         self.owner: object | None = None
         self.switched_off = False  # the page's demands ask for no torque
+        self._withdrawn = False  # no driving torque until the accelerator has been let go
         self._base = drive.vehicle.can_base
         self._pedals = Pedals()
         self._reached = [0.0, 0.0]  # accelerator and brake, at most FULL_S for the whole travel
@@ -54,7 +55,7 @@ class Cockpit:
 
     def begin(self) -> None:
         """Start with another vehicle, whose time is zero."""
-        self.switched_off = False
+        self.switched_off = self._withdrawn = False
         self._reached = [0.0, 0.0]
         self._foreign_s = self._acknowledge_until_s = -math.inf
         self._due_s = self._time_s = 0.0
@@ -71,6 +72,7 @@ class Cockpit:
         if self.foreign:
             raise HubfocError("another sender's demand is on this bus, accepted: one sender")
         self.owner = owner
+        self._withdrawn = False
         self._pedals = Pedals()
         self._message_s = time.monotonic()
 
@@ -87,7 +89,13 @@ class Cockpit:
         if not (0.0 <= accelerator <= 1.0 and 0.0 <= brake <= 1.0):
             raise HubfocError("accelerator, brake: accepted: 0 to 1")
         self._pedals = Pedals(accelerator, brake, direction)
+        self._withdrawn = self._withdrawn and accelerator > 0.0
         self._message_s = time.monotonic()
+
+    def withdraw(self, owner: object) -> None:
+        """End the driving torque in one step, until the accelerator has been let go."""
+        self.check(owner)
+        self._withdrawn = True
 
     def acknowledge(self, owner: object) -> None:
         """Acknowledge faults, with released pedals."""
@@ -125,6 +133,9 @@ class Cockpit:
         acknowledges = self._time_s < self._acknowledge_until_s
         if acknowledges or time.monotonic() - self._message_s > SILENT_S:
             pedals = Pedals(direction=pedals.direction)
+        if self._withdrawn:  # a wheel in neutral drops its driving torque, without a rate
+            pedals = Pedals(brake=pedals.brake, direction="neutral")
+            self._reached[0] = 0.0
         rise = cycle_s("Demand") / FULL_S
         for k, wanted in enumerate((pedals.accelerator, pedals.brake)):
             self._reached[k] += min(max(wanted - self._reached[k], -rise), rise)

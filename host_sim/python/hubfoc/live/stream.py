@@ -7,7 +7,7 @@ number, the first row, how many rows, how many curves (4 bytes each), then as 32
 signals of hello's ``shown`` now, and the rows of the chosen curves. From the page, as text: JSON
 with ``do`` (``Desk.do``), or ``curves`` with their names. What takes seconds (``SLOW``) a thread
 of its own does, one at a time for a page, and answers with ``parameters``, ``replay``,
-``blackbox``, ``armed`` and ``scope`` or ``file`` (in base64); ``replayed``
+``blackbox``, ``armed`` and ``scope``, ``step`` or ``file`` (in base64); ``replayed``
 asks for another signal of the latest replay.
 """
 
@@ -25,7 +25,7 @@ from hubsim.errors import HubsimError
 from regen_table.errors import ConfigurationError
 
 from hubfoc.errors import HubfocError
-from hubfoc.live import black_boxes, exports, parameters, replays, scopes
+from hubfoc.live import black_boxes, exports, parameters, replays, scopes, step_tests
 from hubfoc.live.desk import Desk
 from hubfoc.live.orders import Orders
 from hubfoc.live.service import Handler
@@ -34,7 +34,7 @@ from hubfoc.live.websocket import WebSocket, opened
 UPDATE_S = 1.0 / 60.0
 STATE_S = 0.2
 CURVES = 24
-SLOW = ("parameters", "store", "replay", "blackbox", "scope", "export")
+SLOW = ("parameters", "store", "replay", "blackbox", "scope", "step", "export")
 ANSWER_S = 30.0  # of a wheel's shell, whose vehicle may be slower than the clock
 # Of whoever wrote what a page wants, or of the vehicle.
 MISTAKES = (
@@ -108,6 +108,7 @@ class Page:
             "replay": self._replay,
             "blackbox": self._black_box,
             "scope": self._record_scope,
+            "step": self._step_test,
             "export": self._export,
         }
         try:
@@ -163,6 +164,17 @@ class Page:
             found = scopes.record(session, drive, wanted, lambda: self._send({"kind": "armed"}))
         self._scope = found
         return {"kind": "scope", "wheel": wheel, **found.message()}
+
+    def _step_test(self, wanted: Mapping[str, Any]) -> Message:
+        """End the driving torque of the vehicle, and look at one wheel's current meanwhile."""
+        wheel, cockpit = int(wanted["wheel"]), self._desk.cockpit
+        self._orders.call(lambda: cockpit.check(self))
+        with self._desk.session(wheel) as session:
+            found = step_tests.record(
+                session, self._desk.drive_of(wheel),
+                lambda: self._orders.call(lambda: cockpit.withdraw(self)),
+            )  # fmt: skip
+        return {"kind": "step", "wheel": wheel, **found.message()}
 
     def _export(self, wanted: Mapping[str, Any]) -> Message:
         """Curves as a file: of the scope, or rows of the vehicle's signals."""

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 
 from hubfoc.bus import join
 from hubfoc.live import clock, command, desk, orders, service, terminals, world, xcp
@@ -43,13 +44,13 @@ def until(condition: Callable[[], bool]) -> None:
 
 
 @contextmanager
-def running(*, paced: bool = True) -> Iterator[Running]:
-    """Run the paper's vehicle on a bus of its own."""
+def running(*, paced: bool = True, config: Path = cli.DEFAULT_CONFIG) -> Iterator[Running]:
+    """Run the paper's vehicle, or another one, on a bus of its own."""
     channel = f"virtual:{next(NUMBERS)}"
     ends = threading.Event()
     bus, pace, calls = join(channel), clock.Clock(paced=paced), orders.Orders()
     with (
-        world.World(cli.DEFAULT_CONFIG) as own,
+        world.World(config) as own,
         terminals.Terminals(own.vehicle.wheels) as lines,
         xcp.Gateways(own.vehicle.service_base, own.vehicle.wheels) as gateways,
     ):

@@ -48,6 +48,24 @@ def test_every_ten_milliseconds_all_wheels_get_the_demand_of_the_pedal(cockpit: 
     )
 
 
+def test_a_withdrawn_torque_is_gone_in_one_demand_and_stays_away(cockpit: Cockpit) -> None:
+    """In neutral a wheel drops its driving torque at once (firmware/torque, Demand)."""
+    cockpit.drive(FIRST, 1.0, 0.0, "forward")
+    assert demands(cockpit, 0.0, 0.5)[-1]["drive_torque_nm"] == pytest.approx(cockpit.drive_nm)
+    with pytest.raises(HubfocError, match="watches"):
+        cockpit.withdraw(SECOND)
+    cockpit.withdraw(FIRST)
+    cockpit.drive(FIRST, 1.0, 0.2, "forward")
+    found = demands(cockpit, 0.5, 1.0)
+    assert {(values["direction"], values["drive_torque_nm"]) for values in found} == {(0.0, 0.0)}
+    assert found[-1]["brake_torque_nm"] == pytest.approx(0.2 * cockpit.brake_nm, rel=0.01)
+    cockpit.drive(FIRST, 0.0, 0.0, "forward")
+    cockpit.drive(FIRST, 1.0, 0.0, "forward")
+    last = demands(cockpit, 1.0, 1.5)[-1]
+    assert last["direction"] == 1.0
+    assert last["drive_torque_nm"] == pytest.approx(cockpit.drive_nm)
+
+
 def test_wheels_of_two_kinds_get_the_same_part_of_their_torques(tmp_path: Path) -> None:
     """Half the pedal: 20 N m of 40 in front, 10 of 20 at the rear."""
     front, rear = map(schema.load, unlike_axles.files(tmp_path, {}))

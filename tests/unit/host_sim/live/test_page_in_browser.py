@@ -3,6 +3,7 @@
 
 import csv
 import json
+import re
 import signal
 import subprocess
 import sys
@@ -202,6 +203,49 @@ def test_the_scope_is_drawn_and_exported(browser: Browser, tmp_path: Path) -> No
     browser.slide("#brake", 0.0)
 
 
+def test_a_step_of_the_current_loop_is_drawn_beside_the_designed_response(
+    browser: Browser, tmp_path: Path
+) -> None:
+    """What is beside it: test_step_tests.py. Both pedals are let go before the picture is there."""
+    browser.until(f"{NOW}['wheel0.mode'] === 4")
+    browser.slide("#accelerator", 0.5)
+    browser.until(f"{NOW}['wheel0.motor_torque_nm'] > 15")
+    browser.click("#open-step")
+    browser.until("document.querySelector('#step').open")
+    assert browser.evaluate("document.querySelector('#accelerator').value") == "0"
+    of = browser.text("#step-of")
+    assert of.startswith("front left, i_q from ")
+    assert of.endswith(" A to 0.0 A")
+    rise, designed_rise, overshoot, designed_overshoot = browser.evaluate(
+        "[...document.querySelectorAll('#step-lines td')].map((td) => parseFloat(td.innerText))"
+    )
+    assert rise == pytest.approx(designed_rise, rel=0.5)
+    assert 0.0 <= overshoot < 30.0
+    assert designed_overshoot == 0.0
+    found = re.search(r"([\d.]+) A, ([\d.]+) % of the step", browser.text("#step-words"))
+    assert found is not None
+    assert float(found[2]) < 30.0
+    assert browser.evaluate("document.querySelectorAll('#step canvas').length") == 2
+    assert fits(browser, "#step", tmp_path)
+    browser.call("Page.setDownloadBehavior", behavior="allow", downloadPath=str(tmp_path))
+    for button, name in (("csv", "hubfoc-step.csv"), ("picture", "hubfoc-step.png")):
+        browser.click(f"#step-{button}")
+        browser.until_true((tmp_path / name).is_file, "no file")
+    with (tmp_path / "hubfoc-step.csv").open(encoding="utf-8") as text:
+        rows = list(csv.DictReader(text))
+    worst = max(
+        abs(float(row["fast_view.i_q_pu"]) - float(row["designed.i_q"]))
+        for row in rows
+        if float(row["time_s"]) >= 0.0
+    )
+    assert worst == pytest.approx(float(found[1]), abs=0.006)
+    browser.click("#step-close")
+    browser.until(f"Math.abs({NOW}['wheel0.motor_torque_nm']) < 1")
+    browser.slide("#brake", 0.3)
+    browser.until(f"{NOW}['vehicle.speed_m_per_s'] < 0.01")
+    browser.slide("#brake", 0.0)
+
+
 def test_the_world_and_the_pedals_obey_keys(browser: Browser) -> None:
     browser.press("w")
     browser.until("Number(document.querySelector('#accelerator').value) === 0.05")
@@ -313,6 +357,7 @@ def test_a_recording_is_replayed_bit_for_bit(browser: Browser, tmp_path: Path) -
     browser.click("#replay-simulate")
     browser.click("#replay-run")
     browser.until(f"{words}.includes('closed loop') && {words}.includes('every output equal')")
+    assert fits(browser, "#replay", tmp_path)
     browser.click("#replay-close")
 
 
@@ -352,7 +397,7 @@ def test_a_parameter_is_edited_replayed_and_stored(browser: Browser, tmp_path: P
     assert browser.evaluate(f"{edit}.closest('tr').className") == "other"
     assert browser.evaluate(f"{edit}.value") == str(before * 7 // 8)
     assert f"the file says {before}" in browser.text("#parameter-lines")
-    browser.picture(tmp_path / "parameters.png")
+    assert fits(browser, "#parameters", tmp_path)
     browser.click("#parameter-close")
     browser.until("hubfoc.last.rows.now['wheel0.mode'] === 4")
 

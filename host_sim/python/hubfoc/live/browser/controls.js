@@ -109,7 +109,7 @@ function setPedal(name, value) {
   showPedals();
 }
 
-function release() {
+export function release() {
   hold(false);
   setPedal("accelerator", 0);
   setPedal("brake", 0);

@@ -13,6 +13,8 @@ const MOST_CURVES = 24;
 const EVERY_MS = 30;
 const FEW = 8; // curves that are drawn thicker
 
+export const plotted = { row: 0 }; // the last row whose place is drawn
+
 const samples = new Samples();
 let chosen = []; // { name, right }
 let plot = null;
@@ -168,10 +170,12 @@ export function showCurves(now_ms) {
   if (plot === null || now_ms - shown_ms < EVERY_MS) return;
   shown_ms = now_ms;
   const [from, to] = shown();
+  const data = samples.window(from, to, plot.width);
   plot.batch(() => {
-    plot.setData(samples.window(from, to, plot.width), false);
+    plot.setData(data, false);
     plot.setScale("x", { min: from / 1e3, max: to / 1e3 });
   });
+  plotted.row = Math.round(1e3 * (data[0][data[0].length - 1] ?? 0));
   showValues();
 }
 

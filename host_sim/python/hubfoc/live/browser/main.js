@@ -6,11 +6,12 @@ import { buildEnergy, showEnergy } from "./energy.js";
 import { buildLimits, showLimits } from "./limits.js";
 import { buildControls, greetControls, loseControls, showControls } from "./controls.js";
 import { buildFaults, greetFaults, showFaults, showFindings } from "./faults.js";
-import { addRows, buildCurves, greetCurves, showCurves } from "./curves.js";
+import { addRows, buildCurves, greetCurves, plotted, showCurves } from "./curves.js";
 import { buildParameters, greetParameters, refuseParameters, showParameters } from "./parameters.js";
 import { buildRecording, greetRecording, refuseReplay, showRecording, showReplay } from "./recording.js";
 import { buildBlackBox, greetBlackBox, noticeFindings, refuseBlackBox, showBlackBox } from "./blackbox.js";
 import { armedScope, buildScope, greetScope, refuseScope, showScope, takeFile } from "./scope.js";
+import { buildStep, greetStep, refuseStep, showStep } from "./step.js";
 import { Samples } from "./samples.js";
 
 const STALE_MS = 500;
@@ -37,6 +38,7 @@ const hears = {
     greetRecording(told);
     greetBlackBox(told);
     greetScope(told);
+    greetStep(told);
     last.rows = null;
   },
   state(told) {
@@ -56,6 +58,7 @@ const hears = {
   blackbox: showBlackBox,
   armed: armedScope,
   scope: showScope,
+  step: showStep,
   file: takeFile,
   rows(told) {
     counts.updates++;
@@ -69,6 +72,7 @@ const hears = {
     refuseReplay(why);
     refuseBlackBox(why);
     refuseScope(why);
+    refuseStep();
     write(byId("refused"), why);
     setTimeout(() => write(byId("refused"), ""), REFUSED_MS);
   },
@@ -111,7 +115,8 @@ buildParameters();
 buildRecording();
 buildBlackBox();
 buildScope();
+buildStep();
 loseControls();
 connect(hears);
 requestAnimationFrame(frame);
-globalThis.hubfoc = { last, counts, chosenWheel, Samples }; // for tests and the curious
+globalThis.hubfoc = { last, counts, plotted, chosenWheel, Samples }; // for tests and the curious

@@ -13,7 +13,7 @@ export function colour(name) {
 }
 
 export function unitOf(text) {
-  return text.replace(".", " ").replace("deg", "°");
+  return text === "1" ? "" : text.replace(".", " ").replace("deg", "°");
 }
 
 // `curves`: name, unit, values, and where wanted style, width, dash, right. Times in s.
