@@ -72,6 +72,11 @@ class Browser:
         os.close(self._to)
         os.close(self._from)
 
+    @property
+    def pid(self) -> int:
+        """Return the number of its first process."""
+        return self._process.pid
+
     def call(self, method: str, **parameters: object) -> dict[str, Any]:
         """Return the result of a command of the debugging protocol."""
         number = next(self._numbers)

@@ -10,8 +10,8 @@ const FIRST = ["wheel0.motor_torque_nm", "wheel0.hydraulic_torque_nm", "wheel0.a
 const DASHES = [[], [6, 3], [2, 3]];
 const HEIGHT = 160;
 const MOST_CURVES = 24;
-const EVERY_MS = 30;
-const FEW = 8; // curves that are drawn thicker
+const EVERY_MS = 25; // many curves are drawn in every second frame at 60 Hz
+const FEW = 8; // curves that are drawn thicker, and in every frame
 
 export const plotted = { row: 0 }; // the last row whose place is drawn
 
@@ -167,7 +167,7 @@ function showValues() {
 }
 
 export function showCurves(now_ms) {
-  if (plot === null || now_ms - shown_ms < EVERY_MS) return;
+  if (plot === null || (chosen.length > FEW && now_ms - shown_ms < EVERY_MS)) return;
   shown_ms = now_ms;
   const [from, to] = shown();
   const data = samples.window(from, to, plot.width);

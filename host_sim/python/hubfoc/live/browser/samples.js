@@ -44,7 +44,8 @@ export class Samples {
     this.first = Math.max(this.first, this.end - MOST);
   }
 
-  // Times in s and values between two rows, at most about twice `wide` points.
+  // Times in s and values between two rows, at most about twice `wide` points, of the latest rows,
+  // whose group is not complete, each.
   window(from, to, wide) {
     const begin = Math.max(Math.ceil(from), this.first);
     const end = Math.min(Math.floor(to) + 1, this.end);
@@ -64,9 +65,11 @@ export class Samples {
     const from = Math.ceil(begin / GROUP / joined) * joined;
     const count = Math.max(Math.floor((Math.floor(end / GROUP) - from) / joined), 0);
     const length = joined * GROUP;
-    const times = Float64Array.from({ length: 2 * count }, (_, k) => (from * GROUP + (k / 2) * length + 1) / 1e3);
-    const values = stores.map(({ low, high }) => {
-      const out = new Array(2 * count);
+    const rest = (from + count * joined) * GROUP;
+    const times = Float64Array.from({ length: 2 * count + end - rest }, (_, k) =>
+      ((k < 2 * count ? from * GROUP + (k / 2) * length : rest + k - 2 * count) + 1) / 1e3); // prettier-ignore
+    const values = stores.map(({ raw, low, high }) => {
+      const out = new Array(times.length);
       for (let k = 0; k < count; k++) {
         let [least, most] = [Infinity, -Infinity];
         for (let group = from + k * joined; group < from + (k + 1) * joined; group++) {
@@ -76,6 +79,7 @@ export class Samples {
         out[2 * k] = known(least);
         out[2 * k + 1] = known(most);
       }
+      for (let row = rest; row < end; row++) out[2 * count + row - rest] = known(raw[row % MOST]);
       return out;
     });
     return [times, ...values];
