@@ -39,6 +39,7 @@ export function buildStep() {
 
 export function greetStep(now) {
   hello = now;
+  waits = false;
 }
 
 function begin() {
