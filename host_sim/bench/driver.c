@@ -5,9 +5,11 @@
 
 #include "plant/numbers.h"
 
+static const double LEAST_m_per_s2 = 0.1; /* a deceleration whose end is hardly felt */
+
 driver_state_t driver_init(void)
 {
-    const driver_state_t out = {.integral_m = 0.0, .cursor = 0};
+    const driver_state_t out = {.integral_m = 0.0, .braked_n = 0.0, .cursor = 0};
     return out;
 }
 
@@ -58,6 +60,19 @@ static driver_demand_t standing(const driver_params_t *params, const vehicle_t *
     return out;
 }
 
+/* Of the braking force beyond the slope's pull, as it was when the release began, what is left at
+ * this speed. */
+static double eased_n(const driver_params_t *params, driver_state_t *state,
+                      const vehicle_t *vehicle, double force_n, double speed_m_per_s)
+{
+    if (state->braked_n == 0.0) {
+        state->braked_n = plant_max(vehicle->slope_n - force_n, 0.0);
+    }
+    const double least_n = LEAST_m_per_s2 * vehicle->mass_kg - vehicle->rolling_n;
+    const double left_n = state->braked_n * speed_m_per_s / params->release_speed_m_per_s;
+    return plant_min(vehicle->slope_n - plant_max(left_n, plant_max(least_n, 0.0)), 0.0);
+}
+
 driver_demand_t driver_step(const driver_params_t *params, driver_state_t *state,
                             const driver_trace_t *trace, const vehicle_t *vehicle,
                             int driven_wheels, double speed_m_per_s, double time_s, double step_s)
@@ -71,6 +86,7 @@ driver_demand_t driver_step(const driver_params_t *params, driver_state_t *state
     const bool stays_still = reference <= 0.0 && ahead <= 0.0;
     if (stays_still && speed_m_per_s == 0.0) {
         state->integral_m = 0.0;
+        state->braked_n = 0.0;
         return standing(params, vehicle, driven_wheels);
     }
     const double error = reference - speed_m_per_s;
@@ -88,8 +104,15 @@ driver_demand_t driver_step(const driver_params_t *params, driver_state_t *state
     if (torque_nm == wanted_n * torque_per_n) {
         state->integral_m += error * step_s;
     }
-    const driver_demand_t out = {.drive_nm = plant_max(torque_nm, 0.0),
-                                 .brake_nm = plant_max(-torque_nm, 0.0),
+    const double release = params->release_speed_m_per_s;
+    const bool eases = ahead <= reference && reference < release && speed_m_per_s < release &&
+                       speed_m_per_s > 0.0 && torque_nm < 0.0;
+    state->braked_n = eases ? state->braked_n : 0.0;
+    const double force_n = torque_nm / torque_per_n;
+    const double pedal_nm =
+        eases ? torque_per_n * eased_n(params, state, vehicle, force_n, speed_m_per_s) : torque_nm;
+    const driver_demand_t out = {.drive_nm = plant_max(pedal_nm, 0.0),
+                                 .brake_nm = plant_max(-pedal_nm, 0.0),
                                  .reference_m_per_s = reference};
     return out;
 }

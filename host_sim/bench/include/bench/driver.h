@@ -11,7 +11,10 @@
  *     torque = F r / driven wheels
  *
  * whose integrator is updated with what the pedals' range left of the force. Positive force is the
- * drive pedal, negative the brake pedal. Or the pedals are constant as the scenario puts them.
+ * drive pedal, negative the brake pedal. Who comes to rest eases it below the release speed v_r: of
+ * the force F_0 beyond the slope's pull with which he came, F_0 v/v_r is left, at least what makes
+ * 0.1 m/s^2 together with rolling resistance. That lengthens a stop by less than v_r^2/(2 a). Or
+ * the pedals are constant as the scenario puts them, to standstill.
  */
 #ifndef BENCH_DRIVER_H
 #define BENCH_DRIVER_H
@@ -32,6 +35,8 @@
     X(bandwidth_rad_per_s,  1e-3, 100.0, "rad/s", "w_b of the speed regulator") \
     X(preview_s,            1e-3, 10.0,  "s", \
       "preview time of the driver for the acceleration") \
+    X(release_speed_m_per_s, 0.0, 1.0,   "m/s", \
+      "below it the brake pedal of who comes to rest is eased; 0: never") \
     X(most_drive_nm,        0.0,  1e5,   "N m",   "end of the drive pedal, at each driven wheel") \
     X(most_brake_nm,        0.0,  1e5,   "N m",   "end of the brake pedal, at each driven wheel") \
     X(demand_age_s,         0.0,  1e6,   "s", \
@@ -72,7 +77,8 @@ typedef struct {
 
 typedef struct {
     double integral_m; /* of the speed error */
-    int cursor;        /* point of the trace before the present time */
+    double braked_n; /* force beyond the slope's pull when easing the brake began; 0: it has not */
+    int cursor;      /* point of the trace before the present time */
 } driver_state_t;
 
 typedef struct {

@@ -55,8 +55,9 @@ VEHICLE_FIXED = frozenset(
 # importer ends the run.
 VEHICLE_SETTINGS = frozenset({
     "driver.follow_trace", "driver.bandwidth_rad_per_s", "driver.preview_s",
-    "driver.most_drive_nm", "driver.most_brake_nm", "run.stop_at_standstill",
-    "run.record_interval_s", "vehicle.driven_wheels", "inverter.pwm_frequency_hz",
+    "driver.release_speed_m_per_s", "driver.most_drive_nm", "driver.most_brake_nm",
+    "run.stop_at_standstill", "run.record_interval_s", "vehicle.driven_wheels",
+    "inverter.pwm_frequency_hz",
 })  # fmt: skip
 
 _BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")

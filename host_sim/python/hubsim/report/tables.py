@@ -328,7 +328,7 @@ def braking_quality(runs: Sequence[RunLike], caption: str) -> Markup:
         ),
         (
             "Jolt at the stop",
-            "deceleration that ends at once with the motion, for nothing releases the brakes",
+            "deceleration that ends at once with the motion: rolling, and brakes not eased",
             "m/s²",
             [quality.left_at_the_stop_m_per_s2(run) for run in runs],
             quality.largest,

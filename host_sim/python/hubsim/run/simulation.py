@@ -146,6 +146,7 @@ def _scenario_parameters(drive: Drive, scenario: Scenario) -> dict[str, float]:
         "driver.brake_pedal": scenario.brake_pedal or 0.0,
         "driver.bandwidth_rad_per_s": scenario.driver_bandwidth_rad_per_s,
         "driver.preview_s": scenario.driver_preview_s,
+        "driver.release_speed_m_per_s": scenario.driver_release_speed_m_per_s,
         "driver.most_drive_nm": axles.most_drive_nm(drive),
         "driver.most_brake_nm": axles.most_brake_nm(drive),
         "driver.enable": 1.0,

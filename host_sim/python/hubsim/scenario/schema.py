@@ -118,6 +118,9 @@ class Scenario(Section):
         float, number(1e-3, 100.0, "of the driver's speed regulator, rad/s")
     ] = 2.0
     driver_preview_s: Annotated[float, number(1e-3, 10.0, "preview time of the driver, s")] = 0.1
+    driver_release_speed_m_per_s: Annotated[
+        float, number(0.0, 1.0, "below it the driver eases the brake to a soft stop; 0: never, m/s")
+    ] = 0.3
     plant_flux_map: Annotated[
         str | None,
         Field(
@@ -207,7 +210,10 @@ class Scenario(Section):
         if self.follows:
             found |= dict.fromkeys(demands, "the driver follows a speed over time")
         else:
-            keys = ("speed_scale", "repeats", "driver_bandwidth_rad_per_s", "driver_preview_s")
+            keys = (
+                *("speed_scale", "repeats", "driver_bandwidth_rad_per_s", "driver_preview_s"),
+                "driver_release_speed_m_per_s",
+            )
             found |= dict.fromkeys(keys, "the driver follows no speed over time")
         if self.uses_pedals:
             found |= dict.fromkeys(demands, "the demands come from wired pedals")

@@ -126,6 +126,80 @@ void test_stopped_vehicle_is_braked_on_a_slope_but_not_on_the_flat(void)
     TEST_ASSERT_EQUAL_DOUBLE(0.0, demand.drive_nm);
 }
 
+void test_who_comes_to_rest_eases_the_brake_with_the_speed(void)
+{
+    const double time_s[] = {0.0, 10.0, 20.0};
+    const double speed[] = {7.0, 0.0, 0.0};
+    const driver_trace_t trace = {.time_s = time_s, .speed_m_per_s = speed, .points = 3};
+    params.release_speed_m_per_s = 0.28;
+    params.preview_s = 0.01;
+    const double braked_n = 660.0 * 0.7;
+    const double rolling_n = 0.014 * 660.0 * 9.81;
+    for (int k = 0; k < 2; k++) {
+        vehicle.slope_n = k == 0 ? 0.0 : -500.0;
+        const double slope_n = k == 0 ? 0.0 : 500.0;
+        state = driver_init();
+        TEST_ASSERT_DOUBLE_WITHIN(0.1, (braked_n + slope_n - rolling_n) * 0.25 / WHEELS,
+                                  ask(&trace, 0.42, 9.4).brake_nm);
+        TEST_ASSERT_DOUBLE_WITHIN(0.1, (0.25 * (braked_n - rolling_n) + slope_n) * 0.25 / WHEELS,
+                                  ask(&trace, 0.07, 9.9).brake_nm);
+    }
+    vehicle.slope_n = 500.0; /* uphill, steeper than the trace wants: it drives as before */
+    state = driver_init();
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, (500.0 + rolling_n - braked_n) * 0.25 / WHEELS,
+                              ask(&trace, 0.07, 9.9).drive_nm);
+}
+
+/* Down from 0.2 m/s to 0.1 and up again, and a pedal that the scenario holds. */
+void test_brake_is_not_eased_where_nothing_comes_to_rest(void)
+{
+    const double time_s[] = {0.0, 10.0, 20.0};
+    const double speed[] = {7.0, 0.1, 7.0};
+    const driver_trace_t trace = {.time_s = time_s, .speed_m_per_s = speed, .points = 3};
+    params.preview_s = 0.01;
+    const double usual_nm = ask(&trace, 0.5, 10.5).brake_nm;
+    params.release_speed_m_per_s = 0.3;
+    state = driver_init();
+    TEST_ASSERT_EQUAL_DOUBLE(usual_nm, ask(&trace, 0.5, 10.5).brake_nm);
+    params.follow_trace = 0.0;
+    params.brake_demand_nm = 25.0;
+    TEST_ASSERT_EQUAL_DOUBLE(25.0, ask(&trace, 0.01, 10.0).brake_nm);
+}
+
+typedef struct {
+    double jolt_m_per_s2, stands_s;
+} stop_t;
+
+static stop_t stop_by_brakes_alone(const driver_trace_t *trace, double begins_s)
+{
+    double speed = driver_trace_at(trace, &(int){0}, begins_s);
+    stop_t out = {.stands_s = begins_s};
+    state = driver_init();
+    while (speed > 0.0 && out.stands_s < 100.0) {
+        const driver_demand_t demand = ask(trace, speed, out.stands_s);
+        out.jolt_m_per_s2 = (demand.brake_nm - demand.drive_nm) * WHEELS / 0.25 / 660.0;
+        speed -= out.jolt_m_per_s2 * STEP_S;
+        out.stands_s += STEP_S;
+    }
+    return out;
+}
+
+/* Brakes that follow at once, no rolling resistance. The last 0.3 m/s of a stop with 2 m/s^2 last
+ * 0.15 s; eased, 0.15 s ln(2/0.1) down to 0.015 m/s, whence 0.1 m/s^2 stop it in another 0.15 s. */
+void test_eased_stop_ends_softly_and_hardly_later(void)
+{
+    const double time_s[] = {0.0, 5.0, 30.0};
+    const double speed[] = {10.0, 0.0, 0.0};
+    const driver_trace_t trace = {.time_s = time_s, .speed_m_per_s = speed, .points = 3};
+    vehicle.rolling_n = 0.0;
+    params.preview_s = 0.001;
+    const stop_t held = stop_by_brakes_alone(&trace, 3.0);
+    params.release_speed_m_per_s = 0.3;
+    const stop_t eased = stop_by_brakes_alone(&trace, 3.0);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.1, eased.jolt_m_per_s2);
+    TEST_ASSERT_DOUBLE_WITHIN(0.03, held.stands_s + 0.15 * log(20.0), eased.stands_s);
+}
+
 /* Which of the two counts is the controllers' decision. */
 void test_constant_pedals_are_both_where_the_scenario_puts_them(void)
 {
