@@ -87,7 +87,7 @@ flux_map_point_t flux_map_at(const config_t *config, int32_t i_d_mA, int32_t i_q
         return flux_map_of_constants(&config->motor, i_d_mA, i_q_mA);
     }
     const int32_t first_mA = -map->d_negative_points * map->d_step_mA;
-    const int32_t from_first_mA = q_saturate64((int64_t)i_d_mA - first_mA);
+    const int32_t from_first_mA = q_subtract(i_d_mA, first_mA);
     const int32_t at_d = position(from_first_mA, map->d_step_mA, map->d_points);
     const int32_t at_q = position(q_abs(i_q_mA), map->q_step_mA, map->q_points);
     const int32_t sign = i_q_mA < 0 ? -1 : 1;
@@ -121,7 +121,7 @@ static int32_t magnets(const config_t *config, int32_t winding_temperature_cC)
     const config_motor_t *motor = &config->motor;
     const config_flux_map_t *map = &config->flux_map;
     const int32_t rise_cK =
-        q_clamp(q_saturate64((int64_t)winding_temperature_cC - motor->reference_temperature_cC),
+        q_clamp(q_subtract(winding_temperature_cC, motor->reference_temperature_cC),
                 -LARGEST_RISE_cK, LARGEST_RISE_cK);
     const int32_t share_1e8 = motor->flux_coefficient_ppm_K * rise_cK;
     const int32_t share_q16 = (int32_t)(((int64_t)share_1e8 * Q16_PER_1E8_q32) >> 32);

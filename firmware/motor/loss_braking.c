@@ -99,7 +99,7 @@ current_setpoint_t loss_braking_setpoint(const feasible_set_t *set, const loss_b
         const int32_t e = set->power.c_d + scaled_multiply(set->power.b_d, at.x_b) +
                           scaled_multiply(twice_q, at.d_b);
         const int64_t under_root = square(e) - 2 * (int64_t)twice_q * excess_b;
-        at.d_b -= scaled_ratio(q_saturate64((int64_t)e + scaled_root(under_root)), twice_q);
+        at.d_b -= scaled_ratio(q_add(e, scaled_root(under_root)), twice_q);
         at.d_b =
             q_clamp(at.d_b, q_min(on_circle_d_b(m, losses->current_b, at), highest_b), highest_b);
         at.x_b = motor_model_x_of_airgap_b(m, airgap_b, at.d_b);

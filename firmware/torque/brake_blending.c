@@ -179,7 +179,7 @@ static int32_t command_mNm(const hydraulic_feedback_state_t *brake, int32_t requ
     if (excess_mNm > 0 && most_mNm > motor_mNm) {
         less_mNm = q_min(scaled_ratio(excess_mNm, brake->most_q15 * 512), most_mNm - motor_mNm);
     }
-    return q_saturate64((int64_t)nominal_mNm - less_mNm + missing_mNm - missing_mNm / 4);
+    return q_add(q_subtract(nominal_mNm, less_mNm), missing_mNm - missing_mNm / 4);
 }
 
 /* What the motor may make beside the torque that the hydraulic brake makes now; beside one that
@@ -220,7 +220,7 @@ static int32_t raised_mNm(const brake_blending_state_t *state, int32_t bound_mNm
     const hydraulic_feedback_state_t *feedback = &state->feedback;
     const int32_t missing_mNm = q15_product(hydraulic_model_torque_mNm(&state->hydraulic),
                                             feedback->most_q15 - feedback->least_q15);
-    return q_max(bound_mNm, q_min(q_saturate64((int64_t)bound_mNm + missing_mNm), beyond_mNm));
+    return q_max(bound_mNm, q_min(q_add(bound_mNm, missing_mNm), beyond_mNm));
 }
 
 /* Bound of the motor's braking torque: hard lines at once, deferrable ones bridged. beyond_mNm:

@@ -52,7 +52,7 @@ static demand_t lost_demand(demand_state_t *state, const config_t *config,
 {
     const config_driver_t *driver = &config->driver;
     const bool unsent = wheel->reason == REASON_TRANSMIT_TIMEOUT;
-    state->lost_ms = q_saturate64((int64_t)state->lost_ms + 1);
+    state->lost_ms = q_add(state->lost_ms, 1);
     if (unsent) { /* the brake system does not wait either */
         state->lost_ms = q_max(state->lost_ms, driver->lost_hold_ms + 1);
     }

@@ -61,8 +61,7 @@ static reason_t shown_reason(const demand_t *demand, const brake_blending_out_t 
 static int32_t hydraulic_command_mNm(const config_t *config, const brake_blending_out_t *split,
                                      const lift_off_t *lift_off, int32_t hold_mNm)
 {
-    const int32_t braking_mNm =
-        q_saturate64((int64_t)split->hydraulic_mNm + lift_off->hydraulic_mNm);
+    const int32_t braking_mNm = q_add(split->hydraulic_mNm, lift_off->hydraulic_mNm);
     return q_min(q_max(braking_mNm, hold_mNm), config->brake.max_hydraulic_torque_mNm);
 }
 
@@ -100,8 +99,7 @@ static int32_t coasting_mNm(const motor_model_t *model, const monitored_t *watch
 static int32_t beside_coasting_mNm(const demand_t *demand, const brake_blending_out_t *split,
                                    int32_t electric_mNm, int32_t coasting_mNm)
 {
-    const int32_t demanded_mNm =
-        q_saturate64((int64_t)demand->brake_torque_mNm + demand->lift_off_mNm);
+    const int32_t demanded_mNm = q_add(demand->brake_torque_mNm, demand->lift_off_mNm);
     const int32_t added_mNm = q_max(coasting_mNm - demanded_mNm / 2, 0);
     const int32_t most_mNm =
         q_min(q_max(coasting_mNm, split->available.torque_mNm), split->hard_mNm);
@@ -128,7 +126,7 @@ static torque_command_out_t motor_command(torque_state_t *state, const config_t 
             : 0;
     const motor_braking_t braking = {
         .electric_mNm = electric_mNm + added_mNm,
-        .uncovered_mNm = q_saturate64((int64_t)split->uncovered_mNm + lift_off_mNm + added_mNm),
+        .uncovered_mNm = q_add(q_add(split->uncovered_mNm, lift_off_mNm), added_mNm),
         .rise_mNm = split->rise_mNm,
     };
     return torque_command_step(&state->command, config, &state->table, now,
@@ -140,7 +138,7 @@ static torque_command_out_t motor_command(torque_state_t *state, const config_t 
 static int32_t kept_mNm(const torque_state_t *state, const config_t *config, const demand_t *demand)
 {
     const bool kept = config->driver.no_other_brake != 0 && state->demand.lost_ms > 0;
-    return kept ? q_saturate64((int64_t)demand->brake_torque_mNm + demand->lift_off_mNm) : 0;
+    return kept ? q_add(demand->brake_torque_mNm, demand->lift_off_mNm) : 0;
 }
 
 /* That PWM has, or would have if it took over from diodes that charge the battery. */

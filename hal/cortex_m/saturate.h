@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * saturate.h: the instructions that core/q15.h and core/scaled.h would like, where the core has
- * them: saturation and leading zeros, and their inlining.
+ * them: saturation, saturating sums and leading zeros, and their inlining.
  *
  * The toolchain file puts this header in front of every translation unit of the Arm ports. The
  * meaning is exactly that of the portable definition in q15.h; tests/target runs the same traces
@@ -17,6 +17,12 @@
  * macro does not survive -Wconversion; GCC and Clang both have it. */
 #define Q_TARGET_SATURATE(x, bits) ((int32_t)__builtin_arm_ssat((x), (bits)))
 #define Q_TARGET_POSITIVE(x) ((int32_t)__builtin_arm_usat((x), 31))
+#endif
+
+#if defined(__ARM_FEATURE_DSP)
+/* Sum and difference, saturated to 32 bits. */
+#define Q_TARGET_ADD(a, b) ((int32_t)__builtin_arm_qadd((a), (b)))
+#define Q_TARGET_SUBTRACT(a, b) ((int32_t)__builtin_arm_qsub((a), (b)))
 #endif
 
 #if defined(__ARM_FEATURE_CLZ)

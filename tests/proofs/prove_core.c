@@ -34,6 +34,9 @@ void prove_q15_slow(void)
     const int64_t x = nondet_int64();
     const int32_t saturated = q_saturate64(x);
     PROVE(saturated == x || x > INT32_MAX || x < INT32_MIN);
+    const int32_t other = nondet_int32();
+    PROVE(q_add(value, other) == q_saturate64((int64_t)value + other));
+    PROVE(q_subtract(value, other) == q_saturate64((int64_t)value - other));
     PROOF_END();
 }
 

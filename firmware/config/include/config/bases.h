@@ -107,8 +107,7 @@ static inline int32_t bases_share_at_q24(const config_t *config, int32_t coeffic
 {
     const int32_t most_cK = 100000;
     const int32_t rise_cK = q_limit(
-        q_saturate64((int64_t)winding_temperature_cC - config->motor.reference_temperature_cC),
-        most_cK);
+        q_subtract(winding_temperature_cC, config->motor.reference_temperature_cC), most_cK);
     /* ppm/K times hundredths of a kelvin is 1e-8: 2^56 / 1e8, and the upper half of the product. */
     const int64_t change = INT64_C(720575940) * rise_cK * coefficient_ppm_K;
     return q_max(SCALED_ONE + (int32_t)(change >> 32), SCALED_ONE / 10);

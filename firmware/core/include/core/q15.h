@@ -148,6 +148,22 @@ static inline int32_t q_saturate64(int64_t x)
 #endif
 }
 
+/* a + b and a - b, saturated; a port may supply them as one instruction. */
+#ifndef Q_TARGET_ADD
+#define Q_TARGET_ADD(a, b) q_saturate64((int64_t)(a) + (b))
+#define Q_TARGET_SUBTRACT(a, b) q_saturate64((int64_t)(a) - (b))
+#endif
+
+Q_TARGET_INLINE int32_t q_add(int32_t a, int32_t b)
+{
+    return Q_TARGET_ADD(a, b);
+}
+
+Q_TARGET_INLINE int32_t q_subtract(int32_t a, int32_t b)
+{
+    return Q_TARGET_SUBTRACT(a, b);
+}
+
 /* value * share, share in Q15, for physical quantities of the slow loop; rounded towards zero, so
  * never larger than value. */
 static inline int32_t q15_share_of(int32_t value, int16_t share_q15)

@@ -22,6 +22,12 @@ static inline int32_t scaled_multiply(int32_t a, int32_t b)
     return (int32_t)(((int64_t)a * b) >> 24);
 }
 
+/* (a b + c d) / 2^24, rounded down. |a b + c d| < 2^55. */
+static inline int32_t scaled_dot(int32_t a, int32_t b, int32_t c, int32_t d)
+{
+    return (int32_t)(((int64_t)a * b + (int64_t)c * d) >> 24);
+}
+
 /* x 2^shift, -62 <= shift <= 30; rounded down, saturated. */
 static inline int32_t scaled_shift(int32_t x, int32_t shift)
 {

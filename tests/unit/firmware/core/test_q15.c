@@ -122,3 +122,19 @@ void test_64_bit_values_saturate_to_32_bits(void)
     TEST_ASSERT_EQUAL_INT32(INT32_MIN, q_saturate64((int64_t)INT32_MIN - 1));
     TEST_ASSERT_EQUAL_INT32(-1, q_saturate64(-1));
 }
+
+void test_sums_and_differences_saturate(void)
+{
+    static const int32_t VALUES[] = {INT32_MIN, INT32_MIN + 1, -1,       0, 1,
+                                     7,         INT32_MAX - 1, INT32_MAX};
+    for (unsigned a = 0; a < sizeof VALUES / sizeof VALUES[0]; a++) {
+        for (unsigned b = 0; b < sizeof VALUES / sizeof VALUES[0]; b++) {
+            const int64_t sum = (int64_t)VALUES[a] + VALUES[b];
+            const int64_t difference = (int64_t)VALUES[a] - VALUES[b];
+            TEST_ASSERT_EQUAL_INT64(clamped(sum, INT32_MIN, INT32_MAX),
+                                    q_add(VALUES[a], VALUES[b]));
+            TEST_ASSERT_EQUAL_INT64(clamped(difference, INT32_MIN, INT32_MAX),
+                                    q_subtract(VALUES[a], VALUES[b]));
+        }
+    }
+}

@@ -79,6 +79,15 @@ void test_products_and_shifts_round_down_and_saturate(void)
     TEST_ASSERT_EQUAL_INT32(-1, scaled_shift(INT32_MIN, -62));
 }
 
+/* Two products of halves make a whole; a sum is rounded down once. */
+void test_a_sum_of_two_products_is_rounded_once(void)
+{
+    TEST_ASSERT_EQUAL_INT32(4, scaled_dot(3, SCALED_ONE / 2, 5, SCALED_ONE / 2));
+    TEST_ASSERT_EQUAL_INT32(-1, scaled_dot(3, SCALED_ONE / 2, -4, SCALED_ONE / 2));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX,
+                            scaled_dot(INT32_MAX, SCALED_ONE * 2, INT32_MIN + 1, SCALED_ONE));
+}
+
 void test_a_constant_is_the_nearest_number_in_its_scale(void)
 {
     random_t random = random_seeded(3);
