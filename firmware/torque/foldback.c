@@ -36,11 +36,13 @@ int32_t foldback_step(foldback_state_t *state, const foldback_t *foldback, int32
     const int32_t whole_mV = UNUSED_FACTOR * (foldback->width_mV + foldback->rise_mV);
     const bool unused = error_mV < 0 && flowing_q24 < state->allowed_q24 / UNUSED_SHARE &&
                         scaled_multiply(whole_mV, from_q24 + LITTLE_q24) < foldback->span_mV;
-    const int32_t gain_q24 = unused ? SCALED_ONE : from_q24 + LITTLE_q24;
-    const int32_t error_q24 =
-        scaled_ratio(error_mV, q_divisor(unused ? whole_mV : foldback->span_mV));
-    const int32_t change_q24 = scaled_multiply(gain_q24, error_q24) >> STEPS_LOG2;
-    state->allowed_q24 = q_clamp(from_q24 + change_q24, 0, SCALED_ONE);
+    if (error_mV < 0 || from_q24 < SCALED_ONE) {
+        const int32_t gain_q24 = unused ? SCALED_ONE : from_q24 + LITTLE_q24;
+        const int32_t error_q24 =
+            scaled_ratio(error_mV, q_divisor(unused ? whole_mV : foldback->span_mV));
+        const int32_t change_q24 = scaled_multiply(gain_q24, error_q24) >> STEPS_LOG2;
+        state->allowed_q24 = q_clamp(from_q24 + change_q24, 0, SCALED_ONE);
+    }
     return inside_mV <= -foldback->width_mV
                ? 0
                : scaled_multiply(foldback->most_mA, state->allowed_q24);
