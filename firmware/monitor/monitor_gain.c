@@ -12,6 +12,15 @@ void monitor_gain_restart(monitor_gain_state_t *state)
     *state = fresh;
 }
 
+/* The sums of the window as well, which the next one clears: add(). */
+static void forget(monitor_gain_state_t *state)
+{
+    state->steps = 0;
+    state->follows = false;
+    state->wrong = false;
+    state->missing_q15 = 0;
+}
+
 static int32_t delay_ms(const config_t *config)
 {
     return config->battery.current_filter_ms + MONITOR_GAIN_MESSAGE_ms;
@@ -113,7 +122,7 @@ bool monitor_gain_step(monitor_gain_state_t *state, const config_t *config, cons
 {
     if (!now->battery->current_given || measured_battery_open(now) ||
         config->battery.driven_wheels != 1) {
-        monitor_gain_restart(state);
+        forget(state);
         return false;
     }
     if (!known) {
