@@ -61,8 +61,7 @@ static axis_tuning_t axis_tuning(const winding_axis_t *axis, const conditions_t 
     const int64_t proportional_q10 =
         (scaled(axis->proportional_pu_q16, 16, at->factor_q22, 11) + 1) >> 1;
     const int64_t integral_q15 = scaled(integral_q24, 24, at->factor_q22, 15);
-    /* k_i / k_p does not depend on the bus voltage: Q24 over Q20 is Q4, times 2^24. */
-    const int32_t anti_windup_q28 = scaled_ratio(integral_q24, axis->proportional_pu_q16 * 16);
+    const int32_t anti_windup_q28 = share_of(at->winding_q24, axis->anti_windup_q28);
     const int64_t inductance_q16 = scaled(axis->inductance_pu_q16, 16, at->factor_q22, 16);
     const axis_tuning_t out = {
         .gains =

@@ -33,14 +33,16 @@ static winding_axis_t axis_at(const winding_axis_t *constants, const local_axis_
     const int32_t of_nH = q_divisor(local->of_inductance_nH);
     const int32_t grown_q16 =
         q_scale(constants->proportional_pu_q16 - half_integral_q16, local->inductance_nH, of_nH);
+    const int32_t proportional_q16 = q_clamp(half_integral_q16 + grown_q16, 1, LARGEST_Q16);
     const winding_axis_t out = {
-        .proportional_pu_q16 = q_clamp(half_integral_q16 + grown_q16, 1, LARGEST_Q16),
+        .proportional_pu_q16 = proportional_q16,
         .integral_pu_q24 = constants->integral_pu_q24,
         .inductance_pu_q16 = q_clamp(
             q_scale(constants->inductance_pu_q16, local->inductance_nH, of_nH), 1, LARGEST_Q16),
         .flux_pu_q16 = q_limit(q_scale(config->current_loop.flux_pu_q16, local->flux_nWb,
                                        q_divisor(config->motor.flux_linkage_nWb)),
                                LARGEST_Q16),
+        .anti_windup_q28 = winding_anti_windup_q28(constants->integral_pu_q24, proportional_q16),
     };
     return out;
 }

@@ -11,6 +11,13 @@
 #include "config/config.h"
 #include "controller/operating_point.h"
 #include "core/frames.h"
+#include "core/scaled.h"
+
+/* k_i/k_p, which does not depend on the bus voltage: Q24 over Q20 is Q4, times 2^24. */
+static inline int32_t winding_anti_windup_q28(int32_t integral_pu_q24, int32_t proportional_pu_q16)
+{
+    return scaled_ratio(integral_pu_q24, proportional_pu_q16 * 16);
+}
 
 /* Of a motor whose inductances are constant. Divides. */
 winding_t winding_constants(const config_t *config);

@@ -26,6 +26,7 @@ static winding_axis_t any_axis(void)
         .integral_pu_q24 = any_within(1, 16777216),
         .inductance_pu_q16 = any_within(1, 1048576),
         .flux_pu_q16 = any_within(-1048576, 1048576),
+        .anti_windup_q28 = any_within(0, 1 << 30),
     };
     return out;
 }

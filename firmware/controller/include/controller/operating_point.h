@@ -34,6 +34,7 @@ typedef struct {
     int32_t proportional_pu_q16, integral_pu_q24; /* at the reference temperature */
     int32_t inductance_pu_q16;                    /* L */
     int32_t flux_pu_q16;                          /* without saturation: the magnets', zero in q */
+    int32_t anti_windup_q28;                      /* k_i/k_p at the reference temperature */
 } winding_axis_t;
 
 typedef struct {

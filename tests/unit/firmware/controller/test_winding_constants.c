@@ -27,13 +27,15 @@ static void expect_axis(const winding_axis_t *expected, const winding_axis_t *ax
     TEST_ASSERT_EQUAL_INT32(expected->integral_pu_q24, axis->integral_pu_q24);
     TEST_ASSERT_EQUAL_INT32(expected->inductance_pu_q16, axis->inductance_pu_q16);
     TEST_ASSERT_EQUAL_INT32(expected->flux_pu_q16, axis->flux_pu_q16);
+    TEST_ASSERT_EQUAL_INT32(expected->anti_windup_q28, axis->anti_windup_q28);
 }
 
 void test_each_axis_has_its_own_gains_and_the_magnets_are_on_the_d_axis(void)
 {
     const winding_t winding = winding_constants(&config);
-    const winding_axis_t d = {11, 13, 5000, 7000};
-    const winding_axis_t q = {12, 14, 6000, 0};
+    /* k_i/k_p: Q24 over Q16 is Q8, in Q28 to nearest. */
+    const winding_axis_t d = {11, 13, 5000, 7000, (13 * (1 << 20) + 5) / 11};
+    const winding_axis_t q = {12, 14, 6000, 0, (14 * (1 << 20) + 6) / 12};
     expect_axis(&d, &winding.d);
     expect_axis(&q, &winding.q);
 }
