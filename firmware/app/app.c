@@ -415,6 +415,28 @@ static xcp_error_t objection_to_staging(const snapshot_t *snapshot)
     return is_at_standstill(&snapshot->output) ? XCP_ERROR_NONE : XCP_ERROR_NOT_ACCESSIBLE_NOW;
 }
 
+/* XCP on the serial line. */
+static void receive_serial(uint32_t now_ms)
+{
+    uint32_t length;
+    const uint8_t *packet = console_xcp_packet(&app.console.xcp, &length);
+    if (packet != NULL) {
+        service_receive_serial(&app.service, &app.view, packet, length, now_ms);
+    }
+    if (console_xcp_has_ended(&app.console.xcp)) {
+        service_end_serial(&app.service, &app.view, now_ms);
+    }
+}
+
+static void answer_serial(void)
+{
+    const uint8_t *packet;
+    const uint32_t length = service_serial_answer(&app.service, &packet);
+    if (length > 0) {
+        console_xcp_answer(&app.console.xcp, packet, length);
+    }
+}
+
 /* A staging page is stored as a received configuration is, when the tool has its answer. */
 static void serve(const snapshot_t *snapshot, uint32_t now_ms)
 {
@@ -427,10 +449,12 @@ static void serve(const snapshot_t *snapshot, uint32_t now_ms)
     if (command != NULL) {
         service_receive(&app.service, &app.view, command, now_ms);
     }
+    receive_serial(now_ms);
     if (service_wants_store(&app.service)) {
         service_store(&app.service, objection_to_staging(snapshot), now_ms);
     }
     service_step(&app.service, &app.view, now_ms);
+    answer_serial();
     if (service_store_is_due(&app.service, now_ms) && app.view.staging != NULL) {
         installer_accept_staging(installer);
     }

@@ -19,6 +19,7 @@ enum {
     INSTALL,
     OFF,
     BOOTLOADER,
+    XCP,
     COMMANDS_COUNT
 };
 
@@ -37,6 +38,7 @@ static const shell_command_t COMMANDS[COMMANDS_COUNT] = {
     [INSTALL] = {"install", "", "another configuration: send it as Intel HEX, the wheel at rest"},
     [OFF] = {"off", "", "lets the board's supply go, the wheel at rest"},
     [BOOTLOADER] = {"bootloader", "", "restarts in the chip's own, the wheel at rest"},
+    [XCP] = {"xcp", "", "the line is XCP's until DISCONNECT or 2 s of silence"},
 };
 
 static const char REFUSED[] = "refused: only with the wheel known to be at rest and switched off";
@@ -67,6 +69,14 @@ static bool answer_limits(console_t *console, uint32_t number, text_t *line)
         console->limits = *console->status.limits;
     }
     return report_limits(&console->status, &console->limits, number, line);
+}
+
+static bool answer_xcp(console_t *console, uint32_t number, text_t *line)
+{
+    const bool opens =
+        number == 0 && console->status.control && console_xcp_open(&console->xcp, console->now_ms);
+    text_add(line, opens ? "XCP" : "not here");
+    return number == 0;
 }
 
 static bool answer(console_t *console, const shell_request_t *asked, text_t *line)
@@ -107,6 +117,8 @@ static bool answer(console_t *console, const shell_request_t *asked, text_t *lin
         console->bootloader_wanted = console->bootloader_wanted || asked->number == 0;
         text_add(line, "only with the wheel at rest");
         return asked->number == 0;
+    case XCP:
+        return answer_xcp(console, asked->number, line);
     default:
         return false;
     }
@@ -123,6 +135,7 @@ void console_init(console_t *console, const boot_report_t *boot)
     console->off_wanted = false;
     console->bootloader_wanted = false;
     console->now_ms = 0;
+    console_xcp_init(&console->xcp);
     installer_init(&console->installer);
 }
 
@@ -257,12 +270,10 @@ bool console_request_bootloader(console_t *console, bool permitted)
     return requested;
 }
 
-void console_pump(console_t *console, uint32_t now_ms, const report_status_t *status)
+static void read_keys(console_t *console, uint32_t now_ms)
 {
-    console->status = *status;
-    console->now_ms = now_ms;
     uint8_t byte;
-    while (serial_read(&byte)) {
+    while (!console_xcp_has_line(&console->xcp) && serial_read(&byte)) {
         console->watching = false;
         if (console->installer.state == INSTALLER_RECEIVING) {
             installer_receive(&console->installer, byte, now_ms);
@@ -270,6 +281,24 @@ void console_pump(console_t *console, uint32_t now_ms, const report_status_t *st
             shell_receive(&console->shell, byte);
         }
     }
+}
+
+/* True if there is none left. */
+static bool send_text(console_t *console)
+{
+    const char *bytes;
+    const uint32_t count = shell_pending(&console->shell, &bytes);
+    if (count > 0) {
+        shell_sent(&console->shell, serial_write(bytes, count));
+    }
+    return count == 0;
+}
+
+void console_pump(console_t *console, uint32_t now_ms, const report_status_t *status)
+{
+    console->status = *status;
+    console->now_ms = now_ms;
+    read_keys(console, now_ms);
     installer_tick(&console->installer, now_ms);
     print_installer_result(console);
     if (console->watching && now_ms - console->watched_ms >= CONSOLE_WATCH_PERIOD_ms) {
@@ -277,9 +306,6 @@ void console_pump(console_t *console, uint32_t now_ms, const report_status_t *st
         console_status(console, status);
     }
     answer_requests(console);
-    const char *bytes;
-    const uint32_t count = shell_pending(&console->shell, &bytes);
-    if (count > 0) {
-        shell_sent(&console->shell, serial_write(bytes, count));
-    }
+    const bool text_has_left = console_xcp_lets_text(&console->xcp) && send_text(console);
+    console_xcp_pump(&console->xcp, now_ms, text_has_left);
 }

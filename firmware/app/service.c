@@ -12,6 +12,7 @@
 enum {
     ANSWERS_ABOVE_COMMANDS = CONFIG_WHEELS,
     CONNECT = 0xFF, /* comms/xcp.h */
+    DISCONNECT = 0xFE,
     COMMANDS_A_PASS = 8,
     PACKETS_A_PASS = 64
 };
@@ -28,9 +29,13 @@ static const xcp_signal_t SIGNALS[] = {
         SIGNALS_FAST_INPUTS(FAST_INPUT) SIGNALS_FAST_VIEW(FAST_VIEW)};
 _Static_assert(sizeof SIGNALS / sizeof SIGNALS[0] <= UINT8_MAX, "places in scope_entry_t");
 
-static const daq_line_t CAN = {.packet_bytes = XCP_PACKET_BYTES, .packets_a_ms = 1};
-static const daq_line_t PACKETS = {
-    .packet_bytes = DAQ_PACKET_BYTES, .packets_a_ms = DAQ_QUEUE, .carries_fast_list = true};
+static const daq_line_t LINES[SERVICE_LINES] = {
+    [SERVICE_CAN] = {.packet_bytes = XCP_PACKET_BYTES, .packets_a_ms = 1},
+    [SERVICE_PACKETS] = {.packet_bytes = DAQ_PACKET_BYTES,
+                         .packets_a_ms = DAQ_QUEUE,
+                         .carries_fast_list = true},
+    [SERVICE_SERIAL] = {.packet_bytes = XCP_PACKET_BYTES, .packets_a_ms = 0},
+};
 _Static_assert((int)DAQ_PACKET_BYTES <= (int)PACKET_BYTES, "hal/packets.h");
 
 /* Apart from service_t, which a port without XCP has too. */
@@ -62,7 +67,7 @@ static xcp_access_t access_of(service_t *service, const service_view_t *view)
     const xcp_access_t access = {
         .table = table_of(service, view->output, view->input),
         .slow_steps = service->slow_steps,
-        .line = service->by_packets ? &PACKETS : &CAN,
+        .line = &LINES[service->line],
         .daq = &daq,
         .scope = &scope,
         .in_force = view->in_force,
@@ -128,8 +133,15 @@ static void answer(service_t *service, const packet_t *packet)
     if (packet->length == 0) {
         return;
     }
-    if (service->by_packets) {
+    if (service->line == SERVICE_PACKETS) {
         (void)packets_send(packet);
+        return;
+    }
+    if (service->line == SERVICE_SERIAL) {
+        for (uint32_t i = 0; i < packet->length; i++) {
+            service->serial_answer[i] = packet->bytes[i];
+        }
+        service->serial_answer_bytes = packet->length;
         return;
     }
     service->answer.identifier = service->answer_identifier;
@@ -141,12 +153,12 @@ static void answer(service_t *service, const packet_t *packet)
 }
 
 static void obey(service_t *service, const service_view_t *view, const uint8_t *command,
-                 uint32_t length, bool by_packets, uint32_t now_ms)
+                 uint32_t length, service_line_t line, uint32_t now_ms)
 {
     packet_t out;
     if (length > 0 && command[0] == CONNECT) {
-        service->by_packets = by_packets;
-    } else if (service->by_packets != by_packets) {
+        service->line = line;
+    } else if (service->line != line) {
         return;
     }
     const xcp_access_t access = access_of(service, view);
@@ -158,14 +170,35 @@ static void obey(service_t *service, const service_view_t *view, const uint8_t *
 void service_receive(service_t *service, const service_view_t *view, const can_frame_t *frame,
                      uint32_t now_ms)
 {
-    obey(service, view, frame->data, frame->length, false, now_ms);
+    obey(service, view, frame->data, frame->length, SERVICE_CAN, now_ms);
+}
+
+void service_receive_serial(service_t *service, const service_view_t *view, const uint8_t *packet,
+                            uint32_t length, uint32_t now_ms)
+{
+    obey(service, view, packet, length, SERVICE_SERIAL, now_ms);
+}
+
+uint32_t service_serial_answer(service_t *service, const uint8_t **packet)
+{
+    const uint32_t bytes = service->serial_answer_bytes;
+    service->serial_answer_bytes = 0;
+    *packet = service->serial_answer;
+    return bytes;
+}
+
+void service_end_serial(service_t *service, const service_view_t *view, uint32_t now_ms)
+{
+    static const uint8_t END = DISCONNECT;
+    obey(service, view, &END, sizeof END, SERVICE_SERIAL, now_ms);
+    service->serial_answer_bytes = 0;
 }
 
 static void receive_packets(service_t *service, const service_view_t *view, uint32_t now_ms)
 {
     packet_t packet;
     for (int i = 0; i < COMMANDS_A_PASS && packets_receive(&packet); i++) {
-        obey(service, view, packet.bytes, packet.length, true, now_ms);
+        obey(service, view, packet.bytes, packet.length, SERVICE_PACKETS, now_ms);
     }
 }
 
@@ -250,7 +283,7 @@ void service_step(service_t *service, const service_view_t *view, uint32_t now_m
         }
     }
     follow(service);
-    if (service->by_packets) {
+    if (service->line == SERVICE_PACKETS) {
         send_packets();
     } else {
         transmit(service);
@@ -273,8 +306,9 @@ void service_store(service_t *service, xcp_error_t error, uint32_t now_ms)
 
 bool service_store_is_due(service_t *service, uint32_t now_ms)
 {
-    const bool due = service->stores && ((!service->answers && !service->under_way) ||
-                                         now_ms - service->stores_since_ms >= SERVICE_ANSWER_ms);
+    const bool left = service->line != SERVICE_SERIAL && !service->answers && !service->under_way;
+    const bool due =
+        service->stores && (left || now_ms - service->stores_since_ms >= SERVICE_ANSWER_ms);
     service->stores = service->stores && !due;
     return due;
 }

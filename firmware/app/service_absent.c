@@ -38,6 +38,30 @@ void service_receive(service_t *service, const service_view_t *view, const can_f
     (void)now_ms;
 }
 
+void service_receive_serial(service_t *service, const service_view_t *view, const uint8_t *packet,
+                            uint32_t length, uint32_t now_ms)
+{
+    (void)service;
+    (void)view;
+    (void)packet;
+    (void)length;
+    (void)now_ms;
+}
+
+uint32_t service_serial_answer(service_t *service, const uint8_t **packet)
+{
+    (void)service;
+    (void)packet;
+    return 0;
+}
+
+void service_end_serial(service_t *service, const service_view_t *view, uint32_t now_ms)
+{
+    (void)service;
+    (void)view;
+    (void)now_ms;
+}
+
 void service_step(service_t *service, const service_view_t *view, uint32_t now_ms)
 {
     (void)service;

@@ -192,15 +192,19 @@ uint32_t host_serial_take(char *bytes, uint32_t size)
     return taken;
 }
 
-void host_serial_type(const char *text)
+void host_serial_put(const char *bytes, uint32_t size)
 {
     lines.typed_bytes -= lines.read_bytes;
     memmove(lines.typed, &lines.typed[lines.read_bytes], lines.typed_bytes);
     lines.read_bytes = 0;
     const uint32_t space = (uint32_t)sizeof lines.typed - lines.typed_bytes;
-    const uint32_t size = (uint32_t)strlen(text);
-    memcpy(&lines.typed[lines.typed_bytes], text, size < space ? size : space);
+    memcpy(&lines.typed[lines.typed_bytes], bytes, size < space ? size : space);
     lines.typed_bytes += size < space ? size : space;
+}
+
+void host_serial_type(const char *text)
+{
+    host_serial_put(text, (uint32_t)strlen(text));
 }
 
 void serial_init(uint32_t bit_rate)

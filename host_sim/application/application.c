@@ -13,7 +13,7 @@ const application_t *application_entry(void)
                                  .start = board_start,
                                  .can_send = host_can_send,
                                  .serial_take = host_serial_take,
-                                 .serial_type = host_serial_type,
+                                 .serial_put = host_serial_put,
                                  .packet_send = host_packet_send,
                                  .packet_receive = host_packet_receive};
     application = entry;

@@ -244,13 +244,13 @@ int hubsim_serial_take(hubsim_t *sim, int wheel, char *bytes, int size)
                                : (int)application->serial_take(bytes, (uint32_t)size);
 }
 
-int hubsim_serial_type(hubsim_t *sim, int wheel, const char *text)
+int hubsim_serial_type(hubsim_t *sim, int wheel, const char *bytes, int size)
 {
     const application_t *application = application_of(sim, wheel);
     if (application == NULL) {
         return no_application(sim);
     }
-    application->serial_type(text);
+    application->serial_put(bytes, (uint32_t)size);
     return HUBSIM_OK;
 }
 

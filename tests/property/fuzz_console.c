@@ -62,7 +62,7 @@ uint32_t serial_write(const char *bytes, uint32_t size)
     for (uint32_t i = 0; i < taken; i++) {
         const char c = bytes[i];
         const bool control = c == '\r' || c == '\n' || c == '\a' || c == '\b' || c == ESCAPE;
-        require(control || (c >= ' ' && c <= '~'));
+        require(control || (c >= ' ' && c <= '~') || !console_xcp_lets_text(&console.xcp));
         if (screen_bytes == SCREEN_MAX - 1) {
             memmove(screen, screen + SCREEN_MAX / 2, SCREEN_MAX / 2);
             screen_bytes -= SCREEN_MAX / 2;
@@ -123,13 +123,20 @@ static void type_text(const char *text)
 static void pump(void)
 {
     console_pump(&console, now_ms, &status);
+    uint32_t length;
+    const uint8_t *packet = console_xcp_packet(&console.xcp, &length);
+    if (packet != NULL) {
+        require(length > 0 && length <= XCP_PACKET_BYTES);
+        console_xcp_answer(&console.xcp, packet, length);
+    }
+    require(!console_xcp_has_ended(&console.xcp) || console.xcp.use == CONSOLE_TEXT);
 }
 
 static void type_command(uint32_t which)
 {
     static const char *const LINES[] = {
         "help", "reasons", "status", "watch",   "limits",  "faults",  "blackbox",   "crash",
-        "can",  "boot",    "config", "faults ", "version", "install", "bootloader", "config ",
+        "can",  "boot",    "config", "faults ", "version", "install", "bootloader", "xcp",
     };
     type_text(LINES[which % 16U]);
     if (which < 16U) {
@@ -307,6 +314,15 @@ static void act(uint8_t action, bytes_t *bytes)
     }
 }
 
+/* A tool that is silent loses the line. */
+static void end_xcp(void)
+{
+    for (int i = 0; i < KEYS_MAX && console_xcp_has_line(&console.xcp); i++) {
+        now_ms += SXI_SILENCE_ms;
+        pump();
+    }
+}
+
 /* ^C ends an answer and a reception, any key a repeated line; of those typed ahead 128 bytes may
  * hold 16. Once one has come to the shell itself, it is as at the start. */
 static void require_answer(void)
@@ -316,6 +332,7 @@ static void require_answer(void)
     bool to_shell;
     int cancels = 0;
     do {
+        end_xcp();
         to_shell = console.installer.state == INSTALLER_CLOSED;
         type(CANCEL);
         pump();

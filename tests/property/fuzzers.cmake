@@ -37,8 +37,8 @@ endfunction()
 # What the fuzzers run, compiled once.
 set(fuzzed_sources ${configurations}
   "${PROJECT_SOURCE_DIR}/tests/unit/firmware/support/flash_fake.c")
-foreach(file IN ITEMS black_box_lines board_check config_lines config_store console crash_lines
-    energy fault_journal installer recorder report)
+foreach(file IN ITEMS black_box_lines board_check config_lines config_store console console_xcp
+    crash_lines energy fault_journal installer recorder report)
   list(APPEND fuzzed_sources "${PROJECT_SOURCE_DIR}/firmware/app/${file}.c")
 endforeach()
 foreach(module IN LISTS fuzzed_modules)

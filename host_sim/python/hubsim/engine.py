@@ -209,7 +209,7 @@ class Engine:
 
     def serial_type(self, wheel: int, text: bytes) -> None:
         """Type on the serial line of a wheel's application."""
-        self._check(self._lib.hubsim_serial_type(self._sim, wheel, text))
+        self._check(self._lib.hubsim_serial_type(self._sim, wheel, text, len(text)))
 
     def record(self) -> None:
         """Have the steps of every wheel's application recorded, before ``start``."""

@@ -15,10 +15,13 @@
  *     install           another configuration, as Intel HEX (installer.h)
  *     off               lets the board's supply go
  *     bootloader        restarts in the chip's own bootloader
+ *     xcp               turns the line over to XCP (console_xcp.h)
  *     help, reasons     commands of the shell itself (shell.h)
  *
  * Background context; never blocks. When the buffer is full, a line that is not part of an answer
  * is dropped as a whole and counted.
+ *
+ * After `xcp` the line is a tool's (console_xcp.h); what is printed meanwhile follows then.
  */
 #ifndef APP_CONSOLE_H
 #define APP_CONSOLE_H
@@ -27,6 +30,7 @@
 #include <stdint.h>
 
 #include "app/boot.h"
+#include "app/console_xcp.h"
 #include "app/installer.h"
 #include "app/report.h"
 #include "comms/shell.h"
@@ -45,6 +49,7 @@ typedef struct {
     bool off_wanted;        /* `off` has been typed */
     bool bootloader_wanted; /* likewise */
     installer_t installer;
+    console_xcp_t xcp;
 } console_t;
 
 /* boot: must stay valid; may be filled in later. */

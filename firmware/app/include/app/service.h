@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * service.h: moves XCP packets between CAN, or a line of its own (hal/packets.h), and the slave
- * (comms/xcp.h), gives it the table of signals (core/signals.h) and fresh seeds. Background
- * context, every pass, but for the two steps.
+ * service.h: moves XCP packets between CAN, a line of its own (hal/packets.h) or the console's
+ * serial line, and the slave (comms/xcp.h), gives it the table of signals (core/signals.h) and
+ * fresh seeds. Background context, every pass, but for the two steps.
  *
- * The latest CONNECT decides which of the two lines has the session; the other one's commands are
- * not answered. On CAN answers and DAQ share one identifier and one place of the CAN controller,
- * and DAQ has one packet a millisecond, 0.27 ms of the bus at most.
+ * The latest CONNECT decides which of the three lines has the session; the others' commands are
+ * not answered. On the serial line there is no DAQ. On CAN answers and DAQ share one identifier and
+ * one place of the CAN controller, and DAQ has one packet a millisecond, 0.27 ms of the bus at
+ * most.
  *
  *     service.c         the protocol; lists and scope are its own, one a program
  *     service_absent.c  for a port whose flash has no space for it: no identifier is received
@@ -27,6 +28,8 @@
 /* From SET_REQUEST's answer until the page is stored at the latest, whether it left or not. */
 enum { SERVICE_ANSWER_ms = 100 };
 
+typedef enum { SERVICE_CAN, SERVICE_PACKETS, SERVICE_SERIAL, SERVICE_LINES } service_line_t;
+
 /* What it reads besides the slow step's messages, and whom it tells what to do in a PWM period. */
 typedef struct {
     const controller_fast_t *fast;
@@ -42,7 +45,7 @@ typedef struct {
     uint16_t command_identifier;
     uint16_t answer_identifier;
     bool on_can;
-    bool by_packets; /* the session */
+    service_line_t line; /* of the session */
     const service_link_t *link;
     volatile uint16_t slow_steps; /* since the start, wrapping */
     volatile bool samples;        /* daq_slow_step() is to be called */
@@ -52,7 +55,9 @@ typedef struct {
     bool measures;        /* likewise */
     bool under_way;       /* it has one */
     bool under_way_is_measured;
-    bool stores; /* the staging page, when the answer has left */
+    uint8_t serial_answer[XCP_PACKET_BYTES];
+    uint32_t serial_answer_bytes; /* 0: there is none */
+    bool stores;                  /* the staging page, when the answer has left */
     uint32_t stores_since_ms;
 } service_t;
 
@@ -79,6 +84,16 @@ bool service_accepts(const service_t *service, uint16_t *identifier);
 /* One frame with that identifier. */
 void service_receive(service_t *service, const service_view_t *view, const can_frame_t *frame,
                      uint32_t now_ms);
+
+/* One packet from the serial line. */
+void service_receive_serial(service_t *service, const service_view_t *view, const uint8_t *packet,
+                            uint32_t length, uint32_t now_ms);
+
+/* Once, the answer to it; returns its bytes, 0: there is none. */
+uint32_t service_serial_answer(service_t *service, const uint8_t **packet);
+
+/* The serial line is the shell's again: a session on it ends. */
+void service_end_serial(service_t *service, const service_view_t *view, uint32_t now_ms);
 
 /* Timeouts, a fresh seed, the answer to the bus. */
 void service_step(service_t *service, const service_view_t *view, uint32_t now_ms);

@@ -92,6 +92,7 @@ bool host_packet_receive(packet_t *packet);
 /* Everything written to the serial line so far, zero terminated; and typing on it. */
 const char *host_serial_output(void);
 void host_serial_type(const char *text);
+void host_serial_put(const char *bytes, uint32_t size);
 
 /* A terminal: takes what was written, at most `size` bytes, which makes space for more. */
 uint32_t host_serial_take(char *bytes, uint32_t size);

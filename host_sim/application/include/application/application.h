@@ -36,7 +36,7 @@ typedef struct {
      * (host/port.h). */
     void (*can_send)(const can_frame_t *frame);
     uint32_t (*serial_take)(char *bytes, uint32_t size);
-    void (*serial_type)(const char *text);
+    void (*serial_put)(const char *bytes, uint32_t size);
     bool (*packet_send)(const packet_t *packet);
     bool (*packet_receive)(packet_t *packet);
 } application_t;

@@ -115,7 +115,7 @@ int hubsim_bus_read(hubsim_t *sim, hubsim_frame_t *frames, int capacity);
 /* The serial line of one wheel's application: at most `size` bytes that it wrote, their number
  * returned; and typing on it. */
 int hubsim_serial_take(hubsim_t *sim, int wheel, char *bytes, int size);
-int hubsim_serial_type(hubsim_t *sim, int wheel, const char *text);
+int hubsim_serial_type(hubsim_t *sim, int wheel, const char *bytes, int size);
 
 /* The service protocol of one wheel's application, beside CAN: a packet to it, of 1 to 40 bytes;
  * and those that it sent, each behind a byte with its length, as many as fit into `size`, the bytes

@@ -116,9 +116,9 @@ void test_greeting_is_the_banner_and_the_result_of_the_self_tests(void)
 void test_every_command_that_help_lists_has_an_answer(void)
 {
     type_and_wait("help\r");
-    static const char *const NAMES[] = {"help",   "reasons",  "status",  "watch", "limits",
-                                        "faults", "blackbox", "crash",   "can",   "boot",
-                                        "config", "version",  "install", "off",   "bootloader"};
+    static const char *const NAMES[] = {
+        "help", "reasons", "status", "watch",   "limits",  "faults", "blackbox",   "crash",
+        "can",  "boot",    "config", "version", "install", "off",    "bootloader", "xcp"};
     for (size_t i = 0; i < sizeof NAMES / sizeof NAMES[0]; i++) {
         text_t line_begin;
         text_clear(&line_begin);
@@ -285,6 +285,109 @@ void test_the_bootloader_is_requested_only_when_asked_and_permitted(void)
     TEST_ASSERT_TRUE(console_request_bootloader(&console, true));
     type_and_wait("");
     assert_shows("restarting in the chip's bootloader");
+}
+
+/* ---- XCP ---- */
+
+/* CONNECT and DISCONNECT as frames; their zeros are bytes as any other. */
+static const uint8_t TO_CONNECT[] = {2, 0, 0xFF, 0, 0x01}, TO_DISCONNECT[] = {1, 1, 0xFE, 0x00};
+static const uint8_t *binary;
+static uint32_t binary_bytes;
+
+static bool type_binary(uint8_t *byte, int calls)
+{
+    (void)calls;
+    if (binary_bytes == 0) {
+        return false;
+    }
+    *byte = *binary++;
+    binary_bytes--;
+    return true;
+}
+
+static void begin_xcp(void)
+{
+    type_and_wait("xcp\r");
+    pump(0);
+    screen_bytes = 0;
+    serial_read_StubWithCallback(type_binary);
+}
+
+static const uint8_t *packet_of(const uint8_t *frame, uint32_t count, uint32_t now_ms)
+{
+    uint32_t length;
+    binary = frame;
+    binary_bytes = count;
+    pump(now_ms);
+    return console_xcp_packet(&console.xcp, &length);
+}
+
+void test_a_wheel_without_control_keeps_its_shell(void)
+{
+    status.control = false;
+    type_and_wait("xcp\r");
+    assert_shows("not here");
+    type_and_wait("version\r");
+    assert_shows("hubfoc");
+}
+
+void test_an_answer_leaves_whole_on_a_slow_line_and_no_text_in_between(void)
+{
+    static const uint8_t ANSWER[] = {0xFF, 1, 2, 3};
+    static const uint8_t EXPECTED[] = {4, 0, 0xFF, 1, 2, 3, 0x09};
+    begin_xcp();
+    const uint8_t *packet = packet_of(TO_CONNECT, sizeof TO_CONNECT, 1);
+    TEST_ASSERT_NOT_NULL(packet);
+    TEST_ASSERT_EQUAL_HEX8(0xFF, packet[0]);
+    line_takes = 2;
+    console_xcp_answer(&console.xcp, ANSWER, sizeof ANSWER);
+    console_status(&console, &status); /* a line that is not an answer */
+    for (uint32_t ms = 2; ms < 20; ms++) {
+        pump(ms);
+    }
+    TEST_ASSERT_EQUAL_UINT32(sizeof EXPECTED, screen_bytes);
+    TEST_ASSERT_EQUAL_HEX8_ARRAY(EXPECTED, screen, sizeof EXPECTED);
+    TEST_ASSERT_NOT_NULL(packet_of(TO_DISCONNECT, sizeof TO_DISCONNECT, 20));
+    console_xcp_answer(&console.xcp, ANSWER, 1);
+    line_takes = 1000;
+    pump(21);
+    TEST_ASSERT_EQUAL_UINT32(sizeof EXPECTED + 4U, screen_bytes);
+    pump(22);
+    pump(23);
+    TEST_ASSERT_NOT_NULL(strstr(&screen[sizeof EXPECTED + 4U], "READY"));
+    TEST_ASSERT_FALSE(console_xcp_has_ended(&console.xcp));
+}
+
+/* A second command waits in the line until the first one's answer has left. */
+void test_one_command_is_on_its_way_at_a_time(void)
+{
+    uint8_t both[2 * sizeof TO_CONNECT];
+    uint32_t length;
+    memcpy(both, TO_CONNECT, sizeof TO_CONNECT);
+    memcpy(&both[sizeof TO_CONNECT], TO_CONNECT, sizeof TO_CONNECT);
+    begin_xcp();
+    TEST_ASSERT_NOT_NULL(packet_of(both, sizeof both, 1));
+    TEST_ASSERT_EQUAL_UINT32(sizeof TO_CONNECT, binary_bytes);
+    console_xcp_answer(&console.xcp, &TO_CONNECT[2], 2);
+    line_takes = 0;
+    pump(2);
+    TEST_ASSERT_NULL(console_xcp_packet(&console.xcp, &length));
+    line_takes = 1000;
+    pump(3);
+    TEST_ASSERT_NOT_NULL(console_xcp_packet(&console.xcp, &length));
+}
+
+void test_silence_gives_the_line_back_without_anybody_s_help(void)
+{
+    begin_xcp();
+    pump(1999);
+    TEST_ASSERT_FALSE(console_xcp_has_ended(&console.xcp));
+    pump(2000);
+    TEST_ASSERT_TRUE(console_xcp_has_ended(&console.xcp));
+    TEST_ASSERT_FALSE(console_xcp_has_ended(&console.xcp));
+    serial_read_StubWithCallback(type);
+    type_and_wait("version\r");
+    assert_shows("hubfoc");
 }
 
 static void assert_crash_shows(uint32_t cause, const char *words)

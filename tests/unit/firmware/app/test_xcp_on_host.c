@@ -369,3 +369,120 @@ void test_the_scope_has_the_current_loop_of_each_period(void)
         TEST_ASSERT_UINT32_WITHIN(turn_a_period / 4, turn_a_period, turned & 0xFFFFU);
     }
 }
+
+/* ---- on the serial line ---- */
+
+static uint8_t of_line[256];
+static uint32_t of_line_bytes;
+
+/* Everything since the call before. */
+static void take_line(uint32_t milliseconds)
+{
+    run_for(milliseconds * PERIODS_A_ms);
+    of_line_bytes = host_serial_take((char *)of_line, sizeof of_line);
+}
+
+static void ask_line(const uint8_t *packet, uint8_t length)
+{
+    uint8_t frame[11] = {length, 0x33};
+    uint8_t sum = (uint8_t)(length + 0x33);
+    for (uint32_t i = 0; i < length; i++) {
+        frame[2 + i] = packet[i];
+        sum = (uint8_t)(sum + packet[i]);
+    }
+    frame[2 + length] = sum;
+    host_serial_put((const char *)frame, length + 3U);
+    take_line(ANSWER_MOST_ms);
+}
+
+#define ASK_LINE(...)                                                                              \
+    ask_line((const uint8_t[]){__VA_ARGS__}, (uint8_t)sizeof((const uint8_t[]){__VA_ARGS__}))
+
+/* One frame and nothing else, with this number and a right sum. */
+static void assert_line_answers(uint8_t first, uint8_t length, uint8_t counter)
+{
+    TEST_ASSERT_EQUAL_UINT32(length + 3U, of_line_bytes);
+    TEST_ASSERT_EQUAL_UINT8(length, of_line[0]);
+    TEST_ASSERT_EQUAL_UINT8(counter, of_line[1]);
+    TEST_ASSERT_EQUAL_HEX8(first, of_line[2]);
+    uint8_t sum = 0;
+    for (uint32_t i = 0; i < length + 2U; i++) {
+        sum = (uint8_t)(sum + of_line[i]);
+    }
+    TEST_ASSERT_EQUAL_HEX8(sum, of_line[length + 2U]);
+}
+
+static void turn_line_over(void)
+{
+    host_serial_type("xcp\r");
+    take_line(20);
+    TEST_ASSERT_NOT_NULL(strstr((const char *)of_line, "XCP\r\n"));
+}
+
+static void start_on_line(void)
+{
+    connect(&config);
+    sensors.speed_q32 = 0;
+    app_boot();
+    run_for(20000);
+    while (host_serial_take((char *)of_line, sizeof of_line) > 0) {
+    }
+    memset(of_line, 0, sizeof of_line);
+    turn_line_over();
+}
+
+void test_the_serial_line_is_the_tool_s_until_it_disconnects(void)
+{
+    start_on_line();
+    ASK_LINE(0xFF, 0);
+    assert_line_answers(0xFF, 8, 0);
+    ASK_LINE(0xF4, 4, 0, 0, BYTES(XCP_SIGNALS_ADDRESS + 4U * PLACE_mode));
+    assert_line_answers(0xFF, 5, 1);
+    TEST_ASSERT_EQUAL_UINT8(MODE_READY, of_line[3]);
+    ASK_LINE(0xE1); /* START_STOP_SYNCH of no length */
+    assert_line_answers(0xFE, 2, 2);
+    host_serial_type("status\r"); /* no frame: the tool has the line */
+    take_line(200);
+    TEST_ASSERT_EQUAL_UINT32(0, of_line_bytes);
+    ASK_LINE(0xFE);
+    assert_line_answers(0xFF, 1, 3);
+    host_serial_type("version\r");
+    take_line(20);
+    TEST_ASSERT_NOT_NULL(strstr((const char *)of_line, "hubfoc"));
+}
+
+void test_a_silent_tool_loses_line_and_session_after_two_seconds(void)
+{
+    start_on_line();
+    ASK_LINE(0xFF, 0);
+    assert_line_answers(0xFF, 8, 0);
+    take_line(1900);
+    ASK_LINE(0xFD);
+    assert_line_answers(0xFF, 6, 1);
+    take_line(2010);
+    memset(of_line, 0, sizeof of_line);
+    host_serial_type("version\r");
+    take_line(20);
+    TEST_ASSERT_NOT_NULL(strstr((const char *)of_line, "hubfoc"));
+    turn_line_over();
+    ASK_LINE(0xFD); /* the session has ended */
+    TEST_ASSERT_EQUAL_UINT32(0, of_line_bytes);
+}
+
+/* What CAN had is gone with the serial line's CONNECT, and comes back with its own. */
+void test_the_latest_connect_has_the_session_whatever_line_it_came_by(void)
+{
+    start_on_line();
+    ASK(0xFF, 0);
+    assert_positive();
+    ASK_LINE(0xFD);
+    TEST_ASSERT_EQUAL_UINT32(0, of_line_bytes);
+    ASK_LINE(0xFF, 0);
+    assert_line_answers(0xFF, 8, 0);
+    TEST_ASSERT_FALSE(ask((const uint8_t[]){0xFD}, 1));
+    ASK(0xFF, 0);
+    assert_positive();
+    take_line(2010); /* the silent line ends no session but its own */
+    ASK(0xFD);
+    assert_positive();
+}

@@ -27,6 +27,7 @@ class Running:
     channel: str
     url: str
     do: Callable[[Callable[[], object]], object]
+    serial: list[str]
 
     def value(self, signal: str) -> float:
         """Return a signal of the simulation."""
@@ -62,7 +63,7 @@ def running(*, paced: bool = True, config: Path = cli.DEFAULT_CONFIG) -> Iterato
             )
             thread.start()
             try:
-                yield Running(own, pages, gateways, channel, server.url, calls.call)
+                yield Running(own, pages, gateways, channel, server.url, calls.call, lines.names)
             finally:
                 ends.set()
                 thread.join()
