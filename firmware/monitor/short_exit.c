@@ -98,7 +98,9 @@ bool short_exit_fits(const config_t *config, const short_exit_input_t *in)
     const int64_t w_mrad_s = bases_electrical_mrad_s(config, in->turning_mrad_s);
     const int32_t step_turn =
         q_limit((int32_t)((w_mrad_s * TURN_PER_mrad_Q18) >> 18), FASTEST_TURN);
-    /* 9/8 L i^2 against what the bus takes; 7/8 is below the inverse. */
-    const int64_t takes = bus_takes_mJ(config, in->bus_mV) * axes.least_nH;
+    /* 9/8 L i^2 against what the bus takes; 7/8 is below the inverse. Iron that saturates may hold
+     * twice as much. */
+    const bool saturates = config->flux_map.d_points != 0;
+    const int64_t takes = (bus_takes_mJ(config, in->bus_mV) >> (saturates ? 1 : 0)) * axes.least_nH;
     return largest_weighted(&axes, &flux, step_turn) <= (takes - (takes >> 3)) >> (2 * flux.shift);
 }

@@ -26,8 +26,9 @@ typedef struct {
 } short_exit_input_t;
 
 /* True where 3/2 of 3/4 (L_d i_d^2 + L_q i_q^2) keep the bus a sixteenth below the devices' rating:
- * half as much as is stored comes from the EMF while the current falls. With an unknown angle the
- * larger inductance counts for the whole present current. */
+ * half as much as is stored comes from the EMF while the current falls. Of iron that saturates, a
+ * drive with a flux map, twice that counts. With an unknown angle the larger inductance counts for
+ * the whole present current. */
 bool short_exit_fits(const config_t *config, const short_exit_input_t *in);
 
 #endif

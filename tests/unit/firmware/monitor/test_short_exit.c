@@ -107,6 +107,24 @@ void test_in_an_unknown_frame_the_present_current_counts(void)
     }
 }
 
+/* The integral of i dpsi is between 1/2 L i^2 and, of iron that saturates in the magnets' flux,
+ * twice that: the same current takes twice the capacitor. */
+void test_iron_that_saturates_counts_with_twice_the_energy(void)
+{
+    config_t config = CONFIG_LU2013;
+    config.flux_map.d_points = 3;
+    const double margin_v2 = 70.3125 * 70.3125 - 53.0 * 53.0;
+    const short_exit_input_t in = {.i_d_mA = -80000, .i_q_mA = -60000, .bus_mV = 53000};
+    const double needed_nF = 2e9 * 2.25 * 76e-6 * 100.0 * 100.0 / margin_v2;
+    config.drive.bus_capacitance_nF = (int32_t)(1.03 * needed_nF);
+    TEST_ASSERT_TRUE(short_exit_fits(&config, &in));
+    config.drive.bus_capacitance_nF = (int32_t)(0.97 * needed_nF);
+    TEST_ASSERT_FALSE(short_exit_fits(&config, &in));
+    config.flux_map.d_points = 0;
+    config.drive.bus_capacitance_nF = (int32_t)(0.53 * needed_nF);
+    TEST_ASSERT_TRUE(short_exit_fits(&config, &in));
+}
+
 /* A bus at or beyond fifteen sixteenths of the rating takes nothing but no current. */
 void test_a_full_bus_takes_no_current_and_no_input_overflows(void)
 {
