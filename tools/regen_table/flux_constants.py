@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The constants that stand for a drive's flux map or saturation curves beside it.
 
-The controller takes torque, limits and estimate from the map (``stored_flux``). Where it has one
-flux linkage and two inductances, they are those that fit the map's fluxes over the circle of
+The controller takes torque, limits and estimate from the map (``stored_flux``). Its monitor and
+safe state hold one flux linkage and two inductances that contain the motor, ``bounds``. Questions
+and grids that know constants only take those that fit the map's fluxes over the circle of
 max_phase_current_a best, by least squares: all braking and driving currents with i_d <= 0, evenly
 by area, and those with i_d > 0 too where L_d > L_q.
 """
@@ -21,6 +22,8 @@ from regen_table.models import Array
 from regen_table.schema import Drive
 
 _RADII, _ANGLES = 24, 49  # of the circle
+_SHORT_RADII = 600
+_SHORTED_FLUX = 0.9  # of the open circuit's
 _DIGITS = 6  # of the constants, so that they are those of any processor
 _CURVE_POINTS = 33  # of an axis of the map that curves make
 
@@ -44,6 +47,15 @@ class Fitted:
     i_d_a: float
     i_q_a: float
     largest_nm: float
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Constants which the open and the shorted motor does not exceed."""
+
+    flux_linkage_wb: float
+    d_inductance_h: float
+    q_inductance_h: float
 
 
 def completed(tree: Mapping[str, Any], beside: Path) -> dict[str, Any]:
@@ -163,6 +175,43 @@ def fit(motor: Mapping[str, Any], found: FluxMap) -> Fitted:
     return Fitted(psi, d_h, q_h, float(error[k]), float(i_d[k]), float(i_q[k]), largest)
 
 
+def bounds(motor: Mapping[str, Any], found: FluxMap) -> Bounds:
+    """Return the constants that monitor and safe state hold: DERIVATIONS.md, Flux maps."""
+    i_d, i_q = _circle(motor["max_phase_current_a"], found.i_d_a[0])
+    psi = float(found.flux_wb(np.array(0.0), np.array(0.0))[0])
+    psi_q = found.flux_wb(i_d, i_q)[1]
+    q_h = float(np.sum(psi_q * i_q) / np.sum(i_q * i_q))
+    rounded = (float(f"{value:.{_DIGITS}g}") for value in (psi, _shorted_h(found, psi, q_h), q_h))
+    return Bounds(*rounded)
+
+
+def _shorted_h(found: FluxMap, psi_wb: float, q_h: float) -> float:
+    """Return the largest L_d whose short circuit carries no less current than the map's.
+
+    In a short circuit i is across psi(i), and omega/R is |i|/|psi|; the points of all angles, the
+    last one that of high speed. Beyond the map's ends by the straight lines of its last cells, as
+    the controller's copy.
+    """
+    ends = np.array([found.i_d_a[0], 0.0]), np.array([0.0, found.i_q_a[-1]])
+    psi_d, psi_q = flux_map.extended_wb(found, *ends)
+    slowest = -ends[0][0] / max(psi_wb - float(psi_d[0]), 1e-9), ends[1][1] / float(psi_q[1])
+    angle = np.linspace(0.5, 1.0, _ANGLES)[1:, np.newaxis] * np.pi
+    radius = np.linspace(0.0, 2.0 * psi_wb * max(slowest), _SHORT_RADII)[1:]
+    i_d, i_q = radius * np.cos(angle), radius * np.sin(angle)
+    psi_d, psi_q = flux_map.extended_wb(found, i_d, i_q)
+    across = i_d * psi_d + i_q * psi_q
+    row, column = np.nonzero((across[:, :-1] < 0.0) & (across[:, 1:] >= 0.0))
+    amount = np.hypot(i_d, i_q)[row, column + 1]
+    linked = np.hypot(psi_d, psi_q)[row, column + 1]
+    per_ohm = amount / np.maximum(linked, 1e-9 * psi_wb)
+    # Before, resistance and saliency decide, for which no L_d makes up.
+    seen = (per_ohm * q_h > 1.0) & (linked < _SHORTED_FLUX * psi_wb)
+    amount, per_ohm = amount[seen], per_ohm[seen]
+    loaded = psi_wb / amount * per_ohm * np.hypot(1.0, per_ohm * q_h)
+    largest = (loaded - 1.0) / (per_ohm**2 * q_h)
+    return float(np.min(largest))
+
+
 def _circle(current_a: float, lowest_a: float) -> tuple[Array, Array]:
     """Return currents inside the half of the circle with i_d <= 0, evenly by area."""
     radius = current_a * np.sqrt((np.arange(_RADII) + 1.0) / _RADII)
@@ -199,13 +248,15 @@ def warning(drive: Drive) -> str | None:
     key = "flux_map" if drive.motor.flux_map is not None else "d_inductance_curve_h"
     if key not in drive.motor.model_fields_set:
         key = "q_inductance_curve_h"
-    fitted = fit(drive.motor.model_dump(exclude_none=True), found)
+    keys = drive.motor.model_dump(exclude_none=True)
+    fitted, held = fit(keys, found), bounds(keys, found)
     return (
         f"motor.{key}: the controller's torque, tables, current loop and observer are the map's,"
-        " but its monitor, safe state and exit of a short circuit are those of constants fitted"
-        " over the current circle:"
-        f" flux_linkage_wb {fitted.flux_linkage_wb:.4g}, d_inductance_h"
-        f" {fitted.d_inductance_h:.4g}, q_inductance_h {fitted.q_inductance_h:.4g}, whose torque is"
+        " its monitor, safe state and exit of a short circuit are those of constants that the open"
+        f" and the shorted motor does not exceed: flux_linkage_wb {held.flux_linkage_wb:.4g},"
+        f" d_inductance_h {held.d_inductance_h:.4g}, q_inductance_h {held.q_inductance_h:.4g};"
+        " stop, cycle and figures are those of constants fitted over the current circle, whose"
+        " torque is"
         f" up to {abs(fitted.error_nm):.3g} N m"
         f" ({abs(fitted.error_nm) / fitted.largest_nm:.1%} of the largest) beside the map's, at"
         f" i_d {fitted.i_d_a:.4g} A, i_q {fitted.i_q_a:.4g} A"

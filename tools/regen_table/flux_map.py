@@ -66,6 +66,30 @@ class FluxMap:
         return np.asarray(1.5 * pole_pairs * (psi_d * i_q_a - psi_q * i_d_a))
 
 
+def extended_wb(found: FluxMap, i_d_a: Array, i_q_a: Array) -> tuple[Array, Array]:
+    """Return both flux linkages, beyond the map along the straight lines of its last cells."""
+
+    def inside(axis: Array, at: Array) -> tuple[Array, Array]:
+        within = np.clip(at, axis[0], axis[-1])
+        width = np.where(at > within, axis[-1] - axis[-2], axis[1] - axis[0])
+        return within, np.divide(at - within, width)
+
+    d, beyond_d = inside(found.i_d_a, i_d_a)
+    q, beyond_q = inside(found.i_q_a, i_q_a)
+    at = found.flux_wb(d, q)
+    inner_d = found.flux_wb(
+        np.where(beyond_d > 0, found.i_d_a[-2], np.where(beyond_d < 0, found.i_d_a[1], d)), q
+    )
+    inner_q = found.flux_wb(
+        d, np.where(beyond_q > 0, found.i_q_a[-2], np.where(beyond_q < 0, found.i_q_a[1], q))
+    )
+    psi_d, psi_q = (
+        np.asarray(value + np.abs(beyond_d) * (value - by_d) + np.abs(beyond_q) * (value - by_q))
+        for value, by_d, by_q in zip(at, inner_d, inner_q, strict=True)
+    )
+    return psi_d, psi_q
+
+
 @dataclass(frozen=True)
 class Checks:
     """What a map was found to be.

@@ -6,12 +6,13 @@ magnets act beyond it) over zero to the highest, and from i_q = 0 to the current
 shapes that the image has space for the one is taken whose torque is nearest to the map's.
 """
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from regen_table import flux_constants, flux_optimum, layout
+from regen_table import flux_constants, flux_map, flux_optimum, layout
 from regen_table.errors import ConfigurationError
 from regen_table.flux_map import FluxMap
 from regen_table.models import Array
@@ -96,6 +97,16 @@ def of(drive: Drive) -> StoredFlux | None:
     return None if straight else choose(drive, found)
 
 
+def held(drive: Drive) -> Drive:
+    """Return a drive with the constants that the image holds of it beside a map."""
+    found = flux_constants.of(drive)
+    if found is None or of(drive) is None:
+        return drive
+    bounds = flux_constants.bounds(drive.motor.model_dump(exclude_none=True), found)
+    constants = {**dataclasses.asdict(bounds), "type": "ipmsm"}
+    return drive.model_copy(update={"motor": drive.motor.model_copy(update=constants)})
+
+
 def choose(drive: Drive, found: FluxMap) -> StoredFlux:
     """Return the shape whose torque is nearest to the map's inside the current circle."""
     capacity = layout.load().constants["CONFIG_FLUX_MAP_POINTS_MAX"]
@@ -150,7 +161,7 @@ def _sampled(
     d_step = int(np.ceil(max(-lowest_a / below, highest_a / above) * 1e3))
     q_step = int(np.ceil(quadrature_a / (columns - 1) * 1e3))
     i_d, i_q = _axis_a(-below, rows, d_step), _axis_a(0, columns, q_step)
-    psi_d, psi_q = _extended(found, i_d[:, np.newaxis], i_q[np.newaxis, :])
+    psi_d, psi_q = flux_map.extended_wb(found, i_d[:, np.newaxis], i_q[np.newaxis, :])
     largest = 1e9 * max(float(np.max(np.abs(psi_d))), float(np.max(np.abs(psi_q))))
     lsb_log2 = 0
     while largest / 2**lsb_log2 > _LARGEST:
@@ -164,27 +175,3 @@ def _sampled(
 
 def _axis_a(first: int, points: int, step_mA: int) -> Array:
     return np.arange(first, first + points, dtype=np.float64) * (step_mA * 1e-3)
-
-
-def _extended(found: FluxMap, i_d_a: Array, i_q_a: Array) -> tuple[Array, Array]:
-    """Return both fluxes, beyond the map's ends along the straight lines of its last cells."""
-
-    def inside(axis: Array, at: Array) -> tuple[Array, Array]:
-        within = np.clip(at, axis[0], axis[-1])
-        width = np.where(at > within, axis[-1] - axis[-2], axis[1] - axis[0])
-        return within, np.divide(at - within, width)
-
-    d, beyond_d = inside(found.i_d_a, i_d_a)
-    q, beyond_q = inside(found.i_q_a, i_q_a)
-    at = found.flux_wb(d, q)
-    inner_d = found.flux_wb(
-        np.where(beyond_d > 0, found.i_d_a[-2], np.where(beyond_d < 0, found.i_d_a[1], d)), q
-    )
-    inner_q = found.flux_wb(
-        d, np.where(beyond_q > 0, found.i_q_a[-2], np.where(beyond_q < 0, found.i_q_a[1], q))
-    )
-    psi_d, psi_q = (
-        np.asarray(value + np.abs(beyond_d) * (value - by_d) + np.abs(beyond_q) * (value - by_q))
-        for value, by_d, by_q in zip(at, inner_d, inner_q, strict=True)
-    )
-    return psi_d, psi_q

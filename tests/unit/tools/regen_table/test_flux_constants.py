@@ -101,6 +101,27 @@ def test_constants_leave_the_least_squares_of_flux_and_the_stated_error_of_torqu
     assert abs(fitted.error_nm) > 0.01 * fitted.largest_nm
 
 
+def test_image_holds_what_the_motor_does_not_exceed(
+    tree: Tree, tmp_path: Path, validated: Callable[[bytes], str]
+) -> None:
+    """The open circuit's flux; L_d, which does not saturate here, as far as L_q lets it."""
+    drive = parsed(mapped(tree, tmp_path), tmp_path)
+    own, held = tree["motor"], stored_flux.held(drive).motor
+    assert held.flux_linkage_wb == pytest.approx(own["flux_linkage_wb"])
+    assert 0.7 * own["d_inductance_h"] < held.d_inductance_h < 1.001 * own["d_inductance_h"]
+    assert held.q_inductance_h < own["q_inductance_h"]
+    found = image.fields(drive)["motor"]
+    for name, value in (("d", held.d_inductance_h), ("q", held.q_inductance_h)):
+        assert found[f"{name}_inductance_nH"] == round(value * 1e9)
+    assert validated(image.build(drive)) == ""
+
+
+def test_surface_magnets_may_hold_unequal_inductances(paper_tree: Tree, tmp_path: Path) -> None:
+    held = stored_flux.held(parsed(mapped(paper_tree, tmp_path), tmp_path)).motor
+    assert held.type == "ipmsm"
+    assert held.q_inductance_h < paper_tree["motor"]["q_inductance_h"]
+
+
 def test_curves_are_the_motor_whose_fluxes_they_are(tree: Tree, tmp_path: Path) -> None:
     """The chords of the same law: constants as with its map."""
     most = tree["motor"]["max_phase_current_a"]
