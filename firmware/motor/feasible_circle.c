@@ -10,13 +10,22 @@ enum {
     FORCED_RESERVE_LOG2 = 8        /* of the squared voltage, for the second order */
 };
 
-/* The point on the circle at an i_d; *i_q_b its i_q, signed. */
-static motor_point_t on_circle(const motor_model_t *m, int32_t sign, int32_t d_b, int32_t *i_q_b)
+/* Magnitude of i_q on the circle at an i_d. */
+static int32_t circle_q_b(const motor_model_t *m, int32_t d_b)
 {
-    *i_q_b = sign * q_max(scaled_root(square(circle_b(m)) - square(d_b)), 1);
-    const motor_point_t out = {.d_b = d_b,
-                               .x_b = clamped_b(motor_model_x_of_i_q_b(m, *i_q_b, d_b))};
+    return q_max(scaled_root(square(circle_b(m)) - square(d_b)), 1);
+}
+
+static motor_point_t point_of(const motor_model_t *m, int32_t d_b, int32_t i_q_b)
+{
+    const motor_point_t out = {.d_b = d_b, .x_b = clamped_b(motor_model_x_of_i_q_b(m, i_q_b, d_b))};
     return out;
+}
+
+/* The point on the circle at an i_d; sign: of its i_q. */
+static motor_point_t on_circle(const motor_model_t *m, int32_t sign, int32_t d_b)
+{
+    return point_of(m, d_b, sign * circle_q_b(m, d_b));
 }
 
 /* Maximum torque per ampere on the circle: the i_d at which (psi + (L_d - L_q) i_d) i_q is largest.
@@ -70,9 +79,9 @@ static int32_t circle_root(const feasible_set_t *set, const line_t *line)
     const motor_model_t *m = set->model;
     const int32_t half = coefficient_of_products((int64_t)line->slope_d * line->u_d +
                                                  (int64_t)line->slope_q * line->u_q);
-    const int32_t excess =
-        coefficient_of_products(square(line->u_d) + square(line->u_q) - set->voltage_squared);
-    const int64_t inwards = square(line->u_d) + (int64_t)line->u_q * (line->u_q - m->voltage_q_b);
+    const int64_t u_squared = square(line->u_d) + square(line->u_q);
+    const int32_t excess = coefficient_of_products(u_squared - set->voltage_squared);
+    const int64_t inwards = u_squared - (int64_t)line->u_q * m->voltage_q_b;
     const int32_t squared =
         coefficient_of_products(square(line->slope_d) + square(line->slope_q) - inwards);
     const int32_t root = scaled_root(square(half) - (int64_t)squared * excess);
@@ -89,9 +98,9 @@ static motor_point_t circle_and_ellipse(const feasible_side_t *side,
     const feasible_set_t *set = side->set;
     const motor_model_t *m = set->model;
     const int32_t start_b = circle->d_b - side->sign * circle->by_side_b;
-    int32_t i_q_b = 0;
-    motor_point_t at =
-        on_circle(m, side->sign, q_clamp(start_b, circle->lowest_b, circle->best_b), &i_q_b);
+    const int32_t from_b = q_clamp(start_b, circle->lowest_b, circle->best_b);
+    int32_t i_q_b = side->sign * circle_q_b(m, from_b);
+    motor_point_t at = point_of(m, from_b, i_q_b);
     int32_t before = 0;
     for (int pass = 0; pass < CIRCLE_STEPS; pass++) {
         /* Along the tangent, as long as i_q. */
@@ -103,17 +112,23 @@ static motor_point_t circle_and_ellipse(const feasible_side_t *side,
                                       q_per_t - scaled_multiply(m->cross_d, d_per_t)));
         const int32_t t = circle_root(set, &line);
         const int32_t bend = scaled_multiply(t, t) / 2;
-        int32_t d_b = at.d_b + scaled_multiply(t, d_per_t) - scaled_multiply(bend, at.d_b);
-        if (at.d_b < -d_per_t) {
-            const int32_t change_b = scaled_multiply(t, q_per_t) - scaled_multiply(bend, i_q_b);
-            const int32_t q_b = q_clamp(side->sign * (i_q_b + change_b), 1, circle_b(m));
+        int32_t d_b = 0;
+        int32_t q_b = 0;
+        /* Of i_d and i_q the smaller one changes more; the other follows from the circle. */
+        const bool by_q = at.d_b < -d_per_t;
+        if (by_q) {
+            const int32_t change_b = scaled_dot(t, q_per_t, -bend, i_q_b);
+            q_b = q_clamp(side->sign * (i_q_b + change_b), 1, circle_b(m));
             d_b = -scaled_root(square(circle_b(m)) - square(q_b));
+        } else {
+            d_b = at.d_b + scaled_dot(t, d_per_t, -bend, at.d_b);
         }
         const int32_t to_b = q_clamp(d_b, circle->lowest_b, circle->best_b);
         if (to_b == at.d_b) {
             break; /* at an end */
         }
-        at = on_circle(m, side->sign, to_b, &i_q_b);
+        i_q_b = side->sign * (by_q && to_b == d_b ? q_b : circle_q_b(m, to_b));
+        at = point_of(m, to_b, i_q_b);
         const bool turned = (t < 0) != (before < 0) && q_abs(t) > q_abs(before) / 2;
         if (q_abs(t) < SHORT_ANGLE || (before != 0 && turned)) {
             break; /* near enough; or to and fro, where the two do not meet */
@@ -151,9 +166,8 @@ feasible_bounds_t feasible_by_voltage_and_current(feasible_side_t *side, feasibl
 {
     const feasible_set_t *set = side->set;
     feasible_bounds_t out = {.voltage_mNm = FEASIBLE_UNBOUNDED};
-    int32_t i_q_b = 0;
     if (!side->cap_has_voltage &&
-        !voltage_suffices(set, on_circle(set->model, side->sign, set->weakest_d_b, &i_q_b))) {
+        !voltage_suffices(set, on_circle(set->model, side->sign, set->weakest_d_b))) {
         out.voltage_mNm = feasible_by_voltage_mNm(side);
     }
     out.current_mNm =
@@ -206,12 +220,11 @@ int32_t feasible_circle_d_b(const feasible_set_t *set, int32_t airgap_b, int32_t
     const int32_t sign = airgap_b >= 0 ? 1 : -1;
     const int32_t best_b = best_d_b(m);
     const int32_t lowest_b = q_min(q_limit(map_b, m->constants->current_most_b), best_b);
-    int32_t i_q_b = 0;
-    const int32_t most_b = sign * motor_model_airgap_b(m, on_circle(m, sign, best_b, &i_q_b));
+    const int32_t most_b = sign * motor_model_airgap_b(m, on_circle(m, sign, best_b));
     const int32_t missing_b = q_max(most_b - sign * airgap_b, 0);
     int32_t d_b = q_limit(map_b, m->constants->current_most_b);
     for (int pass = 0; pass < CIRCLE_PASSES; pass++) {
-        const int32_t here_b = sign * motor_model_airgap_b(m, on_circle(m, sign, d_b, &i_q_b));
+        const int32_t here_b = sign * motor_model_airgap_b(m, on_circle(m, sign, d_b));
         const int32_t span_b = most_b - here_b;
         if (span_b <= q_abs(most_b) >> SMALL_SPAN_LOG2) {
             break;

@@ -38,6 +38,11 @@ static inline int32_t coefficient(int64_t x)
     return q_limit(q_saturate64(x), ELLIPSE_MOST_COEFFICIENT);
 }
 
+static inline int32_t coefficient_sum(int32_t a, int32_t b)
+{
+    return q_limit(q_add(a, b), ELLIPSE_MOST_COEFFICIENT);
+}
+
 /* The same of a sum of products, x / 2^24. */
 static inline int32_t coefficient_of_products(int64_t x)
 {
@@ -65,10 +70,8 @@ static inline line_t line_from(const motor_model_t *m, motor_point_t at, int32_t
     const line_t out = {
         .u_d = motor_model_u_d_b(m, at),
         .u_q = motor_model_u_q_b(m, at),
-        .slope_d =
-            scaled_multiply(m->resistance_b, d_per_t) - scaled_multiply(m->reactance_q_b, x_per_t),
-        .slope_q = scaled_multiply(m->voltage_q_per_d, d_per_t) +
-                   scaled_multiply(m->voltage_q_per_x, x_per_t),
+        .slope_d = scaled_dot(m->resistance_b, d_per_t, -m->reactance_q_b, x_per_t),
+        .slope_q = scaled_dot(m->voltage_q_per_d, d_per_t, m->voltage_q_per_x, x_per_t),
     };
     return out;
 }

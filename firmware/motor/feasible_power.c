@@ -9,9 +9,9 @@ enum {
 };
 
 /* A sum of coefficients, each up to 2^30 in an extreme configuration. */
-static int32_t sum(int64_t first, int32_t second, int32_t third)
+static int32_t sum(int32_t first, int32_t second, int32_t third)
 {
-    return within(q_saturate64(first + second + third));
+    return within(q_add(q_add(first, second), third));
 }
 
 /* The resistance of the conducting switches counts as the winding's. */
@@ -86,7 +86,7 @@ static int32_t uncertain_b(const motor_model_t *m, motor_point_t at, int32_t i_q
     const int32_t saliency = m->reactance_d_b - m->reactance_q_b;
     const int32_t u_q_b = clamped_b(m->emf_b + scaled_multiply(saliency, at.d_b));
     const int32_t u_d_b = clamped_b(scaled_multiply(saliency, i_q_b));
-    const int32_t across_b = scaled_multiply(u_q_b, at.d_b) - scaled_multiply(u_d_b, i_q_b);
+    const int32_t across_b = scaled_dot(u_q_b, at.d_b, -u_d_b, i_q_b);
     const int32_t angle_b = scaled_multiply(m->speed_b, m->constants->hall_angle_b);
     return multiply64_b(q_abs(across_b), angle_b);
 }
@@ -97,12 +97,10 @@ static int32_t add_switching(power_t *p, const motor_model_t *m, const motor_poi
 {
     const int32_t i_q_b = clamped_b(motor_model_i_q_b(m, *at));
     const int32_t per_ampere_b = m->constants->loss_b;
-    const int32_t slope_b = i_q_b < 0 ? -per_ampere_b : per_ampere_b;
     const int32_t current_b = motor_model_magnitude_b(at->d_b, i_q_b);
-    const int32_t offset_b =
-        scaled_multiply(per_ampere_b, current_b) - scaled_multiply(slope_b, at->x_b);
-    p->b += slope_b;
-    p->c = coefficient((int64_t)p->c + offset_b);
+    const int32_t offset_b = i_q_b < 0 ? current_b + at->x_b : current_b - at->x_b;
+    p->b += i_q_b < 0 ? -per_ampere_b : per_ampere_b;
+    p->c = coefficient_sum(p->c, scaled_multiply(per_ampere_b, offset_b));
     return i_q_b;
 }
 
@@ -134,10 +132,8 @@ static int32_t ellipse_slope(const motor_model_t *m, motor_point_t at)
 {
     const int32_t u_d = motor_model_u_d_b(m, at);
     const int32_t u_q = motor_model_u_q_b(m, at);
-    const int32_t per_x =
-        scaled_multiply(u_q, m->voltage_q_per_x) - scaled_multiply(u_d, m->reactance_q_b);
-    const int32_t per_d =
-        scaled_multiply(u_q, m->voltage_q_per_d) + scaled_multiply(u_d, m->resistance_b);
+    const int32_t per_x = scaled_dot(u_q, m->voltage_q_per_x, -u_d, m->reactance_q_b);
+    const int32_t per_d = scaled_dot(u_q, m->voltage_q_per_d, u_d, m->resistance_b);
     return q_limit(scaled_ratio(-per_x, q_max(per_d, 1)), STEEPEST);
 }
 
@@ -175,21 +171,37 @@ static int32_t near_root_b(const power_t *p, int32_t left, int32_t sign)
     return (left > 0) == (sign > 0) ? clamped_b(scaled_ratio(2 * left, sum)) : 0;
 }
 
-int32_t feasible_by_drawn_at(const feasible_side_t *side, int32_t power_b, motor_point_t *found)
+feasible_cap_power_t feasible_cap_power(const feasible_side_t *side)
+{
+    power_t p = power_at(side->set, side->cap.d_b);
+    const int32_t i_q_b = add_switching(&p, side->set->model, &side->cap);
+    const feasible_cap_power_t out = {
+        .a = p.a, .b = p.b, .c = p.c, .i_q_b = i_q_b, .drawn_b = power_of_x_b(&p, side->cap.x_b)};
+    return out;
+}
+
+static power_t power_of_cap(const feasible_side_t *side, const feasible_cap_power_t *cap)
+{
+    const power_t out = {
+        .offset_b = side->cap.d_b, .slope = 0, .a = cap->a, .b = cap->b, .c = cap->c};
+    return out;
+}
+
+int32_t feasible_by_drawn_at(const feasible_side_t *side, const feasible_cap_power_t *cap,
+                             int32_t power_b, motor_point_t *found)
 {
     const motor_model_t *m = side->set->model;
     const bool drives = side->sign > 0;
     const int32_t most_b = drives ? power_b : q_max(power_b, m->constants->negligible_power_b);
     motor_point_t at = side->cap;
     *found = at;
-    power_t p = power_at(side->set, at.d_b);
-    (void)add_switching(&p, m, &at);
-    if (power_of_x_b(&p, at.x_b) <= most_b) {
+    if (cap->drawn_b <= most_b) {
         return FEASIBLE_UNBOUNDED;
     }
+    power_t p = power_of_cap(side, cap);
     bool last = false;
     for (int pass = 0;; pass++) {
-        const int32_t left = coefficient((int64_t)most_b - p.c);
+        const int32_t left = coefficient_sum(most_b, -p.c);
         if (drives) {
             at.x_b = near_root_b(&p, left, 1);
         } else {
@@ -206,17 +218,16 @@ int32_t feasible_by_drawn_at(const feasible_side_t *side, int32_t power_b, motor
     }
 }
 
-int32_t feasible_by_returned_at(const feasible_side_t *side, feasible_returned_t returned,
-                                motor_point_t *found)
+int32_t feasible_by_returned_at(const feasible_side_t *side, const feasible_cap_power_t *cap,
+                                feasible_returned_t returned, motor_point_t *found)
 {
     const motor_model_t *m = side->set->model;
     motor_point_t at = side->cap;
     *found = at;
-    power_t p = power_at(side->set, at.d_b);
-    int32_t i_q_b = add_switching(&p, m, &at);
-    p.c = coefficient((int64_t)p.c + charging_b(m, at, i_q_b, returned));
+    power_t p = power_of_cap(side, cap);
+    p.c = coefficient_sum(p.c, charging_b(m, at, cap->i_q_b, returned));
     const int64_t vertex_b = 2 * (((int64_t)p.a * at.x_b) >> 24) + p.b;
-    if (vertex_b >= 0 && power_of_x_b(&p, at.x_b) >= 0) {
+    if (vertex_b >= 0 && cap->drawn_b + (p.c - cap->c) >= 0) {
         return FEASIBLE_UNBOUNDED; /* the power returned up to the cap is below the bound */
     }
     bool last = false;
@@ -226,14 +237,14 @@ int32_t feasible_by_returned_at(const feasible_side_t *side, feasible_returned_t
         if (last) {
             *found = at;
             const int32_t missing_b = m->constants->negligible_power_b - q_max(returned.power_b, 0);
-            const int32_t least_b = coefficient((int64_t)p.c + q_max(missing_b, 0));
+            const int32_t least_b = coefficient_sum(p.c, q_max(missing_b, 0));
             return p.b <= 0 || square(p.b) < 4 * (int64_t)p.a * least_b
                        ? FEASIBLE_UNBOUNDED
                        : feasible_magnitude_mNm(side, motor_model_airgap_b(m, at));
         }
         at.x_b = q_max(at.x_b, side->cap.x_b);
         last = !corrected(side->set, &at, true, &p) || pass == CORRECTIONS - 1;
-        i_q_b = add_switching(&p, m, &at);
-        p.c = coefficient((int64_t)p.c + charging_b(m, at, i_q_b, returned));
+        const int32_t i_q_b = add_switching(&p, m, &at);
+        p.c = coefficient_sum(p.c, charging_b(m, at, i_q_b, returned));
     }
 }

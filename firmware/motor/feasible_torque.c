@@ -136,12 +136,17 @@ static bool voltage_end(const feasible_side_t *side, motor_point_t *end, int32_t
 static int32_t voltage_best_d_b(const motor_model_t *m, int32_t voltage_b)
 {
     const int32_t l_d = m->inductance_d_b;
-    if (m->saliency_b <= 0 && scaled_multiply(l_d, circle_b(m)) <= m->flux_b) {
+    const int32_t beyond_b = scaled_multiply(l_d, circle_b(m)) - m->flux_b;
+    if (m->saliency_b <= 0 && beyond_b <= 0) {
         return INT32_MIN;
     }
     const int32_t flux_b =
         q_min(scaled_ratio(voltage_b, q_max(m->speed_b, 1)), MOTOR_MODEL_MOST_CURRENT_b);
     const int32_t magnet = coefficient_of_products((int64_t)m->flux_b * m->inductance_q_b);
+    const int32_t more = coefficient_of_products(square(flux_b) - 2 * square(beyond_b));
+    if (m->saliency_b < 0 && -(int64_t)m->saliency_b * more > (int64_t)magnet * beyond_b) {
+        return INT32_MIN;
+    }
     const int32_t reluctance = coefficient_of_products((int64_t)m->saliency_b * flux_b);
     const int32_t sum = magnet + scaled_root(square(magnet) + 8 * square(reluctance));
     const int32_t d_flux_b =

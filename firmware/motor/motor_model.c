@@ -159,8 +159,8 @@ static inline void set_flux(motor_model_t *m, const flux_t *flux, int32_t conduc
         m->flux_per_x = scaled_multiply(m->saliency_b, m->cross_q);
     }
     m->voltage_q_b = within_b(m->emf_b + scaled_multiply(m->resistance_b, m->iron_current_b));
-    m->voltage_q_per_x = within_b(scaled_multiply(m->resistance_b, m->one_plus_a2) +
-                                  scaled_multiply(m->reactance_d_b, m->cross_q));
+    m->voltage_q_per_x =
+        within_b(scaled_dot(m->resistance_b, m->one_plus_a2, m->reactance_d_b, m->cross_q));
     m->voltage_q_per_d = within_b(m->reactance_d_b + scaled_multiply(m->resistance_b, m->cross_d));
 }
 
@@ -172,9 +172,8 @@ motor_model_t motor_model_around(const motor_constants_t *constants, const confi
     const config_motor_t *motor = &config->motor;
     const int64_t w_mrad_s = (int64_t)q_abs(speed_mrad_s) * motor->pole_pairs;
     const int32_t w_b = q_min(scaled_shift(q_saturate64(w_mrad_s), k->speed_shift), MOST_CURRENT_b);
-    const int32_t rise_cK =
-        q_clamp(q_saturate64((int64_t)winding_temperature_cC - motor->reference_temperature_cC),
-                -LARGEST_RISE_cK, LARGEST_RISE_cK);
+    const int32_t rise_cK = q_limit(
+        q_subtract(winding_temperature_cC, motor->reference_temperature_cC), LARGEST_RISE_cK);
     const int32_t conductance = conductance_at(k, w_b);
     const flux_t flux = flux_map_present(config) ? flux_around(k, config, w_b, conductance,
                                                                winding_temperature_cC, around)

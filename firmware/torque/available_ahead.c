@@ -134,10 +134,13 @@ static void evaluate_solved(available_ahead_state_t *state, const motor_constant
     if (part == PART_DRIVING_ENDS || part == PART_BRAKING_ENDS) {
         feasible_circle_t circle = {.known = false};
         state->cap = torque_limits_ends(&state->table, &model, &set, sign, &circle).cap;
-    } else if (part == PART_BRAKING_RETURNED) {
-        torque_limits_returned(&state->table, &model, &set, &side);
+        return;
+    }
+    const feasible_cap_power_t cap = feasible_cap_power(&side);
+    if (part == PART_BRAKING_RETURNED) {
+        torque_limits_returned(&state->table, &model, &set, &side, &cap);
     } else {
-        torque_limits_drawn(&state->table, &model, &set, &side);
+        torque_limits_drawn(&state->table, &model, &set, &side, &cap);
     }
 }
 

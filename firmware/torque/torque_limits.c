@@ -412,8 +412,9 @@ static int32_t solved_again_mNm(motor_model_t *model, feasible_set_t *set,
     int32_t out_mNm = by_end_mNm;
     if (by_end_mNm != FEASIBLE_UNBOUNDED) {
         feasible_set_around(set, model, *own);
-        out_mNm = returned != NULL ? feasible_by_returned_at(side, *returned, &at)
-                                   : feasible_by_drawn_at(side, drawn_b, &at);
+        const feasible_cap_power_t cap = feasible_cap_power(side);
+        out_mNm = returned != NULL ? feasible_by_returned_at(side, &cap, *returned, &at)
+                                   : feasible_by_drawn_at(side, &cap, drawn_b, &at);
     }
     *own = motor_model_current(model, at);
     feasible_set_around(set, model, end);
@@ -421,11 +422,12 @@ static int32_t solved_again_mNm(motor_model_t *model, feasible_set_t *set,
 }
 
 void torque_limits_drawn(torque_limits_t *table, motor_model_t *model, feasible_set_t *set,
-                         const feasible_side_t *side)
+                         const feasible_side_t *side, const feasible_cap_power_t *cap)
 {
     const bool drives = side->sign == (int32_t)SIDE_DRIVING;
     limit_t *line = drives ? table->driving : table->braking;
-    int32_t bound_mNm = feasible_by_drawn_mNm(side, table->drawn_b);
+    motor_point_t found;
+    int32_t bound_mNm = feasible_by_drawn_at(side, cap, table->drawn_b, &found);
     if (flux_map_present(model->config)) {
         torque_limits_side_currents_t *at = drives ? &table->at.driving : &table->at.braking;
         bound_mNm = solved_again_mNm(model, set, side, NULL, table->drawn_b, at->end, &at->drawn,
@@ -435,20 +437,21 @@ void torque_limits_drawn(torque_limits_t *table, motor_model_t *model, feasible_
 }
 
 static int32_t returned_mNm(motor_model_t *model, feasible_set_t *set, const feasible_side_t *side,
-                            const feasible_returned_t *returned, motor_current_t end,
-                            motor_current_t *own)
+                            const feasible_cap_power_t *cap, const feasible_returned_t *returned,
+                            motor_current_t end, motor_current_t *own)
 {
-    const int32_t bound_mNm = feasible_by_returned_mNm(side, *returned);
+    motor_point_t found;
+    const int32_t bound_mNm = feasible_by_returned_at(side, cap, *returned, &found);
     return flux_map_present(model->config)
                ? solved_again_mNm(model, set, side, returned, 0, end, own, bound_mNm)
                : bound_mNm;
 }
 
 void torque_limits_returned(torque_limits_t *table, motor_model_t *model, feasible_set_t *set,
-                            const feasible_side_t *side)
+                            const feasible_side_t *side, const feasible_cap_power_t *cap)
 {
     limit_t *line = table->braking;
-    const int32_t by_map_mNm = returned_mNm(model, set, side, &table->losses.returned,
+    const int32_t by_map_mNm = returned_mNm(model, set, side, cap, &table->losses.returned,
                                             table->at.braking.end, &table->at.returned);
     feasible_set_around(set, model, table->at.losses);
     line[TORQUE_LINE_RETURNED].torque_mNm =
@@ -476,12 +479,13 @@ static void permit(torque_limits_t *table, const motor_model_t *model,
 
 /* The short-time charge current, never less than the lasting one. */
 static void raise_peak(torque_limits_t *table, motor_model_t *model, feasible_set_t *set,
-                       const feasible_side_t *side, const battery_limit_t *charge, int32_t bus_mV)
+                       const feasible_side_t *side, const feasible_cap_power_t *cap,
+                       const battery_limit_t *charge, int32_t bus_mV)
 {
     const feasible_returned_t peak =
         returned_at(model, charge->peak_mA, charge->peak_margin_mA, bus_mV);
     const int32_t most_mNm =
-        returned_mNm(model, set, side, &peak, table->at.braking.end, &table->at.peak);
+        returned_mNm(model, set, side, cap, &peak, table->at.braking.end, &table->at.peak);
     table->braking[TORQUE_LINE_RETURNED_PEAK] = limit_init(
         q_max(most_mNm, table->braking[TORQUE_LINE_RETURNED].torque_mNm), charge->peak_reason);
 }
@@ -493,6 +497,25 @@ static limit_t rotor_line(const measured_t *now, const feasible_side_t *side)
     const int32_t sensed_mNm = now->angle_valid ? FEASIBLE_UNBOUNDED : 0;
     return limit_init(observed ? observer_error_torque_mNm(side) : sensed_mNm,
                       REASON_ROTOR_UNCERTAIN);
+}
+
+/* What is solved of the braking side. Returns the line ROTOR. */
+static limit_t solve_braking(torque_limits_t *table, motor_model_t *model, feasible_set_t *set,
+                             const measured_t *now, feasible_circle_t *circle,
+                             const battery_limit_t *charge, int32_t bus_mV)
+{
+    const feasible_side_t side = torque_limits_ends(table, model, set, SIDE_BRAKING, circle);
+    feasible_cap_power_t cap = feasible_cap_power(&side);
+    torque_limits_drawn(table, model, set, &side, &cap);
+    const limit_t rotor = rotor_line(now, &side);
+    if (flux_map_present(model->config)) { /* the set is now around the new end */
+        cap = feasible_cap_power(&side);
+    }
+    torque_limits_returned(table, model, set, &side, &cap);
+    if (charge->peak_mA != charge->current_mA) {
+        raise_peak(table, model, set, &side, &cap, charge, bus_mV);
+    }
+    return rotor;
 }
 
 void torque_limits_step(torque_limits_state_t *state, motor_model_t *model, feasible_set_t *set,
@@ -537,15 +560,10 @@ void torque_limits_step(torque_limits_state_t *state, motor_model_t *model, feas
     torque_limits_plain(table, model, now->switch_temperature_cC, in->brake_torque_mNm);
     feasible_circle_t circle = {.known = false};
     const feasible_side_t driving = torque_limits_ends(table, model, set, SIDE_DRIVING, &circle);
-    torque_limits_drawn(table, model, set, &driving);
+    const feasible_cap_power_t cap = feasible_cap_power(&driving);
+    torque_limits_drawn(table, model, set, &driving, &cap);
     const limit_t driving_rotor = rotor_line(now, &driving);
-    const feasible_side_t braking = torque_limits_ends(table, model, set, SIDE_BRAKING, &circle);
-    torque_limits_drawn(table, model, set, &braking);
-    const limit_t braking_rotor = rotor_line(now, &braking);
-    torque_limits_returned(table, model, set, &braking);
-    if (charge.peak_mA != charge.current_mA) {
-        raise_peak(table, model, set, &braking, &charge, bus_mV);
-    }
+    const limit_t braking_rotor = solve_braking(table, model, set, now, &circle, &charge, bus_mV);
     table->driving[TORQUE_LINE_ROTOR] = driving_rotor;
     table->braking[TORQUE_LINE_ROTOR] = braking_rotor;
     table->driving[TORQUE_LINE_ENABLE] = share_line(config, enable->drive_q15, enable->reason);

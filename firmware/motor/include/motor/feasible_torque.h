@@ -99,28 +99,41 @@ int32_t feasible_magnitude_mNm(const feasible_side_t *side, int32_t airgap_b);
 /* The power of a battery current, for the two bounds below. Both count the loss of the bridge. */
 int32_t feasible_power_b(const motor_model_t *model, int32_t current_mA, int32_t bus_mV);
 
+/* What the motor draws along the i_d of a side's cap, a x^2 + b x + c, and at the cap; with the
+ * loss of the bridge. For both bounds, as long as the set stays as it is. */
+typedef struct {
+    int32_t a, b, c;
+    int32_t i_q_b; /* of the cap */
+    int64_t drawn_b;
+} feasible_cap_power_t;
+
+feasible_cap_power_t feasible_cap_power(const feasible_side_t *side);
+
 /* Largest torque, in driving or in braking beyond the torque of largest regeneration, at which the
  * motor draws at most power_b or a thousandth of motor.max_power, whichever is larger. found: its
  * currents; without a bound the cap's. */
-int32_t feasible_by_drawn_at(const feasible_side_t *side, int32_t power_b, motor_point_t *found);
+int32_t feasible_by_drawn_at(const feasible_side_t *side, const feasible_cap_power_t *cap,
+                             int32_t power_b, motor_point_t *found);
 
 static inline int32_t feasible_by_drawn_mNm(const feasible_side_t *side, int32_t power_b)
 {
+    const feasible_cap_power_t cap = feasible_cap_power(side);
     motor_point_t found;
-    return feasible_by_drawn_at(side, power_b, &found);
+    return feasible_by_drawn_at(side, &cap, power_b, &found);
 }
 
 /* Largest braking torque that returns no more than the battery takes. Unbounded where even the
  * torque of largest regeneration returns a negligible power. With hall sensors the power that the
  * angle error of a late edge may return is included. found: as above. */
-int32_t feasible_by_returned_at(const feasible_side_t *side, feasible_returned_t returned,
-                                motor_point_t *found);
+int32_t feasible_by_returned_at(const feasible_side_t *side, const feasible_cap_power_t *cap,
+                                feasible_returned_t returned, motor_point_t *found);
 
 static inline int32_t feasible_by_returned_mNm(const feasible_side_t *side,
                                                feasible_returned_t returned)
 {
+    const feasible_cap_power_t cap = feasible_cap_power(side);
     motor_point_t found;
-    return feasible_by_returned_at(side, returned, &found);
+    return feasible_by_returned_at(side, &cap, returned, &found);
 }
 
 /* Whether the voltage suffices for a point, the fast loop's own reserve included. For zero current

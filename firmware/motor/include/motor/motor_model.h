@@ -160,8 +160,7 @@ int32_t motor_model_x_per_d(const motor_model_t *model, motor_point_t at);
 /* Terminal i_q of a point, and i_qt of terminal currents. */
 static inline int32_t motor_model_i_q_b(const motor_model_t *model, motor_point_t at)
 {
-    return scaled_multiply(model->one_plus_a2, at.x_b) + model->iron_current_b +
-           scaled_multiply(model->cross_d, at.d_b);
+    return scaled_dot(model->one_plus_a2, at.x_b, model->cross_d, at.d_b) + model->iron_current_b;
 }
 
 /* i_qt of terminal currents. */
@@ -174,14 +173,13 @@ static inline int32_t motor_model_x_of_i_q_b(const motor_model_t *model, int32_t
 /* Terminal voltages. */
 static inline int32_t motor_model_u_d_b(const motor_model_t *model, motor_point_t at)
 {
-    return scaled_multiply(model->resistance_b, at.d_b) -
-           scaled_multiply(model->reactance_q_b, at.x_b);
+    return scaled_dot(model->resistance_b, at.d_b, -model->reactance_q_b, at.x_b);
 }
 
 static inline int32_t motor_model_u_q_b(const motor_model_t *model, motor_point_t at)
 {
-    return model->voltage_q_b + scaled_multiply(model->voltage_q_per_x, at.x_b) +
-           scaled_multiply(model->voltage_q_per_d, at.d_b);
+    return model->voltage_q_b +
+           scaled_dot(model->voltage_q_per_x, at.x_b, model->voltage_q_per_d, at.d_b);
 }
 
 /* Shaft torque, signed, of an airgap torque along the rotation; and back. */

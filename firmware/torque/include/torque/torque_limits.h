@@ -125,13 +125,13 @@ void torque_limits_plain(torque_limits_t *table, const motor_model_t *model,
 feasible_side_t torque_limits_ends(torque_limits_t *table, motor_model_t *model,
                                    feasible_set_t *set, side_t sign, feasible_circle_t *circle);
 
-/* DRAWN of a side of torque_limits_ends(). */
+/* DRAWN of a side of torque_limits_ends(). cap: its feasible_cap_power() with the set as it is. */
 void torque_limits_drawn(torque_limits_t *table, motor_model_t *model, feasible_set_t *set,
-                         const feasible_side_t *side);
+                         const feasible_side_t *side, const feasible_cap_power_t *cap);
 
 /* RETURNED of its braking side, and RETURNED_PEAK like it. */
 void torque_limits_returned(torque_limits_t *table, motor_model_t *model, feasible_set_t *set,
-                            const feasible_side_t *side);
+                            const feasible_side_t *side, const feasible_cap_power_t *cap);
 
 /* The lines of the braking strategy, LOSS_OPTIMUM to ELECTRIC_SHARE. optimum_mNm: shaft torque that
  * returns the most energy now, below 0 counts as 0; brake_torque_mNm: of both brakes together, >=

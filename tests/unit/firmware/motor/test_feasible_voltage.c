@@ -96,6 +96,29 @@ void test_field_weakening_without_torque_of_saliency_cancels_the_flux(void)
     TEST_ASSERT_INT32_WITHIN(CIRCLE_b >> 14, -CIRCLE_b, weakest_b(0));
 }
 
+/* L_d = 1/2, L_q = 1, psi = L_d I/2: maximum torque per voltage lies on the circle, where
+ * X = L_d I - psi = I/4, at the flux F^2 = 2 X^2 + psi L_q X/(L_q - L_d) = I^2/4. */
+void test_the_circle_ends_field_weakening_from_the_flux_at_which_torque_per_voltage_does(void)
+{
+    motor.model.inductance_d_b = SCALED_ONE / 2;
+    motor.model.inductance_q_b = SCALED_ONE;
+    motor.model.saliency_b = -SCALED_ONE / 2;
+    motor.model.slope_saliency_b = motor.model.saliency_b;
+    motor.model.flux_b = CIRCLE_b / 4;
+    motor.model.slope_flux_b = motor.model.flux_b;
+    motor.model.speed_b = SCALED_ONE;
+    motor.constants.weakening_most_b = CIRCLE_b;
+    const int32_t flux_b = CIRCLE_b / 2;
+    TEST_ASSERT_INT32_WITHIN(CIRCLE_b >> 12, -CIRCLE_b, weakest_b(flux_b));
+    TEST_ASSERT_GREATER_THAN_INT32(-CIRCLE_b, weakest_b(flux_b - (flux_b >> 8)));
+    TEST_ASSERT_EQUAL_INT32(-CIRCLE_b, weakest_b(flux_b + (flux_b >> 8)));
+    TEST_ASSERT_EQUAL_INT32(-CIRCLE_b, weakest_b(4 * flux_b));
+    /* L_d i_d = -F (psi/F + 2 s F/(psi L_q + sqrt((psi L_q)^2 + 8 s^2 F^2))), F = I/4: psi = F,
+     * i_d = -2 F (1 + 1/(1 + sqrt(3))). */
+    const double wanted_b = -0.5 * (1.0 + 1.0 / (1.0 + sqrt(3.0))) * CIRCLE_b;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3 * CIRCLE_b, wanted_b, weakest_b(CIRCLE_b / 4));
+}
+
 /* One unit of voltage at standstill is a flux of one: sum = 1 + sqrt(3), i_d = (1 / sum - 1) / 4.
  */
 void test_standstill_counts_as_one_unit_of_speed(void)
