@@ -77,7 +77,7 @@ BUDGETS = (
     Budget("cortex-m3", CURRENT_LOOP, 181),
     Budget("cortex-m0plus", CURRENT_LOOP, 379),
 )
-SLOW_BUDGET = Budget("cortex-m4", SLOW_STEP, 12700, max_at_most=interrupt.SLOW_STEP_AT_MOST)
+SLOW_BUDGET = Budget("cortex-m4", SLOW_STEP, 12000, max_at_most=interrupt.SLOW_STEP_AT_MOST)
 """Of each configuration, in every state of the envelope."""
 LOOP_BYTES_AT_MOST = 3584
 REFERENCE_GCC = 12

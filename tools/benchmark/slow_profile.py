@@ -40,6 +40,7 @@ PARTS = {
         "torque_limits_step": "table of limits",
         "feasible_side_at": "one direction of the limits",
         "feasible_by_voltage_and_current": "lines of voltage and phase current",
+        "feasible_cap_power": "battery power at the end of a direction",
         "feasible_by_drawn_at": "lines of drawn bus current",
         "feasible_by_returned_at": "lines of returned bus current",
         "foldback_step": "fold-back of the bus voltage",
