@@ -499,6 +499,16 @@ static limit_t rotor_line(const measured_t *now, const feasible_side_t *side)
                       REASON_ROTOR_UNCERTAIN);
 }
 
+/* What is solved of the driving side. Returns the line ROTOR. */
+static limit_t solve_driving(torque_limits_t *table, motor_model_t *model, feasible_set_t *set,
+                             const measured_t *now, feasible_circle_t *circle)
+{
+    const feasible_side_t side = torque_limits_ends(table, model, set, SIDE_DRIVING, circle);
+    const feasible_cap_power_t cap = feasible_cap_power(&side);
+    torque_limits_drawn(table, model, set, &side, &cap);
+    return rotor_line(now, &side);
+}
+
 /* What is solved of the braking side. Returns the line ROTOR. */
 static limit_t solve_braking(torque_limits_t *table, motor_model_t *model, feasible_set_t *set,
                              const measured_t *now, feasible_circle_t *circle,
@@ -559,10 +569,7 @@ void torque_limits_step(torque_limits_state_t *state, motor_model_t *model, feas
     table->current_missing_q15 = in->current_missing_q15;
     torque_limits_plain(table, model, now->switch_temperature_cC, in->brake_torque_mNm);
     feasible_circle_t circle = {.known = false};
-    const feasible_side_t driving = torque_limits_ends(table, model, set, SIDE_DRIVING, &circle);
-    const feasible_cap_power_t cap = feasible_cap_power(&driving);
-    torque_limits_drawn(table, model, set, &driving, &cap);
-    const limit_t driving_rotor = rotor_line(now, &driving);
+    const limit_t driving_rotor = solve_driving(table, model, set, now, &circle);
     const limit_t braking_rotor = solve_braking(table, model, set, now, &circle, &charge, bus_mV);
     table->driving[TORQUE_LINE_ROTOR] = driving_rotor;
     table->braking[TORQUE_LINE_ROTOR] = braking_rotor;
