@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Self
 
 ROOT = Path(__file__).resolve().parents[2]
-STORED = ROOT / "tests" / "oracle" / "88e5528f.json"
+STORED = ROOT / "tests" / "oracle" / "4c0b1396.json"
 FORMAT = 1
 KINDS = ("fast", "slow", "events", "bytes")
 
