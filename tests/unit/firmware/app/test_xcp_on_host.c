@@ -365,7 +365,7 @@ void test_the_scope_has_the_current_loop_of_each_period(void)
     for (uint32_t row = 1; row < ROWS; row++) {
         const uint8_t *now = &record[ROW_BYTES * row];
         const uint8_t *before = now - ROW_BYTES;
-        const uint32_t turned = (now[0] | (uint32_t)now[1] << 8) - (before[0] | before[1] << 8);
+        const uint32_t turned = (uint32_t)(now[0] - before[0] + 256 * (now[1] - before[1]));
         TEST_ASSERT_UINT32_WITHIN(turn_a_period / 4, turn_a_period, turned & 0xFFFFU);
     }
 }

@@ -74,10 +74,10 @@ class Client:
         data = self._file.read(length)
         return data if kind == 0x82 else dict(json.loads(data))
 
-    def message(self, kind: str) -> dict[str, Any]:
+    def message(self, *kinds: str) -> dict[str, Any]:
         while True:
             message = self.hear()
-            if isinstance(message, dict) and message["kind"] == kind:
+            if isinstance(message, dict) and message["kind"] in kinds:
                 return message
 
     def rows(self, curves: int) -> tuple[int, list[float], Any]:

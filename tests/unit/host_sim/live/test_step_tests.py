@@ -97,14 +97,20 @@ def measured(config: Path) -> dict[str, Any]:
         until(lambda: vehicle.value("wheel0.mode") == 4)
         page.say(do="step", wheel=0)
         assert "accepted: while this wheel drives" in page.message("refused")["why"]
-        while history.latest(torque)[0] < 15.0:
-            page.say(do="drive", accelerator=0.5, brake=0.0, direction="forward")
-            page.message("state")
+        page.say(do="drive", accelerator=0.5, brake=0.0, direction="forward")
+        page.message("state")
         with Client(vehicle.url) as watcher:
             watcher.say(do="step", wheel=0)
             assert "this page watches" in watcher.message("refused")["why"]
-        page.say(do="step", wheel=0)
-        found = page.message("step")
+        for _ in range(10):  # a slow machine does not hold the pedal all the time
+            while history.latest(torque)[0] < 15.0:
+                page.say(do="drive", accelerator=0.5, brake=0.0, direction="forward")
+                page.message("state")
+            page.say(do="step", wheel=0)
+            found = page.message("step", "refused")
+            if found["kind"] == "step":
+                break
+        assert found["kind"] == "step", found
         for _ in range(3):
             page.say(do="drive", accelerator=0.5, brake=0.0, direction="forward")
             page.message("state")
