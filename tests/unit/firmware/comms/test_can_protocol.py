@@ -29,7 +29,7 @@ STATUS = {
 
 def random_values(name: str, dice: random.Random) -> dict[str, float]:
     """Return whole steps of every signal, within its range."""
-    values = {}
+    values: dict[str, float] = {}
     for key, signal in can_protocol.MESSAGES[name].signals.items():
         carried = signal.only is None or values[signal.only[0]] == signal.only[1]
         if key not in ("crc", "counter") and carried:
