@@ -249,12 +249,13 @@ def warning(drive: Drive) -> str | None:
     if key not in drive.motor.model_fields_set:
         key = "q_inductance_curve_h"
     keys = drive.motor.model_dump(exclude_none=True)
-    fitted, held = fit(keys, found), bounds(keys, found)
+    fitted, bounding = fit(keys, found), bounds(keys, found)
     return (
         f"motor.{key}: the controller's torque, tables, current loop and observer are the map's,"
         " its monitor, safe state and exit of a short circuit are those of constants that the open"
-        f" and the shorted motor does not exceed: flux_linkage_wb {held.flux_linkage_wb:.4g},"
-        f" d_inductance_h {held.d_inductance_h:.4g}, q_inductance_h {held.q_inductance_h:.4g};"
+        f" and the shorted motor does not exceed: flux_linkage_wb {bounding.flux_linkage_wb:.4g},"
+        f" d_inductance_h {bounding.d_inductance_h:.4g}, q_inductance_h"
+        f" {bounding.q_inductance_h:.4g};"
         " stop, cycle and figures are those of constants fitted over the current circle, whose"
         " torque is"
         f" up to {abs(fitted.error_nm):.3g} N m"

@@ -177,9 +177,9 @@ def fields_named_after(key: str) -> list[str]:
 
 def fields(drive: Drive) -> Values:
     """Compute every field of config_t, in the units its name ends in."""
-    computed, held = _computed(drive), stored_flux.held(drive)
+    computed, bounding = _computed(drive), stored_flux.bounding(drive)
     return {
-        section: passed_on(section, held) | computed.get(section, {})
+        section: passed_on(section, bounding) | computed.get(section, {})
         for section in layout.load().sections
     }
 
@@ -190,11 +190,11 @@ def _computed(drive: Drive) -> Values:
     margins.refuse_thin_margins(drive, margins.current_loop(drive))
     currents = mapped_tables.currents(drive, current_audit.choose(drive))
     table = mapped_tables.braking(drive, current_audit.braking_table(drive))
-    flux, held = stored_flux.of(drive), stored_flux.held(drive)
+    flux, bounding = stored_flux.of(drive), stored_flux.bounding(drive)
     return {
-        "motor": _motor(held),
+        "motor": _motor(bounding),
         "drive": _drive(drive),
-        "current_loop": dict(loops.current_loop(held)),
+        "current_loop": dict(loops.current_loop(bounding)),
         "rotor": loops.rotor(drive),
         "battery": _battery(drive),
         "brake": _brake(drive),

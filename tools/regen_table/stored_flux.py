@@ -97,7 +97,7 @@ def of(drive: Drive) -> StoredFlux | None:
     return None if straight else choose(drive, found)
 
 
-def held(drive: Drive) -> Drive:
+def bounding(drive: Drive) -> Drive:
     """Return a drive with the constants that the image holds of it beside a map."""
     found = flux_constants.of(drive)
     if found is None or of(drive) is None:

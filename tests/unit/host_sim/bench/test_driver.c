@@ -193,11 +193,11 @@ void test_eased_stop_ends_softly_and_hardly_later(void)
     const driver_trace_t trace = {.time_s = time_s, .speed_m_per_s = speed, .points = 3};
     vehicle.rolling_n = 0.0;
     params.preview_s = 0.001;
-    const stop_t held = stop_by_brakes_alone(&trace, 3.0);
+    const stop_t uneased = stop_by_brakes_alone(&trace, 3.0);
     params.release_speed_m_per_s = 0.3;
     const stop_t eased = stop_by_brakes_alone(&trace, 3.0);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.1, eased.jolt_m_per_s2);
-    TEST_ASSERT_DOUBLE_WITHIN(0.03, held.stands_s + 0.15 * log(20.0), eased.stands_s);
+    TEST_ASSERT_DOUBLE_WITHIN(0.03, uneased.stands_s + 0.15 * log(20.0), eased.stands_s);
 }
 
 /* Which of the two counts is the controllers' decision. */

@@ -53,14 +53,14 @@ def test_the_wheels_accounts_add_up_to_what_flowed_through_the_battery_s_termina
             speeds = [vehicle.value(f"wheel{k}.speed_rad_per_s") for k in range(4)]
             work_j += (np.maximum(impulses - before, 0.0) * speeds).sum(axis=1)
         assert vehicle.value("vehicle.speed_m_per_s") < 0.1
-    said = [wheel.status(ENDS_MS) for wheel in wheels]
+    statuses = [wheel.status(ENDS_MS) for wheel in wheels]
     for kind, flow_j in flows_j.items():
-        sum_wh = sum(getattr(status, f"{kind}_wh") for status in said)
+        sum_wh = sum(getattr(status, f"{kind}_wh") for status in statuses)
         assert sum_wh == pytest.approx(flow_j / JOULE_A_WH, rel=0.05, abs=len(WHEELS) * STEP_WH)
         assert sum_wh > 8 * len(WHEELS) * STEP_WH
     share_percent = 100.0 * work_j[1] / work_j.sum()
     assert 10.0 < share_percent < 90.0
-    assert [s.friction_percent for s in said] == pytest.approx([share_percent] * 4, abs=2.0)
+    assert [s.friction_percent for s in statuses] == pytest.approx([share_percent] * 4, abs=2.0)
     # New wheels: for life is since the start, in steps of 5 Wh.
-    assert {s.life_friction_percent for s in said} == {s.friction_percent for s in said}
-    assert all(0.0 <= (s.drawn_wh or 0.0) - (s.life_drawn_wh or 0.0) < 5.0 for s in said)
+    assert {s.life_friction_percent for s in statuses} == {s.friction_percent for s in statuses}
+    assert all(0.0 <= (s.drawn_wh or 0.0) - (s.life_drawn_wh or 0.0) < 5.0 for s in statuses)

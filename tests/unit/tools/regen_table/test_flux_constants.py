@@ -104,16 +104,16 @@ def test_constants_leave_the_least_squares_of_flux_and_the_stated_error_of_torqu
 def test_constants_held_are_what_the_motor_does_not_exceed(tree: Tree, tmp_path: Path) -> None:
     """The open circuit's flux; L_d, which does not saturate here, as far as L_q lets it."""
     drive = parsed(mapped(tree, tmp_path), tmp_path)
-    own, held = tree["motor"], stored_flux.held(drive).motor
-    assert held.flux_linkage_wb == pytest.approx(own["flux_linkage_wb"])
-    assert 0.7 * own["d_inductance_h"] < held.d_inductance_h < 1.001 * own["d_inductance_h"]
-    assert held.q_inductance_h < own["q_inductance_h"]
+    own, bounding = tree["motor"], stored_flux.bounding(drive).motor
+    assert bounding.flux_linkage_wb == pytest.approx(own["flux_linkage_wb"])
+    assert 0.7 * own["d_inductance_h"] < bounding.d_inductance_h < 1.001 * own["d_inductance_h"]
+    assert bounding.q_inductance_h < own["q_inductance_h"]
 
 
 def test_surface_magnets_may_hold_unequal_inductances(paper_tree: Tree, tmp_path: Path) -> None:
-    held = stored_flux.held(parsed(mapped(paper_tree, tmp_path), tmp_path)).motor
-    assert held.type == "ipmsm"
-    assert held.q_inductance_h < paper_tree["motor"]["q_inductance_h"]
+    bounding = stored_flux.bounding(parsed(mapped(paper_tree, tmp_path), tmp_path)).motor
+    assert bounding.type == "ipmsm"
+    assert bounding.q_inductance_h < paper_tree["motor"]["q_inductance_h"]
 
 
 def test_curves_are_the_motor_whose_fluxes_they_are(tree: Tree, tmp_path: Path) -> None:
@@ -263,10 +263,10 @@ def test_image_holds_the_points_that_the_map_has_there(tree: Tree, tmp_path: Pat
     drive = parsed(mapped(tree, tmp_path), tmp_path)
     header = layout.load()
     packed: Any = header.ffi.from_buffer("config_t *", image.build(drive))
-    held = stored_flux.held(drive).motor
-    assert packed.motor.flux_linkage_nWb == round(held.flux_linkage_wb * 1e9)
-    assert packed.motor.d_inductance_nH == round(held.d_inductance_h * 1e9)
-    assert packed.motor.q_inductance_nH == round(held.q_inductance_h * 1e9)
+    bounding = stored_flux.bounding(drive).motor
+    assert packed.motor.flux_linkage_nWb == round(bounding.flux_linkage_wb * 1e9)
+    assert packed.motor.d_inductance_nH == round(bounding.d_inductance_h * 1e9)
+    assert packed.motor.q_inductance_nH == round(bounding.q_inductance_h * 1e9)
     stored = packed.flux_map
     rows, columns = stored.d_points, stored.q_points
     assert rows * columns <= header.constants["CONFIG_FLUX_MAP_POINTS_MAX"]

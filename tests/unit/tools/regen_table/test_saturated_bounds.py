@@ -23,6 +23,8 @@ from regen_table.flux_map import FluxMap
 Array = npt.NDArray[np.float64]
 Flux = Callable[[Array, Array], tuple[Array, Array]]
 Energy = Callable[[float, float], float]
+Library = Any  # of cffi
+Firmware = tuple[Any, Library]
 ROOT = Path(__file__).resolve().parents[4]
 MEASURED = Path(__file__).parent / "motulator" / "baldor_400rpm_map.npz"
 SHARES = np.geomspace(0.02, 1.1, 16)  # of the largest speed
@@ -48,7 +50,7 @@ class Motor:
     weakening_a: float
     fastest_rad_s: float
     bus_v: float
-    held: FluxMap
+    stored: FluxMap
     flux: Flux
     energy_j: Energy
     below: float
@@ -165,7 +167,7 @@ def motors(random_drives: list[schema.Drive]) -> list[Motor]:
 
 
 @pytest.fixture(scope="module")
-def firmware(tmp_path_factory: pytest.TempPathFactory, firmware_library: str) -> tuple[Any, Any]:
+def firmware(tmp_path_factory: pytest.TempPathFactory, firmware_library: str) -> Firmware:
     library = tmp_path_factory.mktemp("bounds") / "bounds.so"
     folders = [
         f"-I{ROOT / 'firmware' / name / 'include'}" for name in ("core", "config", "monitor")
@@ -190,12 +192,12 @@ def firmware(tmp_path_factory: pytest.TempPathFactory, firmware_library: str) ->
     return ffi, ffi.dlopen(str(library))
 
 
-def held(firmware: tuple[Any, Any], raw: bytes, motor: Motor, bus_f: float = 1e-3) -> Any:  # noqa: ANN401, of cffi
+def set_up(firmware: Firmware, raw: bytes, motor: Motor, bus_f: float = 1e-3) -> Library:
     """Return the firmware with the constants that the generator makes of the motor's map."""
     ffi, library = firmware
     keys = {"type": motor.kind, "pole_pairs": motor.pole_pairs, "flux_map": "some",
             "max_phase_current_a": motor.current_a}  # fmt: skip
-    constants = flux_constants.bounds(keys, motor.held)
+    constants = flux_constants.bounds(keys, motor.stored)
     fields = {
         "pole_pairs": motor.pole_pairs,
         "resistance_uOhm": round(motor.resistance_ohm * 1e6),
@@ -241,10 +243,10 @@ def raw() -> bytes:
 
 
 def test_short_circuit_is_never_weaker_than_held(
-    firmware: tuple[Any, Any], raw: bytes, motors: list[Motor]
+    firmware: Firmware, raw: bytes, motors: list[Motor]
 ) -> None:
     for motor in motors:
-        library = held(firmware, raw, motor)
+        library = set_up(firmware, raw, motor)
         for omega in SHARES * motor.fastest_rad_s:
             current, torque = short_circuit(motor, omega)
             found = library.shorted(round(omega / motor.pole_pairs * 1e3))
@@ -254,10 +256,10 @@ def test_short_circuit_is_never_weaker_than_held(
 
 
 def test_an_open_bridge_is_quiet_up_to_the_true_emf(
-    firmware: tuple[Any, Any], raw: bytes, motors: list[Motor]
+    firmware: Firmware, raw: bytes, motors: list[Motor]
 ) -> None:
     for motor in motors:
-        library = held(firmware, raw, motor)
+        library = set_up(firmware, raw, motor)
         psi_d, _ = motor.flux(np.array(0.0), np.array(0.0))
         emf_v = np.sqrt(3.0) * float(psi_d) * motor.fastest_rad_s
         bus_mV = round(1e3 * 0.9 * motor.bus_v)
@@ -267,11 +269,11 @@ def test_an_open_bridge_is_quiet_up_to_the_true_emf(
 
 
 def test_torque_that_the_voltage_forces_is_permitted(
-    firmware: tuple[Any, Any], raw: bytes, motors: list[Motor]
+    firmware: Firmware, raw: bytes, motors: list[Motor]
 ) -> None:
     """The weakened flux needs sqrt(3) omega |psi|, and more for the resistance."""
     for motor in motors:
-        library = held(firmware, raw, motor)
+        library = set_up(firmware, raw, motor)
         psi_d, _ = motor.flux(np.array(-motor.weakening_a), np.array(0.0))
         for omega in SHARES * motor.fastest_rad_s:
             needed_v = np.sqrt(3.0) * omega * max(float(psi_d), 0.0)
@@ -280,7 +282,7 @@ def test_torque_that_the_voltage_forces_is_permitted(
 
 
 def test_a_short_circuit_ends_only_where_its_energy_fits_into_the_bus(
-    firmware: tuple[Any, Any], raw: bytes, motors: list[Motor]
+    firmware: Firmware, raw: bytes, motors: list[Motor]
 ) -> None:
     """Currents up to twice that of the settled short circuit, whose energy half the buses take."""
     rng = np.random.default_rng(35)
@@ -289,7 +291,7 @@ def test_a_short_circuit_ends_only_where_its_energy_fits_into_the_bus(
         most_j = 1.5 * motor.energy_j(-settled, 0.0)
         device_v, ended = 1.3 * motor.bus_v, 0
         bus_f = rng.uniform(1.0, 4.0) * 2.0 * most_j / (device_v**2 - motor.bus_v**2)
-        library = held(firmware, raw, motor, bus_f)
+        library = set_up(firmware, raw, motor, bus_f)
         for _ in range(60):
             amount, angle = settled * rng.uniform(0.0, 2.0), rng.uniform(0.5, 1.5) * np.pi
             i_d, i_q = amount * np.cos(angle), amount * np.sin(angle)
