@@ -223,6 +223,6 @@ static config_derived_range_t recomputed(const config_t *c, config_derived_t fie
 config_derived_range_t config_derived_range(const config_t *config, config_derived_t field)
 {
     config_derived_range_t out = recomputed(config, field);
-    out.offset_bytes = PLACES[field];
+    out.offset_bytes = PLACES[field < CONFIG_DERIVED_FIELDS ? field : CONFIG_DERIVED_PLL_INTEGRAL];
     return out;
 }

@@ -34,7 +34,7 @@ typedef struct {
     int32_t highest;
 } config_derived_range_t;
 
-/* config: every field in its range. */
+/* config: every field in its range. CONFIG_DERIVED_FIELDS counts as the last field. */
 config_derived_range_t config_derived_range(const config_t *config, config_derived_t field);
 
 #endif
