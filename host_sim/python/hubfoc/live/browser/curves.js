@@ -77,9 +77,9 @@ function span() {
   return 1e3 * Number(byId("span").value);
 }
 
-// The rows that are shown.
+// First and last row that are shown: of the rows that are there, or of the first span.
 function shown() {
-  return held ?? [Math.max(samples.end - span(), 0), Math.max(samples.end, span())];
+  return held ?? [Math.max(samples.end - span(), 0), Math.max(samples.end, span()) - 1];
 }
 
 function hold() {
