@@ -54,7 +54,9 @@ class Client:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._socket.shutdown(socket.SHUT_RDWR)
+        self._socket.shutdown(socket.SHUT_WR)
+        while self._file.read(65536):  # its end: the service has taken the controls back
+            pass
         self._file.close()
         self._socket.close()
 
