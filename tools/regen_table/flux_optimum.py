@@ -123,9 +123,12 @@ def shift_a(flux: FluxMap, change_wb: float) -> float:
     return float(np.interp(wanted, along, flux.i_d_a))
 
 
-def state(motor: FluxMotor, inverter: Bridge, omega: float, i_dt: Array, i_qt: Array) -> State:
-    """Evaluate the steady state of torque-producing currents."""
+def state(
+    motor: FluxMotor, inverter: Bridge, omega: npt.ArrayLike, i_dt: Array, i_qt: Array
+) -> State:
+    """Evaluate the steady state of torque-producing currents, of the speeds' shape or broadcast."""
     machine = motor.machine
+    omega = np.asarray(omega, dtype=np.float64)
     psi_d, psi_q = motor.linked(i_dt, i_qt)
     ratio = machine.iron_ratio(omega)
     i_d, i_q = i_dt - ratio * psi_q, i_qt + ratio * psi_d
@@ -136,9 +139,9 @@ def state(motor: FluxMotor, inverter: Bridge, omega: float, i_dt: Array, i_qt: A
     power = 1.5 * (u_d * i_d + u_q * i_q)
     of_inverter = inverter.loss_w(np.hypot(i_d, i_q))
     shaft = omega / machine.pole_pairs
-    friction = machine.friction_nm * abs(shaft) + machine.viscous_nm_s * shaft**2
+    friction = machine.friction_nm * np.abs(shaft) + machine.viscous_nm_s * shaft**2
     return State(
-        omega_rad_s=np.full_like(i_d, omega),
+        omega_rad_s=np.broadcast_to(omega, i_d.shape),
         current_d_a=i_d,
         current_q_a=i_q,
         voltage_d_v=u_d,
@@ -150,50 +153,50 @@ def state(motor: FluxMotor, inverter: Bridge, omega: float, i_dt: Array, i_qt: A
         motor_power_w=power,
         dc_power_w=power + of_inverter,
         shaft_power_w=torque * shaft - friction,
-        loss_friction_w=np.full_like(i_d, friction),
+        loss_friction_w=np.broadcast_to(friction, i_d.shape),
     )
 
 
 def least_power(
     motor: FluxMotor,
     inverter: Bridge,
-    omega: float,
+    omega: npt.ArrayLike,
     torque_nm: npt.ArrayLike,
     limits: joint.Limits,
 ) -> joint.Point:
-    """Find the currents of least DC power that make torques at an electrical speed.
+    """Find the currents of least DC power that make torques at electrical speeds, broadcast.
 
     Where no currents inside the limits make a torque, ``feasible`` is false and the point is the
     one that violates the limits least.
     """
-    torque = np.asarray(torque_nm, dtype=np.float64)
-    sign = -1.0 if omega < 0.0 else 1.0
-    i_dt, cost = _best(motor, inverter, abs(omega), sign * torque.ravel(), limits)
-    i_qt = sign * motor.quadrature(sign * torque.ravel(), i_dt)
-    found = state(motor, inverter, omega, i_dt.reshape(torque.shape), i_qt.reshape(torque.shape))
-    feasible = np.asarray(cost < _INFEASIBLE).reshape(torque.shape)
-    return joint.Point(found, found.torque_nm, feasible)
+    speed, torque = np.broadcast_arrays(np.asarray(omega, np.float64), torque_nm)
+    sign = np.where(speed < 0.0, -1.0, 1.0)
+    i_dt, cost = _best(motor, inverter, np.abs(speed), sign * torque, limits)
+    i_qt = sign * motor.quadrature(sign * torque, i_dt)
+    found = state(motor, inverter, speed, i_dt, i_qt)
+    return joint.Point(found, found.torque_nm, np.asarray(cost < _INFEASIBLE))
 
 
 def best_braking(
     motor: FluxMotor,
     inverter: Bridge,
-    omega: float,
+    omega: npt.ArrayLike,
     limits: joint.Limits,
     max_torque_nm: float = np.inf,
 ) -> joint.Point:
-    """Find the braking torque, at most ``max_torque_nm``, and the currents that return most."""
+    """Find the braking torque, at most ``max_torque_nm``, and the currents that return most.
+
+    Many speeds at once take little longer than one.
+    """
+    speed = np.asarray(omega, np.float64)
     strongest = min(motor.strongest_nm(), max_torque_nm)
     torque, _ = joint.shrink(
-        lambda torques: _best(motor, inverter, abs(omega), torques.ravel(), limits)[1].reshape(
-            torques.shape
-        ),
-        np.array([-strongest]),
-        np.array([0.0]),
+        lambda torques: _best(motor, inverter, np.abs(speed)[..., np.newaxis], torques, limits)[1],
+        np.full(speed.shape, -strongest),
+        np.zeros(speed.shape),
         _FIRST_TORQUES,
     )
-    sign = -1.0 if omega < 0.0 else 1.0
-    return least_power(motor, inverter, omega, sign * torque[0], limits)
+    return least_power(motor, inverter, speed, np.where(speed < 0.0, -1.0, 1.0) * torque, limits)
 
 
 def zero_power_torque_nm(
@@ -249,17 +252,19 @@ def torque_limits_nm(
 
 
 def _best(
-    motor: FluxMotor, inverter: Bridge, omega: float, torque: Array, limits: joint.Limits
+    motor: FluxMotor, inverter: Bridge, omega: npt.ArrayLike, torque: Array, limits: joint.Limits
 ) -> tuple[Array, Array]:
-    """Return i_dt in A of least DC power for each torque at a speed >= 0, and that power."""
+    """Return i_dt in A of least DC power for each torque at speeds >= 0, and that power."""
     largest = np.hypot(np.max(np.abs(motor.flux.psi_d_wb)), np.max(np.abs(motor.flux.psi_q_wb)))
-    most_a = float(limits.current_a) + float(motor.machine.iron_ratio(omega)) * float(largest)
+    speed = np.broadcast_to(np.asarray(omega, np.float64), torque.shape)
+    most_a = float(limits.current_a) + motor.machine.iron_ratio(speed) * float(largest)
     low, high = motor.d_range_a
-    ends = np.full(torque.shape, max(low, -most_a)), np.full(torque.shape, min(high, most_a))
     return joint.shrink(
-        lambda i_dt: _cost(motor, inverter, omega, torque[:, np.newaxis], i_dt, limits),
-        ends[0],
-        ends[1],
+        lambda i_dt: _cost(
+            motor, inverter, speed[..., np.newaxis], torque[..., np.newaxis], i_dt, limits
+        ),
+        np.maximum(low, -most_a),
+        np.minimum(high, most_a),
         _FIRST_CURRENTS,
     )
 
@@ -267,7 +272,7 @@ def _best(
 def _cost(
     motor: FluxMotor,
     inverter: Bridge,
-    omega: float,
+    omega: Array,
     torque: Array,
     i_dt: Array,
     limits: joint.Limits,

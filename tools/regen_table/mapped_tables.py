@@ -25,11 +25,9 @@ def currents(drive: Drive, table: CurrentMap) -> CurrentMap:
     """Return i_d on the grid of a table; the table itself where the constants are exact."""
     if stored_flux.of(drive) is None:
         return table
+    omega = drive.motor.pole_pairs * table.speeds_rad_s
     rows = [
-        [
-            _row(drive, motor, speed * drive.motor.pole_pairs, table.torques_nm)
-            for speed in table.speeds_rad_s
-        ]
+        _rows(drive, motor, omega, table.torques_nm)
         for motor in _motors(drive, table.temperatures_c)
     ]
     current, lsb_log2 = torque_map.resolved("current_map", 1000.0 * np.array(rows))
@@ -42,14 +40,12 @@ def braking(drive: Drive, table: RegenMap) -> RegenMap:
         return table
     torque = table.torque_mNm.astype(np.float64)
     for row, motor in zip(torque, _motors(drive, table.temperatures_c), strict=True):
-        for k, speed in enumerate(table.speeds_rad_s):
-            best = flux_optimum.best_braking(
-                motor, models.bridge(drive), speed * drive.motor.pole_pairs, _limits(drive)
-            )
-            found = -float(best.torque_nm)
-            inside = float(best.state.current_a) < _ON_CIRCLE * drive.motor.max_phase_current_a
-            if inside and found > _NEXT_TO_NONE * drive.motor.max_torque_nm:
-                row[k] = 1000.0 * found
+        best = flux_optimum.best_braking(
+            motor, models.bridge(drive), drive.motor.pole_pairs * table.speeds_rad_s, _limits(drive)
+        )
+        inside = best.state.current_a < _ON_CIRCLE * drive.motor.max_phase_current_a
+        taken = inside & (-best.torque_nm > _NEXT_TO_NONE * drive.motor.max_torque_nm)
+        row[taken] = -1000.0 * best.torque_nm[taken]
     return torque_map.filled(table, torque)
 
 
@@ -62,13 +58,16 @@ def _limits(drive: Drive) -> joint.Limits:
     return joint.Limits(drive.motor.max_phase_current_a)
 
 
-def _row(drive: Drive, motor: flux_optimum.FluxMotor, omega: float, torque: Array) -> Array:
-    """Return i_d in A of torques, the middle one zero."""
-    best = flux_optimum.least_power(motor, models.bridge(drive), omega, torque, _limits(drive))
-    i_d = np.where(best.feasible, best.state.current_d_a, np.nan)
+def _rows(drive: Drive, motor: flux_optimum.FluxMotor, omega: Array, torque: Array) -> Array:
+    """Return i_d in A of speeds (rows) and torques, the middle one zero."""
+    best = flux_optimum.least_power(
+        motor, models.bridge(drive), omega[:, np.newaxis], torque, _limits(drive)
+    )
+    rows = np.where(best.feasible, best.state.current_d_a, np.nan)
     middle = len(torque) // 2
-    for side in (i_d[middle:], i_d[middle::-1]):
-        last = 0.0
-        for k, value in enumerate(side):
-            side[k] = last = last if np.isnan(value) else value
-    return np.asarray(i_d)
+    for row in rows:
+        for side in (row[middle:], row[middle::-1]):
+            last = 0.0
+            for k, value in enumerate(side):
+                side[k] = last = last if np.isnan(value) else value
+    return np.asarray(rows)
