@@ -76,7 +76,8 @@ bool can_link_receive(can_link_t *link, uint32_t now_ms)
             link->service_received = true;
             continue;
         }
-        messages_frame_t frame = {.identifier = received.identifier, .length = received.length};
+        messages_frame_t frame = {.identifier = (uint16_t)received.identifier,
+                                  .length = received.length};
         for (uint32_t k = 0; k < sizeof frame.data; k++) {
             frame.data[k] = received.data[k];
         }

@@ -84,7 +84,7 @@ void host_can_send(const can_frame_t *frame)
     }
 }
 
-static place_t *place_of(uint16_t identifier)
+static place_t *place_of(uint32_t identifier)
 {
     place_t *found = NULL;
     for (uint32_t i = 0; i < HOST_CAN_FRAMES; i++) {
@@ -103,6 +103,15 @@ static place_t *free_place(void)
         i++;
     }
     return i < HOST_CAN_FRAMES ? &lines.place[i] : NULL;
+}
+
+static bool places_are_free(void)
+{
+    uint32_t i = 0;
+    while (i < HOST_CAN_FRAMES && !lines.place[i].pending && !lines.place[i].sent) {
+        i++;
+    }
+    return i == HOST_CAN_FRAMES;
 }
 
 bool host_can_receive(can_frame_t *frame)
@@ -142,7 +151,7 @@ bool can_receive(can_frame_t *frame)
 bool can_transmit(const can_frame_t *frame)
 {
     place_t *place = place_of(frame->identifier);
-    if (place == NULL) {
+    if (place == NULL && (frame->identifier < CAN_EXTENDED || places_are_free())) {
         place = free_place();
     }
     if (place == NULL || place->sent) {
@@ -153,7 +162,7 @@ bool can_transmit(const can_frame_t *frame)
     return true;
 }
 
-can_progress_t can_progress(uint16_t identifier)
+can_progress_t can_progress(uint32_t identifier)
 {
     place_t *place = place_of(identifier);
     if (place == NULL) {

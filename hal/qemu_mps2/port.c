@@ -228,7 +228,7 @@ bool can_transmit(const can_frame_t *frame)
     return false;
 }
 
-can_progress_t can_progress(uint16_t identifier)
+can_progress_t can_progress(uint32_t identifier)
 {
     (void)identifier;
     return CAN_ABORTED;

@@ -116,7 +116,7 @@ bool can_receive(can_frame_t *frame)
     const uint32_t low = mailbox->RDLR;
     const uint32_t high = mailbox->RDHR;
     const uint32_t length = mailbox->RDTR & CAN_RDTR_DLC;
-    frame->identifier = (uint16_t)(mailbox->RIR >> CAN_RIR_STID_Pos);
+    frame->identifier = mailbox->RIR >> CAN_RIR_STID_Pos;
     frame->length =
         (uint8_t)(length > 8U ? 8U : length); /* 9 .. 15 on the wire also mean eight bytes */
     for (uint32_t i = 0; i < 8U; i++) {
@@ -161,12 +161,15 @@ bool can_transmit(const can_frame_t *frame)
     mailbox->TDTR = frame->length;
     mailbox->TDLR = d[0] | (uint32_t)d[1] << 8 | (uint32_t)d[2] << 16 | (uint32_t)d[3] << 24;
     mailbox->TDHR = d[4] | (uint32_t)d[5] << 8 | (uint32_t)d[6] << 16 | (uint32_t)d[7] << 24;
-    mailbox->TIR = (uint32_t)frame->identifier << CAN_TIR_STID_Pos | CAN_TIR_TXRQ;
+    mailbox->TIR =
+        (frame->identifier < CAN_EXTENDED ? frame->identifier << CAN_TIR_STID_Pos
+                                          : frame->identifier << CAN_TIR_EXID_Pos | CAN_TIR_IDE) |
+        CAN_TIR_TXRQ;
     can_places_take(&places, i, frame->identifier);
     return true;
 }
 
-can_progress_t can_progress(uint16_t identifier)
+can_progress_t can_progress(uint32_t identifier)
 {
     const uint32_t i = can_places_of(&places, identifier);
     if (i == CAN_PLACES) {

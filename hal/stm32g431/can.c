@@ -27,7 +27,7 @@ enum {
     LENGTH_Pos = 16
 };
 _Static_assert(PRESCALER *QUANTA *BIT_RATE == BOARD_CRYSTAL_Hz, "the bit rate must be exact");
-#define ELEMENT_REMOTE_OR_EXTENDED (3U << 29)
+#define ELEMENT_EXTENDED (1U << 30)
 
 static bool configured; /* filters and bit timing are in place */
 static can_places_t places;
@@ -99,7 +99,7 @@ bool can_receive(can_frame_t *frame)
     const uint32_t index = (FDCAN1->RXF0S & FDCAN1_RXF0S_F0GI) >> FDCAN1_RXF0S_F0GI_Pos;
     const fdcan_element_t *element = &FDCAN1_MEMORY->receive_0[index];
     const uint32_t length = element->length >> LENGTH_Pos & 0xFU;
-    frame->identifier = (uint16_t)(element->identifier >> IDENTIFIER_Pos & 0x7FFU);
+    frame->identifier = element->identifier >> IDENTIFIER_Pos & 0x7FFU;
     frame->length =
         (uint8_t)(length > 8U ? 8U : length); /* 9 .. 15 on the wire also mean eight bytes */
     for (uint32_t i = 0; i < 8U; i++) {
@@ -136,7 +136,9 @@ bool can_transmit(const can_frame_t *frame)
         return false;
     }
     fdcan_element_t *const element = &FDCAN1_MEMORY->transmit[i];
-    element->identifier = (uint32_t)frame->identifier << IDENTIFIER_Pos;
+    element->identifier = frame->identifier < CAN_EXTENDED
+                              ? frame->identifier << IDENTIFIER_Pos
+                              : (frame->identifier & ~CAN_EXTENDED) | ELEMENT_EXTENDED;
     element->length = (uint32_t)frame->length << LENGTH_Pos;
     for (uint32_t k = 0; k < 2U; k++) {
         const uint8_t *d = &frame->data[4U * k];
@@ -147,7 +149,7 @@ bool can_transmit(const can_frame_t *frame)
     return true;
 }
 
-can_progress_t can_progress(uint16_t identifier)
+can_progress_t can_progress(uint32_t identifier)
 {
     const uint32_t i = can_places_of(&places, identifier);
     if (i == CAN_PLACES) {

@@ -209,7 +209,7 @@ int hubsim_bus_send(hubsim_t *sim, const hubsim_frame_t *frame)
 }
 
 /* A message for all wheels is on the bus once, although each wheel's side of it sends it. */
-static bool is_for_all(const messages_frame_t *frame, const vehicle_can_t *vehicle)
+static bool is_for_all(const can_frame_t *frame, const vehicle_can_t *vehicle)
 {
     return frame->identifier == messages_identifier(MESSAGES_BATTERY_LIMITS, vehicle->address) ||
            frame->identifier == messages_identifier(MESSAGES_BATTERY_PEAK, vehicle->address);
@@ -224,7 +224,7 @@ int hubsim_bus_read(hubsim_t *sim, hubsim_frame_t *frames, int capacity)
     for (int k = 0; k < sim->bench.wheels; k++) {
         board_t *board = application_of(sim, k)->board;
         for (uint32_t i = 0; i < board->tapped_count && count < capacity; i++) {
-            const messages_frame_t *frame = &board->tapped[i];
+            const can_frame_t *frame = &board->tapped[i];
             if (k == 0 || !is_for_all(frame, &board->vehicle)) {
                 frames[count].identifier = frame->identifier;
                 frames[count].length = frame->length;

@@ -13,8 +13,8 @@ enum { NO_CURRENT_CODE = 2048, ROOM_TEMPERATURE_cC = 2500 };
 static const double ON = 0.5; /* a switch given as a number */
 static const double MILLISECOND_S = 1e-3;
 /* Of a frame of eight bytes with an identifier of 11 bits at 500 kbit/s, with as many stuff bits as
- * there can be (ISO 11898-1): 135 bits. */
-static const double FRAME_S = 135.0 / 500e3;
+ * there can be (ISO 11898-1): 135 bits; with an identifier of 29 bits 160. */
+static const double FRAME_S = 135.0 / 500e3, EXTENDED_FRAME_S = 160.0 / 500e3;
 
 static host_sample_t sample(void *context)
 {
@@ -79,7 +79,7 @@ static fast_output_t period(void *context, const fast_input_t *in)
     return board->active;
 }
 
-static void tap(board_t *board, const messages_frame_t *frame)
+static void tap(board_t *board, const can_frame_t *frame)
 {
     if (board->tapped_count < BOARD_TAPPED_MAX) {
         board->tapped[board->tapped_count] = *frame;
@@ -94,10 +94,15 @@ static void receive_messages(board_t *board)
     board->bus_free_s += (1.0 - board->fault.can_load) * MILLISECOND_S;
     while (board->fault.can_unsent < ON && board->bus_free_s >= FRAME_S &&
            host_can_receive(&received)) {
+        tap(board, &received);
+        if (received.identifier >= CAN_EXTENDED) { /* for displays alone */
+            board->bus_free_s -= EXTENDED_FRAME_S;
+            continue;
+        }
         board->bus_free_s -= FRAME_S;
-        messages_frame_t frame = {.identifier = received.identifier, .length = received.length};
+        messages_frame_t frame = {.identifier = (uint16_t)received.identifier,
+                                  .length = received.length};
         memcpy(frame.data, received.data, sizeof frame.data);
-        tap(board, &frame);
         vehicle_can_receive(&board->vehicle, &frame);
     }
     board->bus_free_s = fmin(board->bus_free_s, FRAME_S);
@@ -110,7 +115,7 @@ static void send_messages(board_t *board, const slow_input_t *in)
         const messages_frame_t *queued = &board->vehicle.queued[i];
         can_frame_t sent = {.identifier = queued->identifier, .length = queued->length};
         memcpy(sent.data, queued->data, sizeof sent.data);
-        tap(board, queued);
+        tap(board, &sent);
         host_can_send(&sent);
     }
 }

@@ -191,7 +191,8 @@ static void take_frames(void)
 {
     can_frame_t frame;
     while (host_can_receive(&frame)) {
-        oracle_bytes(&frame.identifier, sizeof frame.identifier);
+        const uint16_t identifier = (uint16_t)frame.identifier;
+        oracle_bytes(&identifier, sizeof identifier);
         oracle_bytes(frame.data, frame.length);
     }
 }

@@ -72,6 +72,8 @@ typedef struct {
 #define CAN_BTR_SJW_Pos 24
 #define CAN_BTR_SJW (0x3U << 24)
 #define CAN_TIR_TXRQ (1U << 0)
+#define CAN_TIR_IDE (1U << 2)
+#define CAN_TIR_EXID_Pos 3 /* with IDE: STID and EXID are one identifier of 29 bits */
 #define CAN_TIR_STID_Pos 21
 #define CAN_TIR_STID (0x7FFU << 21)
 #define CAN_TDTR_DLC (0xFU << 0)

@@ -18,6 +18,7 @@ import can
 from hubfoc.errors import HubfocError
 
 Frame = tuple[int, bytes]
+EXTENDED = 1 << 31  # in an identifier: it has 29 bits, as in hal/can.h
 MULTICAST = "udp_multicast"
 VIRTUAL = "virtual"
 FIRST_GROUP = ipaddress.IPv4Address("239.74.163.2")  # python-can's own default
@@ -29,7 +30,7 @@ CHANNELS = Path("/sys/class/net")
 
 
 class Bus:
-    """Classic data frames with identifiers of 11 bits, in and out.
+    """Classic data frames with identifiers of 11 bits, in and out; with EXTENDED ones, out alone.
 
     ``name`` is that by which others find the bus. A multicast group gives back what one sends
     oneself, which a CAN controller does not: those frames are left out.
@@ -45,10 +46,13 @@ class Bus:
 
     def send(self, identifier: int, data: bytes) -> None:
         """Send a frame; an OSError or CanError where the bus takes none."""
-        if self._echoes:
+        extended = identifier >= EXTENDED
+        if self._echoes and not extended:
             with self._lock:
                 self._sent.append((identifier, data))
-        self._port.send(can.Message(arbitration_id=identifier, data=data, is_extended_id=False))
+        self._port.send(
+            can.Message(arbitration_id=identifier & ~EXTENDED, data=data, is_extended_id=extended)
+        )
 
     def receive(self, wait_s: float) -> list[Frame]:
         """Return what has come, after waiting for the first frame at most this long."""

@@ -3,19 +3,36 @@
  * that follow from them (error passive, bus off) are not modelled. */
 #include "parts.h"
 
-enum { OVERHEAD_BITS = 47, BYTES = 8, FIRST_OTHER = 2 };
+enum { OVERHEAD_BITS = 47, EXTENDED_BITS = 20, BYTES = 8, FIRST_OTHER = 2 };
 
 /* A frame that wants to begin. */
 typedef struct {
     chip_sender_t sender;
     unsigned which;
-    uint16_t identifier;
+    uint32_t identifier;
     chip_ticks_t since;
 } contender_t;
 
 chip_ticks_t chip_can_frame_ticks(unsigned bytes)
 {
     return (chip_ticks_t)(OVERHEAD_BITS + 8U * bytes) * CHIP_CAN_BIT_TICKS;
+}
+
+/* The bits of the arbitration, the first one highest: 11 of the identifier, then RTR and IDE, both
+ * dominant in a data frame of 11 bits; else SRR and IDE, both recessive, and 18 more. */
+uint32_t chip_can_arbitration(uint32_t identifier)
+{
+    if (identifier < CHIP_EXTENDED) {
+        return identifier << 20;
+    }
+    return (identifier >> 18 & 0x7FFU) << 20 | 3U << 18 | (identifier & 0x3FFFFU);
+}
+
+static chip_ticks_t frame_ticks(const chip_frame_t *frame)
+{
+    return chip_can_frame_ticks(frame->length) +
+           (frame->identifier < CHIP_EXTENDED ? 0U
+                                              : (chip_ticks_t)EXTENDED_BITS * CHIP_CAN_BIT_TICKS);
 }
 
 static contender_t itself(chip_t *chip)
@@ -89,7 +106,9 @@ static contender_t arbitrate(chip_t *chip, chip_ticks_t begin)
     for (unsigned node = 0; node < FIRST_OTHER + chip->can.others; node++) {
         const contender_t one = contender(chip, node);
         const bool takes_part = one.sender != CHIP_IDLE && one.since <= begin;
-        if (takes_part && (winner.sender == CHIP_IDLE || one.identifier < winner.identifier)) {
+        if (takes_part &&
+            (winner.sender == CHIP_IDLE ||
+             chip_can_arbitration(one.identifier) < chip_can_arbitration(winner.identifier))) {
             winner = one;
         }
     }
@@ -123,7 +142,7 @@ static void begin_frame(chip_t *chip)
     can->sender = winner.sender;
     can->which = winner.which;
     can->on_bus = frame_of(chip, &winner);
-    can->ends = begin + chip_can_frame_ticks(can->on_bus.length);
+    can->ends = begin + frame_ticks(&can->on_bus);
 }
 
 static void other_has_sent(chip_node_t *node, chip_ticks_t now)

@@ -44,8 +44,10 @@ typedef struct {
 extern const chip_register_t CHIP_REGISTERS[];
 extern const unsigned CHIP_REGISTER_COUNT;
 
+#define CHIP_EXTENDED (UINT32_C(1) << 31)
+
 typedef struct {
-    uint16_t identifier; /* 11 bits */
+    uint32_t identifier; /* 11 bits, or 29 and CHIP_EXTENDED */
     uint8_t length;
     uint8_t data[8];
     chip_ticks_t ended; /* from the chip: when it had been on the bus */
@@ -171,7 +173,8 @@ void chip_send(chip_t *chip, const chip_frame_t *frame);
 bool chip_receive(chip_t *chip, chip_frame_t *frame);
 /* Other nodes from now on; the array stays the caller's and changes with what they send. */
 void chip_traffic(chip_t *chip, chip_node_t *nodes, unsigned count);
-/* How long a frame is on the bus, with the three bits between two frames. */
+/* How long a frame with an identifier of 11 bits is on the bus, with the three bits between two
+ * frames. */
 chip_ticks_t chip_can_frame_ticks(unsigned bytes);
 
 /* Disturbances, from the next instruction on: r0 to r12 hold this value; the next instruction is

@@ -124,9 +124,11 @@ static slow_output_t millisecond(void *context, const slow_input_t *in)
     drive->vehicle.now_ms++;
     chip_frame_t sent;
     while (chip_receive(drive->chip, &sent)) {
-        messages_frame_t frame = {.identifier = sent.identifier, .length = sent.length};
+        messages_frame_t frame = {.identifier = (uint16_t)sent.identifier, .length = sent.length};
         memcpy(frame.data, sent.data, sizeof frame.data);
-        vehicle_can_receive(&drive->vehicle, &frame);
+        if (sent.identifier < CHIP_EXTENDED) {
+            vehicle_can_receive(&drive->vehicle, &frame);
+        }
         if (drive->seen != NULL) {
             drive->seen(&sent);
         }

@@ -78,7 +78,7 @@ static uint16_t service_identifier(void)
 
 static void see_service(const chip_frame_t *frame)
 {
-    if (frame->identifier == service_identifier() + CONFIG_WHEELS) {
+    if (frame->identifier == service_identifier() + (uint32_t)CONFIG_WHEELS) {
         load.answers += frame->data[0] == 0xFF ? 1U : 0U;
         load.measured += (frame->data[0] & ~(unsigned)DAQ_OVERLOAD) == 0 ? 1U : 0U;
     }

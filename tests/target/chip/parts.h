@@ -389,6 +389,8 @@ uint32_t chip_can_read(chip_t *chip, uint32_t address);
 /* The mailbox that takes part in the next arbitration; CHIP_MAILBOXES: none. */
 unsigned chip_can_offered(chip_t *chip);
 chip_frame_t chip_can_mailbox(const chip_t *chip, unsigned mailbox);
+/* Of two frames that begin together the one with the lower number stays. */
+uint32_t chip_can_arbitration(uint32_t identifier);
 /* Its frame has been acknowledged. */
 void chip_can_sent(chip_t *chip, unsigned mailbox);
 void chip_can_received(chip_t *chip, const chip_frame_t *frame);

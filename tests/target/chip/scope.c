@@ -62,7 +62,7 @@ static uint16_t identifier(void)
 
 static void see_frame(const chip_frame_t *frame)
 {
-    if (frame->identifier == identifier() + CONFIG_WHEELS) {
+    if (frame->identifier == identifier() + (uint32_t)CONFIG_WHEELS) {
         memcpy(scope.answer, frame->data, BYTES);
         scope.answered = true;
     }

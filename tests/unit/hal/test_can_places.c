@@ -15,7 +15,7 @@ void setUp(void)
 
 void tearDown(void) {}
 
-static uint32_t put(uint16_t identifier)
+static uint32_t put(uint32_t identifier)
 {
     const uint32_t place = can_places_for(&places, identifier);
     if (place < CAN_PLACES) {
@@ -42,6 +42,22 @@ void test_a_frame_takes_the_place_of_its_own_identifier(void)
     TEST_ASSERT_EQUAL_UINT32(0, put(0x190));
     places.taken[0] = false;
     TEST_ASSERT_EQUAL_UINT32(CAN_PLACES, can_places_of(&places, 0x190));
+}
+
+/* Whatever its number is: its leading zeros would win each arbitration. */
+void test_a_frame_of_29_bits_comes_after_all_others_and_gives_its_place(void)
+{
+    const uint32_t extended = CAN_EXTENDED | 0x90A;
+    TEST_ASSERT_EQUAL_UINT32(0, put(0x7FF));
+    TEST_ASSERT_EQUAL_UINT32(CAN_PLACES, put(extended));
+    places.taken[0] = false;
+    TEST_ASSERT_EQUAL_UINT32(0, put(extended));
+    TEST_ASSERT_EQUAL_UINT32(CAN_PLACES, put(CAN_EXTENDED | 0x100A));
+    TEST_ASSERT_EQUAL_UINT32(1, put(0x184));
+    TEST_ASSERT_EQUAL_UINT32(0, put(extended));
+    TEST_ASSERT_EQUAL_UINT32(2, put(0x190));
+    TEST_ASSERT_EQUAL_UINT32(0, put(0x7FF));
+    TEST_ASSERT_EQUAL_UINT32(CAN_PLACES, can_places_of(&places, extended));
 }
 
 /* After any sequence of frames and ends the places hold the most urgent of those that were put and

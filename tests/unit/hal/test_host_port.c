@@ -209,6 +209,34 @@ void test_only_accepted_identifiers_arrive(void)
     TEST_ASSERT_FALSE(can_receive(&frame));
 }
 
+/* An identifier of 29 bits whose low bits are those of an accepted one, and one whose first 11 bits
+ * are. */
+void test_frames_of_29_bits_are_sent_after_all_others_and_never_received(void)
+{
+    const uint16_t accepted[] = {0x200};
+    TEST_ASSERT_TRUE(can_init(accepted, 1));
+    const can_frame_t foreign[] = {{.identifier = CAN_EXTENDED | 0x200},
+                                   {.identifier = CAN_EXTENDED | 0x200U << 18}};
+    can_frame_t frame;
+    host_can_send(&foreign[0]);
+    host_can_send(&foreign[1]);
+    TEST_ASSERT_FALSE(can_receive(&frame));
+    const can_frame_t own = {.identifier = 0x7FF};
+    const can_frame_t extended = {.identifier = CAN_EXTENDED | 0x90A};
+    TEST_ASSERT_TRUE(can_transmit(&own));
+    TEST_ASSERT_FALSE(can_transmit(&extended));
+    TEST_ASSERT_TRUE(host_can_receive(&frame));
+    TEST_ASSERT_FALSE(can_transmit(&extended)); /* nobody has asked what became of it */
+    TEST_ASSERT_EQUAL_INT(CAN_SENT, can_progress(own.identifier));
+    TEST_ASSERT_TRUE(can_transmit(&extended));
+    TEST_ASSERT_TRUE(can_transmit(&own));
+    TEST_ASSERT_TRUE(host_can_receive(&frame));
+    TEST_ASSERT_EQUAL_HEX32(own.identifier, frame.identifier);
+    TEST_ASSERT_TRUE(host_can_receive(&frame));
+    TEST_ASSERT_EQUAL_HEX32(extended.identifier, frame.identifier);
+    TEST_ASSERT_EQUAL_INT(CAN_SENT, can_progress(extended.identifier));
+}
+
 void test_watchdog_resets_only_when_it_is_not_fed(void)
 {
     time_start_tick();

@@ -30,7 +30,7 @@ typedef struct {
     bool has_restarted;   /* for the fault of that name */
     uint32_t reset_ms;    /* left of a restart */
     /* What was on this wheel's bus, from both sides, until somebody reads it; the rest is lost. */
-    messages_frame_t tapped[BOARD_TAPPED_MAX];
+    can_frame_t tapped[BOARD_TAPPED_MAX];
     uint32_t tapped_count;
     double bus_free_s; /* of the bus's time until now, that the wheel's frames may take */
 } board_t;

@@ -101,7 +101,7 @@ int hubsim_application(hubsim_t *sim, const char *path);
 
 /* A frame on the bus of the vehicle whose wheels have the whole application. */
 typedef struct {
-    uint16_t identifier; /* of 11 bits */
+    uint32_t identifier; /* of 11 bits; with bit 31 of 29, from a wheel to displays alone */
     uint8_t length;
     uint8_t data[8];
 } hubsim_frame_t;

@@ -49,8 +49,16 @@ static bool is_on_bus(const chip_t *chip)
     return chip->now >= chip->can.joined && !chip->fault.can_silent;
 }
 
+/* As a 16-bit filter sees it: identifier, RTR, IDE, and of a 29-bit one the next three bits. */
+static uint32_t filtered(uint32_t identifier)
+{
+    return identifier < CHIP_EXTENDED
+               ? identifier << 5
+               : (identifier >> 18 & 0x7FFU) << 5 | 1U << 3 | (identifier >> 15 & 7U);
+}
+
 /* 32.7.4. */
-static bool is_accepted(chip_t *chip, uint16_t identifier)
+static bool is_accepted(chip_t *chip, uint32_t identifier)
 {
     const uint32_t active = chip_get(chip, CHIP_CAN1_FA1R);
     for (uint32_t bank = 0; bank < BANKS; bank++) {
@@ -66,7 +74,7 @@ static bool is_accepted(chip_t *chip, uint16_t identifier)
         for (uint32_t entry = 0; entry < 4; entry++) {
             const uint32_t at = CHIP_CAN1_F0R1 + 8U * bank + 4U * (entry / 2U);
             const uint32_t wanted = chip_get(chip, at) >> 16U * (entry & 1U) & 0xFFFFU;
-            if (wanted == (uint32_t)identifier << 5) {
+            if (wanted == filtered(identifier)) {
                 return true;
             }
         }
@@ -99,7 +107,8 @@ static uint32_t fifo_word(const chip_t *chip, uint32_t address)
     memcpy(words, frame->data, sizeof words);
     switch (address) {
     case CHIP_CAN1_RI0R:
-        return (uint32_t)frame->identifier << 21;
+        return frame->identifier < CHIP_EXTENDED ? frame->identifier << 21
+                                                 : frame->identifier << 3 | CHIP_CAN1_RI0R_IDE;
     case CHIP_CAN1_RDT0R:
         return frame->length;
     case CHIP_CAN1_RDL0R:
@@ -224,7 +233,9 @@ bool chip_can_write(chip_t *chip, uint32_t address, uint32_t value)
 chip_frame_t chip_can_mailbox(const chip_t *chip, unsigned mailbox)
 {
     const uint32_t at = MAILBOX[mailbox];
-    chip_frame_t frame = {.identifier = (uint16_t)(chip_get(chip, at) >> 21),
+    const uint32_t word = chip_get(chip, at);
+    const bool extended = (word & CHIP_CAN1_TI0R_IDE) != 0;
+    chip_frame_t frame = {.identifier = extended ? word >> 3 | CHIP_EXTENDED : word >> 21,
                           .length = (uint8_t)(chip_get(chip, at + 4U) & 0xFU)};
     const uint32_t words[2] = {chip_get(chip, at + 8U), chip_get(chip, at + 12U)};
     memcpy(frame.data, words, sizeof words);
@@ -243,9 +254,9 @@ unsigned chip_can_offered(chip_t *chip)
     for (unsigned i = 1;
          (chip_get(chip, CHIP_CAN1_MCR) & CHIP_CAN1_MCR_TXFP) == 0 && i < can->order_count; i++) {
         const unsigned mailbox = can->order[i];
-        const uint16_t least = chip_can_mailbox(chip, first).identifier;
-        const uint16_t identifier = chip_can_mailbox(chip, mailbox).identifier;
-        if (identifier < least || (identifier == least && mailbox < first)) {
+        const uint32_t least = chip_can_arbitration(chip_can_mailbox(chip, first).identifier);
+        const uint32_t own = chip_can_arbitration(chip_can_mailbox(chip, mailbox).identifier);
+        if (own < least || (own == least && mailbox < first)) {
             first = mailbox;
         }
     }

@@ -21,6 +21,7 @@ enum {
     ACTIVITY_SYNCHRONISING = 0,
     ACTIVITY_IDLE = 1,
     IDENTIFIER_SHIFT = 18,
+    EXTENDED = 1 << 30, /* XTD of an element (46.3.6) */
     LENGTH_SHIFT = 16,
     QUEUE_MODE = 1 << 24 /* TXBC.TFQM (46.4.25); the description has the place of another chip */
 };
@@ -70,6 +71,15 @@ static bool is_on_bus(chip_t *chip)
            chip_drives_low(chip, 'C', 11);
 }
 
+/* 46.3.7: no filter of 29-bit identifiers is modelled; ANFE says where they go. */
+static bool is_extended_accepted(chip_t *chip)
+{
+    if (chip_field(chip, CHIP_FDCAN1_RXGFC, CHIP_FDCAN1_RXGFC_LSE) > 0) {
+        chip_note(chip, "CAN: filters of 29-bit identifiers");
+    }
+    return chip_field(chip, CHIP_FDCAN1_RXGFC, CHIP_FDCAN1_RXGFC_ANFE) < 2U;
+}
+
 /* 46.3.7, 46.4.4: what no filter takes goes where ANFS says. */
 static bool is_accepted(chip_t *chip, uint32_t identifier)
 {
@@ -99,7 +109,9 @@ static bool is_accepted(chip_t *chip, uint32_t identifier)
 void chip_can_received(chip_t *chip, const chip_frame_t *frame)
 {
     chip_can_t *can = &chip->can;
-    if (!is_on_bus(chip) || !is_accepted(chip, frame->identifier)) {
+    const bool extended = frame->identifier >= CHIP_EXTENDED;
+    if (!is_on_bus(chip) ||
+        !(extended ? is_extended_accepted(chip) : is_accepted(chip, frame->identifier))) {
         return;
     }
     if (can->fifo_count == ELEMENTS) {
@@ -110,7 +122,8 @@ void chip_can_received(chip_t *chip, const chip_frame_t *frame)
     const uint32_t at = ram_address(RECEIVE_0 + index * ELEMENT_BYTES);
     uint32_t words[2];
     memcpy(words, frame->data, sizeof words);
-    *chip_at(chip, at) = (uint32_t)frame->identifier << IDENTIFIER_SHIFT;
+    *chip_at(chip, at) = extended ? (frame->identifier & ~CHIP_EXTENDED) | EXTENDED
+                                  : frame->identifier << IDENTIFIER_SHIFT;
     *chip_at(chip, at + 4U) = (uint32_t)frame->length << LENGTH_SHIFT;
     *chip_at(chip, at + 8U) = words[0];
     *chip_at(chip, at + 12U) = words[1];
@@ -249,7 +262,10 @@ bool chip_can_write(chip_t *chip, uint32_t address, uint32_t value)
 chip_frame_t chip_can_mailbox(const chip_t *chip, unsigned element)
 {
     const uint32_t at = ram_address(TRANSMIT + element * ELEMENT_BYTES);
-    chip_frame_t frame = {.identifier = (uint16_t)(chip_get(chip, at) >> IDENTIFIER_SHIFT & 0x7FFU),
+    const uint32_t word = chip_get(chip, at);
+    const bool extended = (word & EXTENDED) != 0;
+    chip_frame_t frame = {.identifier = extended ? (word & 0x1FFFFFFFU) | CHIP_EXTENDED
+                                                 : word >> IDENTIFIER_SHIFT & 0x7FFU,
                           .length = (uint8_t)(chip_get(chip, at + 4U) >> LENGTH_SHIFT & 0xFU)};
     const uint32_t words[2] = {chip_get(chip, at + 8U), chip_get(chip, at + 12U)};
     memcpy(frame.data, words, sizeof words);
@@ -266,8 +282,8 @@ unsigned chip_can_offered(chip_t *chip)
     }
     unsigned first = can->order[0];
     for (unsigned i = 1; is_queue(chip) && i < can->order_count; i++) {
-        if (chip_can_mailbox(chip, can->order[i]).identifier <
-            chip_can_mailbox(chip, first).identifier) {
+        if (chip_can_arbitration(chip_can_mailbox(chip, can->order[i]).identifier) <
+            chip_can_arbitration(chip_can_mailbox(chip, first).identifier)) {
             first = can->order[i];
         }
     }
@@ -277,8 +293,8 @@ unsigned chip_can_offered(chip_t *chip)
 void chip_can_sent(chip_t *chip, unsigned element)
 {
     const uint32_t first = chip_get(chip, ram_address(TRANSMIT + element * ELEMENT_BYTES));
-    if ((first & ~(0x7FFU << IDENTIFIER_SHIFT)) != 0) {
-        chip_note(chip, "CAN: an extended or a remote frame");
+    if ((first & 5U << 29) != 0) {
+        chip_note(chip, "CAN: a remote frame, or an error state");
     }
     finish(chip, element, CHIP_FDCAN1_TXBTO);
 }

@@ -49,7 +49,7 @@ static bool transmit(const can_frame_t *frame, int calls)
     return true;
 }
 
-static can_progress_t progress(uint16_t identifier, int calls)
+static can_progress_t progress(uint32_t identifier, int calls)
 {
     (void)identifier;
     (void)calls;

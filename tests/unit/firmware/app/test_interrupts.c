@@ -163,7 +163,7 @@ void test_wired_pedals_give_the_demand_of_this_wheel_and_of_the_others(void)
     e2e_receiver_init(&receiver, E2E_PROFILE_5, 50);
     for (int k = 0; k < 8; k++) {
         const can_frame_t *sent = &board.demands[(board.demand_count + k) % 8];
-        messages_frame_t frame = {.identifier = sent->identifier, .length = sent->length};
+        messages_frame_t frame = {.identifier = (uint16_t)sent->identifier, .length = sent->length};
         memcpy(frame.data, sent->data, sizeof frame.data);
         wheel_demand_t demand;
         TEST_ASSERT_TRUE(messages_read_demand(&frame, &demand) && demand.enable);

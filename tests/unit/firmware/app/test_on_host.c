@@ -332,9 +332,9 @@ void test_can_identifiers_are_those_of_the_configured_wheel_and_base(void)
         int states = 0;
         while (host_can_receive(&frame)) {
             TEST_ASSERT_EQUAL_UINT16(wheel, frame.identifier & 3U);
-            TEST_ASSERT_TRUE(frame.identifier - BASES[wheel] >= 0x80 &&
-                             frame.identifier - BASES[wheel] < 0xA0);
-            states += frame.identifier == BASES[wheel] + 0x80 + wheel ? 1 : 0;
+            const uint32_t from_base = frame.identifier - (uint32_t)BASES[wheel];
+            TEST_ASSERT_TRUE(from_base >= 0x80 && from_base < 0xA0);
+            states += from_base == 0x80U + (uint32_t)wheel ? 1 : 0;
         }
         TEST_ASSERT_TRUE(states > 0);
         TEST_ASSERT_NOT_NULL(
