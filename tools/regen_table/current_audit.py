@@ -70,7 +70,7 @@ class _Reference:
 
 # Sections that no map depends on: drives that differ in these alone have one search.
 _APART = (
-    *("rotor", "driver", "pedals", "service", "monitor", "sensors", "bus", "bms", "thermal"),
+    *("rotor", "driver", "pedals", "service", "can", "monitor", "sensors", "bus", "bms", "thermal"),
     *("chassis", "tyre", "fields"),
 )
 

@@ -42,6 +42,7 @@ _SOURCES = {
     "driver": ("driver",),
     "pedals": ("pedals",),
     "service": ("service",),
+    "can": ("can",),
     "modes": ("control",),
     "monitor": ("monitor",),
     "thermal": ("thermal",),

@@ -18,6 +18,7 @@ from regen_table import defaults
 from regen_table.assumed import Assumed
 from regen_table.battery_section import Battery
 from regen_table.brake_section import Brake
+from regen_table.can_section import Can
 from regen_table.control_section import Control
 from regen_table.driver_section import Driver
 from regen_table.errors import ConfigurationError
@@ -71,6 +72,7 @@ class Drive(Section):
     driver: Driver = Driver()
     pedals: Pedals = Pedals()
     service: Service = Service()
+    can: Can = Can()
     monitor: Monitor = Monitor()
     sensors: Sensors = Sensors()
     bus: Bus = Bus()

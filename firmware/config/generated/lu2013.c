@@ -16,7 +16,7 @@ extern const config_t CONFIG_LU2013;
 
 CONFIG_SECTION const config_t CONFIG_LU2013 = {
     .magic = CONFIG_MAGIC,
-    .format_version = 21,
+    .format_version = 22,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "lu2013",
@@ -309,6 +309,11 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
          * 2032 */
         .can_base = 2032,
     },
+    .can = {
+        /* VESC controller id of the front left wheel in its status frames, those of the
+         * others follow: README of comms; 0: no such frame is sent, default */
+        .vesc_status = 0,
+    },
     .modes = {
         /* share of motor.max_torque_mNm enabled for driving in LIMP, after a warning; braking
          * is not reduced; default 0.3 */
@@ -485,5 +490,5 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
         .psi_d_lsb = {0},
         .psi_q_lsb = {0},
     },
-    .crc32 = 0x4249037A,
+    .crc32 = 0x0EB42BC7,
 };

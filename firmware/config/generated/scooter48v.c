@@ -16,7 +16,7 @@ extern const config_t CONFIG_SCOOTER48V;
 
 CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 21,
+    .format_version = 22,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "scooter48v",
@@ -308,6 +308,11 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
          * 2032 */
         .can_base = 2032,
     },
+    .can = {
+        /* VESC controller id of the front left wheel in its status frames, those of the
+         * others follow: README of comms; 0: no such frame is sent, default */
+        .vesc_status = 0,
+    },
     .modes = {
         /* share of motor.max_torque_mNm enabled for driving in LIMP, after a warning; braking
          * is not reduced; default 0.3 */
@@ -475,5 +480,5 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
         .psi_d_lsb = {0},
         .psi_q_lsb = {0},
     },
-    .crc32 = 0xE7EF4EA2,
+    .crc32 = 0x181A7C73,
 };

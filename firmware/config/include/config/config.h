@@ -25,7 +25,7 @@
 #include <stdint.h>
 
 #define CONFIG_MAGIC 0x434F4648 /* "HFOC" in memory, little endian */
-#define CONFIG_FORMAT_VERSION 21
+#define CONFIG_FORMAT_VERSION 22
 #define CONFIG_NAME_LENGTH 32
 #define CONFIG_HALL_EDGES 6
 #define CONFIG_PEDAL_CHANNELS 4    /* accelerator a and b, brake pedal a and b */
@@ -345,6 +345,11 @@
       "identifier of XCP commands to the front left wheel, then those of the others, then of the " \
       "four answers; a multiple of 8 above all messages; 0: no XCP on CAN; default 2032")
 
+#define CONFIG_CAN_FIELDS(X) \
+    X(vesc_status,                           0,         250,        "", \
+      "VESC controller id of the front left wheel in its status frames, those of the others " \
+      "follow: README of comms; 0: no such frame is sent, default")
+
 #define CONFIG_MODES_FIELDS(X) \
     X(limp_drive_share_q15,                  0,         32767,      "1", \
       "share of motor.max_torque_mNm enabled for driving in LIMP, after a warning; braking is " \
@@ -563,6 +568,7 @@ typedef struct {
     CONFIG_PEDALS_ARRAY(CONFIG_ARRAY_MEMBER)
 } config_pedals_t;
 typedef struct { CONFIG_SERVICE_FIELDS(CONFIG_SCALAR_MEMBER) } config_service_t;
+typedef struct { CONFIG_CAN_FIELDS(CONFIG_SCALAR_MEMBER) } config_can_t;
 typedef struct { CONFIG_MODES_FIELDS(CONFIG_SCALAR_MEMBER) } config_modes_t;
 typedef struct { CONFIG_MONITOR_FIELDS(CONFIG_SCALAR_MEMBER) } config_monitor_t;
 typedef struct { CONFIG_THERMAL_FIELDS(CONFIG_SCALAR_MEMBER) } config_thermal_t;
@@ -601,6 +607,7 @@ typedef struct {
     config_driver_t driver;
     config_pedals_t pedals;
     config_service_t service;
+    config_can_t can;
     config_modes_t modes;
     config_monitor_t monitor;
     config_thermal_t thermal;

@@ -62,7 +62,8 @@ def check(front: Drive, rear: Drive) -> None:
         raise HubsimError(
             f"{rear.name}: battery.open_circuit_voltage_v: accepted: as in {front.name}"
         )
-    for section, key in (("vehicle", "can_base"), ("service", "can_base")):
+    numbers = (("vehicle", "can_base"), ("service", "can_base"), ("can", "vesc_status"))
+    for section, key in numbers:
         if getattr(getattr(front, section), key) != getattr(getattr(rear, section), key):
             raise HubsimError(f"{rear.name}: {section}.{key}: accepted: as in {front.name}")
     shares = derived.pack_share(front), derived.pack_share(rear)

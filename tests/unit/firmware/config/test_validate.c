@@ -141,6 +141,7 @@ static void assert_range(const char *field, int32_t *value, int32_t lowest, int3
     CHECK_ARRAY(pedals, name, count, lowest, highest)
 #define CHECK_SERVICE(name, lowest, highest, unit, text)                                           \
     CHECK_SCALAR(service, name, lowest, highest)
+#define CHECK_CAN(name, lowest, highest, unit, text) CHECK_SCALAR(can, name, lowest, highest)
 #define CHECK_MODES(name, lowest, highest, unit, text) CHECK_SCALAR(modes, name, lowest, highest)
 #define CHECK_MONITOR(name, lowest, highest, unit, text)                                           \
     CHECK_SCALAR(monitor, name, lowest, highest)
@@ -159,6 +160,7 @@ void test_every_field_is_checked_against_the_range_of_the_header(void)
     CONFIG_PEDALS_FIELDS(CHECK_PEDALS)
     CONFIG_PEDALS_ARRAY(CHECK_PEDALS_ARRAY)
     CONFIG_SERVICE_FIELDS(CHECK_SERVICE)
+    CONFIG_CAN_FIELDS(CHECK_CAN)
     CONFIG_MODES_FIELDS(CHECK_MODES)
     CONFIG_MONITOR_FIELDS(CHECK_MONITOR)
 }

@@ -86,6 +86,7 @@ def test_each_motor_makes_the_same_part_of_its_torque(files: tuple[Path, Path]) 
         ("battery.open_circuit_voltage_v=52", "battery.open_circuit_voltage_v"),
         ("vehicle.wheel_radius_m=0.2", "vehicle.wheel_radius_m"),
         ("vehicle.can_base=512", "vehicle.can_base"),
+        ("can.vesc_status=10", "can.vesc_status"),
         ("vehicle.pack_share=0.2", "vehicle.pack_share"),
     ],
 )
