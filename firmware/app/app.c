@@ -18,6 +18,7 @@
 #include "app/report_timer.h"
 #include "app/service.h"
 #include "app/supervisor.h"
+#include "app/vesc_link.h"
 #include "config/demand_age.h"
 #include "controller/controller.h"
 #include "hal/analog.h"
@@ -47,6 +48,7 @@ typedef struct {
     slow_input_t input;
     torque_limits_t limits;
     pedals_output_t pedals; /* with wired pedals only */
+    dq16_t u_pu;            /* fast_report_t */
 } snapshot_t;
 
 /* The one instance: interrupts have no other way to find their data. Each member has one writer,
@@ -96,6 +98,7 @@ static struct {
     service_t service;
     service_view_t view;
     console_t console;
+    vesc_link_t vesc;
     fault_journal_t journal;
     uint32_t journal_ms;      /* of the latest record, or attempt */
     uint16_t slow_steps_seen; /* of the snapshot, and when it last was another one */
@@ -136,7 +139,9 @@ static void join_bus(const config_t *config)
                                         .fast_input = &app.fast_input,
                                         .findings = &app.controller.slow.findings,
                                         .recording = &app.recording};
+    static const vesc_link_t NONE_SENT = {.pending = false};
     uint16_t identifier;
+    app.vesc = NONE_SENT;
     service_init(&app.service, config, &LINK);
     const bool serves = service_accepts(&app.service, &identifier);
     (void)can_link_init(&app.can, config, serves ? &identifier : NULL, time_ms());
@@ -321,6 +326,7 @@ void app_millisecond_isr(void)
         controller_slow_step(&app.controller.slow, config, from_fast, &app.slow_input, to_fast);
     snapshot->input = app.slow_input;
     snapshot->limits = *controller_limits(&app.controller.slow);
+    snapshot->u_pu = from_fast->u_pu;
     snapshot->counts.fast_steps = from_fast->sequence;
     snapshot->counts.slow_steps = to_fast->sequence;
     snapshot->counts.monitor_steps = app.controller.slow.monitor.steps;
@@ -482,6 +488,15 @@ static void report_stopped_loop(uint32_t now_ms)
     can_link_transmit_state(&app.can, now_ms, &last->output, &last->input.temperature);
 }
 
+static void send_vesc_status(const snapshot_t *snapshot, uint32_t now_ms)
+{
+    const vesc_link_view_t view = {.output = &snapshot->output,
+                                   .temperature = &snapshot->input.temperature,
+                                   .u_pu = snapshot->u_pu,
+                                   .slow_steps = snapshot->counts.slow_steps};
+    vesc_link_step(&app.vesc, app.config, &view, &app.journal.energy, now_ms);
+}
+
 /* Trip and limits of the fast monitor, twice in a row because a trip may come in between. */
 static bool safety_variables_good(void)
 {
@@ -525,6 +540,7 @@ void app_background(void)
         if (slow_loop_steps(snapshot, now_ms)) {
             can_link_transmit(&app.can, now_ms, &snapshot->output, &snapshot->input.temperature);
             energy_frame_transmit(&app.can, now_ms, &app.journal.energy);
+            send_vesc_status(snapshot, now_ms);
         } else if (app.slow_steps_seen != 0) { /* it has run */
             report_stopped_loop(now_ms);
         }

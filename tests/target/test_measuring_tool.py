@@ -43,10 +43,13 @@ def has_symbol(image: Path, prefix: str) -> bool:
     return any(name.startswith(prefix) for name in elf.symbols(image))
 
 
+VESC_PACKETS = (9, 14, 15, 16, 27)  # of comms/vesc_status.c
+
 # A row of the list by its first words: whether an image has what it names.
 FOUND: dict[str, Callable[[Path], bool]] = {
     "XCP": lambda image: has_symbol(image, "xcp_"),
     "WheelEnergy": lambda image: has_symbol(image, "can_link_transmit_energy"),
+    "VESC status frames": lambda image: bytes(VESC_PACKETS) in image.read_bytes(),
     "texts of reasons": lambda image: b"motor torque limit" in image.read_bytes(),
     "times of findings": lambda image: b"torque ramp + monitor." in image.read_bytes(),
     "flux maps": lambda image: b"no maps on this port" not in image.read_bytes(),
