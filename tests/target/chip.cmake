@@ -23,6 +23,13 @@ add_test(NAME chip_sends_in_time_on_a_busy_bus
     "$<TARGET_FILE:hubfoc_stm32f405>")
 set_tests_properties(chip_sends_in_time_on_a_busy_bus PROPERTIES LABELS target TIMEOUT 600)
 
+# Frames with 29-bit identifiers (chip/vesc.c).
+add_test(NAME chip_sends_vesc_status_and_receives_no_frame_of_29_bits
+  COMMAND "${PROJECT_SOURCE_DIR}/build/host/tests/target/chip/chip_vesc"
+    "$<TARGET_FILE:hubfoc_stm32f405>")
+set_tests_properties(chip_sends_vesc_status_and_receives_no_frame_of_29_bits
+  PROPERTIES LABELS target TIMEOUT 300)
+
 # The scope of the image, by XCP on CAN (chip/scope.c).
 add_test(NAME chip_records_a_current_step_as_the_host_gave_it
   COMMAND "${PROJECT_SOURCE_DIR}/build/host/tests/target/chip/chip_scope"

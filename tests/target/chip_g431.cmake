@@ -21,6 +21,7 @@ function(chip_g431_tests elf)
   chip_g431_test(chip_g431_shows_a_crash_after_its_restart chip_crash_g431 "${elf}" "target;full")
   chip_g431_test(chip_g431_answers_faults chip_faults_g431 "${elf}" "target;full")
   chip_g431_test(chip_g431_sends_in_time_on_a_busy_bus chip_load_g431 "${elf}" target)
+  chip_g431_test(chip_g431_receives_no_frame_of_29_bits chip_vesc_g431 "${elf}" target)
   chip_g431_test(chip_g431_keeps_a_configuration_when_the_supply_fails chip_cuts_g431 "${elf}"
     "target;full" 64 4)
   chip_g431_test(chip_g431_keeps_a_configuration_in_1000_failures_of_the_supply chip_cuts_g431
@@ -100,6 +101,8 @@ function(chip_g431_planted_tests)
     "STOP_REQUEST = 52" "the torque goes in time and stays away" chip_faults_g431)
   planted_g431(a_wrong_can_filter ${own} can.c "27 | first << 16" "27 | first << 15"
     "comes to RUN" ${stop})
+  planted_g431(received_frames_of_29_bits ${own} can.c "REJECT << FDCAN1_RXGFC_ANFE_Pos"
+    "0 << FDCAN1_RXGFC_ANFE_Pos" "frames of 29 bits are not received" chip_vesc_g431)
   planted_g431(a_wrong_can_bit_rate ${own} can.c "(PRESCALER - 1)" "PRESCALER"
     "CAN: a bit of 4000 ns on a bus of 2000" ${stop})
   planted_g431(a_transceiver_shut_down ${shared} power.c "(pin_t){port, number}, level)"

@@ -24,6 +24,8 @@ function(planted name file old new finds)
     set(program chip_test driver)
   elseif(name MATCHES "crystal|stop")
     set(program chip_faults)
+  elseif(name MATCHES "29_bits")
+    set(program chip_vesc)
   elseif(name MATCHES "frames")
     set(program chip_load)
   endif()
@@ -81,6 +83,8 @@ planted(a_stop_of_another_channel stop_route.h "STOP_CHANNEL = 7" "STOP_CHANNEL 
 planted(a_stop_that_is_not_requested stop_timer.c "TIM8->DIER = TIM_DIER_UDE;" ""
   "the torque goes in time and stays away" full)
 planted(a_wrong_can_filter can.c "<< 5; /*" "<< 4; /*" "comes to RUN")
+planted(an_identifier_of_29_bits_elsewhere can.c "CAN_TIR_EXID_Pos |" "CAN_TIR_STID_Pos |"
+  "VESC status frames as the port has them")
 planted(frames_in_the_order_of_their_requests can.c "CAN_MCR_ABOM;" "CAN_MCR_ABOM | (1U << 2);"
   "WheelBrake comes in time" full)
 planted(frames_that_give_no_place can_places.h "least ? i : highest" "least ? highest : highest"

@@ -2,9 +2,11 @@
 #include "rig.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "config/validate.h"
 #include "core/reason.h"
 #include "planted.h"
 #include "unity.h"
@@ -105,6 +107,14 @@ bool use_board(const char *board, const char *path)
         (void)fclose(file);
     }
     return has_configuration ? true : wrong("the configuration cannot be read");
+}
+
+void use_vesc_status(int32_t controller_id)
+{
+    configuration = image_config();
+    configuration.can.vesc_status = controller_id;
+    configuration.crc32 = config_crc32(&configuration, (uint32_t)offsetof(config_t, crc32));
+    has_configuration = true;
 }
 
 bool open_rig(const char *elf)

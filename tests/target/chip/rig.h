@@ -41,6 +41,9 @@ bool says(const char *text);
  * board, the image's own. False and a reason: one of them cannot be used. */
 bool use_board(const char *board, const char *configuration);
 
+/* The image's own configuration with this can.vesc_status. */
+void use_vesc_status(int32_t controller_id);
+
 /* A chip as it leaves the programmer, before its first instruction. */
 bool open_rig(const char *elf);
 void boot(void);

@@ -21,6 +21,7 @@
 #define IMAGE_SPEED_RAD_S 9.0 /* at that speed, rounded up */
 #define IMAGE_MODE MODE_RUN
 #define IMAGE_HAS_XCP true
+#define IMAGE_SENDS_VESC_STATUS true
 #define IMAGE_REPORTS_BROWN_OUT true
 #define IMAGE_BROWN_OUT_HAS_A_FLAG true
 #define IMAGE_OPTION_BYTES_RESET false

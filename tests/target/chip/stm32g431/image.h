@@ -20,6 +20,7 @@
 #define IMAGE_SPEED_RAD_S 23.1 /* at that speed, rounded up */
 #define IMAGE_MODE MODE_RUN
 #define IMAGE_HAS_XCP false
+#define IMAGE_SENDS_VESC_STATUS false
 #define IMAGE_REPORTS_BROWN_OUT false    /* its flash can be read down to its own reset */
 #define IMAGE_BROWN_OUT_HAS_A_FLAG false /* the supply's */
 #define IMAGE_OPTION_BYTES_RESET true
