@@ -17,7 +17,7 @@ enum {
     OPPOSED_STEPS = 2,
     OPPOSED_SLOW_STEPS = 12,  /* below the observer's speed */
     LACKING_STEPS = 5,        /* without its flux */
-    REST_STEPS = 50,          /* until a sensor is not one that just stopped counting */
+    REST_STEPS = 50,          /* until a sensor did not just stop, or begin, to count */
     OPPOSED_REST_STEPS = 100, /* against a sensor that shows a rotor near rest */
     OPPOSED_SPEEDS = 2,       /* the observer's least speed, from where it is right in 2 ms */
     SLIPPED_SPEEDS = 4,       /* likewise, within 14 degrees whatever dead time there is */
@@ -165,8 +165,9 @@ static void count_steps(angle_choice_state_t *state, const config_t *config, con
     const int32_t before = sign * state->current_steps > 0 ? state->current_steps : 0;
     state->current_steps = (int8_t)q_limit(before + sign, CURRENT_STEPS);
     const int32_t half_mrad_s = q_abs(in->sensor_mrad_s / 2);
+    const bool near_rest = half_mrad_s < config->rotor.observer_speed_mrad_s / 4;
     state->rest_steps =
-        counted(state->rest_steps, half_mrad_s < config->rotor.observer_speed_mrad_s / 4);
+        (uint8_t)q_clamp(state->rest_steps + (near_rest ? 1 : -1), 0, 2 * REST_STEPS);
 }
 
 /* Halls that have turned round, or are at rest, show no more than their sector. */

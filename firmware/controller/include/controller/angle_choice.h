@@ -50,7 +50,7 @@ typedef struct {
     uint8_t implausible;   /* likewise */
     uint8_t against;       /* consecutive steps against the direction */
     int8_t current_steps;  /* with enough of it, by its sign */
-    uint8_t rest_steps;    /* with a sensor below half of the observer's speed, saturating */
+    uint8_t rest_steps;    /* with a sensor below half of the observer's speed, less those above */
     int8_t direction;      /* of the observer, +-1; 0 until it has acquired the rotor */
     uint8_t opposed_steps; /* at 60 degrees and more, or without its flux */
     uint8_t slipped;       /* steps apart as above, twice if not confirmed, less steps without */

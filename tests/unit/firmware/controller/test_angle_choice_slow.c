@@ -74,7 +74,7 @@ void test_a_slow_slip_has_a_current_and_the_observer_s_speed(void)
             TEST_ASSERT_FALSE(seen.sensor_wrong);
         }
         at.sensor_mrad_s = at.observer_mrad_s;
-        run(1);
+        run_at(100, 0); /* no longer one that rests */
         at.sensor_mrad_s = 0;
         run_at(SLOW_ms - 1, OPPOSED);
         TEST_ASSERT_FALSE(seen.sensor_wrong);
@@ -112,6 +112,25 @@ void test_a_sensor_that_shows_rest_is_judged_from_twice_the_observer_s_speed(voi
         at.sensor_mrad_s = 1;
         run(REST_ms - 3);
         run_at(2, OPPOSED);
+        TEST_ASSERT_TRUE(seen.sensor_wrong);
+    }
+}
+
+/* Halls that have stood show a speed from their second edge on, while the current still rises. */
+void test_a_sensor_that_begins_to_turn_is_judged_as_at_rest_for_as_long_as_it_rested(void)
+{
+    enum { REST_ms = 50, LONG_ms = 100 };
+    for (int rested_ms = REST_ms; rested_ms <= 4 * REST_ms; rested_ms *= 2) {
+        setUp();
+        config.rotor.sensor = CONFIG_ROTOR_HALL;
+        at.observer_mrad_s = 2 * FROM_mrad_s - 1;
+        at.sensor_mrad_s = 0;
+        run(rested_ms);
+        const int turns_ms = q_min(rested_ms - REST_ms, REST_ms);
+        at.sensor_mrad_s = FROM_mrad_s / 2 + 4;
+        run_at(turns_ms, OPPOSED);
+        TEST_ASSERT_FALSE(seen.sensor_wrong);
+        run(turns_ms > 0 ? 1 : 2); /* two steps of the opposition are needed */
         TEST_ASSERT_TRUE(seen.sensor_wrong);
     }
 }
