@@ -70,8 +70,8 @@ class _Reference:
 
 # Sections that no map depends on: drives that differ in these alone have one search.
 _APART = (
-    *("rotor", "driver", "pedals", "service", "can", "monitor", "sensors", "bus", "bms", "thermal"),
-    *("chassis", "tyre", "fields"),
+    *("rotor", "driver", "pedals", "service", "can", "tolerance", "monitor", "sensors", "bus"),
+    *("bms", "thermal", "chassis", "tyre", "fields"),
 )
 
 

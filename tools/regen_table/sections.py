@@ -31,6 +31,7 @@ from regen_table.plant_sections import Bms, Bus, Chassis, Sensors, Thermal, Tyre
 from regen_table.rotor_section import Rotor
 from regen_table.section import Section, Temperature, number
 from regen_table.service_section import Service
+from regen_table.tolerance_section import Tolerance
 from regen_table.vehicle_section import Vehicle
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,30}")
@@ -73,6 +74,7 @@ class Drive(Section):
     pedals: Pedals = Pedals()
     service: Service = Service()
     can: Can = Can()
+    tolerance: Tolerance = Tolerance()
     monitor: Monitor = Monitor()
     sensors: Sensors = Sensors()
     bus: Bus = Bus()

@@ -16,7 +16,7 @@ extern const config_t CONFIG_SCOOTER48V;
 
 CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 22,
+    .format_version = 23,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "scooter48v",
@@ -313,6 +313,16 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
          * others follow: README of comms; 0: no such frame is sent, default */
         .vesc_status = 0,
     },
+    .tolerance = {
+        /* of motor.flux_linkage_nWb, magnet temperature included; default 0.05 */
+        .magnet_flux_q15     = 1638,
+        .inductance_q15      = 6554, /* of each inductance: reluctance torque; default 0.2 */
+        /* of the torque that iron loss and friction take; default 0.2 */
+        .drag_q15            = 6554,
+        /* of the gain that all current sensors have in common; default 0.02 */
+        .current_gain_q15    = 655,
+        .rotor_angle_rad_q15 = 1716, /* [rad] of the electrical angle; default 3 degrees */
+    },
     .modes = {
         /* share of motor.max_torque_mNm enabled for driving in LIMP, after a warning; braking
          * is not reduced; default 0.3 */
@@ -480,5 +490,5 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
         .psi_d_lsb = {0},
         .psi_q_lsb = {0},
     },
-    .crc32 = 0x181A7C73,
+    .crc32 = 0x85870E43,
 };

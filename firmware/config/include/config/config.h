@@ -25,7 +25,7 @@
 #include <stdint.h>
 
 #define CONFIG_MAGIC 0x434F4648 /* "HFOC" in memory, little endian */
-#define CONFIG_FORMAT_VERSION 22
+#define CONFIG_FORMAT_VERSION 23
 #define CONFIG_NAME_LENGTH 32
 #define CONFIG_HALL_EDGES 6
 #define CONFIG_PEDAL_CHANNELS 4    /* accelerator a and b, brake pedal a and b */
@@ -350,6 +350,20 @@
       "VESC controller id of the front left wheel in its status frames, those of the others " \
       "follow: README of comms; 0: no such frame is sent, default")
 
+/* Limits, +- as a data sheet gives them; the standard uncertainty is 1/sqrt(3) of each. Only
+ * motor_torque_uncertainty_mNm depends on them. */
+#define CONFIG_TOLERANCE_FIELDS(X) \
+    X(magnet_flux_q15,                       0,         16384,      "1", \
+      "of motor.flux_linkage_nWb, magnet temperature included; default 0.05") \
+    X(inductance_q15,                        0,         32768,      "1", \
+      "of each inductance: reluctance torque; default 0.2") \
+    X(drag_q15,                              0,         32768,      "1", \
+      "of the torque that iron loss and friction take; default 0.2") \
+    X(current_gain_q15,                      0,         16384,      "1", \
+      "of the gain that all current sensors have in common; default 0.02") \
+    X(rotor_angle_rad_q15,                   0,         16384,      "rad", \
+      "of the electrical angle; default 3 degrees")
+
 #define CONFIG_MODES_FIELDS(X) \
     X(limp_drive_share_q15,                  0,         32767,      "1", \
       "share of motor.max_torque_mNm enabled for driving in LIMP, after a warning; braking is " \
@@ -569,6 +583,7 @@ typedef struct {
 } config_pedals_t;
 typedef struct { CONFIG_SERVICE_FIELDS(CONFIG_SCALAR_MEMBER) } config_service_t;
 typedef struct { CONFIG_CAN_FIELDS(CONFIG_SCALAR_MEMBER) } config_can_t;
+typedef struct { CONFIG_TOLERANCE_FIELDS(CONFIG_SCALAR_MEMBER) } config_tolerance_t;
 typedef struct { CONFIG_MODES_FIELDS(CONFIG_SCALAR_MEMBER) } config_modes_t;
 typedef struct { CONFIG_MONITOR_FIELDS(CONFIG_SCALAR_MEMBER) } config_monitor_t;
 typedef struct { CONFIG_THERMAL_FIELDS(CONFIG_SCALAR_MEMBER) } config_thermal_t;
@@ -608,6 +623,7 @@ typedef struct {
     config_pedals_t pedals;
     config_service_t service;
     config_can_t can;
+    config_tolerance_t tolerance;
     config_modes_t modes;
     config_monitor_t monitor;
     config_thermal_t thermal;

@@ -142,6 +142,8 @@ static void assert_range(const char *field, int32_t *value, int32_t lowest, int3
 #define CHECK_SERVICE(name, lowest, highest, unit, text)                                           \
     CHECK_SCALAR(service, name, lowest, highest)
 #define CHECK_CAN(name, lowest, highest, unit, text) CHECK_SCALAR(can, name, lowest, highest)
+#define CHECK_TOLERANCE(name, lowest, highest, unit, text)                                         \
+    CHECK_SCALAR(tolerance, name, lowest, highest)
 #define CHECK_MODES(name, lowest, highest, unit, text) CHECK_SCALAR(modes, name, lowest, highest)
 #define CHECK_MONITOR(name, lowest, highest, unit, text)                                           \
     CHECK_SCALAR(monitor, name, lowest, highest)
@@ -161,6 +163,7 @@ void test_every_field_is_checked_against_the_range_of_the_header(void)
     CONFIG_PEDALS_ARRAY(CHECK_PEDALS_ARRAY)
     CONFIG_SERVICE_FIELDS(CHECK_SERVICE)
     CONFIG_CAN_FIELDS(CHECK_CAN)
+    CONFIG_TOLERANCE_FIELDS(CHECK_TOLERANCE)
     CONFIG_MODES_FIELDS(CHECK_MODES)
     CONFIG_MONITOR_FIELDS(CHECK_MONITOR)
 }
