@@ -74,7 +74,7 @@ VALUES: dict[str, tuple[str, ...]] = {
         "feasible_by_voltage_mNm", "feasible_by_voltage_and_current", "feasible_by_drawn_at",
         "feasible_by_returned_at", "feasible_forced", "feasible_by_current_mNm",
         "loss_maps_row_at", "loss_maps_torque_mNm", "loss_braking_at", "loss_braking_torque_mNm",
-        "observer_error_explains", "observer_error_torque_mNm",
+        "observer_error_explains", "observer_error_torque_mNm", "torque_uncertainty_mNm",
     ),
     "motor_model": (
         "motor_model_torque_mNm", "motor_model_bus_current_mA",

@@ -112,6 +112,13 @@ PRE(observer_error_torque_mNm, model_shifts_hold(side->set->model->constants))
 PRE(observer_error_torque_mNm, is_a_sign(side->sign))
 POST(observer_error_torque_mNm, result >= 0)
 
+/* motor/torque_uncertainty.h */
+PRE(torque_uncertainty_mNm, is_within(model->flux_b, 0, 1 << 26) && is_within(model->friction_b, 0,
+     1 << 26) && is_within(model->constants->torque_factor_q24, 0, 2 * SCALED_ONE) &&
+     is_within(model->constants->torque_shift, -30, 30))
+PRE(torque_uncertainty_mNm, point_holds(at))
+POST(torque_uncertainty_mNm, result >= 0)
+
 /* motor/loss_braking.h */
 POST(loss_braking_at, model->config->brake.loss_braking != 0 || result.current_b == 0)
 POST(loss_braking_at, result.by_map_mNm == FEASIBLE_UNBOUNDED && result.torque_mNm == 0 &&
