@@ -6,6 +6,7 @@
 
 enum {
     TORQUE_STEP_mNm = 100,
+    UNCERTAINTY_STEP_mNm = 50,
     DEMAND_STEP_mNm = 200,
     CURRENT_STEP_mA = 100,
     PEAK_STEP_mA = 500,
@@ -20,6 +21,7 @@ enum {
     SHARE_MAX = 100,
     HYDRAULIC_MAX = 32767,
     AVAILABLE_MAX = 32766,
+    UNCERTAINTY_MAX = 32766,
     COMMAND_MAX = 65535,
     SPEED_MAX = 520000,
     CURRENT_MAX = 60000,
@@ -265,6 +267,8 @@ static bool read_power(const messages_frame_t *frame, slow_output_t *o)
          raw.bus_voltage_v, VOLTAGE_STEP_mV);
     take(&o->bus_current_mA, hubfoc_wheel_power_bus_current_a_is_in_range(raw.bus_current_a),
          raw.bus_current_a, CURRENT_STEP_mA);
+    take(&o->motor_torque_uncertainty_mNm, raw.motor_torque_uncertainty_nm <= UNCERTAINTY_MAX,
+         (int32_t)raw.motor_torque_uncertainty_nm, UNCERTAINTY_STEP_mNm);
     return true;
 }
 
@@ -461,6 +465,9 @@ static void put_power(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o)
                                  HUBFOC_WHEEL_POWER_BUS_VOLTAGE_V_NOT_AVAILABLE_CHOICE),
         .bus_current_a = sent_steps(o->bus_current_mA, CURRENT_STEP_mA, CURRENT_MAX,
                                     HUBFOC_WHEEL_POWER_BUS_CURRENT_A_NOT_AVAILABLE_CHOICE),
+        .motor_torque_uncertainty_nm = (uint16_t)sent_steps(
+            q_max(o->motor_torque_uncertainty_mNm, 0), UNCERTAINTY_STEP_mNm, UNCERTAINTY_MAX,
+            HUBFOC_WHEEL_POWER_MOTOR_TORQUE_UNCERTAINTY_NM_NOT_AVAILABLE_CHOICE),
     };
     (void)hubfoc_wheel_power_pack(data, &raw, E2E_FRAME_BYTES);
 }

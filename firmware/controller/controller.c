@@ -130,6 +130,7 @@ static slow_output_t output_of(const measured_t *now, const monitored_t *watch,
     const slow_output_t out = {
         .motor_torque_command_mNm = torque->command_mNm,
         .motor_torque_estimate_mNm = torque->estimate_mNm,
+        .motor_torque_uncertainty_mNm = torque->uncertainty_mNm,
         .hydraulic_torque_mNm = torque->hydraulic_mNm,
         .electric_brake_available_mNm = torque->available.torque_mNm,
         .electric_brake_ahead_mNm = ahead->braking.torque_mNm,

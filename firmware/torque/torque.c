@@ -5,6 +5,7 @@
 #include "core/scaled.h"
 #include "motor/flux_map.h"
 #include "motor/motor_model.h"
+#include "motor/torque_uncertainty.h"
 #include "torque/closing_voltage.h"
 
 enum { MOST_DRAG_mNm = 100000000 }; /* as a demand is bounded */
@@ -264,6 +265,14 @@ static motor_current_t setpoint_current(const config_t *config, const measured_t
     return along_rotation(flows, now->speed_mrad_s);
 }
 
+/* Of the torque at the currents that flow: the limits are those of the sensor's angle. */
+static int32_t uncertainty_mNm(const motor_model_t *model, const measured_t *now,
+                               motor_point_t flowing)
+{
+    const bool known = now->angle_valid && now->angle_by == ANGLE_BY_SENSOR && !now->sensor_wrong;
+    return known ? torque_uncertainty_mNm(model, flowing) : INT32_MAX;
+}
+
 torque_output_t torque_step(torque_state_t *state, const config_t *config, const measured_t *now,
                             const last_t *last, const slow_input_t *in, const monitored_t *watch,
                             const torque_enable_t *enable, findings_t *findings)
@@ -277,6 +286,7 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
     const motor_point_t flowing = motor_model_point(&model, mean);
     const motor_now_t motor = motor_now(config, now, watch, motor_model_torque_mNm(&model, flowing),
                                         coasting_mNm(&model, watch, voltage_mV));
+    const int32_t uncertain_mNm = uncertainty_mNm(&model, now, flowing);
     const demand_t demand =
         seen_demand(demand_step(&state->demand, config, in, now->speed_mrad_s), motor.missing_q15);
     step_limits(state, &model, &set, now, enable, &demand, flowing, motor.missing_q15, findings);
@@ -319,6 +329,7 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
         .command_mNm = limited.command_mNm,
         .coasting_mNm = motor.coasting_mNm,
         .estimate_mNm = motor.achieved_mNm,
+        .uncertainty_mNm = uncertain_mNm,
         .hydraulic_mNm = hydraulic_mNm,
         .hydraulic_added_mNm = q_max(q_max(hydraulic_mNm, own_path_mNm) - split.hydraulic_mNm, 0),
         .phase_voltage_mV = voltage_mV,

@@ -138,6 +138,9 @@ static const struct {
     X("estimate_nm", VALUE, "N.m", \
       OUTPUT_TEXT.motor_torque_estimate_nm, \
       1e-3 * w->slow.motor_torque_estimate_mNm) \
+    X("estimate_uncertainty_nm", VALUE, "N.m", \
+      OUTPUT_TEXT.motor_torque_uncertainty_nm, \
+      1e-3 * w->slow.motor_torque_uncertainty_mNm) \
     X("hydraulic_command_nm", VALUE, "N.m", \
       OUTPUT_TEXT.hydraulic_torque_nm, \
       1e-3 * w->slow.hydraulic_torque_mNm) \

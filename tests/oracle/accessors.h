@@ -209,6 +209,7 @@
 
 /* X(structure, field, "reason"): not part of the stored hashes */
 #define ORACLE_NOT_HASHED(X) \
+    X(slow_output_t, motor_torque_uncertainty_mNm, "no baseline has it yet") \
     X(torque_limits_t, losses, "between two modules of the slow step, shown nowhere") \
     X(torque_limits_t, drawn_b, "between two modules of the slow step, shown nowhere") \
     X(torque_limits_t, winding_lasting_mA, "likewise") \

@@ -263,6 +263,7 @@ static void check_fast(const config_t *config, const fast_setpoint_t *command,
 static void check_slow(const config_t *config, const slow_output_t *out)
 {
     promise(out->hydraulic_torque_mNm >= 0, "hydraulic torque is a magnitude");
+    promise(out->motor_torque_uncertainty_mNm >= 0, "an uncertainty is one as well");
     promise(out->electric_brake_available_mNm >= 0, "so is what the motor could take over");
     promise(out->electric_brake_ahead_mNm >= 0, "so is what it will");
     promise(out->drive_available_mNm >= 0 && out->drive_ahead_mNm >= 0, "so is driving");

@@ -140,6 +140,7 @@ void digest_slow(digest_t *digest, const slow_output_t *out, const fast_setpoint
 {
     add(digest, out->motor_torque_command_mNm);
     add(digest, out->motor_torque_estimate_mNm);
+    add(digest, out->motor_torque_uncertainty_mNm);
     add(digest, out->hydraulic_torque_mNm);
     add(digest, out->electric_brake_available_mNm);
     add(digest, out->electric_brake_ahead_mNm);

@@ -864,6 +864,8 @@ int hubfoc_wheel_power_pack(
     dst_p[4] |= pack_left_shift_u32(bus_current_a, 0u, 0xffu);
     dst_p[5] |= pack_right_shift_u32(bus_current_a, 8u, 0xffu);
     dst_p[6] |= pack_right_shift_u32(bus_current_a, 16u, 0x01u);
+    dst_p[6] |= pack_left_shift_u16(src_p->motor_torque_uncertainty_nm, 1u, 0xfeu);
+    dst_p[7] |= pack_right_shift_u16(src_p->motor_torque_uncertainty_nm, 7u, 0xffu);
 
     return (8);
 }
@@ -892,6 +894,8 @@ int hubfoc_wheel_power_unpack(
     }
 
     dst_p->bus_current_a = (int32_t)bus_current_a;
+    dst_p->motor_torque_uncertainty_nm = unpack_right_shift_u16(src_p[6], 1u, 0xfeu);
+    dst_p->motor_torque_uncertainty_nm |= unpack_left_shift_u16(src_p[7], 7u, 0xffu);
 
     return (0);
 }
@@ -925,6 +929,11 @@ bool hubfoc_wheel_power_bus_voltage_v_is_in_range(uint16_t value)
 bool hubfoc_wheel_power_bus_current_a_is_in_range(int32_t value)
 {
     return ((value >= -60000) && (value <= 60000));
+}
+
+bool hubfoc_wheel_power_motor_torque_uncertainty_nm_is_in_range(uint16_t value)
+{
+    return (value <= 32766u);
 }
 
 int hubfoc_wheel_health_pack(

@@ -346,6 +346,8 @@ extern "C" {
 
 #define HUBFOC_WHEEL_POWER_BUS_CURRENT_A_NOT_AVAILABLE_CHOICE (-65536)
 
+#define HUBFOC_WHEEL_POWER_MOTOR_TORQUE_UNCERTAINTY_NM_NOT_AVAILABLE_CHOICE (32767u)
+
 #define HUBFOC_WHEEL_HEALTH_DEMAND_LINK_NO_DATA_CHOICE (0u)
 #define HUBFOC_WHEEL_HEALTH_DEMAND_LINK_QUALIFYING_CHOICE (1u)
 #define HUBFOC_WHEEL_HEALTH_DEMAND_LINK_VALID_CHOICE (2u)
@@ -812,6 +814,7 @@ extern "C" {
 #define HUBFOC_WHEEL_POWER_COUNTER_NAME "counter"
 #define HUBFOC_WHEEL_POWER_BUS_VOLTAGE_V_NAME "bus_voltage_v"
 #define HUBFOC_WHEEL_POWER_BUS_CURRENT_A_NAME "bus_current_a"
+#define HUBFOC_WHEEL_POWER_MOTOR_TORQUE_UNCERTAINTY_NM_NAME "motor_torque_uncertainty_nm"
 #define HUBFOC_WHEEL_HEALTH_CRC_NAME "crc"
 #define HUBFOC_WHEEL_HEALTH_COUNTER_NAME "counter"
 #define HUBFOC_WHEEL_HEALTH_DEMAND_LINK_NAME "demand_link"
@@ -1298,7 +1301,7 @@ struct hubfoc_wheel_drive_t {
 /**
  * Signals in message WheelPower.
  *
- * The direct-current side of this controller.
+ * The direct-current side of this controller, and how well it knows its torque.
  *
  * All signal values are as on the CAN bus.
  */
@@ -1338,6 +1341,15 @@ struct hubfoc_wheel_power_t {
      * Offset: 0
      */
     int32_t bus_current_a;
+
+    /**
+     * Standard uncertainty, one standard deviation, of motor_torque_estimate_nm, from the configuration's [tolerance]. Information: nothing in the wheel depends on it. Not available while the angle is not the rotor sensor's.
+     *
+     * Range: 0..32766 (0..1638.3 Nm)
+     * Scale: 0.05
+     * Offset: 0
+     */
+    uint16_t motor_torque_uncertainty_nm;
 };
 
 /**
@@ -2382,6 +2394,15 @@ bool hubfoc_wheel_power_bus_voltage_v_is_in_range(uint16_t value);
  * @return true if in range, false otherwise.
  */
 bool hubfoc_wheel_power_bus_current_a_is_in_range(int32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_wheel_power_motor_torque_uncertainty_nm_is_in_range(uint16_t value);
 
 /**
  * Pack message WheelHealth.

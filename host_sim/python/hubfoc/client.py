@@ -33,6 +33,7 @@ class WheelStatus:
     fault: str | None
     speed_rad_s: float | None
     motor_torque_nm: float | None
+    motor_torque_uncertainty_nm: float | None  # one standard deviation of it; information
     torque_limit: str | None
     hydraulic_torque_nm: float | None  # commanded; None also while the wheel hands over
     brake_available_nm: float | None
@@ -95,6 +96,7 @@ class Wheel:
             fault=reason("WheelState", "fault_reason"),
             speed_rad_s=latest("WheelState", "speed_rad_s"),
             motor_torque_nm=latest("WheelState", "motor_torque_estimate_nm"),
+            motor_torque_uncertainty_nm=latest("WheelPower", "motor_torque_uncertainty_nm"),
             torque_limit=reason("WheelDrive", "torque_reason"),
             hydraulic_torque_nm=latest("WheelBrake", "hydraulic_torque_nm")
             if latest("WheelBrake", "hydraulic_valid")

@@ -172,6 +172,7 @@ MESSAGES: Final[Mapping[str, Message]] = {
             "counter": Signal(8, 4, False, 1.0, 0.0, 15.0),
             "bus_voltage_v": Signal(16, 16, False, 0.1, 0.0, 2000.0, 65535),
             "bus_current_a": Signal(32, 17, True, 0.1, -6000.0, 6000.0, -65536),
+            "motor_torque_uncertainty_nm": Signal(49, 15, False, 0.05, 0.0, 1638.3, 32767),
         },
     ),
     "WheelHealth": Message(

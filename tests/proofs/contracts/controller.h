@@ -114,7 +114,7 @@ POST(controller_slow_step, report->trip != REASON_HARDWARE_BREAK || old(slow->mo
      MODE_BOOT || result.mode == MODE_FAULT)
 POST(controller_slow_step, result.hydraulic_torque_mNm <= config->brake.max_hydraulic_torque_mNm)
 POST(controller_slow_step, result.drive_available_mNm >= 0 && result.drive_ahead_mNm >= 0 &&
-     result.electric_brake_ahead_mNm >= 0)
+     result.electric_brake_ahead_mNm >= 0 && result.motor_torque_uncertainty_mNm >= 0)
 
 /* controller/current_expectation.h */
 PRE(current_expectation, vector_holds(reference_pu) && vector_holds(before_pu))

@@ -279,6 +279,7 @@ POST(torque_step, state->ahead.step == (old(state->ahead.step) + 1U) % AVAILABLE
 POST(torque_step, result.available_now.driving.torque_mNm >= 0 &&
      result.available_ahead.driving.torque_mNm >= 0 && result.available_ahead.braking.torque_mNm >=
      0)
+POST(torque_step, result.uncertainty_mNm >= 0)
 
 POST(torque_limits_of, result == &state->table)
 

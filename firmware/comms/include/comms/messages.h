@@ -6,11 +6,11 @@
  * One wheel's messages differ from another's in two bits of the identifier (and in the data id,
  * e2e.h), and a vehicle's in the configured base, so one DBC is for all of them. The structures are
  * the controller's own (core/slow_messages.h), in SI milli-units; a frame holds whole steps of 0.1
- * N m (demands 0.2 N m), 0.1 A, 0.1 V, 0.1 degrees and 0.01 rad/s. What is sent is rounded to the
- * nearest step, except that available torques are rounded down, so that they are never overstated.
- * A quantity of the wheel beyond the DBC's range is sent as NOT_AVAILABLE, a hydraulic command with
- * hydraulic_valid 0, never as the end of the range. Demands are kept within the range: the
- * configuration admits none beyond it.
+ * N m (demands 0.2, uncertainty 0.05 N m), 0.1 A, 0.1 V, 0.1 degrees and 0.01 rad/s. What is sent
+ * is rounded to the nearest step, except that available torques are rounded down, so that they are
+ * never overstated. A quantity of the wheel beyond the DBC's range is sent as NOT_AVAILABLE, a
+ * hydraulic command with hydraulic_valid 0, never as the end of the range. Demands are kept within
+ * the range: the configuration admits none beyond it.
  *
  * Signs: torque, speed and current are positive when they drive forward; braking torques are
  * magnitudes >= 0; the bus current is positive out of the battery. Pure; any context.

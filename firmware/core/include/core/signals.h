@@ -197,7 +197,10 @@
     X(standstill, standstill, standstill, FLAG, PLAIN, 0, 1, 0, "", \
       "the wheel is known to be at rest (firmware/monitor, Standstill)") \
     X(present_warning, present_warning, present_warning, CODE, PLAIN, 0, 255, 0, "", \
-      "the present warning, behind a latched one too; 0: none")
+      "the present warning, behind a latched one too; 0: none") \
+    X(motor_torque_uncertainty_nm, motor_torque_uncertainty_mNm, motor_torque_uncertainty_mNm, \
+      REAL, MILLI, 0, INT32_MAX, 0, "N.m", \
+      "standard uncertainty of motor_torque_estimate_nm; 2147483 and more: unknown")
 /* clang-format on */
 
 #define SIGNALS_COUNT(...) +1

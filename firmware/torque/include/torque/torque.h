@@ -36,6 +36,7 @@ typedef struct {
     int32_t coasting_mNm;        /* braking torque at zero current, magnitude; 0 where a bridge
                                     without a demand does not open */
     int32_t estimate_mNm;        /* signed, from measured currents, at the shaft */
+    int32_t uncertainty_mNm;     /* of it, one standard deviation; INT32_MAX: unknown */
     int32_t hydraulic_mNm;       /* magnitude >= 0 */
     int32_t hydraulic_added_mNm; /* of it, beyond what brake blending commands */
     int32_t phase_voltage_mV;    /* peak phase: that PWM has or would have, less a reserve */

@@ -28,6 +28,10 @@ ON_CAN = {
     "waits_for": ("WheelAvailable", "waits_for", "", "what it waits for before it drives"),
     "speed_rad_per_s": ("WheelState", "speed_rad_s", "rad/s", "of the wheel, forward"),
     "motor_torque_nm": ("WheelState", "motor_torque_estimate_nm", "N.m", "its estimate"),
+    "motor_uncertainty_nm": (
+        *("WheelPower", "motor_torque_uncertainty_nm", "N.m"),
+        "one standard deviation of its estimate",
+    ),
     "motor_command_nm": ("WheelDrive", "motor_torque_command_nm", "N.m", "torque wanted"),
     "hydraulic_torque_nm": ("WheelBrake", "hydraulic_torque_nm", "N.m", "commanded"),
     "available_nm": ("WheelBrake", "electric_brake_available_nm", "N.m", "limit of braking"),

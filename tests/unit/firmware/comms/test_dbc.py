@@ -57,6 +57,7 @@ def test_every_signal_required_by_a_brake_system_exists(database: Database) -> N
         *(
             "motor_torque_command_nm",
             "motor_torque_estimate_nm",
+            "motor_torque_uncertainty_nm",
             "electric_brake_available_nm",
             "hydraulic_torque_nm",
         ),

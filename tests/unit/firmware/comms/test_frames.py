@@ -57,6 +57,7 @@ PHYSICAL = {
     "i_q_mA": ("WheelDrive", "current_q_a", 1000),
     "bus_voltage_mV": ("WheelPower", "bus_voltage_v", 1000),
     "bus_current_mA": ("WheelPower", "bus_current_a", 1000),
+    "motor_torque_uncertainty_mNm": ("WheelPower", "motor_torque_uncertainty_nm", 1000),
     "temperature.winding_cC": ("WheelHealth", "winding_temperature_c", 100),
     "temperature.switch_cC": ("WheelHealth", "switch_temperature_c", 100),
 }

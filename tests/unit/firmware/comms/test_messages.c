@@ -142,6 +142,7 @@ void test_all_other_messages_of_a_wheel_unpack_to_the_packed_values(void)
         .i_q_mA = -45600,
         .bus_voltage_mV = 72100,
         .bus_current_mA = -8900,
+        .motor_torque_uncertainty_mNm = 1350,
         .torque_reason = (reason_t)1,
         .available_reason = (reason_t)2,
         .ahead_reason = (reason_t)3,
@@ -165,6 +166,7 @@ void test_all_other_messages_of_a_wheel_unpack_to_the_packed_values(void)
     TEST_ASSERT_EQUAL_INT(meant.i_q_mA, back.i_q_mA);
     TEST_ASSERT_EQUAL_INT(meant.bus_voltage_mV, back.bus_voltage_mV);
     TEST_ASSERT_EQUAL_INT(meant.bus_current_mA, back.bus_current_mA);
+    TEST_ASSERT_EQUAL_INT(meant.motor_torque_uncertainty_mNm, back.motor_torque_uncertainty_mNm);
     TEST_ASSERT_EQUAL_INT(meant.torque_reason, back.torque_reason);
     TEST_ASSERT_EQUAL_INT(meant.available_reason, back.available_reason);
     TEST_ASSERT_EQUAL_INT(meant.ahead_reason, back.ahead_reason);

@@ -118,6 +118,7 @@ static void assert_same_slow(const slow_output_t *a, const slow_output_t *b)
 {
     TEST_ASSERT_EQUAL_INT32(a->motor_torque_command_mNm, b->motor_torque_command_mNm);
     TEST_ASSERT_EQUAL_INT32(a->motor_torque_estimate_mNm, b->motor_torque_estimate_mNm);
+    TEST_ASSERT_EQUAL_INT32(a->motor_torque_uncertainty_mNm, b->motor_torque_uncertainty_mNm);
     TEST_ASSERT_EQUAL_INT32(a->hydraulic_torque_mNm, b->hydraulic_torque_mNm);
     TEST_ASSERT_EQUAL_INT32(a->electric_brake_available_mNm, b->electric_brake_available_mNm);
     TEST_ASSERT_EQUAL_INT32(a->electric_brake_ahead_mNm, b->electric_brake_ahead_mNm);
@@ -176,6 +177,45 @@ void test_outputs_depend_only_on_inputs_after_init(void)
             assert_same_slow(&rig.out, &other.out);
         }
     }
+}
+
+/* The widest tolerances beside none: all that differs is what is said of the estimate. */
+void test_tolerances_move_the_stated_uncertainty_alone(void)
+{
+    static const config_tolerance_t NONE = {0};
+    static const config_tolerance_t WIDEST = {16384, 32768, 32768, 16384, 16384};
+    static rig_t other;
+    rig_start(&rig);
+    rig_start(&other);
+    rig.config.tolerance = NONE;
+    other.config.tolerance = WIDEST;
+    random_t random = random_seeded(4);
+    int differ = 0;
+    for (int n = 0; n < 5000; n++) {
+        for (int k = 0; k < RIG_FAST_PER_SLOW; k++) {
+            randomise(&random, &rig.slow_in, &rig.fast_in);
+            other.slow_in = rig.slow_in;
+            other.fast_in = rig.fast_in;
+            const fast_output_t a = *controller_fast_step(&rig.controller.fast, &rig.config,
+                                                          &rig.to_fast, &rig.fast_in);
+            const fast_output_t b = *controller_fast_step(&other.controller.fast, &other.config,
+                                                          &other.to_fast, &other.fast_in);
+            TEST_ASSERT_EQUAL_UINT16_ARRAY(a.compare_counts, b.compare_counts, 3);
+            TEST_ASSERT_EQUAL_INT(a.bridge, b.bridge);
+        }
+        controller_fast_report(&rig.controller.fast, &rig.to_slow);
+        controller_fast_report(&other.controller.fast, &other.to_slow);
+        if (rig.out.mode == MODE_FAULT) {
+            acknowledge(&rig, n);
+            acknowledge(&other, n);
+        }
+        rig_slow(&rig);
+        rig_slow(&other);
+        differ += rig.out.motor_torque_uncertainty_mNm < other.out.motor_torque_uncertainty_mNm;
+        other.out.motor_torque_uncertainty_mNm = rig.out.motor_torque_uncertainty_mNm;
+        assert_same_slow(&rig.out, &other.out);
+    }
+    TEST_ASSERT_GREATER_THAN_INT(1000, differ);
 }
 
 void test_two_controllers_in_one_process_are_independent(void)

@@ -210,6 +210,22 @@ void test_torque_estimate_is_that_of_the_measured_current(void)
     TEST_ASSERT_INT32_WITHIN(30, -8452, torque_case_step().estimate_mNm);
 }
 
+/* Limits of 0.05, 0.02 and 0.2: magnets 0.7038 Nm/A (12.01 + 2.01) A 0.05, gain 7.04 Nm 0.02, drag
+ * 1.414 Nm 0.2; the root of the squares' sum is 0.586 Nm, over sqrt(3). */
+void test_uncertainty_is_that_of_the_measured_current_and_the_sensor_s_angle(void)
+{
+    in.current.q_mA = -10000;
+    TEST_ASSERT_INT32_WITHIN(2, 338, torque_case_step().uncertainty_mNm);
+    in.sensor_wrong = true;
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, torque_case_step().uncertainty_mNm);
+    in.sensor_wrong = false;
+    in.angle_by = ANGLE_BY_OBSERVER;
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, torque_case_step().uncertainty_mNm);
+    in.angle_by = ANGLE_BY_SENSOR;
+    in.angle_valid = false;
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, torque_case_step().uncertainty_mNm);
+}
+
 /* Demand, battery, temperatures and torque enable jump at random; the speed changes slowly. */
 static void random_conditions(random_t *random)
 {

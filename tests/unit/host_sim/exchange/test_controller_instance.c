@@ -177,7 +177,8 @@ void test_access_by_name_and_by_structure_give_the_same_outputs(void)
                                          slow.hydraulic_valid,
                                          slow.stop_lamp,
                                          slow.standstill,
-                                         (int32_t)slow.present_warning};
+                                         (int32_t)slow.present_warning,
+                                         slow.motor_torque_uncertainty_mNm};
         TEST_ASSERT_EQUAL_INT32_ARRAY(fast_expected, fast_out, SIGNALS_FAST_OUTPUT_COUNT);
         TEST_ASSERT_EQUAL_INT32_ARRAY(slow_expected, slow_out, SIGNALS_SLOW_OUTPUT_COUNT);
         has_switched = has_switched || fast.bridge == BRIDGE_PWM;

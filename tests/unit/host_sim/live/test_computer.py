@@ -14,9 +14,10 @@ from hubsim import can_protocol, cli
 from regen_table import schema
 
 HEALTHY = WheelStatus(
-    mode="RUN", fault="NONE", speed_rad_s=0.0, motor_torque_nm=0.0, torque_limit="NONE",
-    hydraulic_torque_nm=0.0, brake_available_nm=30.0, drive_available_nm=40.0, brake_ahead_nm=30.0,
-    drive_ahead_nm=40.0, bus_voltage_v=53.0, bus_current_a=0.0, winding_temperature_c=25.0,
+    mode="RUN", fault="NONE", speed_rad_s=0.0, motor_torque_nm=0.0,
+    motor_torque_uncertainty_nm=0.0, torque_limit="NONE", hydraulic_torque_nm=0.0,
+    brake_available_nm=30.0, drive_available_nm=40.0, brake_ahead_nm=30.0, drive_ahead_nm=40.0,
+    bus_voltage_v=53.0, bus_current_a=0.0, winding_temperature_c=25.0,
     warning="NONE", waits_for="", drawn_wh=0.0, returned_wh=0.0, friction_percent=None,
     life_drawn_wh=0.0, life_returned_wh=0.0, life_friction_percent=None, lost=(),
 )  # fmt: skip

@@ -46,6 +46,7 @@ CARRIES: dict[str, tuple[tuple[str, ...], float]] = {
         ("battery.max_charge_current_mA", "battery.max_discharge_current_mA"),
         MILLI,
     ),
+    "WheelPower.motor_torque_uncertainty_nm": (TORQUE, MILLI),
     "WheelHealth.winding_temperature_c": (TEMPERATURES, 100),
     "WheelHealth.switch_temperature_c": (TEMPERATURES, 100),
     "WheelAhead.electric_brake_ahead_nm": (TORQUE, MILLI),
