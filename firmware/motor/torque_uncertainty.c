@@ -4,10 +4,10 @@
 #include "core/q15.h"
 #include "core/sqrt3.h"
 
-/* Of what a limit changes of flux times current. */
+/* Of what a limit changes of flux times current. Both are below 2^30 and 2^15. */
 static int64_t square(int32_t product_b, int32_t limit_q15)
 {
-    const int32_t change_b = q15_product(product_b, limit_q15);
+    const int32_t change_b = (int32_t)(((int64_t)product_b * limit_q15) >> 15);
     return (int64_t)change_b * change_b;
 }
 

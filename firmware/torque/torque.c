@@ -24,6 +24,7 @@ void torque_init(torque_state_t *state, const config_t *config)
     available_ahead_init(&state->ahead);
     const motor_current_t none = {.d_mA = 0, .q_mA = 0};
     state->setpoint = none;
+    state->uncertainty_mNm = 0;
 }
 
 hill_hold_kept_t torque_hold(const torque_state_t *state)
@@ -265,12 +266,16 @@ static motor_current_t setpoint_current(const config_t *config, const measured_t
     return along_rotation(flows, now->speed_mrad_s);
 }
 
-/* Of the torque at the currents that flow: the limits are those of the sensor's angle. */
-static int32_t uncertainty_mNm(const motor_model_t *model, const measured_t *now,
-                               motor_point_t flowing)
+/* Of the torque at the currents that flow; its limits are those of the sensor's angle. Once a round
+ * of available_ahead: it is sent every 100 ms. */
+static int32_t uncertainty_mNm(torque_state_t *state, const motor_model_t *model,
+                               const measured_t *now, motor_point_t flowing)
 {
+    if (state->ahead.step == 0) {
+        state->uncertainty_mNm = torque_uncertainty_mNm(model, flowing);
+    }
     const bool known = now->angle_valid && now->angle_by == ANGLE_BY_SENSOR && !now->sensor_wrong;
-    return known ? torque_uncertainty_mNm(model, flowing) : INT32_MAX;
+    return known ? q_max(state->uncertainty_mNm, 0) : INT32_MAX;
 }
 
 torque_output_t torque_step(torque_state_t *state, const config_t *config, const measured_t *now,
@@ -286,7 +291,7 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
     const motor_point_t flowing = motor_model_point(&model, mean);
     const motor_now_t motor = motor_now(config, now, watch, motor_model_torque_mNm(&model, flowing),
                                         coasting_mNm(&model, watch, voltage_mV));
-    const int32_t uncertain_mNm = uncertainty_mNm(&model, now, flowing);
+    const int32_t uncertain_mNm = uncertainty_mNm(state, &model, now, flowing);
     const demand_t demand =
         seen_demand(demand_step(&state->demand, config, in, now->speed_mrad_s), motor.missing_q15);
     step_limits(state, &model, &set, now, enable, &demand, flowing, motor.missing_q15, findings);

@@ -85,8 +85,8 @@ typedef struct {
 typedef struct {
     int32_t motor_torque_command_mNm;  /* signed: present torque setpoint */
     int32_t motor_torque_estimate_mNm; /* signed: from measured currents, at the shaft */
-    /* Standard uncertainty of the estimate, >= 0 (motor/torque_uncertainty.h); INT32_MAX: unknown,
-     * the angle is not the sensor's. Information: nothing depends on it. */
+    /* Standard uncertainty of the estimate, >= 0 (motor/torque_uncertainty.h); at most 16 ms old.
+     * INT32_MAX: unknown, the angle is not the sensor's. Information: nothing depends on it. */
     int32_t motor_torque_uncertainty_mNm;
     int32_t hydraulic_torque_mNm;         /* command to the hydraulic brake, magnitude >= 0 */
     int32_t electric_brake_available_mNm; /* braking torque limit of the motor, magnitude >= 0 */

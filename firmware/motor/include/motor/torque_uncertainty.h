@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * torque_uncertainty.h: how far the real torque may be from the estimate, from the limits of
- * config_t.tolerance. Slow loop, about 200 instructions. Information: no bound or command uses it.
+ * config_t.tolerance. Slow loop, about 200 instructions; every 16th step. Information: no bound or
+ * command uses it.
  *
  * DERIVATIONS.md, Uncertain torque.
  */

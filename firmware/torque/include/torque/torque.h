@@ -67,6 +67,7 @@ typedef struct {
     hill_hold_state_t hold;
     torque_command_state_t command;
     stop_lamp_state_t lamp;
+    int32_t uncertainty_mNm;       /* of the torque estimate, of the last round of `ahead` */
     available_ahead_state_t ahead; /* its results are outputs as well */
 } torque_state_t;
 
