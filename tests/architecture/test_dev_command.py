@@ -425,6 +425,10 @@ class DevCommandTest(DevFixture):
         )
         for port in ("qemu", "stm32f405"):
             self.assert_refused(self.run_dev("firmware", port, "--board", boards[-1][1]), "--board")
+        for port, board in boards:
+            self.assert_refused(
+                self.run_dev("flash", board, "--dry-run"), f"{port}, accepted: --board {board}"
+            )
 
         path, environment = self.pretend_everything_is_installed()
         generated = self.home / "firmware/config/generated"
