@@ -10,53 +10,20 @@
 #include "motor/current_setpoint.h"
 #include "motor/flux_map.h"
 #include "motor/motor_model.h"
-#include "paper_vehicle.h"
 #include "random_values.h"
+#include "saturated_vehicle.h"
 #include "unity.h"
-
-enum { ROWS = 14, BELOW = 11, COLUMNS = 17, D_STEP_mA = 50000, Q_STEP_mA = 26000 };
-static const double LSB_Wb = 8192e-9;
-static const double KNEE_A = 250.0;
-static const double CROSS = 3e-7; /* H/A: what i_q takes out of psi_d a squared ampere, halved */
 
 static config_t config;
 static motor_constants_t constants;
 
-/* Slopes of a co-energy: psi_q bends with i_q, and both axes take flux from each other. */
-static double law_d_Wb(double i_d_a, double i_q_a)
-{
-    return 0.09 + 0.25e-3 * i_d_a - 0.5 * CROSS * i_q_a * i_q_a / (1.0 + i_q_a * i_q_a / 9e4);
-}
-
-static double law_q_Wb(double i_d_a, double i_q_a)
-{
-    const double bend = 1.0 + i_q_a * i_q_a / 9e4;
-    return 0.65e-3 * i_q_a / hypot(1.0, i_q_a / KNEE_A) - CROSS * i_d_a * i_q_a / (bend * bend);
-}
-
-/* Up to 400 A, and 150 A more as which hot magnets act. */
 void setUp(void)
 {
-    config = salient_vehicle();
+    config = saturated_vehicle();
     config.motor.reference_temperature_cC = 2500;
     config.motor.flux_coefficient_ppm_K = -1100;
     config.motor.friction_torque_mNm = 0;
     config.motor.viscous_friction_uNm_s = 0;
-    config_flux_map_t *map = &config.flux_map;
-    map->d_points = ROWS;
-    map->d_negative_points = BELOW;
-    map->d_step_mA = D_STEP_mA;
-    map->q_points = COLUMNS;
-    map->q_step_mA = Q_STEP_mA;
-    map->lsb_log2 = 13;
-    for (int d = 0; d < ROWS; d++) {
-        for (int q = 0; q < COLUMNS; q++) {
-            const double i_d_a = (d - BELOW) * D_STEP_mA * 1e-3;
-            const double i_q_a = q * Q_STEP_mA * 1e-3;
-            map->psi_d_lsb[d * COLUMNS + q] = (int16_t)lround(law_d_Wb(i_d_a, i_q_a) / LSB_Wb);
-            map->psi_q_lsb[d * COLUMNS + q] = (int16_t)lround(law_q_Wb(i_d_a, i_q_a) / LSB_Wb);
-        }
-    }
     motor_constants_init(&constants, &config);
 }
 
@@ -64,15 +31,18 @@ void tearDown(void) {}
 
 static double bilinear_Wb(const int16_t *psi_lsb, double i_d_a, double i_q_a)
 {
-    const double at_d = fmin(fmax(i_d_a * 1e3 / D_STEP_mA + BELOW, 0.0), ROWS - 1.0);
-    const double at_q = fmin(fabs(i_q_a) * 1e3 / Q_STEP_mA, COLUMNS - 1.0);
-    const int d = (int)fmin(floor(at_d), ROWS - 2);
-    const int q = (int)fmin(floor(at_q), COLUMNS - 2);
+    const config_flux_map_t *map = &config.flux_map;
+    const double row_at = i_d_a * 1e3 / map->d_step_mA + map->d_negative_points;
+    const double at_d = fmin(fmax(row_at, 0.0), map->d_points - 1.0);
+    const double at_q = fmin(fabs(i_q_a) * 1e3 / map->q_step_mA, map->q_points - 1.0);
+    const int d = (int)fmin(floor(at_d), map->d_points - 2);
+    const int q = (int)fmin(floor(at_q), map->q_points - 2);
     const double x = at_d - d;
     const double y = at_q - q;
-    const int16_t *row = &psi_lsb[d * COLUMNS + q];
-    return LSB_Wb * ((1.0 - x) * ((1.0 - y) * row[0] + y * row[1]) +
-                     x * ((1.0 - y) * row[COLUMNS] + y * row[COLUMNS + 1]));
+    const int16_t *row = &psi_lsb[d * map->q_points + q];
+    const int16_t *next = row + map->q_points;
+    return SATURATED_LSB_Wb * ((1.0 - x) * ((1.0 - y) * row[0] + y * row[1]) +
+                               x * ((1.0 - y) * next[0] + y * next[1]));
 }
 
 /* The steady state of terminal currents, i_q along the rotation. */

@@ -11,14 +11,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "paper_vehicle.h"
 #include "random_values.h"
+#include "saturated_vehicle.h"
 #include "unity.h"
 
-enum { MOTORS = 10000, ROUNDS = 12, ROWS = 14, BELOW = 11, COLUMNS = 17 };
-enum { D_STEP_mA = 50000, Q_STEP_mA = 26000 };
+enum { MOTORS = 10000, ROUNDS = 12 };
 static const double SQRT_3 = 1.7320508075688772;
-static const double MAP_LSB_Wb = 8192e-9;
 /* 0.05, 0.2, 0.2, 0.02 and 3 degrees. */
 static const config_tolerance_t TYPICAL = {.magnet_flux_q15 = 1638,
                                            .inductance_q15 = 6554,
@@ -67,19 +65,15 @@ static deviation_t any_motor(random_t *random)
     return out;
 }
 
-/* Of the currents, without the magnets: straight, or an L_q that falls to half at 430 A, and i_q
- * that takes flux out of psi_d and i_d out of psi_q (slopes of one co-energy). */
+/* Of the currents, without the magnets. */
 static double reaction_d_Wb(double d_a, double q_a)
 {
-    return saturates ? 0.25e-3 * d_a - 1.5e-7 * q_a * q_a / (1.0 + q_a * q_a / 9e4)
-                     : config.motor.d_inductance_nH * 1e-9 * d_a;
+    return saturates ? saturated_d_Wb(d_a, q_a) : config.motor.d_inductance_nH * 1e-9 * d_a;
 }
 
 static double reaction_q_Wb(double d_a, double q_a)
 {
-    const double bend = 1.0 + q_a * q_a / 9e4;
-    return saturates ? 0.65e-3 * q_a / hypot(1.0, q_a / 250.0) - 3e-7 * d_a * q_a / (bend * bend)
-                     : config.motor.q_inductance_nH * 1e-9 * q_a;
+    return saturates ? saturated_q_Wb(d_a, q_a) : config.motor.q_inductance_nH * 1e-9 * q_a;
 }
 
 /* Shaft torque of measured terminal currents, forward. */
@@ -201,22 +195,8 @@ static void assert_along_torque(double speed_rad_s, double above)
 /* Gain and angle are taken with the chords of the fluxes, which change more than saturated iron. */
 void test_a_mapped_motor_states_the_deviation_of_drawn_motors(void)
 {
-    use(salient_vehicle(), TYPICAL);
+    use(saturated_vehicle(), TYPICAL);
     saturates = true;
-    config_flux_map_t *map = &config.flux_map;
-    map->d_points = ROWS;
-    map->d_negative_points = BELOW;
-    map->d_step_mA = D_STEP_mA;
-    map->q_points = COLUMNS;
-    map->q_step_mA = Q_STEP_mA;
-    map->lsb_log2 = 13;
-    for (int k = 0; k < ROWS * COLUMNS; k++) {
-        const double d_a = (k / COLUMNS - BELOW) * D_STEP_mA * 1e-3;
-        const double q_a = (k % COLUMNS) * Q_STEP_mA * 1e-3;
-        const double psi_d = 1e-9 * config.motor.flux_linkage_nWb + reaction_d_Wb(d_a, q_a);
-        map->psi_d_lsb[k] = (int16_t)lround(psi_d / MAP_LSB_Wb);
-        map->psi_q_lsb[k] = (int16_t)lround(reaction_q_Wb(d_a, q_a) / MAP_LSB_Wb);
-    }
     assert_along_torque(0.0, 0.08);
     assert_along_torque(300.0, 0.08);
     assert_along_i_q(0.0, -300.0, 0.08);
