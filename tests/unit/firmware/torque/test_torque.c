@@ -226,6 +226,20 @@ void test_uncertainty_is_that_of_the_measured_current_and_the_sensor_s_angle(voi
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, torque_case_step().uncertainty_mNm);
 }
 
+/* Without current magnets 0.7038 Nm/A (2.01 + 2.01) A 0.05 and drag 1.414 Nm 0.2 are left: 0.316
+ * Nm, over sqrt(3). */
+void test_uncertainty_follows_the_current_within_16_steps(void)
+{
+    in.current.q_mA = -10000;
+    torque_case_step();
+    in.current.q_mA = 0;
+    int32_t stated_mNm = 0;
+    for (int n = 0; n < 16; n++) {
+        stated_mNm = torque_case_step().uncertainty_mNm;
+    }
+    TEST_ASSERT_INT32_WITHIN(2, 183, stated_mNm);
+}
+
 /* Demand, battery, temperatures and torque enable jump at random; the speed changes slowly. */
 static void random_conditions(random_t *random)
 {
