@@ -64,10 +64,19 @@ static void release(hill_hold_state_t *state, const config_t *config, drive_dire
     state->leaves = !state->holds;
 }
 
-/* Before standstill, as long as the driver brakes and the wheel is slow. */
-static bool is_ahead(hill_hold_state_t *state, int32_t slower_mrad_s, int32_t road_mNm,
-                     int32_t braking_mNm, bool drives, int32_t speed_abs_mrad_s)
+/* What holds the slope as far as it is known. While the wheel turns, more would be a jerk. */
+static int32_t ahead_mNm(const config_t *config, int32_t road_mNm)
 {
+    const int64_t most_mNm = (int64_t)road_mNm + road_mNm / (TOLERANCE_SHARE - 1);
+    return q_min(q_saturate64(most_mNm), config->driver.hold_torque_mNm);
+}
+
+/* Before standstill, as long as the driver brakes and the wheel is slow. */
+static bool is_ahead(hill_hold_state_t *state, const config_t *config, int32_t slower_mrad_s,
+                     const hill_hold_wheel_t *wheel, int32_t braking_mNm, bool drives)
+{
+    const int32_t road_mNm = wheel->road_mNm;
+    const int32_t speed_abs_mrad_s = q_abs(wheel->speed_mrad_s);
     const bool brakes = braking_mNm > 0 && !drives;
     const bool rolls_off = road_mNm > braking_mNm - braking_mNm / TOLERANCE_SHARE;
     if (!brakes || speed_abs_mrad_s / 2 > state->begun_mrad_s) {
@@ -76,6 +85,7 @@ static bool is_ahead(hill_hold_state_t *state, int32_t slower_mrad_s, int32_t ro
     if (brakes && rolls_off && slower_mrad_s <= speed_abs_mrad_s / SLOWER_SHARE &&
         state->begun_mrad_s == 0) {
         state->begun_mrad_s = speed_abs_mrad_s;
+        state->torque_mNm = q_max(state->torque_mNm, ahead_mNm(config, road_mNm));
     }
     return state->begun_mrad_s > 0;
 }
@@ -129,20 +139,16 @@ int32_t hill_hold_step(hill_hold_state_t *state, const config_t *config, const d
         const hill_hold_state_t begun = {.holds = true, .resumed = state->resumed};
         *state = begun;
     }
-    /* Without a hold torque the result is the same, at less cost. */
-    if (!state->holds && !neutral && config->driver.hold_torque_mNm > 0 &&
-        is_ahead(state, split->slower_mrad_s, wheel->road_mNm, braking_mNm, drives,
-                 speed_abs_mrad_s)) {
-        state->torque_mNm = config->driver.hold_torque_mNm;
-    } else if (!state->holds || neutral) {
-        state->holds = false;
-        state->torque_mNm = ramp_step(state->torque_mNm, 0, demand_rate_mNm_per_step(config));
-    } else if (drives) {
+    if (state->holds && !neutral && drives) {
         release(state, config, demand->engaged, wheel);
-    } else {
+    } else if (state->holds && !neutral) {
         state->torque_mNm = config->driver.hold_torque_mNm;
         state->release_ms = 0;
         state->caught = false;
+    } else if (neutral || config->driver.hold_torque_mNm == 0 || /* at less cost */
+               !is_ahead(state, config, split->slower_mrad_s, wheel, braking_mNm, drives)) {
+        state->holds = false;
+        state->torque_mNm = ramp_step(state->torque_mNm, 0, demand_rate_mNm_per_step(config));
     }
     watch_hold(state, turns, drives, braking_mNm > 0);
     return state->torque_mNm;

@@ -22,6 +22,9 @@ void test_hold_begins_at_standstill_while_braking(void)
     TEST_ASSERT_EQUAL_INT32(HOLD, step());
 }
 
+/* Before standstill the slope's 12 N m and a seventh more, because it is known to an eighth. */
+enum { HOLD_AHEAD = 13714 };
+
 /* Uphill, with less demanded than the slope pulls with. */
 static void stop_uphill(void)
 {
@@ -37,10 +40,10 @@ static void stop_uphill(void)
 void test_hold_begins_before_standstill_where_the_slope_pulls_with_more_than_the_demand(void)
 {
     stop_uphill();
-    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+    TEST_ASSERT_EQUAL_INT32(HOLD_AHEAD, step());
     speed_mrad_s = -100; /* stands, and begins to roll back: the speed is expected to grow */
     split.slower_mrad_s = 300;
-    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+    TEST_ASSERT_EQUAL_INT32(HOLD_AHEAD, step());
     standstill = true;
     TEST_ASSERT_EQUAL_INT32(HOLD, step());
     demand.brake_torque_mNm = 0;
@@ -53,20 +56,20 @@ void test_a_demand_that_holds_the_slope_has_no_hold_before_standstill(void)
     road_mNm = 8000; /* an eighth less than the demand, and a tolerance */
     TEST_ASSERT_EQUAL_INT32(0, step());
     road_mNm = 9000;
-    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+    TEST_ASSERT_EQUAL_INT32(10285, step());
 }
 
 void test_hold_before_standstill_ends_with_the_braking_or_if_the_wheel_becomes_faster(void)
 {
     stop_uphill();
-    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+    TEST_ASSERT_EQUAL_INT32(HOLD_AHEAD, step());
     demand.brake_torque_mNm = 0;
-    TEST_ASSERT_EQUAL_INT32(HOLD - 400, step()); /* at the torque rate */
+    TEST_ASSERT_EQUAL_INT32(HOLD_AHEAD - 400, step()); /* at the torque rate */
     demand.brake_torque_mNm = 10000;
-    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+    TEST_ASSERT_EQUAL_INT32(HOLD_AHEAD, step());
     speed_mrad_s = 2100; /* began at 1000 */
     split.slower_mrad_s = 2100;
-    TEST_ASSERT_EQUAL_INT32(HOLD - 400, step());
+    TEST_ASSERT_EQUAL_INT32(HOLD_AHEAD - 400, step());
     hill_hold_init(&state);
     stop_uphill();
     demand.engaged = DRIVE_DIRECTION_NEUTRAL;
@@ -170,7 +173,7 @@ void test_before_standstill_any_braking_is_enough_and_any_driving_too_much(void)
     demand.brake_torque_mNm = 1;
     road_mNm = 2;
     speed_mrad_s = 1; /* as slow as it can be seen */
-    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+    TEST_ASSERT_EQUAL_INT32(2, step());
     hill_hold_init(&state);
     stop_uphill();
     demand.drive_torque_mNm = 1;
@@ -187,7 +190,7 @@ void test_the_road_counts_from_seven_eighths_of_the_demand_on(void)
     road_mNm = 8750;
     TEST_ASSERT_EQUAL_INT32(0, step());
     road_mNm = 8751;
-    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+    TEST_ASSERT_EQUAL_INT32(10001, step());
 }
 
 /* At 1000 mrad/s what is left when the hydraulic brake has followed is at most 333. */
@@ -197,6 +200,26 @@ void test_hold_begins_when_a_third_of_the_speed_is_left(void)
     split.slower_mrad_s = 334;
     TEST_ASSERT_EQUAL_INT32(0, step());
     split.slower_mrad_s = 333;
+    TEST_ASSERT_EQUAL_INT32(HOLD_AHEAD, step());
+}
+
+/* What the slope is taken for later moves it no more; the hold at standstill is whole. */
+void test_hold_before_standstill_stays_what_it_was_at_its_beginning(void)
+{
+    stop_uphill();
+    TEST_ASSERT_EQUAL_INT32(HOLD_AHEAD, step());
+    road_mNm = 9000;
+    TEST_ASSERT_EQUAL_INT32(HOLD_AHEAD, step());
+    road_mNm = 21000;
+    TEST_ASSERT_EQUAL_INT32(HOLD_AHEAD, step());
+    standstill = true;
+    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+}
+
+void test_hold_before_standstill_is_at_most_the_whole_hold(void)
+{
+    stop_uphill();
+    road_mNm = INT32_MAX;
     TEST_ASSERT_EQUAL_INT32(HOLD, step());
 }
 
@@ -206,30 +229,30 @@ void test_hold_before_standstill_is_the_same_in_reverse(void)
     demand.engaged = DRIVE_DIRECTION_REVERSE;
     speed_mrad_s = -1000;
     split.slower_mrad_s = 333;
-    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+    TEST_ASSERT_EQUAL_INT32(HOLD_AHEAD, step());
 }
 
 /* It began at 1000 mrad/s: up to 2001, halves rounded down, it stays. */
 void test_hold_before_standstill_stays_up_to_twice_the_speed_at_which_it_began(void)
 {
     stop_uphill();
-    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+    TEST_ASSERT_EQUAL_INT32(HOLD_AHEAD, step());
     speed_mrad_s = 2001;
     split.slower_mrad_s = 2001;
-    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+    TEST_ASSERT_EQUAL_INT32(HOLD_AHEAD, step());
     speed_mrad_s = 2002;
-    TEST_ASSERT_EQUAL_INT32(HOLD - 400, step());
+    TEST_ASSERT_EQUAL_INT32(HOLD_AHEAD - 400, step());
 }
 
 void test_the_speed_at_which_it_began_stays_that_of_the_beginning(void)
 {
     stop_uphill();
-    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+    TEST_ASSERT_EQUAL_INT32(HOLD_AHEAD, step());
     speed_mrad_s = 1900;
-    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+    TEST_ASSERT_EQUAL_INT32(HOLD_AHEAD, step());
     speed_mrad_s = 2100; /* more than twice 1000, less than twice 1900 */
     split.slower_mrad_s = 2100;
-    TEST_ASSERT_EQUAL_INT32(HOLD - 400, step());
+    TEST_ASSERT_EQUAL_INT32(HOLD_AHEAD - 400, step());
 }
 
 /* Held and rolling back at 1 rad/s: what the motor's torque alone leaves of the hold. */
