@@ -249,6 +249,37 @@ static inline bool stands_still(const pmsm_t *machine, const pmsm_state_t *state
            machine->cogging.amplitude_nm <= 0.0;
 }
 
+/* What diodes of `ceiling_v` against the current do to it within a step: a resistance z in series
+ * with the winding, z |i| = ceiling_v. z |i(z)| rises from zero to the blocking voltage, and
+ * ceiling_v / |i(z)| is nearly a straight line: by secants. Of the stage returned, drop_square is
+ * that of the iron branch. */
+static stage_t opposed_step(const pmsm_t *machine, plant_dq_t before, double ceiling_v,
+                            const pmsm_step_t *step, plant_dq_t *i_t)
+{
+    enum { SECANTS_MOST = 30 };
+    const plant_dq_t none = {0.0, 0.0};
+    pmsm_step_t opposed = *step;
+    stage_t end;
+    double z = 0.0, last_z = 0.0, last_apart = 0.0;
+    for (int n = 0;; n++) {
+        opposed.series_resistance_ohm = step->series_resistance_ohm + z;
+        const equations_t eq = equations_at(machine, &opposed);
+        const plant_dq_t emf = {.d = 0.0, .q = -eq.w * machine->flux_wb};
+        *i_t = implicit_step(machine, &eq, before, step->duration_s, eq.share * eq.resistance_ohm,
+                             emf);
+        end = straight_stage_at(&eq, none, *i_t);
+        const double apart = ceiling_v / hypot(end.terminal.d, end.terminal.q) - z;
+        if (n == SECANTS_MOST || fabs(apart) <= 1e-12 * z) {
+            end.drop_square *= eq.share * eq.share;
+            return end;
+        }
+        const double slope = n == 0 ? -1.0 : (apart - last_apart) / (z - last_z);
+        last_z = z;
+        last_apart = apart;
+        z = plant_max(z - apart / (slope < 0.0 ? slope : -1.0), 0.0);
+    }
+}
+
 pmsm_flow_t pmsm_step_rectified(const pmsm_t *machine, pmsm_state_t *state, double ceiling_v,
                                 const pmsm_step_t *step)
 {
@@ -262,21 +293,14 @@ pmsm_flow_t pmsm_step_rectified(const pmsm_t *machine, pmsm_state_t *state, doub
     const double h = step->duration_s;
     const double magnetic_before_j = pmsm_magnetic_energy_j(machine, state);
     plant_dq_t i_t;
-    plant_dq_t u = blocking_voltage(machine, &eq, state->i_t, h, &i_t);
+    const plant_dq_t blocking = blocking_voltage(machine, &eq, state->i_t, h, &i_t);
     plant_dq_t terminal = {0.0, 0.0};
-    double drop_square = 0.0; /* of v, the voltage across the iron branch */
-    const double wanted_v = hypot(u.d, u.q);
+    const double wanted_v = hypot(blocking.d, blocking.q);
+    double drop_square = wanted_v * wanted_v; /* of v, the voltage across the iron branch */
     if (wanted_v > ceiling_v) {
-        u.d *= ceiling_v / wanted_v;
-        u.q *= ceiling_v / wanted_v;
-        const plant_dq_t drive = {.d = eq.share * u.d,
-                                  .q = eq.share * u.q - eq.w * machine->flux_wb};
-        i_t = implicit_step(machine, &eq, state->i_t, h, eq.share * eq.resistance_ohm, drive);
-        const stage_t end = straight_stage_at(&eq, u, i_t);
+        const stage_t end = opposed_step(machine, state->i_t, ceiling_v, step, &i_t);
         terminal = end.terminal;
-        drop_square = eq.share * eq.share * end.drop_square;
-    } else {
-        drop_square = wanted_v * wanted_v;
+        drop_square = end.drop_square;
     }
     state->i_t = i_t;
     turn_rotor(state, step);

@@ -149,11 +149,11 @@ pmsm_flow_t pmsm_step(const pmsm_t *machine, pmsm_state_t *state, plant_ab_t u,
                       const pmsm_step_t *step);
 
 /*
- * Fed by diodes: the source voltage opposes the current, up to the magnitude `ceiling_v` (peak
- * phase); while that suffices, the terminal current is zero. First-order implicit, unconditionally
- * stable; energy the scheme would lose is credited to the source, where the diodes would have
- * carried it. While neither rotor nor current moves, the second step and all after it cost a few
- * comparisons.
+ * Fed by diodes: the source voltage is against the terminal current, up to the magnitude
+ * `ceiling_v` (peak phase); while that suffices, the terminal current is zero. First-order
+ * implicit, unconditionally stable; energy the scheme would lose is credited to the source, where
+ * the diodes would have carried it. While neither rotor nor current moves, the second step and all
+ * after it cost a few comparisons.
  */
 pmsm_flow_t pmsm_step_rectified(const pmsm_t *machine, pmsm_state_t *state, double ceiling_v,
                                 const pmsm_step_t *step);
