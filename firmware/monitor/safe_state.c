@@ -18,6 +18,7 @@ enum {
 /* One speed and temperature: EMF, and the ratios that the equations are written in, made by the
  * first of short circuit and conducting diodes. */
 typedef struct {
+    int32_t flux_nWb;
     int32_t emf_mV; /* w psi, peak phase */
     bool has_ratios;
     int32_t infinite_mA; /* psi / L_d: the short circuit's current at high speed */
@@ -27,19 +28,27 @@ typedef struct {
     int32_t sigma_q24;   /* L_q / L_d */
 } machine_t;
 
-static machine_t machine_at(const config_t *config, int32_t speed_mrad_s)
+static int32_t share_of(int32_t whole, int32_t share_q24)
+{
+    return q_saturate64(((int64_t)whole * share_q24) >> 24);
+}
+
+/* Magnets are as cold as the winding, or, while that is warm, at the reference temperature: a
+ * winding warms long before them, and what is cold is cold throughout. */
+static machine_t machine_at(const config_t *config, const measured_t *now, int32_t speed_mrad_s)
 {
     const int64_t w_mrad_s = bases_electrical_mrad_s(config, q_abs(speed_mrad_s));
-    const machine_t out = {
-        .emf_mV = q_saturate64(divide_by_billion(w_mrad_s * config->motor.flux_linkage_nWb))};
+    const int32_t share_q24 = bases_share_at_q24(config, config->motor.flux_coefficient_ppm_K,
+                                                 now->winding_temperature_cC);
+    const int32_t flux_nWb = share_of(config->motor.flux_linkage_nWb, q_max(share_q24, SCALED_ONE));
+    const machine_t out = {.flux_nWb = flux_nWb,
+                           .emf_mV = q_saturate64(divide_by_billion(w_mrad_s * flux_nWb))};
     return out;
 }
 
 /* psi / L_d, nWb / nH = A, rounded down: in two steps of 32 bits up to 4 mH. */
-static int32_t infinite_mA(const config_motor_t *motor)
+static int32_t infinite_mA(uint32_t flux_nWb, uint32_t l_nH)
 {
-    const uint32_t flux_nWb = (uint32_t)motor->flux_linkage_nWb;
-    const uint32_t l_nH = (uint32_t)q_divisor(motor->d_inductance_nH);
     const uint64_t rest = (uint64_t)(flux_nWb % l_nH) * 1000U;
     const uint32_t part_mA = rest <= UINT32_MAX ? (uint32_t)rest / l_nH : (uint32_t)(rest / l_nH);
     return q_saturate64((int64_t)(flux_nWb / l_nH) * 1000 + part_mA);
@@ -56,8 +65,9 @@ static void make_ratios(machine_t *m, const config_t *config, const measured_t *
     const int32_t x_uOhm = q_saturate64(divide_by_million(w_mrad_s * motor->d_inductance_nH));
     const int32_t r_uOhm = bases_at_winding_temperature(config, motor->phase_resistance_uOhm,
                                                         now->winding_temperature_cC);
-    m->infinite_mA = infinite_mA(motor);
-    const int64_t flux_uA_Wb = divide_by_million((int64_t)motor->flux_linkage_nWb * m->infinite_mA);
+    m->infinite_mA =
+        infinite_mA((uint32_t)m->flux_nWb, (uint32_t)q_divisor(motor->d_inductance_nH));
+    const int64_t flux_uA_Wb = divide_by_million((int64_t)m->flux_nWb * m->infinite_mA);
     m->stall_mNm = q_saturate64(divide_by_thousand(flux_uA_Wb * 3 / 2 * motor->pole_pairs));
     m->rho_q24 = scaled_ratio(r_uOhm, q_max(x_uOhm, 1));
     m->slow_q24 = m->rho_q24 > SLOW_RHO * SCALED_ONE ? scaled_ratio(x_uOhm, q_max(r_uOhm, 1)) : 0;
@@ -70,11 +80,6 @@ static void make_ratios(machine_t *m, const config_t *config, const measured_t *
 static int32_t square_q24(int32_t x_q24)
 {
     return q_saturate64(((int64_t)x_q24 * x_q24) >> 24);
-}
-
-static int32_t share_of(int32_t whole, int32_t share_q24)
-{
-    return q_saturate64(((int64_t)whole * share_q24) >> 24);
 }
 
 /* x below 2^38: 128^2. */
@@ -123,7 +128,7 @@ static steady_state_t shorted_at(machine_t *m, const config_t *config, const mea
 
 steady_state_t safe_state_short(const config_t *config, const measured_t *now, int32_t bound_mrad_s)
 {
-    machine_t m = machine_at(config, bound_mrad_s);
+    machine_t m = machine_at(config, now, bound_mrad_s);
     return shorted_at(&m, config, now, bound_mrad_s);
 }
 
@@ -253,7 +258,7 @@ bool safe_state_short_surges(const config_t *config, const measured_t *now, int3
 safe_state_t safe_state_shorted(const config_t *config, const measured_t *now, int32_t bound_mrad_s,
                                 bridge_mode_t side)
 {
-    machine_t m = machine_at(config, bound_mrad_s);
+    machine_t m = machine_at(config, now, bound_mrad_s);
     const safe_state_t out = {.bridge = side,
                               .emf_mV = m.emf_mV,
                               .freewheel = {.bus_mV = now->bus_voltage_mV},
@@ -265,7 +270,7 @@ safe_state_t safe_state_step(const config_t *config, const measured_t *now, brid
                              int32_t bound_mrad_s, bool battery_gone)
 {
     const bool was_short = bridge_is_short(before);
-    machine_t m = machine_at(config, bound_mrad_s);
+    machine_t m = machine_at(config, now, bound_mrad_s);
     const int32_t bus_mV =
         was_short ? q_scale(now->bus_voltage_mV, config->monitor.short_release_permille, 1000)
                   : now->bus_voltage_mV;

@@ -40,18 +40,21 @@ typedef struct {
     double d, q, length, torque_nm;
 } flow_t;
 
+/* Magnets in a cold motor are as cold; in a warm winding they may be as at the reference. */
 static circuit_t circuit_of(const config_t *c, double speed_rad_s, double winding_c)
 {
     const config_motor_t *m = &c->motor;
     const double w = speed_rad_s * m->pole_pairs;
     const double rise = winding_c - m->reference_temperature_cC * 1e-2;
+    const double psi =
+        m->flux_linkage_nWb * 1e-9 * (1.0 + m->flux_coefficient_ppm_K * 1e-6 * fmin(rise, 0.0));
     const circuit_t out = {
         .r =
             m->phase_resistance_uOhm * 1e-6 * (1.0 + m->resistance_coefficient_ppm_K * 1e-6 * rise),
         .x_d = w * m->d_inductance_nH * 1e-9,
         .x_q = w * m->q_inductance_nH * 1e-9,
-        .e = w * m->flux_linkage_nWb * 1e-9,
-        .psi = m->flux_linkage_nWb * 1e-9,
+        .e = w * psi,
+        .psi = psi,
         .l_d = m->d_inductance_nH * 1e-9,
         .l_q = m->q_inductance_nH * 1e-9,
         .p = m->pole_pairs,
