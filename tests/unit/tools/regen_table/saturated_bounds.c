@@ -66,3 +66,24 @@ int may_open(int32_t d_mA, int32_t q_mA, int32_t bus_mV)
         .i_d_mA = d_mA, .i_q_mA = q_mA, .turning_mrad_s = 1, .bus_mV = bus_mV};
     return short_exit_fits(&config, &in);
 }
+
+void own(const config_t *image)
+{
+    config = *image;
+}
+
+safe_state_t choose(int32_t speed_mrad_s, int32_t bus_mV, int32_t winding_cC, int32_t charge_mA)
+{
+    const battery_limits_t battery = {.charge_current_mA = charge_mA};
+    measured_t now = measured(&battery, bus_mV);
+    now.winding_temperature_cC = winding_cC;
+    return safe_state_step(&config, &now, BRIDGE_OFF, speed_mrad_s, false);
+}
+
+steady_state_t shorted_at(int32_t speed_mrad_s, int32_t winding_cC)
+{
+    const battery_limits_t battery = {.charge_current_mA = 0};
+    measured_t now = measured(&battery, 0);
+    now.winding_temperature_cC = winding_cC;
+    return safe_state_short(&config, &now, speed_mrad_s);
+}
