@@ -17,12 +17,10 @@ static uint16_t counted(uint16_t steps, bool condition)
     return condition ? (uint16_t)q_min(steps + 1, UINT16_MAX) : (uint16_t)0;
 }
 
-/* Switching begins only from a current that it can control; an eighth is for the transient of
- * diodes that conduct. A short circuit's settled current, psi / L_d, is i_d alone: whole limit. */
+/* Switching begins only from a current that it can control. */
 static bool current_controllable(const config_t *config, const measured_t *now)
 {
-    const int32_t eighths = bridge_is_short(now->report->bridge) ? 8 : 7;
-    const int64_t most_mA = (int64_t)config->motor.max_phase_current_mA * eighths / 8;
+    const int64_t most_mA = config->motor.max_phase_current_mA;
     const int64_t d_mA = q_limit(now->latest_i_d_mA, MOST_CURRENT_mA);
     const int64_t q_mA = q_limit(now->latest_i_q_mA, MOST_CURRENT_mA);
     return d_mA * d_mA + q_mA * q_mA <= most_mA * most_mA;
