@@ -178,21 +178,22 @@ def excess_braking(recording: Recording) -> Iterator[Finding]:
     """Torque of both brakes beyond the demand, mean of 100 ms.
 
     Beside the demand stand what a coasting wheel loses, what the drawn brake makes more than it
-    is asked for, and the tolerance of the motor's parts. A demand that has fallen counts until
-    the brakes can have followed.
+    is asked for, the tolerance of the motor's parts, and cogging, which a slow wheel does not
+    average out. A demand that has fallen counts until the brakes can have followed.
     """
     window = _rows(message_s(recording) + brakes_s(recording))
     demand = motion.largest_of(demanded_nm(recording), window)
     pressed = recording.signals["driver.brake_nm"] > PRESSED_NM
     moves = pressed & (np.abs(recording.speed) > MOVES_M_PER_S)
     strong = max(1.0 - recording.parameters["brake.torque_loss"], 1.0)
+    cogging_nm = recording.parameters["motor.cogging_torque_nm"]
     for k in range(recording.wheels):
         speed = recording.speed / recording.parameters["vehicle.wheel_radius_m"]
         motor = _against(recording, -recording.wheel(k, "motor_torque_nm"))
         hydraulic = braking_nm(recording, k) - motor
         healthy = motor - PARTS_SHARE * np.abs(motor) + hydraulic / strong
         beyond = healthy - demand - motion.coasting_nm(recording.drive, speed)
-        limit = np.maximum(EXCESS_NM, EXCESS_SHARE * demand)
+        limit = np.maximum(EXCESS_NM, EXCESS_SHARE * demand) + cogging_nm
         share = motion.means_of(np.where(moves, beyond / limit, 0.0), EXCESS_ROWS)
         at = int(np.argmax(share))
         yield Finding("", k, float(recording.time_s[at]), float(share[at] * limit[at]),

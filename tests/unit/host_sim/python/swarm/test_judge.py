@@ -117,6 +117,14 @@ def test_excess_of_both_brakes(beyond: float, wrong: bool) -> None:
     assert "excess_braking" not in violated(spike)
 
 
+@pytest.mark.parametrize(("cogging", "wrong"), [(2.0, True), (8.0, False)])
+def test_cogging_is_no_excess(cogging: float, wrong: bool) -> None:
+    lost = motion.coasting_nm(DRIVE, np.array([SPEED / DRIVE.vehicle.wheel_radius_m]))[0]
+    recording = braked(0.0, DEMAND + 8.0 + lost)
+    cogs = recording.parameters | {"motor.cogging_torque_nm": cogging}
+    assert ("excess_braking" in violated(replace(recording, parameters=cogs))) is wrong
+
+
 def test_a_demand_that_falls_counts_until_the_brake_can_have_followed() -> None:
     falls = {"driver.brake_nm": steps((1000, DEMAND), (2000, 0.2 * DEMAND)),
              "wheel0.hydraulic_torque_nm": steps((1000, DEMAND), (2150, 0.2 * DEMAND))}  # fmt: skip
