@@ -3,12 +3,16 @@
 
 #include "core/q15.h"
 #include "core/scaled.h"
+#include "core/sqrt3.h"
 #include "motor/flux_map.h"
 #include "motor/motor_model.h"
 #include "motor/torque_uncertainty.h"
 #include "torque/closing_voltage.h"
 
-enum { MOST_DRAG_mNm = 100000000 }; /* as a demand is bounded */
+enum {
+    MOST_DRAG_mNm = 100000000, /* as a demand is bounded */
+    MOST_CURRENT_mA = 10000000
+};
 
 void torque_init(torque_state_t *state, const config_t *config)
 {
@@ -143,16 +147,25 @@ static int32_t kept_mNm(const torque_state_t *state, const config_t *config, con
     return kept ? q_add(demand->brake_torque_mNm, demand->lift_off_mNm) : 0;
 }
 
+/* Into the bus, the diodes' voltage against the current. Diodes that conduct in pulses, just above
+ * the EMF limit, carry less than the model of the open bridge has. */
+static int32_t charging_mA(const measured_t *now, const monitored_t *watch)
+{
+    const int64_t d_mA = q_limit(now->i_d_mA, MOST_CURRENT_mA);
+    const int64_t q_mA = q_limit(now->i_q_mA, MOST_CURRENT_mA);
+    const int32_t measured_mA = q_scale(scaled_root(d_mA * d_mA + q_mA * q_mA), SQRT3_2_Q15, 32768);
+    return q_min(measured_mA, safe_state_charging_mA(&watch->safe));
+}
+
 /* That PWM has, or would have if it took over from diodes that charge the battery. */
 static int32_t phase_voltage_mV(const config_t *config, const measured_t *now,
                                 const monitored_t *watch, const torque_enable_t *enable)
 {
-    const int32_t charging_mA = safe_state_charging_mA(&watch->safe);
-    const bool takes_over =
-        !measured_switching(now) && charging_mA > 0 && torque_enable_any(*enable);
-    return takes_over
-               ? closing_voltage_mV(config, now->phase_voltage_mV, now->bus_voltage_mV, charging_mA)
-               : now->phase_voltage_mV;
+    const bool takes_over = !measured_switching(now) && safe_state_charging_mA(&watch->safe) > 0 &&
+                            torque_enable_any(*enable);
+    return takes_over ? closing_voltage_mV(config, now->phase_voltage_mV, now->bus_voltage_mV,
+                                           charging_mA(now, watch))
+                      : now->phase_voltage_mV;
 }
 
 /* Share of the current that flows unseen, where the hydraulic brake makes what the motor is not

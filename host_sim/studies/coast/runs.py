@@ -158,11 +158,11 @@ def _top_kmh(drive: Drive) -> float:
     return drive.motor.max_speed_rpm * np.pi / 30.0 * drive.vehicle.wheel_radius_m * 3.6
 
 
-def measure(number: int, case: Case) -> Outcome:
-    """Simulate one case and compare it with the feasible minimum."""
+def measure(number: int, case: Case, edges: bool = False) -> Outcome:
+    """Simulate one case, with the bridge's edges or their mean, beside the feasible minimum."""
     drive = drives.drive_named(case.drive)
     try:
-        rows = simulated(drive, case)
+        rows = simulated(drive, case, edges)
     except HubsimError:
         rows = np.zeros((1, len(SIGNALS)))
         return _outcome(number, case, drive, rows, (0.0, 0.0, least_torque.PWM, 0), NOT_STARTED)
@@ -171,7 +171,7 @@ def measure(number: int, case: Case) -> Outcome:
     )
 
 
-def simulated(drive: Drive, case: Case) -> Rows:
+def simulated(drive: Drive, case: Case, edges: bool = False) -> Rows:
     """Return the recorded SIGNALS."""
     motor, wheels = drive.motor, drive.vehicle.driven_wheels
     scenario = Scenario(
@@ -185,6 +185,7 @@ def simulated(drive: Drive, case: Case) -> Rows:
         plant={
             "bus.capacitance_f": wheels * drive.inverter.bus_capacitance_f,
             "bms.period_s": MESSAGE_S,
+            "inverter.switching": float(edges),
         },
     )
     engine, _ = run.prepare(drive, scenario, Path(), {})

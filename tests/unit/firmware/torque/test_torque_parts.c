@@ -116,26 +116,36 @@ void test_what_is_found_of_the_hydraulic_brake_is_the_reason_of_its_command(void
 
 /* ---- what bridge, angle and battery show ---- */
 
+/* 50 A by the model of the diodes; 40 A of phase current, 34.64 A into the bus, where they conduct
+ * in pulses. */
 void test_pwm_that_takes_over_from_charging_diodes_has_the_voltage_without_their_current(void)
 {
-    enum { SEEN_mV = 20000, CHARGING_mA = 50000 };
+    enum { SEEN_mV = 20000, MODELLED_mA = 50000, MEASURED_mA = 34641 };
     in.phase_voltage_mV = SEEN_mV;
     in.bridge = BRIDGE_OFF;
-    in.safe.freewheel.charging_mA = CHARGING_mA;
-    const int32_t closing_mV = closing_voltage_mV(&config, SEEN_mV, in.bus_voltage_mV, CHARGING_mA);
-    TEST_ASSERT_LESS_THAN_INT32(SEEN_mV, closing_mV);
-    TEST_ASSERT_EQUAL_INT32(closing_mV, step().phase_voltage_mV);
+    in.safe.freewheel.charging_mA = MODELLED_mA;
+    const int32_t by_model_mV =
+        closing_voltage_mV(&config, SEEN_mV, in.bus_voltage_mV, MODELLED_mA);
+    TEST_ASSERT_LESS_THAN_INT32(SEEN_mV, by_model_mV);
+    in.current.d_mA = -60000;
+    in.current.q_mA = -80000;
+    TEST_ASSERT_EQUAL_INT32(by_model_mV, torque_case_step().phase_voltage_mV);
+    in.current.d_mA = 24000;
+    in.current.q_mA = -32000;
+    TEST_ASSERT_INT32_WITHIN(1,
+                             closing_voltage_mV(&config, SEEN_mV, in.bus_voltage_mV, MEASURED_mA),
+                             torque_case_step().phase_voltage_mV);
     in.bridge = BRIDGE_PWM; /* has taken over */
-    TEST_ASSERT_EQUAL_INT32(SEEN_mV, step().phase_voltage_mV);
+    TEST_ASSERT_EQUAL_INT32(SEEN_mV, torque_case_step().phase_voltage_mV);
     in.bridge = BRIDGE_OFF;
     in.safe.bridge = BRIDGE_SHORT; /* in which no diode charges */
-    TEST_ASSERT_EQUAL_INT32(SEEN_mV, step().phase_voltage_mV);
+    TEST_ASSERT_EQUAL_INT32(SEEN_mV, torque_case_step().phase_voltage_mV);
     in.safe.bridge = BRIDGE_OFF;
     in.torque_enable.drive_q15 = in.torque_enable.brake_q15 = 0; /* will not take over */
-    TEST_ASSERT_EQUAL_INT32(SEEN_mV, step().phase_voltage_mV);
+    TEST_ASSERT_EQUAL_INT32(SEEN_mV, torque_case_step().phase_voltage_mV);
     in.torque_enable = FULL_ENABLE;
     in.safe.freewheel.charging_mA = 0;
-    TEST_ASSERT_EQUAL_INT32(SEEN_mV, step().phase_voltage_mV);
+    TEST_ASSERT_EQUAL_INT32(SEEN_mV, torque_case_step().phase_voltage_mV);
 }
 
 /* A full battery takes no current, whatever the sensor of the bus shows. */

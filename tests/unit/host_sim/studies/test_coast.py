@@ -32,6 +32,15 @@ def test_a_vehicle_without_a_demand_has_no_more_torque_than_it_must() -> None:
     assert any(outcome.warning == "OVERSPEED" for outcome in found)
 
 
+@pytest.mark.parametrize("volts", [41.4, 44.2, 45.2])
+def test_diodes_that_conduct_in_pulses_let_go_as_soon_as_pwm_can(volts: float) -> None:
+    """Just above the EMF limit they lift the bus by half of what the averaged bridge does."""
+    case = coast.Case("lu2013", 64.9, 4.0, 0.5, volts, coast.COAST, math.inf)
+    found = coast.measure(0, case, edges=True)
+    assert found.warning == "OVERSPEED"
+    assert found.within, found
+
+
 def state(drive: str, speed_rad_s: float, source_v: float, connected: bool = True) -> State:
     charge_a = drives.drive_named(drive).battery.max_charge_current_a
     return State(speed_rad_s, source_v, source_v, 25.0, charge_a, connected)
