@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "hall.h"
 
+#include <stddef.h>
+
 #include "core/angle.h"
 #include "core/q15.h"
 #include "core/reciprocal.h"
@@ -37,7 +39,7 @@ static uint32_t sector_start_q32(const config_t *config, uint8_t sector)
 
 static uint16_t sector_width_turn(const config_t *config, uint8_t sector)
 {
-    const uint8_t next = sector == HALL_SECTORS - 1 ? 0 : (uint8_t)(sector + 1U);
+    const unsigned next = sector == HALL_SECTORS - 1 ? 0U : sector + 1U;
     return (uint16_t)(config->rotor.edge_turn[next] - config->rotor.edge_turn[sector]);
 }
 
@@ -163,10 +165,10 @@ static void follow_plausible_edge(hall_t *hall, const config_t *config, uint8_t 
     const uint32_t edge_q32 = sector_start_q32(config, hall->direction > 0 ? sector : left);
     hall->plausible_edges++;
     if (hall->plausible_edges > 1) {
-        hall->sectors_timed = 0;
-        hall->timed_turn = 0;
-        hall->timed_periods = 0;
-        time_sector(hall, config, left, hall->periods_since_edge);
+        hall->sectors_timed = 1;
+        hall->timed_turn = sector_width_turn(config, left);
+        hall->timed_periods = (uint32_t)hall->periods_since_edge;
+        hall->sector_periods[left] = (uint16_t)hall->periods_since_edge;
         hall->bounce_periods = hall->periods_since_edge / HALL_BOUNCE_DIVISOR;
         hall->overdue_periods =
             q_min(hall->periods_since_edge * HALL_OVERDUE_FACTOR * HALL_OVERDUE_FACTOR,
@@ -448,30 +450,15 @@ static bool was_disturbance(const hall_t *hall, const hall_t *before, uint8_t se
            (sector == before->sector || sector_step(before->sector, sector) != 0);
 }
 
-/* All but the constants and what only an impossible state counts. Member by member, because the
- * processor copies a whole structure of this size in a loop of bytes. */
+_Static_assert(offsetof(hall_t, sector_periods) == sizeof((hall_t *)NULL)->movement,
+               "movement has as many words as the members beside it");
+
+/* All but the constants and what only an impossible state counts. */
 static void copy_movement(hall_t *to, const hall_t *from)
 {
-    to->speed_q32 = from->speed_q32;
-    to->theta_q32 = from->theta_q32;
-    to->periods_since_edge = from->periods_since_edge;
-    to->overdue_periods = from->overdue_periods;
-    to->begin_q32 = from->begin_q32;
-    to->span_q32 = from->span_q32;
-    to->bounce_periods = from->bounce_periods;
+    to->movement = from->movement;
     /* Of the sector that an edge leaves: the only one that it times. */
     to->sector_periods[from->sector] = from->sector_periods[from->sector];
-    to->timed_turn = from->timed_turn;
-    to->timed_periods = from->timed_periods;
-    to->edge_theta_q32 = from->edge_theta_q32;
-    to->edge_speed_q32 = from->edge_speed_q32;
-    to->observer_lead_q32 = from->observer_lead_q32;
-    to->faults = from->faults;
-    to->sector = from->sector;
-    to->sectors_timed = from->sectors_timed;
-    to->direction = from->direction;
-    to->plausible_edges = from->plausible_edges;
-    to->valid = from->valid;
 }
 
 /* The rotor has gone on in the period of the disturbance. */

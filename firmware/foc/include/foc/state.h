@@ -27,28 +27,36 @@ typedef struct {
 
 /* hall.h. Angles in turns; periods are PWM periods. */
 typedef struct {
-    int32_t speed_q32; /* turns per period, forward positive */
-    uint32_t theta_q32;
-    int32_t periods_since_edge;   /* 0 .. 65 535 */
-    int32_t overdue_periods;      /* periods_since_edge beyond which the speed decays */
-    uint32_t begin_q32, span_q32; /* the sector: begin .. begin + span */
-    int32_t bounce_periods;       /* a reversal within these is a bounce; 0: speed unknown */
-    int32_t standstill_periods;   /* 1/4 s */
-    int32_t reversal_periods;     /* 15 ms */
-    int32_t invalid_periods;      /* consecutive, in an impossible state */
+    union { /* what an edge copies; as words the processor copies four at once */
+        struct {
+            int32_t speed_q32; /* turns per period, forward positive */
+            uint32_t theta_q32;
+            int32_t periods_since_edge;   /* 0 .. 65 535 */
+            int32_t overdue_periods;      /* periods_since_edge beyond which the speed decays */
+            uint32_t begin_q32, span_q32; /* the sector: begin .. begin + span */
+            int32_t bounce_periods; /* a reversal within these is a bounce; 0: speed unknown */
+            uint32_t timed_turn;    /* sums over the sectors timed in this movement, <= 6 */
+            uint32_t timed_periods;
+            uint32_t edge_theta_q32;    /* at the last plausible edge */
+            int32_t edge_speed_q32;     /* from there on */
+            uint32_t observer_lead_q32; /* of the observed angle over the sensors', learned */
+            uint16_t faults;            /* wrapping */
+            uint8_t sectors_timed;      /* 0 .. 6 */
+            int8_t direction;           /* of the last edge: +1, -1; 0 unknown */
+            uint8_t plausible_edges;    /* since the latest hall fault */
+            uint8_t sector;             /* 0 .. 5 */
+            bool valid;                 /* false once started: hall fault ride-through */
+            bool started;
+        };
+        struct {
+            uint32_t word[14];
+        } movement;
+    };
     uint16_t sector_periods[CONFIG_HALL_EDGES]; /* latest full crossing of each sector */
-    uint32_t timed_turn, timed_periods; /* sums over the sectors timed in this movement, <= 6 */
-    uint32_t edge_theta_q32;            /* at the last plausible edge */
-    int32_t edge_speed_q32;             /* from there on */
-    uint32_t observer_lead_q32;         /* of the observed angle over the sensors', learned */
-    uint16_t faults;                    /* wrapping */
-    uint8_t sector;                     /* 0 .. 5 */
-    uint8_t steady_sensors;  /* unchanged reading that is skipped; HALL_NO_READING: none */
-    uint8_t sectors_timed;   /* 0 .. 6 */
-    int8_t direction;        /* of the last edge: +1, -1; 0 unknown */
-    uint8_t plausible_edges; /* since the latest hall fault */
-    bool started;
-    bool valid; /* false once started: hall fault ride-through */
+    int32_t standstill_periods;                 /* 1/4 s */
+    int32_t reversal_periods;                   /* 15 ms */
+    int32_t invalid_periods;                    /* consecutive, in an impossible state */
+    uint8_t steady_sensors; /* unchanged reading that is skipped; HALL_NO_READING: none */
 } hall_t;
 
 /* angle_tracker.h */
