@@ -50,6 +50,12 @@ static int32_t sector_step(uint8_t from, uint8_t to)
     return ahead == 1 ? 1 : (ahead == HALL_SECTORS - 1 ? -1 : 0);
 }
 
+/* Of where the angle stays. */
+static uint32_t centre_q32(const hall_t *hall)
+{
+    return hall->begin_q32 + (hall->span_q32 >> 17 << 16);
+}
+
 /* The sensors report a new sector. */
 static void enter_sector(hall_t *hall, const config_t *config, uint8_t sector)
 {
@@ -59,16 +65,27 @@ static void enter_sector(hall_t *hall, const config_t *config, uint8_t sector)
     hall->periods_since_edge = 0;
 }
 
-static uint32_t middle_q32(const hall_t *hall)
+/* Where the rotor may turn round in the sector, nothing is nearer than its middle once the angle is
+ * there: the rotor may as well leave by the edge that it entered. 30 degrees of a wider sector,
+ * so that its width tells such a half from every sector. */
+static void end_at_middle(hall_t *hall)
 {
-    return hall->begin_q32 + (hall->span_q32 >> 17 << 16);
+    const uint32_t half_q32 = hall->span_q32 / 2U;
+    const uint32_t narrow_q32 = half_q32 < HALL_NARROW_Q32 ? half_q32 : HALL_NARROW_Q32;
+    hall->begin_q32 += hall->direction > 0 ? 0U : hall->span_q32 - narrow_q32;
+    hall->span_q32 = narrow_q32;
 }
 
-/* Limits the angle to the sector that the sensors report. */
+static bool ends_at_middle(const hall_t *hall)
+{
+    return hall->span_q32 <= HALL_NARROW_Q32;
+}
+
+/* Limits the angle to the sector that the sensors report, or to its half. */
 static void clamp_to_sector(hall_t *hall)
 {
     if (hall->theta_q32 - hall->begin_q32 > hall->span_q32) {
-        const bool ahead = hall->theta_q32 - middle_q32(hall) < UINT32_C(1) << 31;
+        const bool ahead = hall->theta_q32 - centre_q32(hall) < UINT32_C(1) << 31;
         hall->theta_q32 = hall->begin_q32 + (ahead ? hall->span_q32 - 0x1FFFFU : 0U);
     }
 }
@@ -88,7 +105,9 @@ static void reset_movement(hall_t *hall)
     hall->timed_turn = 0;
     hall->timed_periods = 0;
     hall->direction = 0;
-    hall->theta_q32 = middle_q32(hall);
+    if (!ends_at_middle(hall)) {
+        hall->theta_q32 = centre_q32(hall);
+    }
     hall->overdue_periods = hall->standstill_periods;
     hall->bounce_periods = 0;
     note_plausible_edge(hall);
@@ -127,14 +146,10 @@ static int32_t measured_speed_q32(const hall_t *hall)
 /* An overdue edge: the speed decays; after a quarter of a second the rotor is at standstill. */
 static void decay_overdue_speed(hall_t *hall)
 {
-    if (hall->periods_since_edge > hall->overdue_periods) {
+    if (hall->periods_since_edge > hall->standstill_periods) {
+        reset_movement(hall);
+    } else if (hall->periods_since_edge > hall->overdue_periods) {
         hall->speed_q32 -= hall->speed_q32 / (1 << HALL_DECAY_LOG2);
-        if (hall->speed_q32 == 0) {
-            hall->theta_q32 = middle_q32(hall);
-        }
-        if (hall->periods_since_edge > hall->standstill_periods) {
-            reset_movement(hall);
-        }
     }
 }
 
@@ -297,31 +312,43 @@ static void follow_unobserved_edge(hall_t *hall, uint32_t edge_q32, unsigned log
     }
 }
 
+/* Whether a slow rotor may turn round in the sector that begins: the one that it left took 8/7 of
+ * the time of the one before, or 143 ms, or more. With a constant deceleration it takes 1.3
+ * times as long (DERIVATIONS.md, Hall sensors). Before overdue_periods are this sector's. */
+static bool may_turn_round(const hall_t *hall, int32_t periods)
+{
+    return periods >= 2 * hall->reversal_periods && 7 * periods > 4 * hall->overdue_periods;
+}
+
 /* An edge in the direction of the last one: a sector was crossed from end to end. */
 static void follow_edge(hall_t *hall, const config_t *config, uint8_t sector,
                         hall_observed_t observed)
 {
     const uint8_t left = hall->sector;
     const int32_t periods = hall->periods_since_edge;
-    uint32_t edge_q32 = hall->begin_q32; /* of the sector left */
     enter_sector(hall, config, sector);
-    edge_q32 = hall->direction > 0 ? hall->begin_q32 : edge_q32;
+    const uint32_t edge_q32 =
+        hall->direction > 0 ? hall->begin_q32 : sector_start_q32(config, left);
     time_sector(hall, config, left, periods);
-    hall->overdue_periods = q_min(periods * HALL_OVERDUE_FACTOR, hall->standstill_periods);
     hall->bounce_periods = (int32_t)((uint32_t)periods / HALL_BOUNCE_DIVISOR);
     const unsigned log2 = smoothing_log2(hall, periods);
     if (log2 > 0 && observed.known) {
         follow_observed_edge(hall, edge_q32, observed, log2);
         clamp_to_sector(hall);
     } else {
+        if (may_turn_round(hall, periods)) {
+            end_at_middle(hall);
+        }
         follow_unobserved_edge(hall, edge_q32, log2);
     }
+    hall->overdue_periods = q_min(periods * HALL_OVERDUE_FACTOR, hall->standstill_periods);
     note_plausible_edge(hall);
 }
 
-/* The first edge after a standstill, or a reversal. A reversal may also be a dead sensor: until one
- * more sector's time has passed the angle stays at the edge, which halves the error in that case,
- * and a ride-through that starts later continues as if the rotor had not reversed. */
+/* The first edge after a standstill, or a reversal. A reversal may also be a dead sensor: where the
+ * rotor was not slow the angle stays at the edge until one more sector's time has passed, which
+ * halves the error in that case. A ride-through that starts later continues as if the rotor had
+ * not reversed. */
 static void process_reversal(hall_t *hall, const config_t *config, uint8_t sector, int32_t step)
 {
     const bool moved = hall->sectors_timed > 0;
@@ -332,19 +359,36 @@ static void process_reversal(hall_t *hall, const config_t *config, uint8_t secto
     reset_movement(hall);
     hall->direction = (int8_t)step;
     if (moved) {
-        hall->theta_q32 = edge_q32;
+        if (overdue_periods < 2 * HALL_OVERDUE_FACTOR * hall->reversal_periods) {
+            hall->theta_q32 = edge_q32;
+        }
         hall->overdue_periods = overdue_periods;
         hall->edge_theta_q32 = edge_q32;
         hall->edge_speed_q32 = speed_q32;
     }
 }
 
+/* Where an edge is overdue the rotor may come back: from then on nothing is nearer than the middle
+ * of the sector. */
+static void return_to_middle(hall_t *hall)
+{
+    if (!ends_at_middle(hall)) {
+        const uint32_t away_q32 = centre_q32(hall) - hall->theta_q32;
+        const uint32_t sign = 0U - (away_q32 >> 31);
+        hall->theta_q32 += ((away_q32 ^ sign) >> HALL_DECAY_LOG2) ^ sign;
+    }
+}
+
 /* A period inside the same sector. */
 static void extrapolate(hall_t *hall)
 {
-    hall->theta_q32 += (uint32_t)hall->speed_q32;
-    clamp_to_sector(hall);
-    decay_overdue_speed(hall);
+    if (hall->periods_since_edge > hall->overdue_periods) {
+        return_to_middle(hall);
+        decay_overdue_speed(hall);
+    } else {
+        hall->theta_q32 += (uint32_t)hall->speed_q32;
+        clamp_to_sector(hall);
+    }
 }
 
 /* Back into the sector left so soon after the last edge: no rotor can reverse so fast. */

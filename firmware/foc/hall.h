@@ -5,8 +5,9 @@
  * Speed: the time of the latest sectors, up to one electrical turn, so that misplaced sensors
  * cancel. Angle: extrapolated between edges, corrected at each edge, always inside the sector that
  * the sensors report. At high speed the observed angle tells when in the last period an edge was
- * passed. When the next edge is overdue the speed decays; after a quarter of a second the rotor
- * counts as at standstill and the angle is the middle of the sector (within 30 degrees for evenly
+ * passed. Where a slow rotor may turn round the angle goes no further than to the middle of the
+ * sector. When the next edge is overdue the speed decays and the angle returns to the middle; after
+ * a quarter of a second the rotor counts as at standstill, there (within 30 degrees for evenly
  * spaced sensors: torque at least 87 % of the nominal).
  *
  * An edge that is gone in the next period was a disturbance of a line and is taken back. A reversal
@@ -48,6 +49,9 @@ enum {
     HALL_NO_SECTOR = 7, /* of an impossible state */
     HALL_NO_READING = 255
 };
+
+/* Less than any sector, of which the narrowest has 30 degrees (config/validate.h). */
+#define HALL_NARROW_Q32 (UINT32_C(5458) << 16)
 
 void hall_init(hall_t *hall, const config_t *config);
 

@@ -42,7 +42,7 @@ static bool within_quarter_turn(int32_t speed_q32)
 static bool hall_invariant(const hall_t *hall, const config_t *config)
 {
     return hall->sector <= 5 && hall->sectors_timed <= 6 && hall->direction >= -1 &&
-           hall->direction <= 1 && hall->span_q32 >> 17 >= 2730U && hall->span_q32 >> 17 <= 8192U &&
+           hall->direction <= 1 && hall->span_q32 >> 17 >= 1365U && hall->span_q32 >> 17 <= 8192U &&
            hall->periods_since_edge >= 0 && hall->periods_since_edge <= 65535 &&
            hall->invalid_periods >= 0 && hall->invalid_periods < HALL_INVALID_PERIODS &&
            hall->overdue_periods >= 0 && hall->overdue_periods <= hall->standstill_periods &&

@@ -33,7 +33,7 @@ typedef struct {
             uint32_t theta_q32;
             int32_t periods_since_edge;   /* 0 .. 65 535 */
             int32_t overdue_periods;      /* periods_since_edge beyond which the speed decays */
-            uint32_t begin_q32, span_q32; /* the sector: begin .. begin + span */
+            uint32_t begin_q32, span_q32; /* where the angle stays: in the sector, or its half */
             int32_t bounce_periods; /* a reversal within these is a bounce; 0: speed unknown */
             uint32_t timed_turn;    /* sums over the sectors timed in this movement, <= 6 */
             uint32_t timed_periods;

@@ -164,19 +164,27 @@ void test_measured_speed_is_at_most_a_quarter_turn_per_period(void)
 
 /* ---- overdue edges ---- */
 
-void test_speed_of_less_than_a_64th_stays_until_standstill(void)
+void test_an_angle_whose_edge_is_overdue_returns_by_a_64th_to_the_middle_of_the_sector(void)
 {
-    for (int32_t speed_q32 = 0; speed_q32 <= 63; speed_q32 += 63) {
-        forward_in_sector_2(190); /* the next period is overdue */
-        hall.theta_q32 = angle_q32(EDGE_2 + 1000);
-        hall.speed_q32 = speed_q32;
-        expected = hall;
-        event(2);
-        expected.periods_since_edge++;
-        expected.theta_q32 =
-            speed_q32 != 0 ? angle_q32(EDGE_2 + 1000) + 63U : angle_q32(EDGE_2 + WIDTH_2 / 2);
-        expected.steady_sensors = STATE_OF_SECTOR[2];
-        assert_expected_state();
+    const uint32_t middle_q32 = angle_q32(EDGE_2 + WIDTH_2 / 2);
+    /* The first two are too slow to decay. */
+    static const int32_t SPEEDS_q32[] = {0, 63, SPEED_q32};
+    for (int k = 0; k < 3; k++) {
+        for (int32_t at = 1000; at < WIDTH_2; at += WIDTH_2 - 2000) {
+            forward_in_sector_2(190); /* the next period is overdue */
+            hall.theta_q32 = angle_q32(EDGE_2 + at);
+            hall.speed_q32 = SPEEDS_q32[k];
+            expected = hall;
+            event(2);
+            expected.periods_since_edge++;
+            expected.speed_q32 -= SPEEDS_q32[k] / 64;
+            const int32_t away_q32 = (int32_t)(middle_q32 - hall.theta_q32);
+            TEST_ASSERT_INT32_WITHIN(1 << 16, (int32_t)(middle_q32 - expected.theta_q32) / 64 * 63,
+                                     away_q32);
+            expected.theta_q32 = hall.theta_q32;
+            expected.steady_sensors = STATE_OF_SECTOR[2];
+            assert_expected_state();
+        }
     }
 }
 
@@ -392,6 +400,74 @@ void test_edge_is_overdue_after_a_quarter_of_a_second_at_the_latest(void)
     forward_in_sector_2(2498);
     event(3);
     TEST_ASSERT_EQUAL_INT32(STANDSTILL_PERIODS - 2, hall.overdue_periods);
+}
+
+/* Sector 2 in so many periods, the one before it in others. */
+static void slow_edge(int8_t direction, int32_t periods, int32_t before)
+{
+    forward_in_sector_2(periods - 1);
+    hall.direction = direction;
+    hall.speed_q32 = direction * SPEED_q32;
+    hall.overdue_periods = q_min(2 * before, STANDSTILL_PERIODS);
+    event(direction > 0 ? 3 : 1);
+}
+
+/* The middle, or 30 degrees from the edge in a sector wider than 60. */
+static int32_t half_turn(int32_t width_turn)
+{
+    return q_min(width_turn / 2, 5459);
+}
+
+/* 8/7 of the time; the one before counts as at most an eighth of a second. In a sector shorter than
+ * 30 ms no rotor turns round. */
+void test_after_a_slower_or_a_long_sector_the_angle_goes_no_further_than_to_the_middle(void)
+{
+    static const struct {
+        int32_t periods, before;
+        bool half;
+    } CASES[] = {{STANDSTILL_PERIODS * 4 / 7 + 1, STANDSTILL_PERIODS, true},
+                 {STANDSTILL_PERIODS * 4 / 7, STANDSTILL_PERIODS, false},
+                 {1000, 1000, false}, /* a constant speed */
+                 {1000, 875, false},
+                 {1000, 874, true},
+                 {2 * REVERSAL_PERIODS, 100, true},
+                 {2 * REVERSAL_PERIODS - 1, 100, false}};
+    for (int k = 0; k < 7; k++) {
+        slow_edge(1, CASES[k].periods, CASES[k].before);
+        const uint32_t forward_q32 = hall.begin_q32 + hall.span_q32;
+        TEST_ASSERT_EQUAL_HEX32(angle_q32(EDGE_3), hall.begin_q32);
+        TEST_ASSERT_UINT32_WITHIN(
+            2 << 16, angle_q32(EDGE_3 + (CASES[k].half ? half_turn(WIDTH_3) : WIDTH_3)),
+            forward_q32);
+        slow_edge(-1, CASES[k].periods, CASES[k].before);
+        TEST_ASSERT_UINT32_WITHIN(
+            2 << 16, angle_q32(CASES[k].half ? EDGE_2 - half_turn(EDGE_2 - EDGE_1) : EDGE_1),
+            hall.begin_q32);
+        TEST_ASSERT_UINT32_WITHIN(2 << 16, angle_q32(EDGE_2), hall.begin_q32 + hall.span_q32);
+    }
+}
+
+void test_a_rotor_that_stops_behind_a_slower_sector_is_taken_to_be_in_the_middle(void)
+{
+    for (int direction = -1; direction <= 1; direction += 2) {
+        slow_edge((int8_t)direction, 1000, 500);
+        const int32_t begin = direction > 0 ? EDGE_3 : EDGE_1;
+        const int32_t width = direction > 0 ? WIDTH_3 : EDGE_2 - EDGE_1;
+        const uint32_t middle_q32 =
+            angle_q32(direction > 0 ? begin + half_turn(width) : begin + width - half_turn(width));
+        for (int32_t period = 0; period < 1000; period++) {
+            event(direction > 0 ? 3 : 1);
+            const int32_t beyond_q32 = direction * (int32_t)(hall.theta_q32 - middle_q32);
+            TEST_ASSERT_LESS_OR_EQUAL_INT32(2 << 16, beyond_q32);
+        }
+        TEST_ASSERT_UINT32_WITHIN(4 << 16, middle_q32, hall.theta_q32);
+        TEST_ASSERT_NOT_EQUAL_INT32(0, hall.speed_q32); /* it may as well go on */
+        for (int32_t period = 1000; period <= STANDSTILL_PERIODS; period++) {
+            event(direction > 0 ? 3 : 1);
+        }
+        TEST_ASSERT_UINT32_WITHIN(4 << 16, middle_q32, hall.theta_q32);
+        TEST_ASSERT_EQUAL_INT32(0, hall.speed_q32);
+    }
 }
 
 /* A sector in 40 periods, with an observed angle and without. */

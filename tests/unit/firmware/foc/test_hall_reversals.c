@@ -55,6 +55,21 @@ void test_reversal_waits_at_its_edge_as_long_as_the_last_sector_took(void)
     assert_expected_state();
 }
 
+/* Behind a sector of 30 ms and more; the speed beyond it is not known either. */
+void test_reversal_of_a_slow_rotor_waits_in_the_middle(void)
+{
+    for (int32_t overdue = 4 * REVERSAL_PERIODS - 2; overdue <= 4 * REVERSAL_PERIODS;
+         overdue += 2) {
+        forward_in_sector_2(48);
+        hall.overdue_periods = overdue;
+        event(1);
+        const bool slow = overdue == 4 * REVERSAL_PERIODS;
+        TEST_ASSERT_EQUAL_HEX32(angle_q32(slow ? EDGE_1 + (EDGE_2 - EDGE_1) / 2 : EDGE_2),
+                                hall.theta_q32);
+        TEST_ASSERT_EQUAL_HEX32(angle_q32(EDGE_2), hall.edge_theta_q32);
+    }
+}
+
 void test_reversal_to_forward_waits_at_the_begin_of_the_sector_entered(void)
 {
     hall.overdue_periods = 400;
@@ -127,7 +142,7 @@ void test_stop_is_impossible_beyond_one_and_a_half_fast_sectors(void)
     TEST_ASSERT_FALSE(stop_is_impossible(14401, 2 * 65536 - 1, fast, 0));
 }
 
-void test_angle_inside_the_same_sector_stops_at_its_end_and_decays_when_overdue(void)
+void test_angle_inside_the_same_sector_stops_at_its_end_and_returns_when_overdue(void)
 {
     hall.overdue_periods = 400;
     hall.periods_since_edge = 399;
@@ -140,7 +155,8 @@ void test_angle_inside_the_same_sector_stops_at_its_end_and_decays_when_overdue(
     hall.theta_q32 = angle_q32(EDGE_3 - 1);
     expected = hall;
     event(2);
-    expected.theta_q32 = angle_q32(EDGE_3 - 1);
+    const uint32_t middle_q32 = angle_q32(EDGE_2 + (EDGE_3 - EDGE_2) / 2);
+    expected.theta_q32 -= (angle_q32(EDGE_3 - 1) - middle_q32) / 64;
     expected.periods_since_edge = 401;
     expected.speed_q32 = SPEED_q32 - SPEED_q32 / 64;
     assert_expected_state();
