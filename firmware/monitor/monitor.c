@@ -308,7 +308,8 @@ monitored_t monitor_step(monitor_state_t *state, const config_t *config, const m
     findings_set(findings, FINDING_TORQUE, switching && torque_unwanted(config, now, last));
     findings_set(findings, FINDING_STEPS, flow_broken(state, config, report->sequence));
     findings_suspect(findings, FINDING_STEPS, state->flow_level > 0);
-    const reason_t no_current = monitor_open_step(&state->open, now, reference_pu);
+    const reason_t no_current =
+        monitor_open_step(&state->open, now, reference_pu, monitor_open_edge_pu(config, now));
     findings_set_named(findings, FINDING_NO_CURRENT_SUM, FINDING_NO_CURRENT_PHASE, no_current);
     check_bus(state, config, now, findings);
     check_trip(state, now, findings);

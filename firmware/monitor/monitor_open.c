@@ -50,11 +50,10 @@ static evidence_t evidence(int32_t current_pu, int32_t wanted_pu, int32_t others
  * the reference goes with it: where less than a quarter is wanted nothing counts. Only where two
  * samples see the same half wave. */
 static bool stays_zero(monitor_open_state_t *state, int x, int32_t current_pu, int32_t wanted_pu,
-                       int32_t others_pu, int32_t step_turn)
+                       int32_t others_pu, int32_t least_pu, int32_t step_turn)
 {
-    if (others_pu <= MONITOR_OPEN_LEAST_PU) {
-        if (q_abs(current_pu) >
-            MONITOR_OPEN_LEAST_PU / 2) { /* it carries some between samples that count */
+    if (others_pu <= least_pu) {
+        if (q_abs(current_pu) > least_pu / 2) { /* it carries some between samples that count */
             state->zeros[x] = 0;
         }
         return false;
@@ -100,7 +99,20 @@ static reason_t name_of(dq_t sampled_pu, int32_t current_sum_pu)
                : REASON_PHASE_OPEN;
 }
 
-reason_t monitor_open_step(monitor_open_state_t *state, const measured_t *now, dq_t reference_pu)
+int32_t monitor_open_edge_pu(const config_t *config, const measured_t *now)
+{
+    if (config->rotor.sensor != CONFIG_ROTOR_HALL) {
+        return 0;
+    }
+    const int32_t u_pu = q_scale(q_abs(now->latest_u_q_mV), 32768 / MONITOR_OPEN_EDGE_SHARE,
+                                 q_divisor(config->drive.voltage_full_scale_mV));
+    const int32_t edge_pu =
+        q_scale(u_pu, 65536, q_divisor(config->current_loop.proportional_d_pu_q16));
+    return q_min(edge_pu, MONITOR_OPEN_MOST_EDGE_PU);
+}
+
+reason_t monitor_open_step(monitor_open_state_t *state, const measured_t *now, dq_t reference_pu,
+                           int32_t edge_pu)
 {
     const int32_t step_turn = q_abs(turned_since(state, now->report->sample.theta_turn));
     if (!measured_switching(now)) {
@@ -116,7 +128,9 @@ reason_t monitor_open_step(monitor_open_state_t *state, const measured_t *now, d
     const phases_t current = phases_of(dq_of(now->report->i_pu), at);
     const phases_t wanted = phases_of(reference_pu, at);
     const int32_t longest_pu = largest(&current);
-    const int32_t judged_pu = q_max(largest(&wanted) / 2, MONITOR_OPEN_WANTED_PU);
+    const int32_t judged_pu =
+        q_max(largest(&wanted) / 2, q_max(2 * edge_pu, MONITOR_OPEN_WANTED_PU));
+    const int32_t least_pu = q_max(5 * edge_pu / 2, MONITOR_OPEN_LEAST_PU);
     uint8_t most = 0;
     bool zero = false;
     for (int x = 0; x < PHASES; x++) {
@@ -126,7 +140,8 @@ reason_t monitor_open_step(monitor_open_state_t *state, const measured_t *now, d
             const int32_t counted = *missing + (found == MISSING ? 1 : 0);
             *missing = (uint8_t)(found == FLOWS ? 0 : q_min(counted, MONITOR_OPEN_STEPS));
         }
-        zero = stays_zero(state, x, current.pu[x], wanted.pu[x], longest_pu, step_turn) || zero;
+        zero = stays_zero(state, x, current.pu[x], wanted.pu[x], longest_pu, least_pu, step_turn) ||
+               zero;
         most = (uint8_t)q_max(most, q_max(state->missing[x][0], state->missing[x][1]));
     }
     state->suspected = most >= MONITOR_OPEN_SUSPECT_STEPS;

@@ -165,8 +165,10 @@ POST(monitor_gain_step, !result || old(state->wrong) || (known && state->follows
      0))
 
 /* monitor/monitor_open.h */
+PRE(monitor_open_edge_pu, true)
+POST(monitor_open_edge_pu, is_within(result, 0, MONITOR_OPEN_MOST_EDGE_PU))
 PRE(monitor_open_step, monitor_open_holds(state) && vectors_hold(dq_of(now->report->i_pu),
-     reference_pu))
+     reference_pu) && is_within(edge_pu, 0, MONITOR_OPEN_MOST_EDGE_PU))
 POST(monitor_open_step, monitor_open_holds(state))
 POST(monitor_open_step, measured_switching(now) || result == REASON_NONE)
 POST(monitor_open_step, result == REASON_NONE || some(i, 3, state->missing[i][0] ==

@@ -18,6 +18,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "config/config.h"
 #include "core/frames.h"
 #include "core/measured.h"
 #include "core/reason.h"
@@ -32,9 +33,9 @@ enum {
     MONITOR_OPEN_OTHERS_PU = 800,      /* less is none in any phase, Q15: 2.4 % of the range */
     MONITOR_OPEN_DEAD_PU = 24,         /* less is none of a sensor, Q15: one and a half codes */
     MONITOR_OPEN_WANTED_PU = 1280,     /* least reference of a phase that is judged, 3.9 % */
-    /* Least current beside which one at zero counts, Q15: 6 % of the range, beside which noise and
-     * misplaced hall edges keep no phase at zero. */
-    MONITOR_OPEN_LEAST_PU = 2048
+    MONITOR_OPEN_LEAST_PU = 2048,      /* least current beside which one at zero counts, 6 % */
+    MONITOR_OPEN_EDGE_SHARE = 16,      /* rad: 3.6 degrees that a hall edge is beside its place */
+    MONITOR_OPEN_MOST_EDGE_PU = 32768
 };
 
 typedef struct {
@@ -48,11 +49,18 @@ typedef struct {
     bool suspected;        /* in the latest step with PWM */
 } monitor_open_state_t;
 
+/* What a misplaced hall edge makes flow beside the reference, Q15 of the current base, 0 ..
+ * MONITOR_OPEN_MOST_EDGE_PU: the voltage error w psi/16 over the proportional gain. 0 of other
+ * sensors. */
+int32_t monitor_open_edge_pu(const config_t *config, const measured_t *now);
+
 /* PHASE_OPEN while a phase is open, CURRENT_SUM while a sensor shows no current of its phase
  * (qualified); else REASON_NONE, and while the bridge does not switch. The two differ in the sum of
  * the three readings. Of `now` it uses current, sum and angle of the latest period. reference_pu:
  * of the averaging window, field weakening included, in the rotor frame, Q15 of the current base,
- * components within two full scales (65 536). */
-reason_t monitor_open_step(monitor_open_state_t *state, const measured_t *now, dq_t reference_pu);
+ * components within two full scales (65 536). edge_pu: of monitor_open_edge_pu(); a reference below
+ * twice and a current below 2.5 times that are not judged. */
+reason_t monitor_open_step(monitor_open_state_t *state, const measured_t *now, dq_t reference_pu,
+                           int32_t edge_pu);
 
 #endif

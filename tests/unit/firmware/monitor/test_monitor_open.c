@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "monitor_case.h"
+#include "paper_vehicle.h"
 #include "unity.h"
 
 #define TURN_RAD 6.283185307179586
@@ -20,6 +21,7 @@ typedef star_t (*path_t)(star_t wanted);
 
 static monitor_open_state_t state;
 static int32_t length_pu; /* of the reference */
+static int32_t edge_pu;
 
 static void begin(void)
 {
@@ -31,6 +33,7 @@ void setUp(void)
 {
     begin();
     length_pu = LENGTH_PU;
+    edge_pu = 0;
 }
 
 void tearDown(void) {}
@@ -41,14 +44,14 @@ static reason_t step(dq_t sampled_pu, dq_t reference_pu, uint16_t theta_turn, in
                                           .i_pu = dq16_of(sampled_pu),
                                           .current_sum_pu = sum_pu,
                                           .bridge = BRIDGE_PWM}};
-    return monitor_open_step(&state, measured_of(&in), reference_pu);
+    return monitor_open_step(&state, measured_of(&in), reference_pu, edge_pu);
 }
 
 static reason_t step_off(void)
 {
     const monitor_case_t in = {.report = {.bridge = BRIDGE_OFF}};
     const dq_t none = {0, 0};
-    return monitor_open_step(&state, measured_of(&in), none);
+    return monitor_open_step(&state, measured_of(&in), none, 0);
 }
 
 static star_t healthy(star_t i)
@@ -296,6 +299,53 @@ void test_healthy_phases_of_a_wheel_that_hangs_at_a_hall_edge_are_not_named(void
             }
         }
     }
+}
+
+/* A reference of 8.7 % of the range that turns by 21 degrees a millisecond; the current that a
+ * misplaced hall edge makes drags the vector back by up to half of its length, so that phase a
+ * stays near its zero for three samples. Of a phase that carries none they are evidence. */
+void test_current_of_a_misplaced_hall_edge_leaves_a_healthy_phase_at_zero(void)
+{
+    static const double WANTED_deg[] = {-28.0, -7.0, 14.0, 35.0, 56.0};
+    static const double CURRENT_deg[] = {-28.0, -5.0, 1.0, 6.0, 28.0};
+    length_pu = 2840;
+    for (int k = 0; k < 2; k++) {
+        begin();
+        edge_pu = k == 0 ? 0 : 1400;
+        bool named = false;
+        for (int n = 0; n < 5; n++) {
+            named |=
+                step_beside((WANTED_deg[n] - CURRENT_deg[n]) / 360.0, WANTED_deg[n] / 360.0, 1.0);
+        }
+        TEST_ASSERT_EQUAL(k == 0, named);
+    }
+}
+
+/* By the reference likewise: one below 2798 or 3400, whose peak is 3233. */
+void test_a_reference_below_twice_the_current_of_an_edge_is_not_judged(void)
+{
+    length_pu = 3233;
+    edge_pu = 1399;
+    const double peak_turn = 0.25 - 1.0 / 12.0;
+    TEST_ASSERT_EQUAL_INT(3, time_to_name(wire_b_open, peak_turn + 1.0 / 3.0, 0.02, 6));
+    edge_pu = 1700;
+    TEST_ASSERT_EQUAL_INT(-1, time_to_name(wire_b_open, peak_turn + 1.0 / 3.0, 0.02, 6));
+}
+
+/* lu2013 at 21.3 V: 21.3 V/16 over 0.808 61.8 V/165 A is 4.40 A. */
+void test_current_of_a_hall_edge_is_its_voltage_over_the_proportional_gain(void)
+{
+    config_t config = paper_vehicle();
+    const measured_t now = {.latest_u_q_mV = -21300};
+    config.rotor.sensor = CONFIG_ROTOR_HALL;
+    TEST_ASSERT_INT32_WITHIN(3, 873, monitor_open_edge_pu(&config, &now));
+    config.rotor.sensor = CONFIG_ROTOR_ENCODER;
+    TEST_ASSERT_EQUAL_INT32(0, monitor_open_edge_pu(&config, &now));
+    config.rotor.sensor = CONFIG_ROTOR_ANGLE;
+    TEST_ASSERT_EQUAL_INT32(0, monitor_open_edge_pu(&config, &now));
+    config.rotor.sensor = CONFIG_ROTOR_HALL;
+    config.current_loop.proportional_d_pu_q16 = 1;
+    TEST_ASSERT_EQUAL_INT32(MONITOR_OPEN_MOST_EDGE_PU, monitor_open_edge_pu(&config, &now));
 }
 
 /* The d-axis reference falls and comes back while the rotor turns, so that a phase keeps near its

@@ -24,7 +24,7 @@ static bool step(dq_t sampled_pu, dq_t reference_pu, uint16_t theta_turn)
     const monitor_case_t in = {.report = {.sample = {.theta_turn = theta_turn},
                                           .i_pu = dq16_of(sampled_pu),
                                           .bridge = BRIDGE_PWM}};
-    return monitor_open_step(&state, measured_of(&in), reference_pu) != REASON_NONE;
+    return monitor_open_step(&state, measured_of(&in), reference_pu, 0) != REASON_NONE;
 }
 
 /* ---- a reference without a current ----
@@ -257,7 +257,8 @@ void test_a_step_without_pwm_forgets_everything(void)
             const monitor_case_t off = {
                 .report = {.sample = {.theta_turn = PHASE[x]}, .bridge = BRIDGE_OFF}};
             const dq_t none = {0, 0};
-            TEST_ASSERT_EQUAL_INT(REASON_NONE, monitor_open_step(&state, measured_of(&off), none));
+            TEST_ASSERT_EQUAL_INT(REASON_NONE,
+                                  monitor_open_step(&state, measured_of(&off), none, 0));
             TEST_ASSERT_EQUAL_MEMORY(fresh.missing, state.missing, sizeof state.missing);
             TEST_ASSERT_EQUAL_MEMORY(fresh.turned, state.turned, sizeof state.turned);
             TEST_ASSERT_EQUAL_MEMORY(fresh.zeros, state.zeros, sizeof state.zeros);
