@@ -134,12 +134,12 @@ def test_safe_states_of_a_saturating_motor_are_contained_by_those_of_the_monitor
         may_open = library.may_open(round(1e3 * shorted.i_d_a), round(1e3 * shorted.i_q_a), bus_mV)
         ended = left(plant, external.OFF, ENDED_S)
     safe = library.choose(speed_mrad_s, bus_mV, round(1e2 * winding_c), 10**7)
-    held = library.shorted_at(speed_mrad_s, round(1e2 * winding_c))
+    predicted = library.shorted_at(speed_mrad_s, round(1e2 * winding_c))
 
-    assert SHORT_CURRENT[0] <= 1e-3 * held.current_mA / shorted.current_a <= SHORT_CURRENT[1]
-    assert SHORT_TORQUE[0] <= -1e-3 * held.torque_mNm / shorted.torque_nm <= SHORT_TORQUE[1]
+    assert SHORT_CURRENT[0] <= 1e-3 * predicted.current_mA / shorted.current_a <= SHORT_CURRENT[1]
+    assert SHORT_TORQUE[0] <= -1e-3 * predicted.torque_mNm / shorted.torque_nm <= SHORT_TORQUE[1]
     # In its first turns |i_s| + |i - i_s| at most.
-    assert shorted.most_a <= 2e-3 * held.current_mA + opened.current_a
+    assert shorted.most_a <= 2e-3 * predicted.current_mA + opened.current_a
     assert 1e-3 * safe.freewheel.current_mA >= OPEN_ABOVE * opened.current_a - 0.1
     assert (safe.freewheel.current_mA == 0) == (opened.current_a < 0.1)
     # The state that is taken: a current within the motor's limit where either state has one.
