@@ -104,11 +104,12 @@ int32_t monitor_open_edge_pu(const config_t *config, const measured_t *now)
     if (config->rotor.sensor != CONFIG_ROTOR_HALL) {
         return 0;
     }
-    const int32_t u_pu = q_scale(q_abs(now->latest_u_q_mV), 32768 / MONITOR_OPEN_EDGE_SHARE,
-                                 q_divisor(config->drive.voltage_full_scale_mV));
-    const int32_t edge_pu =
-        q_scale(u_pu, 65536, q_divisor(config->current_loop.proportional_d_pu_q16));
-    return q_min(edge_pu, MONITOR_OPEN_MOST_EDGE_PU);
+    /* Of the voltage's share, in Q31, over the gain in Q16. */
+    const int64_t u_mV_q31 =
+        q_abs(now->latest_u_q_mV) * ((INT64_C(1) << 31) / MONITOR_OPEN_EDGE_SHARE);
+    const int64_t gain_mV_q16 = (int64_t)q_divisor(config->drive.voltage_full_scale_mV) *
+                                q_divisor(config->current_loop.proportional_d_pu_q16);
+    return q_min(q_saturate64(u_mV_q31 / gain_mV_q16), MONITOR_OPEN_MOST_EDGE_PU);
 }
 
 reason_t monitor_open_step(monitor_open_state_t *state, const measured_t *now, dq_t reference_pu,

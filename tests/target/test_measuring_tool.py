@@ -53,6 +53,7 @@ FOUND: dict[str, Callable[[Path], bool]] = {
     "texts of reasons": lambda image: b"motor torque limit" in image.read_bytes(),
     "times of findings": lambda image: b"torque ramp + monitor." in image.read_bytes(),
     "flux maps": lambda image: b"no maps on this port" not in image.read_bytes(),
+    "uncertainty of the torque estimate": lambda image: has_symbol(image, "torque_uncertainty_"),
 }
 
 

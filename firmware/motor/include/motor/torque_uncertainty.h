@@ -13,7 +13,8 @@
 
 /* Standard uncertainty of motor_model_torque_mNm() at the same point, >= 0: one standard deviation
  * of the torque of motors, sensors and angles that lie anywhere within the limits. Within 4 % and
- * 2 mN m of it; with a flux map from 4 % below to 8 % above. */
+ * 2 mN m of it; with a flux map from 4 % below to 8 % above. INT32_MAX: not available, on a port
+ * that leaves it out. */
 int32_t torque_uncertainty_mNm(const motor_model_t *model, motor_point_t at);
 
 #endif
