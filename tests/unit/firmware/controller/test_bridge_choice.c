@@ -225,14 +225,14 @@ void test_switching_begins_on_the_settled_current_of_a_short_circuit(void)
     TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, step());
 }
 
-/* 7/8 of 75 A are 65.6 A. */
-void test_switching_does_not_begin_on_a_current_near_the_limit(void)
+/* 75 A; (45 A, 60 A) are 75 A. */
+void test_switching_does_not_begin_on_a_current_beyond_the_limit(void)
 {
     in.bridge = BRIDGE_OFF;
-    in.i_d_mA = -40000;
-    in.i_q_mA = -52100; /* 65.7 A */
+    in.i_d_mA = -45000;
+    in.i_q_mA = -60001;
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(100));
-    in.i_q_mA = -51900; /* 65.5 A */
+    in.i_q_mA = -60000;
     TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, step());
     in.i_q_mA = -70000; /* and does not end on one */
     TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, step());
