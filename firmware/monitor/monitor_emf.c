@@ -160,8 +160,9 @@ static int32_t weight_of(const view_t *view)
 }
 
 /* A salient motor at full current has e within U up to any speed, and with |i_d| > psi/(L_q - L_d)
- * its observer sees no half turn: the sign of e_q shows it. Not of halls that still show a speed
- * when the wheel stands or rolls back. */
+ * its observer sees no half turn: the sign of e_q shows it. Not of small currents, beside which the
+ * dead time's compensation may be wrong. Not of halls that still show a speed when the wheel stands
+ * or rolls back. */
 static bool opposite(const view_t *view, const config_t *config, const measured_t *now, bool steady)
 {
     const config_motor_t *motor = &config->motor;
@@ -170,7 +171,9 @@ static bool opposite(const view_t *view, const config_t *config, const measured_
         return false;
     }
     const int64_t least_nV = uncertain_along_nV(view, config, now);
-    return view->emf_nV >= least_nV && -view->along_nV >= least_nV;
+    const int64_t reluctance_nV = (int64_t)(view->x_q_uOhm - view->x_d_uOhm) * view->d_mA;
+    return reluctance_nV >= view->emf_nV / 2 && view->emf_nV >= least_nV &&
+           -view->along_nV >= least_nV;
 }
 
 bool monitor_emf_step(monitor_emf_state_t *state, const config_t *config, const measured_t *now)
