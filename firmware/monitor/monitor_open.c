@@ -14,11 +14,12 @@ typedef struct {
     int32_t pu[PHASES];
 } phases_t;
 
+/* Of components of 16 bits, whose products fit 32. */
 static phases_t phases_of(dq_t x, sincos_t at)
 {
-    const int32_t alpha = (int32_t)(((int64_t)x.d * at.cos - (int64_t)x.q * at.sin) >> 15);
-    const int32_t beta = (int32_t)(((int64_t)x.d * at.sin + (int64_t)x.q * at.cos) >> 15);
-    const int32_t beta_part = (int32_t)(((int64_t)beta * SQRT3_2_Q15) >> 15);
+    const int32_t alpha = (x.d * at.cos - x.q * at.sin) >> 15;
+    const int32_t beta = (x.d * at.sin + x.q * at.cos) >> 15;
+    const int32_t beta_part = (beta * SQRT3_2_Q15) >> 15;
     const phases_t out = {.pu = {alpha, beta_part - alpha / 2, -beta_part - alpha / 2}};
     return out;
 }
@@ -50,14 +51,8 @@ static evidence_t evidence(int32_t current_pu, int32_t wanted_pu, int32_t others
  * the reference goes with it: where less than a quarter is wanted nothing counts. Only where two
  * samples see the same half wave. */
 static bool stays_zero(monitor_open_state_t *state, int x, int32_t current_pu, int32_t wanted_pu,
-                       int32_t others_pu, int32_t least_pu, int32_t step_turn)
+                       int32_t others_pu, int32_t step_turn)
 {
-    if (others_pu <= least_pu) {
-        if (q_abs(current_pu) > least_pu / 2) { /* it carries some between samples that count */
-            state->zeros[x] = 0;
-        }
-        return false;
-    }
     const bool none = q_abs(current_pu) < others_pu / 8 && step_turn < MONITOR_OPEN_FASTEST_TURN;
     if (!none) {
         state->zeros[x] = 0;
@@ -127,23 +122,28 @@ reason_t monitor_open_step(monitor_open_state_t *state, const measured_t *now, d
     }
     const sincos_t at = angle_sincos(now->report->sample.theta_turn);
     const phases_t current = phases_of(dq_of(now->report->i_pu), at);
-    const phases_t wanted = phases_of(reference_pu, at);
+    const dq_t within_pu = {.d = q_saturate16(reference_pu.d), .q = q_saturate16(reference_pu.q)};
+    const phases_t wanted = phases_of(within_pu, at);
     const int32_t longest_pu = largest(&current);
+    const int32_t least_judged_pu = q_max(2 * edge_pu, MONITOR_OPEN_WANTED_PU);
     const int32_t judged_pu =
-        q_max(largest(&wanted) / 2, q_max(2 * edge_pu, MONITOR_OPEN_WANTED_PU));
-    const int32_t least_pu = q_max(5 * edge_pu / 2, MONITOR_OPEN_LEAST_PU);
-    uint8_t most = 0;
+        state->unsettled == 0 ? q_max(largest(&wanted) / 2, least_judged_pu) : INT32_MAX;
+    const int32_t least_pu = q_max(2 * edge_pu + (edge_pu >> 1), MONITOR_OPEN_LEAST_PU);
+    int32_t most = 0;
     bool zero = false;
     for (int x = 0; x < PHASES; x++) {
-        uint8_t *missing = &state->missing[x][wanted.pu[x] > 0 ? 1 : 0];
-        if (q_abs(wanted.pu[x]) >= judged_pu && state->unsettled == 0) {
+        if (q_abs(wanted.pu[x]) >= judged_pu) {
+            uint8_t *missing = &state->missing[x][wanted.pu[x] > 0 ? 1 : 0];
             const evidence_t found = evidence(current.pu[x], wanted.pu[x], longest_pu);
             const int32_t counted = *missing + (found == MISSING ? 1 : 0);
             *missing = (uint8_t)(found == FLOWS ? 0 : q_min(counted, MONITOR_OPEN_STEPS));
         }
-        zero = stays_zero(state, x, current.pu[x], wanted.pu[x], longest_pu, least_pu, step_turn) ||
-               zero;
-        most = (uint8_t)q_max(most, q_max(state->missing[x][0], state->missing[x][1]));
+        if (longest_pu > least_pu) {
+            zero = stays_zero(state, x, current.pu[x], wanted.pu[x], longest_pu, step_turn) || zero;
+        } else if (q_abs(current.pu[x]) > least_pu / 2) { /* some, between samples that count */
+            state->zeros[x] = 0;
+        }
+        most = q_max(most, q_max(state->missing[x][0], state->missing[x][1]));
     }
     state->suspected = most >= MONITOR_OPEN_SUSPECT_STEPS;
     return zero || most >= MONITOR_OPEN_STEPS
