@@ -11,9 +11,9 @@ enum {
 /* Length of the vector, from 3 % less to 7 % more. */
 static int32_t length(dq_t i)
 {
-    const int32_t d = q_abs(q_saturate16(i.d));
-    const int32_t q = q_abs(q_saturate16(i.q));
-    return q_max(d, q) + q_min(d, q) * 3 / 8;
+    const uint32_t d = (uint32_t)q_abs(q_saturate16(i.d));
+    const uint32_t q = (uint32_t)q_abs(q_saturate16(i.q));
+    return (int32_t)(d > q ? d + q * 3U / 8U : q + d * 3U / 8U);
 }
 
 /* At rest: they show what they showed in the step before. */

@@ -125,10 +125,11 @@ reason_t monitor_open_step(monitor_open_state_t *state, const measured_t *now, d
     const dq_t within_pu = {.d = q_saturate16(reference_pu.d), .q = q_saturate16(reference_pu.q)};
     const phases_t wanted = phases_of(within_pu, at);
     const int32_t longest_pu = largest(&current);
-    const int32_t least_judged_pu = q_max(2 * edge_pu, MONITOR_OPEN_WANTED_PU);
-    const int32_t judged_pu =
-        state->unsettled == 0 ? q_max(largest(&wanted) / 2, least_judged_pu) : INT32_MAX;
-    const int32_t least_pu = q_max(2 * edge_pu + (edge_pu >> 1), MONITOR_OPEN_LEAST_PU);
+    const int32_t half_pu = (int32_t)((uint32_t)largest(&wanted) / 2U);
+    const int32_t judged_pu = state->unsettled == 0
+                                  ? q_max(half_pu, q_max(2 * edge_pu, MONITOR_OPEN_WANTED_PU))
+                                  : INT32_MAX;
+    const int32_t least_pu = q_max(3 * edge_pu, MONITOR_OPEN_LEAST_PU);
     int32_t most = 0;
     bool zero = false;
     for (int x = 0; x < PHASES; x++) {

@@ -59,7 +59,7 @@ int32_t monitor_open_edge_pu(const config_t *config, const measured_t *now);
  * the three readings. Of `now` it uses current, sum and angle of the latest period. reference_pu:
  * of the averaging window, field weakening included, in the rotor frame, Q15 of the current base,
  * components within two full scales (65 536). edge_pu: of monitor_open_edge_pu(); a reference below
- * twice and a current below 2.5 times that are not judged. */
+ * twice and a current below three times that are not judged. */
 reason_t monitor_open_step(monitor_open_state_t *state, const measured_t *now, dq_t reference_pu,
                            int32_t edge_pu);
 
