@@ -65,7 +65,8 @@ static view_t view_of(const config_t *config, const measured_t *now)
         now->latest_u_q_mV * NV_PER_MV - (r_uOhm * i_q_mA + (int64_t)x_d_uOhm * i_d_mA);
     const int32_t x_uOhm = q_max(q_abs(x_d_uOhm), q_abs(x_q_uOhm));
     const int32_t i_mA = q_abs(i_d_mA) + q_abs(i_q_mA);
-    const int64_t uncertain_nV = (r_uOhm / 2 + x_uOhm / 4) * i_mA + dead_time_nV(config, now);
+    const int64_t half_uOhm = (uint32_t)motor->phase_resistance_uOhm / 2U + (uint32_t)x_uOhm / 4U;
+    const int64_t uncertain_nV = half_uOhm * i_mA + dead_time_nV(config, now);
     const view_t out = {
         .across_nV = e_d_nV,
         .along_nV = emf_nV >= 0 ? e_q_nV : -e_q_nV,

@@ -14,12 +14,11 @@ typedef struct {
     int32_t pu[PHASES];
 } phases_t;
 
-/* Of components of 16 bits, whose products fit 32. */
 static phases_t phases_of(dq_t x, sincos_t at)
 {
-    const int32_t alpha = (x.d * at.cos - x.q * at.sin) >> 15;
-    const int32_t beta = (x.d * at.sin + x.q * at.cos) >> 15;
-    const int32_t beta_part = (beta * SQRT3_2_Q15) >> 15;
+    const int32_t alpha = (int32_t)(((int64_t)x.d * at.cos - (int64_t)x.q * at.sin) >> 15);
+    const int32_t beta = (int32_t)(((int64_t)x.d * at.sin + (int64_t)x.q * at.cos) >> 15);
+    const int32_t beta_part = (int32_t)(((int64_t)beta * SQRT3_2_Q15) >> 15);
     const phases_t out = {.pu = {alpha, beta_part - alpha / 2, -beta_part - alpha / 2}};
     return out;
 }
@@ -122,8 +121,7 @@ reason_t monitor_open_step(monitor_open_state_t *state, const measured_t *now, d
     }
     const sincos_t at = angle_sincos(now->report->sample.theta_turn);
     const phases_t current = phases_of(dq_of(now->report->i_pu), at);
-    const dq_t within_pu = {.d = q_saturate16(reference_pu.d), .q = q_saturate16(reference_pu.q)};
-    const phases_t wanted = phases_of(within_pu, at);
+    const phases_t wanted = phases_of(reference_pu, at);
     const int32_t longest_pu = largest(&current);
     const int32_t half_pu = (int32_t)((uint32_t)largest(&wanted) / 2U);
     const int32_t judged_pu = state->unsettled == 0
