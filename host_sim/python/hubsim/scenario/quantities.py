@@ -76,6 +76,12 @@ def _emf_limit_kmh(drive: Drive) -> float:
     return _top_m_per_s(drive) * 3.6 * most_v / (derived.line_emf_v(drive) / math.sqrt(3.0))
 
 
+def _diodes_kmh(drive: Drive) -> float:
+    """Return the speed in km/h from which the back-EMF charges the pack through the diodes."""
+    reached_v = _pack_v(drive) + 2.0 * drive.inverter.diode_forward_voltage_v
+    return _top_m_per_s(drive) * 3.6 * reached_v / derived.line_emf_v(drive)
+
+
 FIGURES: Mapping[str, Figure] = {
     "drive.top_speed_kmh": Figure(
         lambda d: 3.6 * _top_m_per_s(d), "vehicle speed at motor.max_speed_rpm"
@@ -93,6 +99,9 @@ FIGURES: Mapping[str, Figure] = {
     ),
     "drive.emf_limit_kmh": Figure(
         _emf_limit_kmh, "vehicle speed at which the back-EMF takes all of the bridge's voltage"
+    ),
+    "drive.diodes_kmh": Figure(
+        _diodes_kmh, "vehicle speed from which the back-EMF charges the pack through the diodes"
     ),
     "drive.motor_brakes_nm": Figure(
         _motor_brakes_nm,
