@@ -31,7 +31,7 @@ static bool step(const monitor_case_t *in)
     return monitor_current_step(&state, &config, measured_of(in), in->last.reference_pu);
 }
 
-static int time_to_missing_at(int32_t d_pu, int32_t q_pu, int32_t shown_pu, uint16_t step_turn)
+static int time_to_missing(int32_t d_pu, int32_t q_pu, int32_t shown_pu)
 {
     const monitor_current_state_t fresh = {.missing_pu = 0};
     monitor_case_t in = DEMANDED;
@@ -41,18 +41,11 @@ static int time_to_missing_at(int32_t d_pu, int32_t q_pu, int32_t shown_pu, uint
     in.now.sampled_pu.d = 0;
     in.now.sampled_pu.q = shown_pu;
     for (int n = 1; n <= 1000; n++) {
-        in.report.sample.theta_turn = (uint16_t)(n * step_turn);
         if (step(&in)) {
             return n;
         }
     }
     return -1;
-}
-
-/* Of a rotor that turns by 2 degrees a millisecond, 5 Hz. */
-static int time_to_missing(int32_t d_pu, int32_t q_pu, int32_t shown_pu)
-{
-    return time_to_missing_at(d_pu, q_pu, shown_pu, 364);
 }
 
 /* 1440 LSB ms: the current that flows unseen is the same at every reference. */
@@ -94,30 +87,6 @@ void test_no_current_is_missing_without_pwm_and_at_the_voltage_limit_none_is_cou
     in.report.bridge = BRIDGE_OFF;
     for (int n = 0; n < 1000; n++) {
         TEST_ASSERT_FALSE(step(&in));
-    }
-}
-
-/* A constant current is one whose loop has nothing left to do: 236 beside none are 236 a step, from
- * the second on, in which it is known that it stays. */
-void test_readings_that_an_error_does_not_move_at_rest_are_missing_currents(void)
-{
-    TEST_ASSERT_EQUAL_INT(8, time_to_missing_at(0, 0, 236, 0)); /* 6.1 steps, the first is new */
-    TEST_ASSERT_EQUAL_INT(4, time_to_missing_at(0, 2000, 40, 0));
-    TEST_ASSERT_EQUAL_INT(-1, time_to_missing_at(0, 2000, 1960, 0));
-    TEST_ASSERT_EQUAL_INT(-1, time_to_missing_at(0, 0, 236, 1)); /* of a rotor that turns */
-}
-
-/* 25, a code and a half, a millisecond: the current follows. */
-void test_readings_that_follow_an_error_at_rest_are_no_missing_currents(void)
-{
-    monitor_case_t in = DEMANDED;
-    for (int n = 0; n < 200; n++) {
-        in.now.sampled_pu.q = 100 + 25 * n;
-        TEST_ASSERT_FALSE(step(&in));
-    }
-    for (int n = 0; n < 200; n++) { /* and a code is noise */
-        in.now.sampled_pu.q = 5100 + 24 * (n % 2);
-        TEST_ASSERT_EQUAL(n >= 3, step(&in));
     }
 }
 
