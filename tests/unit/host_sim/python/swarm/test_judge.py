@@ -121,7 +121,7 @@ def test_excess_of_both_brakes(beyond: float, wrong: bool) -> None:
 def test_cogging_is_no_excess(cogging: float, wrong: bool) -> None:
     lost = motion.coasting_nm(DRIVE, np.array([SPEED / DRIVE.vehicle.wheel_radius_m]))[0]
     recording = braked(0.0, DEMAND + 8.0 + lost)
-    cogs = recording.parameters | {"motor.cogging_torque_nm": cogging}
+    cogs = {**recording.parameters, "motor.cogging_torque_nm": cogging}
     assert ("excess_braking" in violated(replace(recording, parameters=cogs))) is wrong
 
 
