@@ -100,10 +100,10 @@ static uint32_t counter_of(reason_t reason)
 static void count_warning(recorder_t *recorder, reason_t reason)
 {
     const uint32_t index = counter_of(reason);
-    uint32_t *warned = &recorder->warned[index / 32U];
+    const uint32_t word = index / 32U;
     const uint32_t bit = UINT32_C(1) << index % 32U;
-    if ((*warned & bit) == 0) {
-        *warned |= bit;
+    if ((recorder->warned[word] & bit) == 0) {
+        recorder->warned[word] |= bit;
         count(recorder->memory, index);
     }
 }
