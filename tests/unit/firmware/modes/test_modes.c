@@ -85,6 +85,26 @@ void test_implausible_offsets_are_a_fault(void)
     TEST_ASSERT_EQUAL_INT(REASON_OFFSET_IMPLAUSIBLE, out.fault);
 }
 
+/* Those of the last calibration, until the fast loop has begun this one; and while the EMF drives a
+ * current there is none. In another mode they are measured beside the others and may wait. */
+void test_implausible_offsets_of_another_calibration_are_no_fault(void)
+{
+    start_in(MODE_OFFSET_CAL);
+    in.offsets_plausible = false;
+    in.offsets_done = true;
+    assert_mode(MODE_OFFSET_CAL, run(MODES_CALIBRATION_SETTLE_STEPS - 1));
+    assert_mode(MODE_FAULT, step());
+    start_in(MODE_OFFSET_CAL);
+    in.offsets_plausible = false;
+    in.offsets_done = true;
+    in.emf_conducts = true;
+    assert_mode(MODE_OFFSET_CAL, run(10 * MODES_CALIBRATION_SETTLE_STEPS));
+    start_in(MODE_READY);
+    in.offsets_plausible = false;
+    in.offsets_done = true;
+    TEST_ASSERT_NOT_EQUAL_INT(MODE_FAULT, run(10 * MODES_CALIBRATION_SETTLE_STEPS).mode);
+}
+
 void test_offset_calibration_times_out_after_half_a_second(void)
 {
     start_in(MODE_OFFSET_CAL);
