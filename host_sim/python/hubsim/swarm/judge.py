@@ -44,6 +44,7 @@ BMS_ROWS = 150  # the longest period of the battery's message, and half of it
 LIMP_NAME = "LIMP"
 START = ("BOOT", "SELFTEST", "OFFSET_CAL", "READY")  # modes on the way to RUN
 NOT_STARTED = "not started"
+FORWARD, REVERSE = 1.0, 2.0  # drive_direction_t
 SETTLED_LAGS = 4.6  # time constants to a hundredth
 LINKS = "links"  # the group of faults of the messages to the wheels
 SLACK_S = 0.03  # steps of the controllers and of the bus
@@ -144,11 +145,15 @@ def braking_nm(recording: Recording, wheel: int) -> Rows:
 
 
 def demanded_nm(recording: Recording) -> Rows:
-    """Return the braking demand at each wheel: brake pedal and lift-off braking."""
-    forward = recording.speed > 0.0
-    lifts = np.where(forward, np.minimum(recording.signals["driver.drive_nm"], 0.0), 0.0)
-    reverse = recording.wheel(0, "direction") == 2.0
-    out: Rows = recording.signals["driver.brake_nm"] - np.where(reverse, 0.0, lifts)
+    """Return the braking demand at each wheel: brake pedal and lift-off braking.
+
+    Lift-off braking is a drive demand against the engaged direction; it brakes a wheel that rolls
+    back as well.
+    """
+    engaged = recording.wheel(0, "direction")
+    along = np.where(engaged == FORWARD, 1.0, np.where(engaged == REVERSE, -1.0, 0.0))
+    lifts = np.maximum(-along * recording.signals["driver.drive_nm"], 0.0)
+    out: Rows = recording.signals["driver.brake_nm"] + lifts
     return out
 
 

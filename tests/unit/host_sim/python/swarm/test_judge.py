@@ -35,6 +35,7 @@ def quiet(faults: tuple[str, ...] = (), **parameters: float) -> Recording:
     signals["bus.voltage_v"] += 53.0
     signals["bms.charge_a"] += 50.0
     signals["wheel0.mode"] += RUN
+    signals["wheel0.direction"] += 1.0  # forward
     for part in ("winding", "switch"):
         signals[f"wheel0.{part}_temperature_c"] += 25.0
     off = ("driver.demand_period_s", "driver.demand_jitter_s", "driver.fault_reset_every_s",
@@ -144,6 +145,15 @@ def test_braking_that_nobody_asked_for() -> None:
     }
     starts = {"wheel0.motor_torque_nm": np.full(ROWS, 6.0)}
     assert "braking_without_demand" not in violated(with_signals(quiet(), backwards | starts))
+
+
+def test_lift_off_braking_of_a_wheel_that_rolls_back_is_a_demand() -> None:
+    rolls = {"vehicle.speed_m_per_s": np.full(ROWS, -SPEED)}
+    back = with_signals(quiet(), rolls | {"wheel0.motor_torque_nm": steps((3000, 6.0))})
+    lifts = {"driver.drive_nm": np.full(ROWS, -6.0)}
+    assert "braking_without_demand" not in violated(with_signals(back, lifts))
+    reverse = {"wheel0.direction": np.full(ROWS, 2.0)}
+    assert "braking_without_demand" in violated(with_signals(back, lifts | reverse))
 
 
 def test_the_least_of_an_open_bridge_and_a_short_circuit_may_brake() -> None:
