@@ -285,7 +285,7 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
     limit_tighten(&electric, bound_mNm, available.reason);
     /* Hydraulic torque that covers a motor shortfall does not reduce the motor command. */
     const int32_t covered_mNm =
-        q_max(made.torque_mNm - share.shortfall_mNm - last->hydraulic_added_mNm, 0);
+        q_max(made.torque_mNm - share.shortfall_mNm - last->hydraulic_apart_mNm, 0);
     const int32_t left_mNm =
         uncovered_mNm(config, demand, covered_mNm, last->torque_command_mNm, speed_mrad_s);
     /* The hydraulic brake makes what a limit leaves it; without one it has not left yet. */

@@ -71,6 +71,16 @@ static int32_t hydraulic_command_mNm(const config_t *config, const brake_blendin
     return q_min(q_max(braking_mNm, hold_mNm), config->brake.max_hydraulic_torque_mNm);
 }
 
+/* Before standstill the hold brakes the wheel as its driver asks. One that stands is held beside
+ * the demand: should it roll, the motor does not count on the brake that has failed. */
+static int32_t hydraulic_apart_mNm(const torque_state_t *state, const brake_blending_out_t *split,
+                                   const lift_off_t *lift_off, int32_t added_mNm,
+                                   int32_t own_path_mNm)
+{
+    const int32_t apart_mNm = q_max(own_path_mNm - split->hydraulic_mNm, lift_off->hydraulic_mNm);
+    return state->hold.holds ? added_mNm : q_min(q_max(apart_mNm, 0), added_mNm);
+}
+
 /* True where speed and torques show the road: no wheel slips, no sensor is wrong. */
 static bool road_is_seen(const torque_limits_t *table, const measured_t *now,
                          const torque_enable_t *enable)
@@ -338,6 +348,7 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
     const int32_t hydraulic_mNm = hydraulic_command_mNm(config, &split, &lift_off, hold_mNm);
     /* On its own path the brake makes what was asked for, and has to let go of it afterwards. */
     const int32_t own_path_mNm = hydraulic_valid ? 0 : state->demand.received_brake_torque_mNm;
+    const int32_t added_mNm = q_max(q_max(hydraulic_mNm, own_path_mNm) - split.hydraulic_mNm, 0);
     available_ahead_step(&state->ahead, &state->motor, config, &state->table, now, voltage_mV,
                          state->demand.brake_torque_mNm);
 
@@ -349,7 +360,9 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
         .estimate_mNm = motor.achieved_mNm,
         .uncertainty_mNm = uncertain_mNm,
         .hydraulic_mNm = hydraulic_mNm,
-        .hydraulic_added_mNm = q_max(q_max(hydraulic_mNm, own_path_mNm) - split.hydraulic_mNm, 0),
+        .hydraulic_added_mNm = added_mNm,
+        .hydraulic_apart_mNm =
+            hydraulic_apart_mNm(state, &split, &lift_off, added_mNm, own_path_mNm),
         .phase_voltage_mV = voltage_mV,
         .kept_mNm = kept_mNm(state, config, &demand),
         .hydraulic_reason = holds                  ? REASON_HILL_HOLD

@@ -85,9 +85,10 @@
 
 /* A low-pass of values below 2^23, and a magnitude. */
 #define road_holds(s)                                                                              \
-    (is_within((s)->known_lp_mNm.accumulator, -(1 << 29), 1 << 29) &&                              \
-     is_within((s)->torque_mNm, 1 - (1 << 23), (1 << 23) - 1) && (s)->speed_lp_q8_mrad_s >= 0 &&   \
-     (s)->inertia_g_m2 >= 0)
+    (is_within((s)->torque_mNm, 1 - (1 << 23), (1 << 23) - 1) && (s)->shown_mrad_s >= 0 &&         \
+     (s)->inertia_g_m2 >= 0 && is_within((s)->since_ms, 0, 1023) &&                                \
+     is_within((s)->known_mNm_ms, -INT64_C(8388607) * (s)->since_ms,                               \
+               INT64_C(8388607) * (s)->since_ms))
 
 /* Of currents up to 2 kA. */
 #define charge_trim_holds(s)                                                                       \
@@ -260,7 +261,8 @@ enum { MOST_ROW_POINTS = 65 };
             (unsigned)(s)->modes.mode <= MODE_FAULT &&slow_rise_holds(&(s)->modes.braking) &&      \
             ((s)->modes.mode != MODE_FAULT || (s)->modes.fault != REASON_NONE) &&                  \
             is_within((s)->last.torque_command_mNm, -400000000, 400000000) &&                      \
-            (s)->last.hydraulic_added_mNm >= 0 && vector_holds((s)->last.reference_pu) &&          \
+            (s)->last.hydraulic_added_mNm >= 0 && (s)->last.hydraulic_apart_mNm >= 0 &&            \
+            vector_holds((s)->last.reference_pu) &&                                                \
             is_within((s)->last.current_missing_q15, 0, MONITOR_GAIN_MOST_MISSING_Q15) &&          \
             is_within((s)->last.temperature.winding_cC, -34700, 34700);                            \
     })

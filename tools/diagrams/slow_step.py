@@ -27,6 +27,7 @@ DELAYS = (
     ("torque_command_mNm", {"monitor": "torque check", "torque": "rate, handover"}),
     ("torque_estimate_mNm", {"monitor": "torque check"}),
     ("hydraulic_added_mNm", {"torque": "handover"}),
+    ("hydraulic_apart_mNm", {"torque": "handover"}),
     ("reference_pu", {"monitor": "does it flow?", "bridge choice": "least current"}),
     ("temperature", {"measure": "correction"}),
     ("safe_bridge", {"monitor": "safe state"}),

@@ -39,7 +39,8 @@ POST(brake_blending_report, result == REASON_NONE || result == REASON_HYDRAULIC_
 
 PRE(brake_blending_step, is_within(state->hydraulic.next, 0, HYDRAULIC_MODEL_COMMANDS - 1) &&
      is_within(state->feedback.between_ms, 1, HYDRAULIC_FEEDBACK_PAST_ms))
-PRE(brake_blending_step, table_holds(limits) && last->hydraulic_added_mNm >= 0)
+PRE(brake_blending_step, table_holds(limits) && last->hydraulic_added_mNm >= 0 &&
+     last->hydraulic_apart_mNm >= 0)
 PRE(brake_blending_step, is_within(motor->missing_q15, 0, 16384))
 POST(brake_blending_step, is_within(state->hydraulic.next, 0, HYDRAULIC_MODEL_COMMANDS - 1) &&
      is_within(state->feedback.between_ms, 1, HYDRAULIC_FEEDBACK_PAST_ms))
@@ -260,13 +261,13 @@ POST(torque_start_hold, state->demand.engaged == kept.direction && state->hold.t
 PRE(torque_step, battery_relations_hold(config) && derating_relations_hold(config) &&
      torque_state_holds(state, config) && findings_hold(findings))
 PRE(torque_step, is_within(last->torque_command_mNm, -400000000, 400000000) &&
-     last->hydraulic_added_mNm >= 0)
+     last->hydraulic_added_mNm >= 0 && last->hydraulic_apart_mNm >= 0)
 PRE(torque_step, is_within(watch->current_missing_q15, 0, 16384))
 PRE(torque_step, now->winding_lasting_mA >= 0 && now->switch_lasting_mA >= 0 &&
      is_within(now->winding_hotter_cC, -69400, 69400))
 POST(torque_step, torque_state_holds(state, config) && findings_hold(findings))
 POST(torque_step, is_within(result.command_mNm, -400000000, 400000000) && result.hydraulic_added_mNm
-     >= 0)
+     >= 0 && is_within(result.hydraulic_apart_mNm, 0, result.hydraulic_added_mNm))
 POST(torque_step, torque_enable_any(*enable) || result.command_mNm == 0)
 POST(torque_step, in->demand.brake_torque_mNm <= 0 || now->speed_mrad_s == 0 || (now->speed_mrad_s >
      0 ? result.command_mNm <= 0 : result.command_mNm >= 0))

@@ -21,6 +21,7 @@ typedef struct {
     int32_t torque_estimate_mNm; /* signed, from measured currents */
     int32_t hydraulic_added_mNm; /* to the hydraulic command of brake blending, >= 0: hill hold,
                                     lift-off, the brake system's own path */
+    int32_t hydraulic_apart_mNm; /* of it, what is none of the braking demand */
     dq_t reference_pu;           /* of the latest setpoint, without field weakening, Q15 */
     wheel_temperatures_t temperature; /* in use: shown by the sensors, or estimates */
     bridge_mode_t safe_bridge;        /* freewheel or a short circuit */

@@ -4,8 +4,10 @@
  *
  *     road = motor torque - hydraulic torque - inertia * acceleration
  *
- * along the rotation, all filtered alike (64 ms), with the wheel's share of the configured mass. A
- * wrong mass or brake looks like a slope, so this is an estimate, for hill_hold.h, and no finding.
+ * along the rotation, with the wheel's share of the configured mass: means from one change of the
+ * shown speed to the next, as a slow wheel's hall sensors show it in steps, and a low-pass of 64
+ * ms. A wrong mass or brake looks like a slope, so this is an estimate, for hill_hold.h, and no
+ * finding.
  */
 #ifndef TORQUE_ROAD_H
 #define TORQUE_ROAD_H
@@ -14,13 +16,13 @@
 #include <stdint.h>
 
 #include "config/config.h"
-#include "core/filter.h"
 
 typedef struct {
     int32_t inertia_g_m2; /* of the wheel's share of the vehicle */
     int32_t torque_mNm;   /* along the rotation; of this step, or when the wheel last rolled */
-    int32_t speed_lp_q8_mrad_s;
-    filter_t known_lp_mNm; /* motor less hydraulic torque */
+    int32_t shown_mrad_s; /* magnitude of the speed at its last change */
+    int32_t since_ms;     /* that change */
+    int64_t known_mNm_ms; /* sum since then: motor less hydraulic torque */
     bool rolls, backwards;
 } road_state_t;
 

@@ -39,6 +39,8 @@ typedef struct {
     int32_t uncertainty_mNm;     /* of it, one standard deviation; INT32_MAX: unknown */
     int32_t hydraulic_mNm;       /* magnitude >= 0 */
     int32_t hydraulic_added_mNm; /* of it, beyond what brake blending commands */
+    int32_t hydraulic_apart_mNm; /* of that, none of the braking demand: lift-off, the hold of a
+                                    wheel that stands, the brake system's own path */
     int32_t phase_voltage_mV;    /* peak phase: that PWM has or would have, less a reserve */
     int32_t kept_mNm;            /* of a lost demand, by a vehicle without another brake: braking
                                     torque of both brakes, magnitude; else 0 */

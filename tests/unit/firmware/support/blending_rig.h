@@ -26,6 +26,7 @@ typedef struct {
     int32_t short_mNm;
     bool bridge_open;
     int32_t hydraulic_added_mNm; /* to the command of the last step */
+    int32_t hydraulic_apart_mNm; /* of it, none of the demand */
     torque_enable_t torque_enable;
     hydraulic_feedback_t hydraulic;
 } blending_case_t;
@@ -98,7 +99,8 @@ static inline brake_blending_out_t step(void)
     write_limits();
     const measured_t now = {.speed_mrad_s = in.speed_mrad_s};
     const last_t last = {.torque_command_mNm = in.motor_command_mNm,
-                         .hydraulic_added_mNm = in.hydraulic_added_mNm};
+                         .hydraulic_added_mNm = in.hydraulic_added_mNm,
+                         .hydraulic_apart_mNm = in.hydraulic_apart_mNm};
     const demand_t demand = {.brake_torque_mNm = in.brake_torque_mNm,
                              .handed_over = in.handed_over};
     const motor_now_t motor = {.achieved_mNm = in.motor_achieved_mNm,

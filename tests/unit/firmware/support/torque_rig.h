@@ -174,6 +174,7 @@ static inline torque_output_t torque_case_step(void)
         torque_step(&state, &config, &now, &last, &sent, &watch, &in.torque_enable, &findings);
     last.torque_command_mNm = out.command_mNm;
     last.hydraulic_added_mNm = out.hydraulic_added_mNm;
+    last.hydraulic_apart_mNm = out.hydraulic_apart_mNm;
     return out;
 }
 

@@ -206,10 +206,10 @@ void test_what_the_motor_makes_beyond_the_strategy_fades_to_zero_at_standstill(v
 
 /* ---- beside the hydraulic torque ---- */
 
-void test_hydraulic_torque_that_is_added_is_none_of_the_demand(void)
+void test_hydraulic_torque_apart_is_none_of_the_demand(void)
 {
     slow_brake(10000);
-    in.hydraulic_added_mNm = 4000;
+    in.hydraulic_added_mNm = in.hydraulic_apart_mNm = 4000;
     state.covered_mNm = 1000;
     brake_blending_out_t out = step();
     TEST_ASSERT_EQUAL_INT32(DEMAND_mNm - 6000, out.uncovered_mNm);
@@ -217,11 +217,13 @@ void test_hydraulic_torque_that_is_added_is_none_of_the_demand(void)
     TEST_ASSERT_EQUAL_INT32(6000, state.covered_mNm);
     TEST_ASSERT_EQUAL_INT32(out.hydraulic_mNm + 4000,
                             state.hydraulic.commands_mNm[state.hydraulic.next]);
-    in.hydraulic_added_mNm = 12000; /* it has not come yet */
+    in.hydraulic_added_mNm = in.hydraulic_apart_mNm = 12000; /* it has not come yet */
     out = step();
     TEST_ASSERT_EQUAL_INT32(DEMAND_mNm, out.uncovered_mNm);
     TEST_ASSERT_EQUAL_INT32(0, out.rise_mNm);
     TEST_ASSERT_EQUAL_INT32(0, state.covered_mNm);
+    in.hydraulic_apart_mNm = 0; /* a hold before standstill */
+    TEST_ASSERT_EQUAL_INT32(DEMAND_mNm - 10000, step().uncovered_mNm);
     in.brake_torque_mNm = 1000; /* less than the brake makes */
     in.hydraulic_added_mNm = 0;
     TEST_ASSERT_EQUAL_INT32(0, step().uncovered_mNm);

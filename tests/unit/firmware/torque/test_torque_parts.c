@@ -260,6 +260,28 @@ void test_the_hold_counts_for_braking_and_lift_off_at_standstill(void)
     TEST_ASSERT_EQUAL_INT32(HOLD, step().hydraulic_mNm);
 }
 
+/* Uphill, a stop by less than the slope pulls with. What the hold makes more than the brake is
+ * asked for is the driver's demand, until the wheel stands. */
+void test_a_hold_before_standstill_is_part_of_the_demand(void)
+{
+    config.driver.hold_torque_mNm = HOLD;
+    in.brake_torque_mNm = 10000;
+    in.speed_mrad_s = 6000;
+    bool begun = false;
+    while (in.speed_mrad_s > 12) {
+        in.speed_mrad_s -= 12;
+        const torque_output_t out = step();
+        begun = begun || out.hydraulic_reason == REASON_HILL_HOLD;
+        TEST_ASSERT_EQUAL_INT32(0, out.hydraulic_apart_mNm);
+        TEST_ASSERT_TRUE(!begun || out.hydraulic_added_mNm > 0);
+    }
+    TEST_ASSERT_TRUE(begun);
+    stand_still();
+    const torque_output_t out = step();
+    TEST_ASSERT_EQUAL_INT32(HOLD, out.hydraulic_mNm);
+    TEST_ASSERT_EQUAL_INT32(out.hydraulic_added_mNm, out.hydraulic_apart_mNm);
+}
+
 /* While the controller starts, no edge of a hall sensor shows yet that the wheel turns. */
 void test_no_hold_begins_before_a_turning_wheel_has_shown_its_speed(void)
 {
