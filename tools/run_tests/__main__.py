@@ -19,8 +19,8 @@ def run_chosen(
     suite: Suite, presets: Sequence[str], tests: list[Test], options: argparse.Namespace
 ) -> Run:
     """Run the tests and print the output of ctest, then the closing lines of each preset."""
-    full = options.full
-    long = [] if full else [test for test in tests if ctest.FULL_LABEL in test.labels]
+    changed = choose.changed_since(suite.root, "HEAD")
+    long = [] if options.full else [test for test in tests if test.is_left_out(changed)]
     tests = [test for test in tests if test not in long]
     begin = time.monotonic()
     results = suite.run(tests) if tests else {}

@@ -78,8 +78,13 @@ class BuildGraph:
 
 
 def changed_since(root: Path, revision: str) -> set[Path]:
-    """Return the files that differ from a revision of the repository, new ones included."""
+    """Return the files that differ from a revision of the repository, new ones included.
+
+    Of sources without their repository nothing is known to have changed.
+    """
     names: set[str] = set()
+    if revision == "HEAD" and not (root / ".git").exists():
+        return set()
     for command in (
         ("diff", "--name-only", "-z", revision, "--"),
         ("ls-files", "--others", "--exclude-standard", "-z"),

@@ -8,12 +8,15 @@ import re
 import signal
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 FULL_LABEL = "full"
+# In a test's environment: the sources, separated by commas, whose change makes a test labelled full
+# part of every run.
+_PROVES = "HUBFOC_PROVES="
 # Of a test whose time is not known, where it has to fit into a limit; in the order of a whole run
 # it comes first, so that it cannot be the one that the others wait for.
 DEFAULT_COST_S = 1.0
@@ -60,6 +63,14 @@ class Test:
         return {
             _normal(here / word.partition("::")[0]) for word in self.words() if 0 < len(word) < 1000
         }
+
+    def is_left_out(self, changed: Set[Path]) -> bool:
+        """Return True if only a full run has it: not where a source that it proves has changed."""
+        given = self.properties.get("ENVIRONMENT", [])
+        proved = [word.removeprefix(_PROVES) for word in given if word.startswith(_PROVES)]
+        return FULL_LABEL in self.labels and not any(
+            Path(name) in changed for names in proved for name in names.split(",")
+        )
 
 
 @dataclass(frozen=True)

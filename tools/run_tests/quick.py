@@ -91,8 +91,7 @@ def tests_of_changes(
         bring_up_to_date(preset)
         times[preset] = {"configure_s": time.monotonic() - begin}
         graph = found.graphs[preset] = BuildGraph(ROOT / "build" / preset)
-        tests = [test for test in ctest.listed(ROOT, preset)
-                 if ctest.FULL_LABEL not in test.labels]  # fmt: skip
+        tests = [test for test in ctest.listed(ROOT, preset) if not test.is_left_out(changed)]
         mine = choose.of_changes(tests, changed, graph, suite.opened)
         for path in changed:
             if choose.of_changes(tests, {path}, graph, suite.opened):

@@ -19,7 +19,7 @@ class Suite:
     """The folder of the combined run: its list of tests, the times of earlier runs, the records."""
 
     def __init__(self, root: Path) -> None:
-        self._root = root
+        self.root = root
         self.folder = root / "build" / "test"
         self.opened = self.folder / "opened"
         self._measured = self.folder / "costs.json"
@@ -38,7 +38,7 @@ class Suite:
         """Run tests, keep their times, and return their results by full name."""
         for test in tests:
             (self.opened / test.full_name).unlink(missing_ok=True)
-        text = ctest.suite_text(tests, self.costs, self.opened, self._root)
+        text = ctest.suite_text(tests, self.costs, self.opened, self.root)
         (self.folder / "CTestTestfile.cmake").write_text(text, encoding="utf-8")
         self._log.unlink(missing_ok=True)
         _, results = ctest.run(self.folder, jobs(), limit_s)
@@ -57,7 +57,7 @@ class Suite:
 
         In whole seconds, and without small changes, so that the file seldom changes.
         """
-        names = {test.full_name for name in PRESETS for test in ctest.listed(self._root, name)}
+        names = {test.full_name for name in PRESETS for test in ctest.listed(self.root, name)}
         before = json.loads(COSTS.read_text(encoding="utf-8")) if COSTS.is_file() else {}
         kept = {name: steady_s(before.get(name), cost_s)
                 for name, cost_s in sorted(self.costs.items()) if name in names}  # fmt: skip

@@ -34,7 +34,8 @@ set_tests_properties(second PROPERTIES ENVIRONMENT "ANSWER=a b")
 add_test(NAME reader COMMAND "$ENV{SMALL_PYTHON}" "${CMAKE_CURRENT_SOURCE_DIR}/reader.py")
 set_tests_properties(reader PROPERTIES LABELS python)
 add_test(NAME whole_cycle COMMAND "${CMAKE_COMMAND}" -E true)
-set_tests_properties(whole_cycle PROPERTIES LABELS full)
+set_tests_properties(whole_cycle PROPERTIES LABELS full
+  ENVIRONMENT "HUBFOC_PROVES=${PROJECT_SOURCE_DIR}/none.c,${PROJECT_SOURCE_DIR}/data/unread.csv")
 """
 PRESETS = """
 {"version": 6,
@@ -50,6 +51,7 @@ FILES = {
     "include/limit.h": "#define LIMIT 3\n",
     "data/table.csv": "1,2\n",
     "data/unread.csv": "1,2\n",
+    "include/unread.h": "",
     "tests/unit/CMakeLists.txt": TESTS,
     "tests/unit/first.c": (
         '#include <stdio.h>\n#include "limit.h"\n'
@@ -147,6 +149,18 @@ def test_tests_run_longest_first_by_the_times_of_the_previous_run(
     assert "100% tests passed, 0 tests failed out of 4" in full
 
 
+def test_a_full_test_runs_where_a_source_that_it_proves_has_changed(project: Project) -> None:
+    (project.root / "data/table.csv").write_text("3,4\n", encoding="utf-8")
+    assert "host:whole_cycle" not in started(project.run("--presets", "host"))
+    (project.root / "data/unread.csv").write_text("3,4\n", encoding="utf-8")
+    output = project.run("--presets", "host")
+    assert "host:whole_cycle" in started(output)
+    assert "were left out" not in output
+    assert "host:whole_cycle" in started(project.run("--quick"))
+    shutil.rmtree(project.root / ".git")  # nothing is known to have changed
+    assert "host:whole_cycle" not in started(project.run("--presets", "host"))
+
+
 def test_programs_not_built_yet_are_targets(project: Project) -> None:
     project.run("--presets", "host")
     built = project.root / "build/host/tests/unit"
@@ -190,7 +204,7 @@ def test_the_tests_of_a_folder_are_those_of_its_cmake_lists(project: Project) ->
         ("tests/unit/second.c", ["host:second"]),
         ("data/table.csv", ["host:reader"]),
         ("tests/unit/helper.py", ["host:reader"]),
-        ("data/unread.csv", []),
+        ("include/unread.h", []),
     ],
 )
 def test_quick_builds_and_runs_the_tests_that_read_a_changed_file(
