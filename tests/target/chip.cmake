@@ -22,6 +22,11 @@ add_test(NAME chip_sends_in_time_on_a_busy_bus
   COMMAND "${PROJECT_SOURCE_DIR}/build/host/tests/target/chip/chip_load"
     "$<TARGET_FILE:hubfoc_stm32f405>")
 set_tests_properties(chip_sends_in_time_on_a_busy_bus PROPERTIES LABELS target TIMEOUT 600)
+add_test(NAME chip_sends_in_time_on_a_busy_bus_for_long
+  COMMAND "${PROJECT_SOURCE_DIR}/build/host/tests/target/chip/chip_load"
+    "$<TARGET_FILE:hubfoc_stm32f405>")
+set_tests_properties(chip_sends_in_time_on_a_busy_bus_for_long PROPERTIES LABELS "target;full"
+  TIMEOUT 900 ENVIRONMENT HUBFOC_FOR_LONG=1)
 
 # Frames with 29-bit identifiers (chip/vesc.c).
 add_test(NAME chip_sends_vesc_status_and_receives_no_frame_of_29_bits

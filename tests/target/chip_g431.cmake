@@ -21,6 +21,10 @@ function(chip_g431_tests elf)
   chip_g431_test(chip_g431_shows_a_crash_after_its_restart chip_crash_g431 "${elf}" "target;full")
   chip_g431_test(chip_g431_answers_faults chip_faults_g431 "${elf}" "target;full")
   chip_g431_test(chip_g431_sends_in_time_on_a_busy_bus chip_load_g431 "${elf}" target)
+  chip_g431_test(chip_g431_sends_in_time_on_a_busy_bus_for_long chip_load_g431 "${elf}"
+    "target;full")
+  set_tests_properties(chip_g431_sends_in_time_on_a_busy_bus_for_long PROPERTIES
+    ENVIRONMENT HUBFOC_FOR_LONG=1)
   chip_g431_test(chip_g431_receives_no_frame_of_29_bits chip_vesc_g431 "${elf}" target)
   chip_g431_test(chip_g431_keeps_a_configuration_when_the_supply_fails chip_cuts_g431 "${elf}"
     "target;full" 64 4)
