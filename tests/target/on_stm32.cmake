@@ -122,6 +122,6 @@ add_test(NAME stm32_image_is_the_same_from_another_folder
     "-DFILES=${image}.bin;${image}.hex;${image}_config.bin"
     "-DWORK=${CMAKE_CURRENT_BINARY_DIR}/rebuild"
     -P "${CMAKE_CURRENT_LIST_DIR}/rebuild.cmake")
-set_tests_properties(stm32_image_is_the_same_from_another_folder PROPERTIES LABELS target
+set_tests_properties(stm32_image_is_the_same_from_another_folder PROPERTIES LABELS "target;full"
   TIMEOUT 600)
 set_tests_properties(stm32_image_is_laid_out_as_documented PROPERTIES TIMEOUT 60)
