@@ -210,7 +210,8 @@ def _unwind(name: str) -> int:
     return max(UNWIND_OF.get(name, UNWIND), *(UNWIND_OF_TYPE.get(kind, 0) for kind in given), 0)
 
 
-def _sources(part: str) -> list[Path]:
+def sources_of(part: str) -> list[Path]:
+    """Return the sources under proof of a part."""
     module, own = part.split("/")
     paths = [FIRMWARE / module / name for name in SOURCES.get(part, (f"{own}.c",))]
     return [path for path in paths if path.is_file()]
@@ -449,7 +450,7 @@ def _unit(folder: Path, part: str, names: list[str], planted: PlantedError | Non
     lines += [f"#define {one.name} {one.name}_by_contract" for one in elsewhere]
     header = next(one.header for one in known.values() if one.part == part)
     lines += [_include(header), *(f"{_prototype(one)};" for one in others)]
-    lines += [_included(folder, path, others, planted) for path in _sources(part)]
+    lines += [_included(folder, path, others, planted) for path in sources_of(part)]
     lines += [harness(known[name]) for name in names]
     return "\n".join([*lines, ""])
 

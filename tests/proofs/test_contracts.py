@@ -34,6 +34,13 @@ def registered(variable: str) -> list[str]:
     return match[1].split()
 
 
+def when_changed() -> dict[str, list[str]]:
+    """Return the groups of CMakeLists.txt that run when a source has changed, and the sources."""
+    text = (contracts.PROOFS / "CMakeLists.txt").read_text(encoding="utf-8")
+    found = re.findall(r"^hubfoc_prove_when_changed\(contracts_(\w+) ([^)]*)\)", text, re.MULTILINE)
+    return {name: sources.split() for name, sources in found}
+
+
 def without() -> list[str]:
     """Return the functions that are listed as having no contract."""
     lines = contracts.WITHOUT.read_text(encoding="utf-8").splitlines()
@@ -52,6 +59,17 @@ def test_every_contract_is_proved_once_or_tested() -> None:
     grouped = [name for group in groups for name in contract_harness.functions_of(group)]
     everywhere = [*grouped, *contract_harness.HEAVY, *contract_harness.TESTED]
     assert sorted(everywhere) == sorted(contracts.known())
+
+
+def test_a_group_is_proved_when_any_source_of_it_has_changed() -> None:
+    found = when_changed()
+    assert set(found) <= set(registered("groups"))
+    assert "torque_step" in found
+    for group, sources in found.items():
+        functions = contract_harness.functions_of(group)
+        parts = {contracts.known()[name].part for name in functions}
+        paths = {path for part in parts for path in contract_harness.sources_of(part)}
+        assert sources == sorted(str(path.relative_to(contracts.FIRMWARE)) for path in paths)
 
 
 def test_a_function_of_the_modules_is_never_only_tested() -> None:
