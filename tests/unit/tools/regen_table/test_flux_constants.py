@@ -9,7 +9,16 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
-from regen_table import cli, flux_constants, image, layout, points, schema, stored_flux
+from regen_table import (
+    cli,
+    flux_constants,
+    image,
+    layout,
+    mapped_tables,
+    points,
+    schema,
+    stored_flux,
+)
 from regen_table.errors import ConfigurationError
 from regen_table.flux_files import COLUMNS
 
@@ -259,7 +268,12 @@ def test_torque_of_the_stored_map_is_the_map_s_inside_the_circle(
     assert np.max(error) < TORQUE_ERROR * np.max(torque)
 
 
-def test_image_holds_the_points_that_the_map_has_there(tree: Tree, tmp_path: Path) -> None:
+def test_image_holds_the_points_that_the_map_has_there(
+    tree: Tree, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whatever the tables of torque and current are, which take most of an image's time."""
+    for table in ("currents", "braking"):
+        monkeypatch.setattr(mapped_tables, table, lambda _, of_constants: of_constants)
     drive = parsed(mapped(tree, tmp_path), tmp_path)
     header = layout.load()
     packed: Any = header.ffi.from_buffer("config_t *", image.build(drive))

@@ -141,7 +141,7 @@ class Brute:
         low, high = self.ends[:2]
         best = np.inf
         for _ in range(5):
-            i_d = np.linspace(low, high, 2001)
+            i_d = np.linspace(low, high, 401)
             i_q = self.quadrature(torque_nm, i_d)
             power = np.where(np.isnan(i_q), np.inf, self.power_w(i_d, np.nan_to_num(i_q)))
             k = int(np.argmin(power))
@@ -154,7 +154,7 @@ class Brute:
         end = np.copysign(self.ends[2], torque_nm)
         near, far = np.zeros_like(i_d), np.full_like(i_d, end)
         sign = np.sign(torque_nm)
-        for _ in range(52):
+        for _ in range(40):
             middle = 0.5 * (near + far)
             below = sign * self.torque_nm(i_d, middle) < abs(torque_nm)
             near, far = np.where(below, middle, near), np.where(below, far, middle)
@@ -195,8 +195,8 @@ def test_torque_limits_equal_the_best_of_all_currents_and_the_identity_of_the_vo
         limits = joint.Limits(current_a, voltage_v)
         least, most = flux_optimum.torque_limits_nm(motor, INVERTER, omega, limits)
         brute = Brute(motor, current_a, voltage_v, omega)
-        axis_d = np.linspace(*brute.ends[:2], 601)
-        axis_q = np.linspace(-brute.ends[2], brute.ends[2], 601)
+        axis_d = np.linspace(*brute.ends[:2], 301)
+        axis_q = np.linspace(-brute.ends[2], brute.ends[2], 301)
         i_d, i_q = (part.ravel() for part in np.meshgrid(axis_d, axis_q))
         inside = np.isfinite(brute.power_w(i_d, i_q))
         if not np.any(inside):

@@ -36,7 +36,7 @@ FORCED_BUS = 1.2  # of the voltage that the weakened flux needs
 # Of what the bus takes up to the rating: half as much again comes from the EMF, and the firmware
 # counts twice 1/2 L i^2 up to 15/16 of the rating, hence 0.29 with L as it is held; L_q falls.
 ENERGY, REFUSED = 2.0 / 3.0, 0.15
-STEPS = 60  # of Newton's method
+STEPS = 60  # of Newton's method, at most
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -94,6 +94,8 @@ class Law:
             step_d, step_q = (d * f - b * g) / (a * d - b * c), (a * g - c * f) / (a * d - b * c)
             share = np.minimum(1.0, 0.3 * self.psi_wb / np.maximum(np.hypot(step_d, step_q), h))
             psi_d, psi_q = psi_d - share * step_d, psi_q - share * step_q
+            if np.max(np.hypot(step_d, step_q)) < 1e-10 * self.psi_wb:
+                break
         return psi_d, psi_q
 
     def energy_j(self, i_d: float, i_q: float) -> float:
