@@ -3,6 +3,7 @@
 
 import csv
 import itertools
+import os
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -29,7 +30,8 @@ from regen_table import schema
 from tests.unit.host_sim.live.support import running
 from tests.unit.host_sim.live.test_xcp import PLACES, master_of
 
-MINUTE_MS = 60_000
+# The 16 bits of a time stamp wrap every 0.66 s.
+WATCHED_MS = 60_000 if "HUBFOC_FOR_LONG" in os.environ else 6_000
 AHEAD_MS = 50  # of the vehicle before what the tool has received
 PARTS = 4
 SLOW, FAST = 0, 1
@@ -108,12 +110,12 @@ def configure(
     master.setDaqListMode(0x10, number, number, prescaler, 0)
 
 
-def test_a_minute_of_every_slow_step_has_no_gap(stepped: Stepped) -> None:
+def test_every_slow_step_comes_without_a_gap(stepped: Stepped) -> None:
     policy = Kept()
     master = master_with(policy, stepped)
     configure(master, SLOW, {"output.bus_voltage_v": 4, "output.mode": 1}, 1)
-    follow(stepped, policy, master, SLOW, MINUTE_MS, 1)
-    packets = policy.packets[:MINUTE_MS]
+    follow(stepped, policy, master, SLOW, WATCHED_MS, 1)
+    packets = policy.packets[:WATCHED_MS]
     ticks = [int.from_bytes(packet[1:3], "little") for packet in packets]
     assert {packet[0] for packet in packets} == {0}
     assert {(b - a) % 0x10000 for a, b in itertools.pairwise(ticks)} == {100}

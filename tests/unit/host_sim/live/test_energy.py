@@ -28,13 +28,17 @@ def test_the_wheels_accounts_add_up_to_what_flowed_through_the_battery_s_termina
     """Away from rest for 11.5 s and back to it, more braking than the motors alone can do.
 
     The wheels know their currents by a model of the inverter: 5 %, and each rounds down by less
-    than 0.1 Wh. Friction's share is that of the plant's torques, which come as their integrals, by
-    its speed.
+    than 0.1 Wh. Friction's share is that of the plant's torques, means of a step, by its speed.
     """
     wheels = [Wheel(position) for position in WHEELS]
     flows_j = {"drawn": 0.0, "returned": 0.0}
-    impulses, work_j = np.zeros((2, 4)), np.zeros(2)  # of motor and hydraulic brake
+    work_j = np.zeros(2)  # of motor and hydraulic brake
+    signals = [f"wheel{k}.{name}" for name in
+               ("motor_torque_nm", "hydraulic_torque_nm", "speed_rad_per_s")
+               for k in range(4)]  # fmt: skip
+    row = np.zeros(2 + len(signals))
     with SimulatedVehicle(schema.load(cli.DEFAULT_CONFIG)) as vehicle:
+        vehicle.choose(["battery.voltage_v", "battery.current_a", *signals])
         for ms in range(ENDS_MS):
             frames = []
             if ms % 10 == 0:
@@ -44,14 +48,12 @@ def test_the_wheels_accounts_add_up_to_what_flowed_through_the_battery_s_termina
                 ]
             for identifier, data in vehicle.step(frames):
                 wheels[identifier & can_protocol.WHEEL_MASK].take(identifier, data, ms)
-            power_w = vehicle.value("battery.voltage_v") * vehicle.value("battery.current_a")
+            vehicle.sample(row)
+            power_w = row[0] * row[1]
             flows_j["drawn" if power_w > 0.0 else "returned"] += abs(power_w) * STEP_S
-            before, impulses = impulses, np.array([
-                [sign * vehicle.value(f"wheel{k}.{kind}_torque_nm") for k in range(4)]
-                for kind, sign in (("motor", -1.0), ("hydraulic", 1.0))
-            ])  # fmt: skip
-            speeds = [vehicle.value(f"wheel{k}.speed_rad_per_s") for k in range(4)]
-            work_j += (np.maximum(impulses - before, 0.0) * speeds).sum(axis=1)
+            motor_nm, hydraulic_nm, speeds = row[2:].reshape(3, 4)
+            braking_nm = np.maximum([-motor_nm, hydraulic_nm], 0.0)
+            work_j += (braking_nm * speeds).sum(axis=1) * STEP_S
         assert vehicle.value("vehicle.speed_m_per_s") < 0.1
     statuses = [wheel.status(ENDS_MS) for wheel in wheels]
     for kind, flow_j in flows_j.items():

@@ -60,17 +60,21 @@ class Plant:
     def __init__(self, vehicle: SimulatedVehicle, drive: Drive) -> None:
         self._vehicle, self._drive = vehicle, drive
         self.drawn, self.charged, self.angle_rad = np.zeros(2), np.zeros(2), np.zeros(4)
+        speeds = [f"wheel{k}.speed_rad_per_s" for k in range(4)]
+        self._now = np.zeros(2 + len(speeds))
+        vehicle.choose(["battery.current_a", "battery.voltage_v", *speeds])
 
     def value(self, name: str) -> float:
         return self._vehicle.value(name)
 
     def step(self) -> None:
         """Add a millisecond: A s and W s out of the battery and into it, and turned angles."""
-        current = self.value("battery.current_a")
-        flow = np.array([current, current * self.value("battery.voltage_v")]) * STEP_S
+        self._vehicle.sample(self._now)
+        current = self._now[0]
+        flow = np.array([current, current * self._now[1]]) * STEP_S
         self.drawn += np.maximum(flow, 0.0)
         self.charged += np.maximum(-flow, 0.0)
-        self.angle_rad += [self.value(f"wheel{k}.speed_rad_per_s") * STEP_S for k in range(4)]
+        self.angle_rad += self._now[2:] * STEP_S
 
     def status(self, k: int) -> dict[str, float]:
         """Return what a frame says; the duty cycle, a share of the voltage circle, by the
