@@ -20,7 +20,7 @@ FILES = sorted(
     path for path in (ROOT / "tools" / "motors").rglob("*.toml") if path.stem != "lu2013"
 )  # with that one test_builtin_scenarios.py runs them all
 FOR_LONG = "HUBFOC_FOR_LONG" in os.environ
-SHARE = 3  # of the drives for each scenario
+SHARE, STRIDE = 2, 3  # of the drives for each scenario, and to those of the next
 SHORTER = {} if FOR_LONG else {"udds": {"max_duration_s": 200.0}}
 NOT_LONG = ("ece15", "descent_full")  # one drive each
 
@@ -39,7 +39,7 @@ def chosen() -> list[tuple[str, Path]]:
     pairs = []
     for k, name in enumerate(scenario.builtin_names()):
         count = len(FILES) if FOR_LONG else 1 if name in NOT_LONG else SHARE
-        pairs += [(name, FILES[(k * SHARE + j) % len(FILES)]) for j in range(count)]
+        pairs += [(name, FILES[(k * STRIDE + j) % len(FILES)]) for j in range(count)]
     known = [(name, path) for path in FILES for name, drive in KNOWN if path.stem == drive]
     return [*dict.fromkeys([*pairs, *known])]
 
