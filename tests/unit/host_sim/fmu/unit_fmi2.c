@@ -7,6 +7,7 @@
 
 #include "fmi2Functions.h"
 
+const size_t unit_version = 2;
 char unit_message[UNIT_MESSAGE_LENGTH];
 
 static void listen(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status,

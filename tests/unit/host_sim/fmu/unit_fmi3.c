@@ -5,6 +5,7 @@
 
 #include "fmi3Functions.h"
 
+const size_t unit_version = 3;
 char unit_message[UNIT_MESSAGE_LENGTH];
 
 static void listen(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category,

@@ -10,6 +10,7 @@
 
 enum { UNIT_MESSAGE_LENGTH = 400 };
 
+extern const size_t unit_version;              /* 2 or 3 */
 extern char unit_message[UNIT_MESSAGE_LENGTH]; /* the last one that was logged */
 
 void *unit_new(const char *token);    /* NULL: refused */
