@@ -114,7 +114,7 @@ def of_changes(
 ) -> list[Test]:
     """Return the tests that a change of these files can make fail, as far as is known."""
     affected = graph.affected(changed)
-    return [test for test in tests if reads(test, opened) & affected]
+    return [test for test in tests if test.is_for(changed) or reads(test, opened) & affected]
 
 
 def nearest(tests: Iterable[Test], changed: Iterable[Path], root: Path) -> list[Test]:

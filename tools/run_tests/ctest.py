@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import Any
 
 FULL_LABEL = "full"
-# In a test's environment: the sources, separated by commas, whose change makes a test labelled full
-# part of every run.
-_PROVES = "HUBFOC_PROVES="
+# In a test's environment: the files and folders, separated by commas, whose change makes a test
+# labelled full part of every run.
+_WHEN_CHANGED = "HUBFOC_WHEN_CHANGED="
 # Of a test whose time is not known, where it has to fit into a limit; in the order of a whole run
 # it comes first, so that it cannot be the one that the others wait for.
 DEFAULT_COST_S = 1.0
@@ -64,13 +64,17 @@ class Test:
             _normal(here / word.partition("::")[0]) for word in self.words() if 0 < len(word) < 1000
         }
 
+    def is_for(self, changed: Set[Path]) -> bool:
+        """Return True if one of these files is, or lies in, what HUBFOC_WHEN_CHANGED names."""
+        given = [word.removeprefix(_WHEN_CHANGED)
+                 for word in self.properties.get("ENVIRONMENT", [])
+                 if word.startswith(_WHEN_CHANGED)]  # fmt: skip
+        names = [name for word in given for name in word.split(",")]
+        return any(path.is_relative_to(name) for path in changed for name in names)
+
     def is_left_out(self, changed: Set[Path]) -> bool:
-        """Return True if only a full run has it: not where a source that it proves has changed."""
-        given = self.properties.get("ENVIRONMENT", [])
-        proved = [word.removeprefix(_PROVES) for word in given if word.startswith(_PROVES)]
-        return FULL_LABEL in self.labels and not any(
-            Path(name) in changed for names in proved for name in names.split(",")
-        )
+        """Return True if only a full run has it."""
+        return FULL_LABEL in self.labels and not self.is_for(changed)
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,7 @@ add_test(NAME reader COMMAND "$ENV{SMALL_PYTHON}" "${CMAKE_CURRENT_SOURCE_DIR}/r
 set_tests_properties(reader PROPERTIES LABELS python)
 add_test(NAME whole_cycle COMMAND "${CMAKE_COMMAND}" -E true)
 set_tests_properties(whole_cycle PROPERTIES LABELS full
-  ENVIRONMENT "HUBFOC_PROVES=${PROJECT_SOURCE_DIR}/none.c,${PROJECT_SOURCE_DIR}/data/unread.csv")
+  ENVIRONMENT "HUBFOC_WHEN_CHANGED=${PROJECT_SOURCE_DIR}/none.c,${PROJECT_SOURCE_DIR}/proved")
 """
 PRESETS = """
 {"version": 6,
@@ -51,7 +51,6 @@ FILES = {
     "include/limit.h": "#define LIMIT 3\n",
     "data/table.csv": "1,2\n",
     "data/unread.csv": "1,2\n",
-    "include/unread.h": "",
     "tests/unit/CMakeLists.txt": TESTS,
     "tests/unit/first.c": (
         '#include <stdio.h>\n#include "limit.h"\n'
@@ -149,10 +148,10 @@ def test_tests_run_longest_first_by_the_times_of_the_previous_run(
     assert "100% tests passed, 0 tests failed out of 4" in full
 
 
-def test_a_full_test_runs_where_a_source_that_it_proves_has_changed(project: Project) -> None:
+def test_a_full_test_runs_where_a_file_that_it_names_has_changed(project: Project) -> None:
     (project.root / "data/table.csv").write_text("3,4\n", encoding="utf-8")
     assert "host:whole_cycle" not in started(project.run("--presets", "host"))
-    (project.root / "data/unread.csv").write_text("3,4\n", encoding="utf-8")
+    project.write("proved/source.c", "")
     output = project.run("--presets", "host")
     assert "host:whole_cycle" in started(output)
     assert "were left out" not in output
@@ -204,7 +203,7 @@ def test_the_tests_of_a_folder_are_those_of_its_cmake_lists(project: Project) ->
         ("tests/unit/second.c", ["host:second"]),
         ("data/table.csv", ["host:reader"]),
         ("tests/unit/helper.py", ["host:reader"]),
-        ("include/unread.h", []),
+        ("data/unread.csv", []),
     ],
 )
 def test_quick_builds_and_runs_the_tests_that_read_a_changed_file(
