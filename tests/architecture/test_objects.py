@@ -8,6 +8,7 @@ compiler and for three Cortex-M cores.
 
 import functools
 import itertools
+import os
 import re
 import shutil
 import subprocess
@@ -61,6 +62,8 @@ CORES = {
     "cortex-m3": ["-mcpu=cortex-m3", "-mthumb", "-O2"],
     "cortex-m0plus": ["-mcpu=cortex-m0plus", "-mthumb", "-Os"],
 }
+if "HUBFOC_FOR_LONG" not in os.environ:  # it lacks less than Cortex-M0+ and is no image's core
+    del CORES["cortex-m3"]
 FAST_ROOT = "controller_fast_step"
 
 Calls = dict[str, set[str]]
