@@ -99,7 +99,7 @@ endfunction()
 
 # The whole controller; the CAN node; what comes over the serial line, what is read from memories
 # that may hold anything, and packets of XCP. The numbers of inputs: README.
-hubfoc_add_fuzzer(fast_step 100000 3000000 -max_len=1000)
+hubfoc_add_fuzzer(fast_step 60000 3000000 -max_len=1000)
 hubfoc_add_fuzzer(can_frames 20000 10000000 -max_len=600)
 hubfoc_add_fuzzer(console 2000 1000000 -max_len=600 -len_control=0)
 hubfoc_add_fuzzer(images 2000 10000000 -max_len=600 -len_control=0)
