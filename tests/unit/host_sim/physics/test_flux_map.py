@@ -6,6 +6,7 @@ magnets are as the controller assumes. Torque is the mean airgap torque less fri
 """
 
 import math
+import os
 import re
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from saturating_drives import MOTORS, saturating
 
 HEAVY = {"vehicle.mass_kg": 1e6}  # the speed stays
 SETTLED_S, MEAN_ROWS = 0.5, 100
+FOR_LONG = "HUBFOC_FOR_LONG" in os.environ
 OF_COMMAND, OF_LARGEST = 0.02, 0.005  # accepted errors of torque
 
 
@@ -94,7 +96,7 @@ def assert_torque(
         assert not np.any(recording["wheel0.warning_reason"])
 
 
-@pytest.mark.parametrize("speed_share", [0.1, 0.5, 0.9])
+@pytest.mark.parametrize("speed_share", [0.1, 0.5, 0.9] if FOR_LONG else [0.1, 0.9])
 def test_interior_magnets_of_80_kw_make_the_torque_that_is_commanded(
     leaf: Configuration, speed_share: float
 ) -> None:
@@ -134,7 +136,7 @@ def test_the_observer_of_a_measured_map_has_the_torque_when_the_sensor_stops(
         assert made == pytest.approx(command, abs=OF_COMMAND * abs(command) + OF_LARGEST * most)
 
 
-@pytest.mark.parametrize("speed_share", [0.1, 0.5, 0.9])
+@pytest.mark.parametrize("speed_share", [0.1, 0.5, 0.9] if FOR_LONG else [0.1, 0.9])
 def test_a_hub_motor_with_half_of_its_inductance_left_makes_the_torque_that_is_commanded(
     hub: Configuration, speed_share: float
 ) -> None:
