@@ -66,6 +66,8 @@ vesc4_test(chip_vesc4_brakes_at_the_largest_voltage chip_window fast ${board_ves
 vesc4_test(chip_vesc4_refuses_short_pulses chip_window refused vesc4_10 "${boards_shipped}")
 vesc4_test(chip_vesc4_latches_over_currents chip_latch latches ${board_vesc4})
 set_tests_properties(chip_vesc4_latches_over_currents PROPERTIES TIMEOUT 300) # three trips
+hubfoc_run_when_changed(chip_vesc4_latches_over_currents hal tests/target)
+hubfoc_run_when_changed(chip_vesc4_brakes_at_the_largest_voltage hal tests/target)
 vesc4_test(chip_vesc4_reads_its_sensors chip_sensors ${board_vesc4})
 board_image(vesc4_10 "target;full")
 board_test(chip_vesc4_of_its_own_build_boots_and_brakes vesc4_10 "target;full" chip_test stop

@@ -104,22 +104,6 @@ function(hubfoc_add_command_test)
   hubfoc_test_properties(${T_NAME} "${T_LABELS}" "${T_TIMEOUT}")
 endfunction()
 
-# hubfoc_run_when_changed(test file-or-folder...): with --full, and in every run while one of these
-# differs from the last commit (tools/run_tests).
-function(hubfoc_run_when_changed name)
-  set(paths "")
-  foreach(path IN LISTS ARGN)
-    if(NOT EXISTS "${PROJECT_SOURCE_DIR}/${path}")
-      message(FATAL_ERROR "${name}: no ${path}")
-    endif()
-    list(APPEND paths "${PROJECT_SOURCE_DIR}/${path}")
-  endforeach()
-  list(REMOVE_DUPLICATES paths)
-  list(JOIN paths "," paths)
-  set_property(TEST ${name} APPEND PROPERTY LABELS full)
-  set_property(TEST ${name} APPEND PROPERTY ENVIRONMENT "HUBFOC_WHEN_CHANGED=${paths}")
-endfunction()
-
 function(hubfoc_test_properties name labels timeout)
   # Ten times what the test takes on an idle machine, and a minute at least; with sanitizers it
   # takes up to four times as long.
