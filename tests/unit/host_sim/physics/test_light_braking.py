@@ -14,9 +14,8 @@ from regen_table.schema import Drive
 DRIVES = ("lu2013", "ebike36v", "scooter48v", "ipm400v")
 # Of the highest speed; an open bridge coasts at all of them.
 SPEED_SHARES = (0.02, 0.1, 0.3, 0.7)
-DEMAND_SHARES = (0.0005, 0.002, 0.005, 0.01, 0.02, 0.04, 0.07, 0.2)  # of the rated torque
-if "HUBFOC_FOR_LONG" not in os.environ:
-    DEMAND_SHARES = DEMAND_SHARES[1::2]
+DEMANDS = (0.0005, 0.002, 0.005, 0.01, 0.02, 0.04, 0.07, 0.2)  # of the rated torque
+DEMAND_SHARES = DEMANDS if "HUBFOC_FOR_LONG" in os.environ else DEMANDS[1::2]
 TOLERANCE = 1e-3  # of the rated torque, and of the largest power
 SETTLED_S = 0.6
 SIGNALS = (
