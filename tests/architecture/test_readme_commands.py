@@ -12,6 +12,7 @@ import shutil
 import subprocess
 import sys
 import tomllib
+import unittest
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -46,6 +47,9 @@ FORMS = {
     "./tools/dev hubsim sweep": Form(
         './tools/dev hubsim sweep stop --vary "demand_nm=range(40,120,2)" --output grid.parquet',
         "24 runs show no more than two",
+    ),
+    "./tools/dev hubsim swarm": Form(
+        "./tools/dev hubsim swarm --seeds 0:1 --output swarm", "cli/test_readme.py has four seeds"
     ),
     "pip install": Form("", "a wheel is built and installed by package/test_wheel.py"),
     "./tools/dev python host_sim/python/examples/": Form("", "api/test_examples.py runs them all"),
@@ -175,6 +179,10 @@ class ReadmeCommandsTest(DevFixture):
         """A file that a command reads is the repository's, or an earlier command made it."""
         for name in re.findall(r"(?:(?:tools|host_sim|build)/[\w./-]+\.(?:toml|py|elf))", command):
             self.assertTrue((self.home / name).is_file(), f"{command}: {name}")
+
+
+class ReadmeTest(unittest.TestCase):
+    """What is said of its commands, without a clone."""
 
     def test_the_package_that_is_installed_has_its_extra(self) -> None:
         (command,) = [command for command in commands() if command.startswith("pip ")]
