@@ -31,6 +31,9 @@ function(planted name file old new finds)
   endif()
   set(labels target ${ARGN})
   chip_finds(chip_finds_${name} "$<TARGET_FILE:planted_${name}>" "${finds}" "${labels}" ${program})
+  if(program STREQUAL "chip_load") # in every traffic
+    set_tests_properties(chip_finds_${name} PROPERTIES ENVIRONMENT HUBFOC_FOR_LONG=1)
+  endif()
 endfunction()
 
 # The same build without an error.
