@@ -147,7 +147,7 @@ def test_sweep_interrupted_by_control_c_can_be_resumed(tmp_path: Path) -> None:
         "sweep",
         "stop",
         "--vary",
-        "demand_nm=range(2,3,400)",
+        "demand_nm=range(8,9,400)",
         "--workers",
         "1",
         "--output",
