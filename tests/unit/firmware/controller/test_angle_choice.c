@@ -202,6 +202,7 @@ void test_slip_freeze_and_reversal_are_named_forwards_and_backwards(void)
 void test_an_opposed_sensor_below_the_observer_s_speed_loses_its_torque(void)
 {
     at.observer_mrad_s = CONFIG_LU2013.rotor.observer_speed_mrad_s * 3 / 4;
+    at.sensor_mrad_s = at.observer_mrad_s;
     run(100);
     TEST_ASSERT_TRUE(seen.valid);
     at.difference_turn = DEGREES_20;

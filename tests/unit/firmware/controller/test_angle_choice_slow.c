@@ -125,14 +125,117 @@ void test_a_sensor_that_begins_to_turn_is_judged_as_at_rest_for_as_long_as_it_re
         config.rotor.sensor = CONFIG_ROTOR_HALL;
         at.observer_mrad_s = 2 * FROM_mrad_s - 1;
         at.sensor_mrad_s = 0;
+        at.i_pu.q = LEAST_PU - 1; /* no slip either */
         run(rested_ms);
         const int turns_ms = q_min(rested_ms - REST_ms, REST_ms);
-        at.sensor_mrad_s = FROM_mrad_s / 2 + 4;
+        at.sensor_mrad_s = at.observer_mrad_s;
         run_at(turns_ms, OPPOSED);
         TEST_ASSERT_FALSE(seen.sensor_wrong);
         run(turns_ms > 0 ? 1 : 2); /* two steps of the opposition are needed */
         TEST_ASSERT_TRUE(seen.sensor_wrong);
     }
+}
+
+/* As fast: within a quarter of the observer's speed. */
+void test_a_sensor_that_turns_otherwise_than_the_observer_is_judged_as_at_rest(void)
+{
+    enum { REST_ms = 50, LONG_ms = 100, QUARTER_mrad_s = 4000, FAST_mrad_s = 16000 };
+    for (int faster = -1; faster <= 1; faster += 2) {
+        for (int beyond = 0; beyond <= 1; beyond++) {
+            setUp();
+            config.rotor.sensor = CONFIG_ROTOR_HALL;
+            at.observer_mrad_s = FAST_mrad_s;
+            at.sensor_mrad_s = FAST_mrad_s + faster * (QUARTER_mrad_s + beyond);
+            run(REST_ms);
+            run_at((beyond == 1 ? LONG_ms : 2) - 1, OPPOSED);
+            TEST_ASSERT_FALSE(seen.sensor_wrong);
+            run(1);
+            TEST_ASSERT_TRUE(seen.sensor_wrong);
+        }
+    }
+}
+
+/* With t = sqrt(2 s/a) for the last sector s at a deceleration a a wheel n sectors before rest
+ * turns at 2 sqrt(n) s/t, and halls show the mean of the turn before the edge: (sqrt(n + 6) +
+ * sqrt(n)) s/t. Where it stops right behind an edge the next one is overdue 2 t later. */
+static double turning_s_per_t(double sectors)
+{
+    return 2.0 * sqrt(sectors);
+}
+
+static double shown_s_per_t(double edge_sectors)
+{
+    return sqrt(edge_sectors + 6.0) + sqrt(edge_sectors);
+}
+
+/* A stop of 12 sectors with an observer that is right as long as the wheel turns. Stands after. */
+static void stop_on_an_edge(double t_ms, double unit_mrad_s)
+{
+    const double from = 12.0;
+    const int stop_ms = (int)ceil(sqrt(from) * t_ms);
+    for (int ms = 0; ms < stop_ms; ms++) {
+        const double left = sqrt(from) - ms / t_ms;
+        const double sectors = left * left;
+        at.observer_mrad_s = (int32_t)lround(turning_s_per_t(sectors) * unit_mrad_s);
+        at.sensor_mrad_s = (int32_t)lround(shown_s_per_t(ceil(sectors)) * unit_mrad_s);
+        run(1);
+    }
+    at.sensor_mrad_s = (int32_t)lround(shown_s_per_t(0.0) * unit_mrad_s);
+}
+
+/* An observer that then has the flux of a current that ended, either way. t from 23 ms on, which
+ * takes 44 m/s^2 of the paper's wheel. */
+void test_halls_of_a_wheel_that_has_just_stopped_are_judged_as_at_rest(void)
+{
+    enum { SHORTEST_ms = 23, LONGEST_ms = 200, LONG_ms = 100 };
+    for (int t_ms = SHORTEST_ms; t_ms <= LONGEST_ms; t_ms += 3) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            setUp();
+            config.rotor.sensor = CONFIG_ROTOR_HALL;
+            /* Shown after the stop: above half of the observer's least speed. */
+            stop_on_an_edge(t_ms, FROM_mrad_s / 4.0);
+            TEST_ASSERT_GREATER_THAN_INT32(FROM_mrad_s / 2, at.sensor_mrad_s);
+            at.observer_mrad_s = sign * 2 * (FROM_mrad_s - 1);
+            run_at(q_min(2 * t_ms, LONG_ms - 1), OPPOSED);
+            TEST_ASSERT_FALSE(seen.sensor_wrong);
+        }
+    }
+}
+
+/* Frozen halls show the speed that the observer has until their edge is overdue. */
+void test_halls_that_freeze_are_wrong_as_soon_as_they_are_opposed(void)
+{
+    for (int faster = -1; faster <= 1; faster += 2) {
+        setUp();
+        config.rotor.sensor = CONFIG_ROTOR_HALL;
+        at.observer_mrad_s = 2 * FROM_mrad_s - 1;
+        at.sensor_mrad_s = at.observer_mrad_s + faster * (at.observer_mrad_s / 4);
+        run_at(100, 0);
+        run_at(1, OPPOSED);
+        at.sensor_mrad_s = at.sensor_mrad_s / 2; /* it decays */
+        TEST_ASSERT_FALSE(seen.sensor_wrong);
+        run(1);
+        TEST_ASSERT_TRUE(seen.sensor_wrong);
+    }
+}
+
+/* While the bridge does not switch there is no observer to turn with. */
+void test_a_sensor_that_turned_while_coasting_is_judged_as_turning(void)
+{
+    setUp();
+    config.rotor.sensor = CONFIG_ROTOR_HALL;
+    at.switching = false;
+    at.acquired = false;
+    at.sensor_mrad_s = FROM_mrad_s;
+    at.observer_mrad_s = 0;
+    run(100);
+    at.switching = true;
+    run(3);
+    at.acquired = true;
+    at.observer_mrad_s = FROM_mrad_s;
+    run(2);
+    run_at(2, OPPOSED);
+    TEST_ASSERT_TRUE(seen.sensor_wrong);
 }
 
 /* They show their sector of 60 degrees, and the observer is up to 30 off. */
