@@ -13,7 +13,8 @@ The tolerance is a hundredth of the kinetic energy where the table of the optimu
 that for slow stops (as ``stored_share``). Where a limit of torque or phase current decides, it acts
 on a motor whose parts are wrong by up to six hundredths, which come on top. Where the battery's
 limit decides there is no comparison: what flows beside it is an invariant of its own
-(``charge_current``).
+(``charge_current``). Nor where the controller derates by a temperature: at its start it takes the
+switches to be as hot as the winding, and the ideal has no temperature's limit.
 """
 
 import math
@@ -27,7 +28,7 @@ from regen_table import limited_stop, models, packs
 from regen_table.errors import ConfigurationError
 from regen_table.schema import Drive
 
-from hubsim import run
+from hubsim import reasons, run
 from hubsim.engine import Rows
 from hubsim.errors import HubsimError
 from hubsim.scenario import Scenario, overrides
@@ -40,6 +41,7 @@ TOLERANCE, TOLERANCE_SLOW = 0.01, 0.02  # of the kinetic energy; of slow or limi
 PARTS_SHARE = 0.06  # of what is stored, where a limit decides
 CHARGE_SHARE = 0.8  # of the battery's limit: what losses that are wrong can leave of it
 BY_THE_BATTERY = ("charge_current", "fold_back")
+BY_A_TEMPERATURE = ("WINDING_TEMPERATURE", "SWITCH_TEMPERATURE")
 BY_THE_TABLE = ("", "loss_optimum", "blend_out", "torque_rate")
 STRATEGY = "series_optimal"
 SLOW_SHARE, SLOW_HANDOVER = 0.3, 4.0  # of the largest speed; of where the blend-out begins
@@ -154,7 +156,7 @@ def slow_m_per_s(drive: Drive) -> float:
 
 
 def gap(case: Case) -> Finding | None:
-    """Return how far what a stop stores is beside the ideal; None where there is no ideal."""
+    """Return how far what a stop stores is beside the ideal; None where they are not compared."""
     drive, stop = braked(case), drawn(case)
     try:
         ideal = ideal_share(drive, true_drive(drive, case.data["plant"]), stop)
@@ -169,6 +171,8 @@ def gap(case: Case) -> Finding | None:
         stored = _stored(case, stop)
     except HubsimError:
         return Finding(judge.STORED_SHARE, 0, 0.0, math.inf, TOLERANCE, "1", judge.NOT_STARTED)
+    if stored is None:
+        return None
     slow = stop.speed_kmh < 3.6 * slow_m_per_s(drive)
     limit = TOLERANCE_SLOW if slow or main not in BY_THE_TABLE else TOLERANCE
     if main not in BY_THE_TABLE:
@@ -177,7 +181,8 @@ def gap(case: Case) -> Finding | None:
     return Finding(judge.STORED_SHARE, 0, 0.0, abs(stored - share), limit, "1", text)
 
 
-def _stored(case: Case, stop: Stop) -> float:
+def _stored(case: Case, stop: Stop) -> float | None:
+    """Return what a stop stores, share of the kinetic energy; None if a temperature limits it."""
     scenario = Scenario(
         initial_speed_kmh=stop.speed_kmh,
         demand_nm=stop.demand_nm,
@@ -193,8 +198,11 @@ def _stored(case: Case, stop: Stop) -> float:
         },
     )
     engine, _ = run.prepare(braked(case), scenario, Path(), {})
+    hot = [reasons.codes()[name] for name in BY_A_TEMPERATURE]
     with engine:
         engine.start()
+        engine.choose(("wheel0.reason",))
         while not engine.ended and engine.value("time_s") < LONGEST_S:
-            engine.run(10.0)
+            if np.any(np.isin(engine.run(10.0), hot)):
+                return None
         return engine.value("energy.chemical_j") / engine.value("energy.kinetic_j")

@@ -57,6 +57,11 @@ def test_a_healthy_stop_is_within_its_tolerance_and_a_dragging_brake_is_not() ->
     assert drags.violated
 
 
+def test_a_stop_that_a_temperature_limits_is_not_compared() -> None:
+    """60161: switches that derate because their temperature begins as that of a hot winding."""
+    assert share.gap(draw.case(60161, 400, healthy=True)) is None
+
+
 def test_the_stop_of_a_run_depends_on_its_seed() -> None:
     assert share.drawn(CASE) == share.drawn(draw.case(CASE.seed, 4, healthy=True))
     assert share.drawn(CASE) != share.drawn(Case(CASE.seed + 1, CASE.config, CASE.data))
