@@ -141,12 +141,6 @@ static bool apart(const config_t *config, const rotor_view_t *in, int32_t turn)
     return !observer_error_explains(config, i, beyond_turn);
 }
 
-static bool as_fast(const rotor_view_t *in)
-{
-    const int32_t size_mrad_s = q_abs(in->observer_mrad_s);
-    return q_abs(size_mrad_s - q_abs(in->sensor_mrad_s)) <= size_mrad_s / 4;
-}
-
 /* The angle tells a slip where the sensor turns as fast as the observer. Halls do not while they
  * know of an acceleration at their next edge only; halls that stand are 60 degrees off soon. Below
  * its speed an observer does not for a moment where the current changes, and with little current is
@@ -154,15 +148,17 @@ static bool as_fast(const rotor_view_t *in)
 static bool slips(const angle_choice_state_t *state, const config_t *config, const rotor_view_t *in)
 {
     const bool hall = config->rotor.sensor == CONFIG_ROTOR_HALL;
+    const int32_t size_mrad_s = q_abs(in->observer_mrad_s);
+    const bool as_fast = q_abs(size_mrad_s - q_abs(in->sensor_mrad_s)) <= size_mrad_s / 4;
     const int32_t slow_turn = hall ? OPPOSED_TURN : ASKEW_TURN;
-    return (as_fast(in) || (state->confirmed && !hall)) &&
+    return (as_fast || (state->confirmed && !hall)) &&
            (q_abs(state->current_steps) >= CURRENT_STEPS ||
             (state->confirmed && emf_exceeds(config, in, SLIPPED_SPEEDS))) &&
            apart(config, in, state->confirmed ? SLIPPED_TURN : slow_turn);
 }
 
 /* Consecutive steps with a current of one direction, counted with its sign, and with a sensor that
- * shows no turning rotor: below half of the observer's speed, or another than the observer has.
+ * shows no turning rotor: below half of the observer's speed, or a quarter more than the observer.
  * Halls show the mean of a turn, also of a wheel that stops meanwhile. */
 static void count_steps(angle_choice_state_t *state, const config_t *config, const rotor_view_t *in)
 {
@@ -170,8 +166,9 @@ static void count_steps(angle_choice_state_t *state, const config_t *config, con
     const int32_t before = sign * state->current_steps > 0 ? state->current_steps : 0;
     state->current_steps = (int8_t)q_limit(before + sign, CURRENT_STEPS);
     const int32_t half_mrad_s = q_abs(in->sensor_mrad_s / 2);
-    const bool turns =
-        half_mrad_s >= config->rotor.observer_speed_mrad_s / 4 && (!in->acquired || as_fast(in));
+    const int32_t size_mrad_s = q_abs(in->observer_mrad_s);
+    const bool more = in->acquired && q_abs(in->sensor_mrad_s) - size_mrad_s > size_mrad_s / 4;
+    const bool turns = half_mrad_s >= config->rotor.observer_speed_mrad_s / 4 && !more;
     state->rest_steps = (uint8_t)q_clamp(state->rest_steps + (turns ? -1 : 1), 0, 2 * REST_STEPS);
 }
 

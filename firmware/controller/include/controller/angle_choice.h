@@ -12,8 +12,8 @@
  * turns as fast as the observer; and a salient motor's flux below a third of what its current
  * should make of it, for 5 ms. Below four times that speed a slip needs i_q of one sign, a
  * sixteenth of the current's full scale, for 40 ms; below twice, a sensor that has been below half
- * of it for 50 ms, or has not turned as fast as the observer, is wrong after 100 ms. Halls without
- * a speed show their sector: 90 degrees.
+ * of it for 50 ms, or a quarter faster than the observer, is wrong after 100 ms. Halls without a
+ * speed show their sector: 90 degrees.
  * What L_q may turn the observer by at the present current comes to the angles below 60 degrees
  * (motor/observer_error.h), and is counted in those of 60 where it is large.
  * While the sensor is wrong or invalid the observer's angle is used. Above 15/16 of its speed
@@ -51,7 +51,7 @@ typedef struct {
     uint8_t implausible;   /* likewise */
     uint8_t against;       /* consecutive steps against the direction */
     int8_t current_steps;  /* with enough of it, by its sign */
-    uint8_t rest_steps;    /* with a sensor at rest or not as fast as the observer, less others */
+    uint8_t rest_steps;    /* with a sensor at rest or faster than the observer, less others */
     int8_t direction;      /* of the observer, +-1; 0 until it has acquired the rotor */
     uint8_t opposed_steps; /* at 60 degrees and more, or without its flux */
     uint8_t slipped;       /* steps apart as above, twice if not confirmed, less steps without */
