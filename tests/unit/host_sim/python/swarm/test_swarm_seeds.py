@@ -27,7 +27,7 @@ def test_sixty_seeds_hold_every_invariant(hubsim: Hubsim, tmp_path: Path) -> Non
     [
         *((seed, 400, False) for seed in (79, 170, 333)),
         (1200, 24, False),
-        *((seed, 400, True) for seed in (60079, 60220)),
+        *((seed, 400, True) for seed in (60079, 60220, 61360)),
     ],
 )
 def test_a_seed_that_was_mended_holds_every_invariant(
@@ -38,6 +38,7 @@ def test_a_seed_that_was_mended_holds_every_invariant(
     333: a switch opens beside a small current.
     1200: one hall line bounces while the wheel rolls back and the driver acknowledges.
     60079, 60220: halls show the speed before a stop while the observer keeps a current's flux.
+    61360: a road that slow halls showed too steep, and a hold beside the whole demand.
     """
     record = work.done({"seed": seed, "drives": drives, "healthy": healthy})
     assert record["violations"] == []
