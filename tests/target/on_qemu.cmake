@@ -189,7 +189,7 @@ function(budgets_test name labels)
   set_tests_properties(${name} PROPERTIES TIMEOUT 1800 LABELS "${labels}"
     RESOURCE_LOCK bench ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
 endfunction()
-budgets_test(instruction_budgets target --first-core --states 2000)
+budgets_test(instruction_budgets target --first-core --states 4000)
 budgets_test(instruction_budgets_of_every_core "target;full" --states 20000)
 
 # ---- the unit tests of the pure modules ----
