@@ -74,8 +74,8 @@ BUDGETS = (
     Budget("cortex-m4", FAST_STEP, 315, p99_at_most=565, max_at_most=635),
     Budget("cortex-m4", f"{FAST_STEP}_encoder", 400, p99_at_most=535, max_at_most=610),
     Budget("cortex-m4", f"{FAST_STEP}_angle", 380, p99_at_most=515, max_at_most=590),
-    Budget("cortex-m3", CURRENT_LOOP, 181),
-    Budget("cortex-m0plus", CURRENT_LOOP, 379),
+    Budget("cortex-m3", CURRENT_LOOP, 183),
+    Budget("cortex-m0plus", CURRENT_LOOP, 395),
 )
 SLOW_BUDGET = Budget("cortex-m4", SLOW_STEP, 12000, max_at_most=interrupt.SLOW_STEP_AT_MOST)
 """Of each configuration, in every state of the envelope."""
