@@ -2,6 +2,7 @@
 #include "torque/charge_trim.h"
 
 #include "core/q15.h"
+#include "core/scaled.h"
 
 enum {
     MOST_mA = 2000000,
@@ -61,6 +62,17 @@ static int32_t by_pack_mA(charge_trim_state_t *state, const motor_model_t *model
     return filter_step(&state->pack, q_clamp(beyond_mA, 0, lost_mA), CHARGE_TRIM_PACK_LOG2);
 }
 
+/* A wheel that slows down returns less in proportion, whatever torque its model is wrong by. */
+static void follow_speed(charge_trim_state_t *state, int32_t speed_mrad_s)
+{
+    const int32_t speed_abs_mrad_s = q_abs(speed_mrad_s);
+    if (speed_abs_mrad_s < state->speed_abs_mrad_s) {
+        const int32_t left = scaled_ratio(speed_abs_mrad_s, state->speed_abs_mrad_s);
+        state->terminals_q8_mA = scaled_multiply(state->terminals_q8_mA, left);
+    }
+    state->speed_abs_mrad_s = speed_abs_mrad_s;
+}
+
 /* Rises with what is charged, and falls slowly: the torque follows a line that rises slowly, so
  * that i_d stays on the current circle. */
 static int32_t terminals_mA(charge_trim_state_t *state, int32_t error_mA)
@@ -77,6 +89,7 @@ int32_t charge_trim_step(charge_trim_state_t *state, const motor_model_t *model,
     const int32_t resolution_mA = model->config->drive.current_full_scale_mA >> CODES_LOG2;
     const int32_t measured_mA = q_limit(now->bus_current_mA, MOST_mA);
     const bool shown = state->braking && measured_switching(now);
+    follow_speed(state, model->speed_mrad_s);
     const int32_t error_mA = shown ? state->commanded_mA - measured_mA : 0;
     return terminals_mA(state, error_mA) + by_pack_mA(state, model, now, flowing) + resolution_mA;
 }

@@ -96,7 +96,7 @@
      is_within((s)->terminals_q8_mA, -(1 << 29), 1 << 29) &&                                       \
      is_within((s)->own.accumulator, -(1 << 23), 1 << 23) &&                                       \
      is_within((s)->pack.accumulator, 0, 1 << 28) &&                                               \
-     is_within((s)->message_mA, -(1 << 23), 1 << 23) &&                                            \
+     is_within((s)->message_mA, -(1 << 23), 1 << 23) && (s)->speed_abs_mrad_s >= 0 &&              \
      is_within((s)->hold_ms, 0, CHARGE_TRIM_MESSAGE_ms))
 
 #define torque_state_holds(s, c)                                                                   \

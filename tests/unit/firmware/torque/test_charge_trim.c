@@ -80,6 +80,23 @@ void test_what_they_no_longer_return_counts_less_with_512_ms(void)
     TEST_ASSERT_INT32_WITHIN(2, 0, run(8000));
 }
 
+/* A torque that the model is wrong by returns half of the power at half of the speed, at once; in
+ * proportion through noise of the speed; and no more before it shows at a higher one. */
+void test_what_the_terminals_show_falls_with_the_speed(void)
+{
+    now.bus_current_mA = modelled_mA() - 1000;
+    (void)run(1000);
+    model = motor_model_at(&constants, &config, 22222, 2500);
+    now.bus_current_mA = modelled_mA() - 500;
+    TEST_ASSERT_INT32_WITHIN(2, 500, run(1));
+    model = motor_model_at(&constants, &config, -11111, 2500);
+    now.bus_current_mA = modelled_mA() - 250;
+    TEST_ASSERT_INT32_WITHIN(2, 250, run(1));
+    model = motor_model_at(&constants, &config, 44444, 2500);
+    now.bus_current_mA = modelled_mA() - 250;
+    TEST_ASSERT_INT32_WITHIN(2, 250, run(100));
+}
+
 void test_what_the_terminals_draw_beyond_the_model_counts_below_zero(void)
 {
     now.bus_current_mA = modelled_mA() + 1000;
