@@ -254,6 +254,39 @@ void test_the_uncertain_angle_reduces_only_what_the_management_permits(void)
     TEST_ASSERT_GREATER_THAN_INT(100, kept_back);
 }
 
+/* The angle of slow halls, a sector in 32 ms or more, is off by up to 30 degrees; extrapolated, by
+ * what a deceleration turns in a sector's time: less with the square of the speed. Beside such an
+ * error the currents of a motor without saliency drive at no time, but for 2 % of i_q and 0.1 A,
+ * which iron losses add to it as i_d falls. */
+void test_with_hall_sensors_the_error_of_their_angle_drives_at_no_time(void)
+{
+    config.rotor.sensor = CONFIG_ROTOR_HALL;
+    random_t random = random_seeded(43);
+    const double sector_rad_s = TURN / 6.0 / 0.032;
+    int lowered = 0;
+    for (int n = 0; n < 5000; n++) {
+        const int32_t speed_mrad_s = random_between(&random, 200, 5600);
+        static motor_model_t model;
+        model = model_at(&config, speed_mrad_s, 2500);
+        const feasible_set_t set = feasible_set_at(&model, NO_VOLTAGE_LIMIT_mV);
+        const feasible_returned_t returned = {.power_b = -feasible_power_b(&model, 200, 53000)};
+        loss_braking_t losses = loss_braking_at(&model, returned, Q15_ONE);
+        losses.by_map_mNm = 0;
+        const int32_t torque_mNm = -random_between(&random, 0, 20000);
+        const current_setpoint_t map = current_setpoint_step(&set, torque_mNm, 0);
+        const current_setpoint_t out = loss_braking_setpoint(&set, &losses, torque_mNm, map);
+        const double ratio = 1e-3 * speed_mrad_s * config.motor.pole_pairs / sector_rad_s;
+        const double error_rad = atan(1.0 / (sqrt(3.0) * fmax(1.0, ratio * ratio)));
+        const double i_d_a = 1e-3 * out.i_d_mA;
+        const double i_q_a = 1e-3 * out.i_q_mA;
+        if (i_q_a < 0.0) {
+            lowered += i_d_a < map.i_d_mA * 1e-3;
+            TEST_ASSERT_TRUE(fabs(i_d_a) * sin(error_rad) <= -1.02 * i_q_a * cos(error_rad) + 0.1);
+        }
+    }
+    TEST_ASSERT_GREATER_THAN_INT(2000, lowered);
+}
+
 void test_derating_takes_loss_braking_away(void)
 {
     const int32_t speed_mrad_s = 44444;

@@ -42,6 +42,25 @@ void test_losses_may_take_the_phase_current_less_a_256th_and_the_derating(void)
                             loss_braking_at(&motor.model, NO_POWER, Q15_ONE).by_map_mNm);
 }
 
+/* 1 / tan(29.7 degrees) up to a sector in 32 ms, 32.768 rad/s; with the square of the speed. */
+void test_beside_an_uncertain_angle_i_d_is_bounded_by_i_q_up_to_four_times_32_ms_a_sector(void)
+{
+    motor.model.speed_b = 32768;
+    TEST_ASSERT_EQUAL_UINT16(0, loss_braking_at(&motor.model, NO_POWER, Q15_ONE).d_per_q_q8);
+    motor.constants.hall_angle_b = 1;
+    static const struct {
+        int32_t speed_b, expected_q8;
+    } POINTS[] = {
+        {32768, 448}, {0, 448}, {3 * 32768, 9 * 448}, {4 * 32768 - 1, 7161}, {4 * 32768, 0}};
+    for (size_t k = 0; k < sizeof POINTS / sizeof POINTS[0]; k++) {
+        motor.model.speed_b = POINTS[k].speed_b;
+        TEST_ASSERT_INT32_WITHIN(7, POINTS[k].expected_q8,
+                                 loss_braking_at(&motor.model, NO_POWER, Q15_ONE).d_per_q_q8);
+    }
+    motor.constants.speed_shift = 2; /* four units a mrad/s */
+    TEST_ASSERT_EQUAL_UINT16(448, loss_braking_at(&motor.model, NO_POWER, Q15_ONE).d_per_q_q8);
+}
+
 /* ---- torque without a returned power ---- */
 
 static int32_t torque_mNm(loss_braking_t *losses, int32_t by_map_mNm)
@@ -98,6 +117,7 @@ typedef struct {
     double a, b, b_d, c, c_d, c_dd, loss; /* power of x and i_d; of an ampere */
     double emf, x_d, x_q, iron, cross;    /* w psi, w L_d, w L_q; i_q = x + iron + cross i_d */
     double current, taken;
+    double uncertain; /* i_d an i_q that an uncertain angle allows; 0: certain */
 } drive_t;
 
 static double excess(const drive_t *d, double i_d, double x, double taken)
@@ -111,6 +131,13 @@ static double on_circle(const drive_t *d, double i_d, double x)
 {
     const double i_q = x + d->iron + d->cross * i_d;
     return -sqrt(fmax(d->current * d->current - i_q * i_q, 0.0));
+}
+
+static double lowest(const drive_t *d, double i_d, double x)
+{
+    const double i_q = x + d->iron + d->cross * i_d;
+    const double circle = on_circle(d, i_d, x);
+    return d->uncertain > 0.0 ? fmax(circle, d->uncertain * fmin(i_q, 0.0)) : circle;
 }
 
 static int32_t powers(double x)
@@ -260,13 +287,15 @@ void test_i_q_counts_forward_in_either_direction_of_rotation(void)
 }
 
 /* Two passes, three with an uncertain angle: the root of q d^2 + e d + excess from the last i_d,
- * down to the circle. */
+ * down to the circle and to a share of i_q. */
 static void compare_setpoints(int passes, uint64_t seed)
 {
     random_t random = random_seeded(seed);
     int changed = 0;
     for (int n = 0; n < ROUNDS; n++) {
-        const drive_t d = any(&random);
+        drive_t d = any(&random);
+        d.uncertain =
+            random_chance(&random, 0.5) ? random_between(&random, 448, 7168) / 256.0 : 0.0;
         apply(&d);
         const double x = random_real(&random, -1.5, -0.1);
         const double highest = random_real(&random, -0.3, 0.0);
@@ -285,13 +314,14 @@ static void compare_setpoints(int passes, uint64_t seed)
             const double under_root = e * e - 4.0 * d.c_dd * more;
             clear = clear && under_root > 0.01;
             i_d -= (e + sqrt(fmax(under_root, 0.0))) / (2.0 * d.c_dd);
-            i_d = fmin(fmax(i_d, fmin(on_circle(&d, i_d, x), highest)), highest);
+            i_d = fmin(fmax(i_d, fmin(lowest(&d, i_d, x), highest)), highest);
         }
         if (!clear) {
             continue;
         }
         const loss_braking_t losses = {
             .current_b = plain_units(d.current),
+            .d_per_q_q8 = (uint16_t)lround(256.0 * d.uncertain),
             .returned = {.power_b = powers(d.taken), .margin_b = INT32_MAX},
         };
         const current_setpoint_t out =
