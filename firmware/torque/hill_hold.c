@@ -5,8 +5,8 @@
 #include "core/ramp.h"
 
 enum {
-    TOLERANCE_SHARE = 8, /* of the demand: what the road is known to */
-    SLOWER_SHARE = 3     /* of the speed: hall edges show a stop late */
+    ROLLING_SHARE = 8, /* of the road: rolling resistance slows a wheel down and helps to hold it */
+    SLOWER_SHARE = 3   /* of the speed: hall edges show a stop late */
 };
 
 void hill_hold_init(hill_hold_state_t *state)
@@ -64,28 +64,22 @@ static void release(hill_hold_state_t *state, const config_t *config, drive_dire
     state->leaves = !state->holds;
 }
 
-/* What holds the slope as far as it is known. While the wheel turns, more would be a jerk. */
-static int32_t ahead_mNm(const config_t *config, int32_t road_mNm)
-{
-    const int64_t most_mNm = (int64_t)road_mNm + road_mNm / (TOLERANCE_SHARE - 1);
-    return q_min(q_saturate64(most_mNm), config->driver.hold_torque_mNm);
-}
-
 /* Before standstill, as long as the driver brakes and the wheel is slow. */
 static bool is_ahead(hill_hold_state_t *state, const config_t *config, int32_t slower_mrad_s,
                      const hill_hold_wheel_t *wheel, int32_t braking_mNm, bool drives)
 {
-    const int32_t road_mNm = wheel->road_mNm;
+    const int32_t slope_mNm = wheel->road_mNm - wheel->road_mNm / ROLLING_SHARE;
     const int32_t speed_abs_mrad_s = q_abs(wheel->speed_mrad_s);
     const bool brakes = braking_mNm > 0 && !drives;
-    const bool rolls_off = road_mNm > braking_mNm - braking_mNm / TOLERANCE_SHARE;
+    const bool rolls_off = slope_mNm > braking_mNm;
     if (!brakes || speed_abs_mrad_s / 2 > state->begun_mrad_s) {
         state->begun_mrad_s = 0;
     }
     if (brakes && rolls_off && slower_mrad_s <= speed_abs_mrad_s / SLOWER_SHARE &&
         state->begun_mrad_s == 0) {
         state->begun_mrad_s = speed_abs_mrad_s;
-        state->torque_mNm = q_max(state->torque_mNm, ahead_mNm(config, road_mNm));
+        state->torque_mNm =
+            q_max(state->torque_mNm, q_min(slope_mNm, config->driver.hold_torque_mNm));
     }
     return state->begun_mrad_s > 0;
 }
