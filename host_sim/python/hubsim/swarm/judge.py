@@ -157,6 +157,13 @@ def demanded_nm(recording: Recording) -> Rows:
     return out
 
 
+def _stands_m_per_s(recording: Recording) -> float:
+    """Return below which speed a wheel counts as at standstill, where it may be held."""
+    per_s = recording.drive.monitor.standstill_rpm / 60.0
+    radius_m = recording.parameters["vehicle.wheel_radius_m"]
+    return max(2.0 * math.pi * per_s * radius_m, MOVES_M_PER_S)
+
+
 def _wrong_nm(recording: Recording) -> float:
     """Return the torque of the wrong sign that counts, what cogging makes of it apart."""
     cogging_nm = recording.parameters["motor.cogging_torque_nm"]
@@ -184,12 +191,13 @@ def excess_braking(recording: Recording) -> Iterator[Finding]:
 
     Beside the demand stand what a coasting wheel loses, what the drawn brake makes more than it
     is asked for, the tolerance of the motor's parts, and cogging, which a slow wheel does not
-    average out. A demand that has fallen counts until the brakes can have followed.
+    average out. A demand that has fallen counts until the brakes can have followed. At standstill
+    a hill hold begins, whatever is demanded.
     """
     window = _rows(message_s(recording) + brakes_s(recording))
     demand = motion.largest_of(demanded_nm(recording), window)
     pressed = recording.signals["driver.brake_nm"] > PRESSED_NM
-    moves = pressed & (np.abs(recording.speed) > MOVES_M_PER_S)
+    moves = pressed & (np.abs(recording.speed) > _stands_m_per_s(recording))
     strong = max(1.0 - recording.parameters["brake.torque_loss"], 1.0)
     cogging_nm = recording.parameters["motor.cogging_torque_nm"]
     for k in range(recording.wheels):

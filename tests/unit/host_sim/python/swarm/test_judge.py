@@ -118,6 +118,15 @@ def test_excess_of_both_brakes(beyond: float, wrong: bool) -> None:
     assert "excess_braking" not in violated(spike)
 
 
+@pytest.mark.parametrize(("times", "wrong"), [(0.9, False), (1.1, True)])
+def test_a_hold_below_the_configured_standstill_is_no_excess(times: float, wrong: bool) -> None:
+    rad_s = DRIVE.monitor.standstill_rpm * 2.0 * math.pi / 60.0
+    rolls = np.full(ROWS, -times * rad_s * DRIVE.vehicle.wheel_radius_m)
+    recording = braked(0.0, -3.0 * DEMAND)
+    slow = with_signals(recording, {"vehicle.speed_m_per_s": rolls})
+    assert ("excess_braking" in violated(slow)) is wrong
+
+
 @pytest.mark.parametrize(("cogging", "wrong"), [(2.0, True), (8.0, False)])
 def test_cogging_is_no_excess(cogging: float, wrong: bool) -> None:
     lost = motion.coasting_nm(DRIVE, np.array([SPEED / DRIVE.vehicle.wheel_radius_m]))[0]
