@@ -18,6 +18,7 @@ from regen_table import derived, loops
 
 from hubsim import reasons
 from hubsim.engine import Rows, mode_text
+from hubsim.run.plant import STANDARD_GRAVITY_M_PER_S2
 from hubsim.scenario import faults
 from hubsim.swarm import motion
 from hubsim.swarm.allowances import limit as allowed
@@ -31,6 +32,7 @@ TURNS_M_PER_S = 0.2  # nothing is acknowledged any more: ten times what counts a
 ROLLS_M_PER_S = 0.5  # a stop begins, or coasting is looked at
 WRONG_NM, WRONG_SHARE, WRONG_MS = 2.0, 0.05, 5.0
 EXCESS_NM, EXCESS_SHARE, EXCESS_ROWS = 5.0, 0.1, 100
+SLOPE_ROWS = 50
 PARTS_SHARE = 0.1  # of its torque, that a motor within its tolerances makes too much
 FEASIBLE_SHARE = 1.25  # of the computed torque: resistance by temperature, parts
 CURRENT_SHARE = 1.3  # of the over-current trip
@@ -186,16 +188,30 @@ def driving_while_braking(recording: Recording) -> Iterator[Finding]:
         yield Finding("", k, float(recording.time_s[at]), float(rows), WRONG_MS, "ms")
 
 
+def _held_nm(recording: Recording) -> Rows:
+    """Return what each wheel needs against the slope, uphill and just before it stands.
+
+    A hill hold that has to act at standstill begins as much earlier as the brake follows late, and
+    half of that more (hill_hold.h).
+    """
+    p, signals = recording.parameters, recording.signals
+    slope = motion.slope_of(signals["vehicle.height_m"], signals["vehicle.distance_m"], SLOPE_ROWS)
+    weight_nm = p["vehicle.mass_kg"] * STANDARD_GRAVITY_M_PER_S2 * p["vehicle.wheel_radius_m"]
+    soon = _rows(message_s(recording) + 1.5 * brakes_s(recording))
+    stands = motion.smallest_of(np.abs(recording.speed)[::-1], soon)[::-1] < MOVES_M_PER_S
+    return np.where(stands, np.maximum(slope, 0.0) * weight_nm / recording.wheels, 0.0)
+
+
 def excess_braking(recording: Recording) -> Iterator[Finding]:
     """Torque of both brakes beyond the demand, mean of 100 ms.
 
     Beside the demand stand what a coasting wheel loses, what the drawn brake makes more than it
     is asked for, the tolerance of the motor's parts, and cogging, which a slow wheel does not
-    average out. A demand that has fallen counts until the brakes can have followed. At standstill
-    a hill hold begins, whatever is demanded.
+    average out. A demand that has fallen counts until the brakes can have followed. At standstill,
+    and ahead of it as far as a slope needs it, there is a hill hold, whatever is demanded.
     """
     window = _rows(message_s(recording) + brakes_s(recording))
-    demand = motion.largest_of(demanded_nm(recording), window)
+    demand = motion.largest_of(np.maximum(demanded_nm(recording), _held_nm(recording)), window)
     pressed = recording.signals["driver.brake_nm"] > PRESSED_NM
     moves = pressed & (np.abs(recording.speed) > _stands_m_per_s(recording))
     strong = max(1.0 - recording.parameters["brake.torque_loss"], 1.0)

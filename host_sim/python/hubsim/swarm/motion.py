@@ -8,6 +8,7 @@ from hubsim.engine import Rows
 
 SIX_STEP = 2.0 / np.pi  # amplitude of a phase's fundamental over the bus voltage: diodes conduct
 LEAST_RAD_S = 0.5
+LEAST_WAY_M = 1e-3
 
 
 def largest_of(values: Rows, rows: int) -> Rows:
@@ -50,6 +51,15 @@ def changes_in(values: Rows, rows: int) -> Rows:
     changed = np.concatenate([[0.0], (np.diff(values) != 0.0).astype(float)])
     sums = np.concatenate([np.zeros(rows), np.cumsum(changed)])
     out: Rows = sums[rows:] - sums[:-rows]
+    return out
+
+
+def slope_of(height_m: Rows, distance_m: Rows, rows: int) -> Rows:
+    """Return how steeply each row was climbed, along the way of the rows before; 0 at rest."""
+    out = np.zeros_like(height_m)
+    way_m = np.abs(distance_m[rows:] - distance_m[:-rows])
+    risen_m = height_m[rows:] - height_m[:-rows]
+    out[rows:] = np.where(way_m > LEAST_WAY_M, risen_m / np.maximum(way_m, LEAST_WAY_M), 0.0)
     return out
 
 

@@ -23,6 +23,7 @@ VEHICLE_SIGNALS = (
     "driver.brake_nm",
     "vehicle.speed_m_per_s",
     "vehicle.distance_m",
+    "vehicle.height_m",
     "battery.current_a",
     "bus.voltage_v",
     "bms.charge_a",

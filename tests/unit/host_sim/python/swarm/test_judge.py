@@ -127,6 +127,27 @@ def test_a_hold_below_the_configured_standstill_is_no_excess(times: float, wrong
     assert ("excess_braking" in violated(slow)) is wrong
 
 
+@pytest.mark.parametrize(("slope", "wrong"), [(0.2, False), (0.05, True), (-0.2, True)])
+def test_a_hold_just_before_standstill_may_be_what_the_slope_needs(
+    slope: float, wrong: bool
+) -> None:
+    vehicle = DRIVE.vehicle
+    needs_nm = vehicle.mass_kg * 9.80665 * 0.2 * vehicle.wheel_radius_m  # on the first slope
+    recording, stands = braked(0.0, DEMAND), 4000
+    speed = np.interp(np.arange(ROWS), [1000, stands], [SPEED, 0.0])
+    distance = np.cumsum(speed) * 1e-3
+    climbs = {
+        "vehicle.speed_m_per_s": speed,
+        "vehicle.distance_m": distance,
+        "vehicle.height_m": slope * distance,
+        "wheel0.hydraulic_torque_nm": steps((1000, DEMAND), (stands - 150, needs_nm)),
+    }
+    assert needs_nm > 2.0 * DEMAND
+    assert ("excess_braking" in violated(with_signals(recording, climbs))) is wrong
+    early = climbs | {"wheel0.hydraulic_torque_nm": steps((1000, needs_nm))}
+    assert "excess_braking" in violated(with_signals(recording, early))
+
+
 @pytest.mark.parametrize(("cogging", "wrong"), [(2.0, True), (8.0, False)])
 def test_cogging_is_no_excess(cogging: float, wrong: bool) -> None:
     lost = motion.coasting_nm(DRIVE, np.array([SPEED / DRIVE.vehicle.wheel_radius_m]))[0]
