@@ -5,9 +5,9 @@
  *     u_d = PI(i_d* - i_d) - w L_q i_q            u_q = PI(i_q* - i_q) + w L_d i_d + w psi
  *
  * Voltages are in modulation units: the voltage limit is the unit circle. The d axis has priority
- * where its voltage weakens the field, and beside what holds the q current where its voltage
- * strengthens it; q gets the remaining voltage. Gains for the present bus voltage and speed come
- * from tuning.h.
+ * where its voltage weakens the field, but for 1/64, and beside what holds the q
+ * current where its voltage strengthens it; q gets the remaining voltage. Gains for the present bus
+ * voltage and speed come from tuning.h.
  *
  * Anti-windup by back-calculation: when u was limited, the integrator advances with the error that
  * would just have produced the applied voltage (self-conditioning, Hanus 1987), e_applied = e +
@@ -31,6 +31,7 @@
 
 enum {
     CURRENT_CONTROLLER_RESERVE_Q15 = 5898,    /* 18 % of the circle: leaves 98 % for d */
+    CURRENT_CONTROLLER_WEAKENING_Q15 = 32256, /* 63/64: leaves 17.6 % for q */
     CURRENT_CONTROLLER_CORRECTION_Q15 = 3277, /* a tenth */
     CURRENT_CONTROLLER_FREE_Q15 = 16384,      /* a half of the circle leaves 87 % for q */
     CURRENT_CONTROLLER_MOST_RESERVE_Q15 = 28377
@@ -98,14 +99,15 @@ Q_TARGET_INLINE void current_controller_step(current_controller_t *restrict stat
     const int32_t p_d_q25 = q_pair_mac_x(base_d_q25, d_gain_q10, error);
     const int32_t u_d_q25 = q_pair_mac_y(p_d_q25, d_gain_q10, i.v);
     const int32_t u_d = u_d_q25 >> 10;
-    int32_t applied_d = q_saturate16(u_d);
+    int32_t applied_d = u_d;
     out->unsaturated_d_q25 = u_d_q25;
-    if (u_d > CURRENT_CONTROLLER_FREE_Q15) {
-        applied_d = q_min(applied_d, current_controller_most_d(steady_q_q25, u_q_q25));
-    }
     const q_pair_t integral_q15 = q_pair_load(&gains->integral_q15);
     int32_t next_d_q30 = q_pair_mac_x(integral_d_q30, integral_q15, error);
-    if (applied_d != u_d) {
+    /* Outside -weakening .. free, as one unsigned comparison. */
+    if ((uint32_t)u_d + CURRENT_CONTROLLER_WEAKENING_Q15 >
+        (uint32_t)CURRENT_CONTROLLER_WEAKENING_Q15 + CURRENT_CONTROLLER_FREE_Q15) {
+        applied_d = u_d < 0 ? -CURRENT_CONTROLLER_WEAKENING_Q15
+                            : q_min(u_d, current_controller_most_d(steady_q_q25, u_q_q25));
         next_d_q30 += q_pair_x(gains->anti_windup_q15) * q_saturate18(applied_d - u_d);
     }
     state->d.integrator_q30 = q_saturate31(next_d_q30);

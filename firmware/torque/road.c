@@ -36,16 +36,6 @@ static void begin(road_state_t *state, int32_t speed_abs_mrad_s)
     state->known_mNm_ms = 0;
 }
 
-/* Not seen: another road may follow. */
-static void expire(road_state_t *state)
-{
-    if (state->since_ms < LONGEST_ms - 1) {
-        state->since_ms++;
-    } else {
-        state->torque_mNm = 0;
-    }
-}
-
 /* The shown speed has changed. */
 static void see(road_state_t *state, int32_t speed_abs_mrad_s)
 {
@@ -63,14 +53,11 @@ int32_t road_step(road_state_t *state, const config_t *config, int32_t speed_mra
 {
     const int32_t speed_abs_mrad_s = q_abs(speed_mrad_s);
     const bool backwards = speed_mrad_s < 0;
-    const bool rolls = trusted && speed_abs_mrad_s > config->brake.blend_out_end_mrad_s / 2 + 1;
-    const bool same = rolls == state->rolls && (backwards == state->backwards || !rolls);
+    const bool rolled = state->rolls && backwards == state->backwards;
     state->backwards = backwards;
-    state->rolls = rolls;
-    if (!same) {
+    state->rolls = trusted && speed_abs_mrad_s > config->brake.blend_out_end_mrad_s / 2 + 1;
+    if (!state->rolls || !rolled) {
         begin(state, speed_abs_mrad_s);
-    } else if (!rolls) {
-        expire(state);
     } else {
         const int64_t along_mNm = backwards ? -(int64_t)motor_mNm : motor_mNm;
         state->known_mNm_ms += limited_mNm(along_mNm - hydraulic_mNm);

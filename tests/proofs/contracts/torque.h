@@ -235,8 +235,7 @@ POST(road_init, road_holds(state) && state->torque_mNm == 0 && !state->rolls)
 PRE(road_step, road_holds(state))
 POST(road_step, road_holds(state) && result == q_max(-state->torque_mNm, 0))
 POST(road_step, trusted || !state->rolls)
-POST(road_step, state->rolls || state->torque_mNm == old(state->torque_mNm) ||
-     state->torque_mNm == 0)
+POST(road_step, state->rolls || state->torque_mNm == old(state->torque_mNm))
 
 /* torque/stop_lamp.h */
 POST(stop_lamp_init, !state->lit && !state->started)

@@ -19,10 +19,9 @@
 
 typedef struct {
     int32_t inertia_g_m2; /* of the wheel's share of the vehicle */
-    int32_t torque_mNm;   /* along the rotation; of this step, or when the wheel last rolled; 0:
-                             not known */
+    int32_t torque_mNm;   /* along the rotation; of this step, or when the wheel last rolled */
     int32_t shown_mrad_s; /* magnitude of the speed at its last change */
-    int32_t since_ms;     /* that change, or since it is not seen */
+    int32_t since_ms;     /* that change */
     int64_t known_mNm_ms; /* sum since then: motor less hydraulic torque */
     bool rolls, backwards;
 } road_state_t;
@@ -32,7 +31,7 @@ void road_init(road_state_t *state, const config_t *config);
 /* Braking torque of the road, magnitude; 0 while it pushes or was never known. motor_mNm: from
  * measured currents, at the shaft, signed. hydraulic_mNm: magnitude. trusted: both and the speed
  * are valid, and no wheel slips; while they are not, and below half the end of the blend-out, the
- * result stays for 1 s and then is 0. */
+ * result stays. */
 int32_t road_step(road_state_t *state, const config_t *config, int32_t speed_mrad_s,
                   int32_t motor_mNm, int32_t hydraulic_mNm, bool trusted);
 

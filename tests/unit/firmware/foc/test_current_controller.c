@@ -111,13 +111,13 @@ void test_the_unsaturated_voltage_is_reported(void)
     const voltages_t out = step(&tuning, -20000, -20000, 0, 0);
     TEST_ASSERT_EQUAL_INT32(-40000, out.unsaturated.d);
     TEST_ASSERT_EQUAL_INT32(-80000, out.unsaturated.q);
-    TEST_ASSERT_EQUAL_INT32(-32768, out.applied.d);
+    TEST_ASSERT_EQUAL_INT32(-32256, out.applied.d); /* 63/64 of the circle */
 }
 
 void test_each_integrator_is_updated_with_the_applied_voltage(void)
 {
-    /* In one step an integrator advances by k_i e + k_i/k_p (1 - k_p e) where k_p e is too much by
-     * a half, by k_i e where not. */
+    /* In one step an integrator advances by k_i e + k_i/k_p (u - k_p e) where k_p e is too much by
+     * about a half, by k_i e where not. u is 1, of a weakening d 63/64. */
     current_tuning_t tuning = plain_tuning();
     tuning.d.proportional_q10 = 3 * 1024;
     tuning.d.integral_q15 = 300;
@@ -126,7 +126,7 @@ void test_each_integrator_is_updated_with_the_applied_voltage(void)
     tuning.q.integral_q15 = 400;
     tuning.q.anti_windup_q15 = 200;
     step(&tuning, -16384, 0, 0, 0);
-    TEST_ASSERT_DOUBLE_WITHIN(0.1, 300.0 * -0.5 + 100.0 * (1.5 - 1.0),
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, 300.0 * -0.5 + 100.0 * (1.5 - 63.0 / 64.0),
                               state.d.integrator_q30 / 32768.0);
     current_controller_reset(&state);
     step(&tuning, 0, -24576, 0, 0);
@@ -273,8 +273,11 @@ void test_braking_d_voltage_leaves_q_what_holds_its_current(void)
             /* What is left beside an axis is up to 0.8 % short. */
             TEST_ASSERT_TRUE(fabs((double)out.applied.q) >= 0.99 * fmin(wanted, reserve) - 2.0);
             TEST_ASSERT_TRUE(hypot(out.applied.d, out.applied.q) <= 32769.0);
-            at.forward_d_q25 = -(2 << 25); /* the field is weakened by it */
-            TEST_ASSERT_EQUAL_INT32(-32768, step(&at, 0, error, 0, 0).applied.d);
+            at.forward_d_q25 =
+                -(2 << 25); /* the field is weakened by it: sqrt(1 - (63/64)^2) for q */
+            const voltages_t weakened = step(&at, 0, error, 0, 0);
+            TEST_ASSERT_EQUAL_INT32(-32256, weakened.applied.d);
+            TEST_ASSERT_TRUE(fabs((double)weakened.applied.q) >= 0.99 * fmin(wanted, 5770.0) - 2.0);
             at.forward_d_q25 = 16384 * 1024;
             TEST_ASSERT_EQUAL_INT32(16384, step(&at, 0, error, 0, 0).applied.d);
         }

@@ -119,30 +119,6 @@ void test_the_road_stays_what_it_was_while_it_is_not_seen(void)
     TEST_ASSERT_TRUE(state.rolls);
 }
 
-/* Another road may follow a standstill, or the same one in the other direction. */
-void test_a_road_that_is_not_seen_for_a_second_is_not_known(void)
-{
-    for (int k = 0; k < 3; k++) {
-        setUp();
-        slope_nm = 10.0;
-        roll(SETTLED_ms);
-        const int32_t before_mNm = road_mNm;
-        for (int n = 0; n < 1000; n++) {
-            const int32_t slow_mrad_s = k == 0 ? 0 : k == 1 ? 100 : n % 2 * 10 - 5;
-            road_mNm = road_step(&state, &config, slow_mrad_s, 3000, 2000, true);
-            TEST_ASSERT_EQUAL_INT32(before_mNm, road_mNm);
-        }
-        for (int n = 0; n < 30; n++) {
-            road_mNm = road_step(&state, &config, 0, 3000, 2000, true);
-        }
-        TEST_ASSERT_EQUAL_INT32(0, road_mNm);
-        TEST_ASSERT_EQUAL_INT32(0, state.torque_mNm);
-        speed_rad_s = 40.0;
-        roll(SETTLED_ms);
-        TEST_ASSERT_INT32_WITHIN(300, 10000, road_mNm);
-    }
-}
-
 /* A wheel that is seen again, or turns round, has another speed and other torques: neither is a
  * change of speed. */
 void test_a_wheel_that_is_seen_again_or_turns_round_begins_anew(void)
