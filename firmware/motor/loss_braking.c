@@ -14,23 +14,12 @@ enum {
     SPEED_LOG2 = 5,
     WAITING_SPEED = 1 << 10,
     EXTRAPOLATING_SPEED = 4 * WAITING_SPEED,
-    PER_I_Q_LOG2 = 8
+    PER_Q_LOG2 = 8
 };
 
 static int64_t square(int32_t x)
 {
     return (int64_t)x * x;
-}
-
-/* Beside hall sensors' angle no i_d may drive. DERIVATIONS.md, Loss braking. */
-static uint16_t d_per_q_q8(const motor_model_t *model)
-{
-    const motor_constants_t *k = model->constants;
-    const int32_t speed = scaled_shift(model->speed_b, -k->speed_shift - SPEED_LOG2);
-    const int32_t at_least = q_max(speed, WAITING_SPEED);
-    return k->hall_angle_b == 0 || speed >= EXTRAPOLATING_SPEED
-               ? 0
-               : (uint16_t)(at_least * at_least / (1 << 14) * 7);
 }
 
 loss_braking_t loss_braking_at(const motor_model_t *model, feasible_returned_t returned,
@@ -42,7 +31,6 @@ loss_braking_t loss_braking_at(const motor_model_t *model, feasible_returned_t r
         share_q15 < Q15_ONE ? (int32_t)(((int64_t)whole_b * share_q15) >> 15) : whole_b;
     const loss_braking_t out = {
         .current_b = model->config->brake.loss_braking != 0 ? derated_b : 0,
-        .d_per_q_q8 = d_per_q_q8(model),
         .returned = returned,
         .by_map_mNm = FEASIBLE_UNBOUNDED,
     };
@@ -55,12 +43,21 @@ static int32_t on_circle_d_b(int32_t current_b, int32_t i_q_b)
     return -scaled_root(square(current_b) - square(i_q_b));
 }
 
-/* The lowest i_d beside an i_q, <= 0. */
-static int32_t lowest_d_b(const loss_braking_t *losses, int32_t i_q_b)
+/* The lowest i_d beside an i_q, <= 0: beside hall sensors' angle none may drive. DERIVATIONS.md,
+ * Loss braking. */
+static int32_t lowest_d_b(const motor_model_t *m, int32_t current_b, int32_t i_q_b)
 {
-    const int32_t circle_b = on_circle_d_b(losses->current_b, i_q_b);
-    const int64_t beside_q_b = (int64_t)q_min(i_q_b, 0) * losses->d_per_q_q8 >> PER_I_Q_LOG2;
-    return losses->d_per_q_q8 == 0 ? circle_b : q_max(circle_b, q_saturate64(beside_q_b));
+    const int32_t circle_b = on_circle_d_b(current_b, i_q_b);
+    if (m->constants->hall_angle_b == 0) {
+        return circle_b;
+    }
+    const int32_t speed = scaled_shift(m->speed_b, -m->constants->speed_shift - SPEED_LOG2);
+    if (speed >= EXTRAPOLATING_SPEED) {
+        return circle_b;
+    }
+    const int32_t at_least = q_max(speed, WAITING_SPEED);
+    const uint16_t per_q_q8 = (uint16_t)(at_least * at_least * 7 / (1 << 14));
+    return q_max(circle_b, q_saturate64((int64_t)q_min(i_q_b, 0) * per_q_q8 / (1 << PER_Q_LOG2)));
 }
 
 int32_t loss_braking_torque_mNm(const feasible_side_t *side, loss_braking_t *losses,
@@ -125,8 +122,9 @@ current_setpoint_t loss_braking_setpoint(const feasible_set_t *set, const loss_b
                           scaled_multiply(twice_q, at.d_b);
         const int64_t under_root = square(e) - 2 * (int64_t)twice_q * excess_b;
         at.d_b -= scaled_ratio(q_add(e, scaled_root(under_root)), twice_q);
-        at.d_b = q_clamp(at.d_b, q_min(lowest_d_b(losses, motor_model_i_q_b(m, at)), highest_b),
-                         highest_b);
+        at.d_b = q_clamp(
+            at.d_b, q_min(lowest_d_b(m, losses->current_b, motor_model_i_q_b(m, at)), highest_b),
+            highest_b);
         at.x_b = motor_model_x_of_airgap_b(m, airgap_b, at.d_b);
     }
     const int32_t most_mA = m->config->motor.max_phase_current_mA;

@@ -2,7 +2,6 @@
 #include "torque/charge_trim.h"
 
 #include "core/q15.h"
-#include "core/scaled.h"
 
 enum {
     MOST_mA = 2000000,
@@ -66,10 +65,11 @@ static int32_t by_pack_mA(charge_trim_state_t *state, const motor_model_t *model
 static void follow_speed(charge_trim_state_t *state, int32_t speed_mrad_s)
 {
     const int32_t speed_abs_mrad_s = q_abs(speed_mrad_s);
-    if (speed_abs_mrad_s < state->speed_abs_mrad_s) {
-        const int32_t left = scaled_ratio(speed_abs_mrad_s, state->speed_abs_mrad_s);
-        state->terminals_q8_mA = scaled_multiply(state->terminals_q8_mA, left);
-    }
+    const int32_t slower_mrad_s =
+        q_max(q_saturate16(state->speed_abs_mrad_s - speed_abs_mrad_s), 0);
+    const int32_t share_q16 =
+        (int32_t)(((uint32_t)slower_mrad_s << 16) / (uint32_t)q_max(state->speed_abs_mrad_s, 1));
+    state->terminals_q8_mA -= (int32_t)(((int64_t)state->terminals_q8_mA * share_q16) >> 16);
     state->speed_abs_mrad_s = speed_abs_mrad_s;
 }
 

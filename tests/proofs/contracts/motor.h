@@ -121,7 +121,6 @@ POST(torque_uncertainty_mNm, result >= 0)
 
 /* motor/loss_braking.h */
 POST(loss_braking_at, model->config->brake.loss_braking != 0 || result.current_b == 0)
-POST(loss_braking_at, result.d_per_q_q8 <= 28 << 8)
 POST(loss_braking_at, result.by_map_mNm == FEASIBLE_UNBOUNDED && result.torque_mNm == 0 &&
      result.returned.power_b == returned.power_b && result.returned.margin_b == returned.margin_b)
 

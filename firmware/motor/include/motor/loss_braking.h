@@ -21,7 +21,6 @@
 
 typedef struct {
     int32_t current_b;            /* up to which i_d may raise |i|; 0: no loss braking */
-    uint16_t d_per_q_q8;          /* largest |i_d| an |i_q|, 256ths; 0: any */
     feasible_returned_t returned; /* what the battery takes comes first */
     int32_t by_map_mNm;           /* the torque that returns it with the i_d of the map */
     int32_t torque_mNm;           /* that returns nothing on the circle, or draws what
