@@ -10,6 +10,7 @@ by area, and those with i_d > 0 too where L_d > L_q.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -101,12 +102,27 @@ def _map_of(motor: Mapping[str, Any]) -> FluxMap:
         return _of_curves(motor)
     key = "motor.flux_map"
     try:
-        found, _ = flux_files.load(Path(motor["flux_map"]))
+        path = Path(motor["flux_map"])
+        found = _loaded(path, content_of(path))
         flux_map.refuse_short(found, most)
         _refuse_warm(found, motor)
     except ConfigurationError as error:
         raise ConfigurationError(f"{key}: {error}") from error
     return found
+
+
+def content_of(path: Path) -> bytes:
+    """Return what a map's file holds; nothing of one that cannot be read, which its reader says."""
+    try:
+        return path.read_bytes()
+    except OSError:
+        return b""
+
+
+@lru_cache(maxsize=4)
+def _loaded(path: Path, _content: bytes) -> FluxMap:
+    """Return the map of a file, which an image needs some forty times."""
+    return flux_files.load(path)[0]
 
 
 def _refuse_warm(found: FluxMap, motor: Mapping[str, Any]) -> None:

@@ -5,6 +5,7 @@ A drive's TOML file, or the image a controller is flashed with. Images are compu
 drive with any braking strategy, and kept on disk (regen_table/stored.py).
 """
 
+import hashlib
 import threading
 import tomllib
 import zlib
@@ -15,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from regen_table import STRATEGIES, installation, layout, schema, stored
+from regen_table import STRATEGIES, flux_constants, installation, layout, schema, stored
 from regen_table.errors import ConfigurationError
 from regen_table.fields_section import Fields
 from regen_table.schema import Drive
@@ -112,14 +113,16 @@ def image_of(drive: Drive) -> bytes:
     data = drive.model_dump()
     strategy = data["brake"].pop("strategy")
     given = data.pop("fields")
-    key = f"{drive.name} {data!r}"
+    table = data["motor"].pop("flux_map")
+    content = b"" if table is None else flux_constants.content_of(Path(table))
+    key = f"{drive.name} {data!r} {hashlib.sha256(content).hexdigest()}"
     with _lock:  # runs begin in several threads: the second one waits for the work of the first
         if key not in _known:
             if len(_known) >= _KEPT:
                 _known.pop(next(iter(_known)))
-            content = (*program(), key.encode())
             plain = drive.model_copy(update={"fields": Fields()}) if given else drive
-            _known[key] = stored.by_content("image", content, partial(_computed, plain))
+            of = (*program(), key.encode())
+            _known[key] = stored.by_content("image", of, partial(_computed, plain))
         found = _known[key]
     own: dict[tuple[str, str], int | list[int]]
     own = {("brake", "strategy"): STRATEGIES.index(strategy)}

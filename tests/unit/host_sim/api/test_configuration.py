@@ -5,7 +5,9 @@ from pathlib import Path
 
 import hubsim
 import pytest
+from hubsim import configuration
 from hubsim.engine import ROOT
+from regen_table.schema import Drive
 
 LU2013 = ROOT / "tools" / "motors" / "lu2013.toml"
 IMAGE = ROOT / "firmware" / "config" / "generated" / "lu2013.bin"
@@ -60,3 +62,24 @@ def test_an_image_refused_by_the_firmware_is_reported_with_the_firmwares_text(
     path.write_bytes(damaged)
     with pytest.raises(hubsim.HubsimError, match="damaged: configuration refused"):
         hubsim.Controller(path)
+
+
+def test_images_are_kept_by_what_a_flux_map_holds_not_by_its_path(
+    config: hubsim.Configuration, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = []
+
+    def computed(drive: Drive) -> bytes:
+        made.append(drive.motor.flux_map)
+        return config.image
+
+    monkeypatch.setenv("HUBFOC_CACHE_DIR", str(tmp_path / "cache"))
+    monkeypatch.setattr(configuration, "_computed", computed)
+    first, second = tmp_path / "first.csv", tmp_path / "second.csv"
+    assert config.drive is not None
+    motor = config.drive.motor
+    for path, content, count in ((first, "1", 1), (second, "1", 1), (first, "2", 2)):
+        path.write_text(content, encoding="utf-8")
+        mapped = motor.model_copy(update={"flux_map": str(path)})
+        configuration.image_of(config.drive.model_copy(update={"motor": mapped}))
+        assert len(made) == count
