@@ -130,6 +130,16 @@ def mended(tree: Tree, lines: list[str], rounding: float) -> Tree:
     return with_keys(tree, changes)
 
 
+def still_asked(broken: Tree, lines: list[str], asked: set[str]) -> set[str]:
+    """Return what is asked for again whatever numbers of the answer are put in, all or one."""
+    for variant in (lines, *([line] for line in lines)):
+        for rounding in (1.0, 0.9995, 1.0005):
+            if not asked:
+                return asked
+            asked = asked & {blamed(line) for line in lines_of(mended(broken, variant, rounding))}
+    return asked
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_the_numbers_of_an_answer_would_do(name: str) -> None:
     """Put in, together or one, they are not asked for again; they are rounded, to either side."""
@@ -140,14 +150,7 @@ def test_the_numbers_of_an_answer_would_do(name: str) -> None:
             broken = with_keys(tree, {key: value})
             lines = lines_of(broken)
             asked = {blamed(line) for line in lines if number_that_would_do(line) is not None}
-            variants = [lines, *([line] for line in lines)]
-            answers = [
-                {blamed(line) for line in lines_of(mended(broken, variant, by))}
-                for variant in variants
-                for by in (1.0, 0.9995, 1.0005)
-            ]
-            for name_asked in asked:
-                assert any(name_asked not in answer for answer in answers), (name_asked, lines)
+            assert not still_asked(broken, lines, asked), lines
             tried += len(asked)
     assert tried > 20 // EVERY
 
