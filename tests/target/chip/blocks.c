@@ -15,6 +15,20 @@ uint32_t blocks_instructions_in(uc_engine *core, uint64_t address, uint32_t byte
     return count;
 }
 
+bool blocks_set_conditions(uc_engine *core, uint64_t address, uint32_t bytes)
+{
+    uint8_t code[4096];
+    if (bytes > sizeof code || uc_mem_read(core, address, code, bytes) != UC_ERR_OK) {
+        return true;
+    }
+    for (uint32_t at = 0; at < bytes; at += code[at + 1] >> 3 >= 0x1D ? 4 : 2) {
+        if (code[at + 1] == 0xBF && (code[at] & 0xFU) != 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /* Whether an IT instruction up to eight halfwords before covers this address (Arm DDI 0403,
  * A7.3.1): the lowest bit of the mask that is set tells how many instructions. */
 static bool in_it_block(uc_engine *core, uint32_t address)
@@ -47,11 +61,16 @@ static bool in_it_block(uc_engine *core, uint32_t address)
     return false;
 }
 
-bool blocks_conditions_are_over(uc_engine *core, uint32_t address)
+bool blocks_has_conditions(uc_engine *core)
 {
     uint32_t flags;
     (void)uc_reg_read(core, UC_ARM_REG_CPSR, &flags);
-    return (flags & BLOCKS_IT_BITS) != 0 && !in_it_block(core, address);
+    return (flags & BLOCKS_IT_BITS) != 0;
+}
+
+bool blocks_conditions_are_over(uc_engine *core, uint32_t address)
+{
+    return blocks_has_conditions(core) && !in_it_block(core, address);
 }
 
 void blocks_drop_conditions(uc_engine *core)

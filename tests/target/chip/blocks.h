@@ -12,6 +12,12 @@
 /* Instructions in a piece of code, also those whose condition fails. */
 uint32_t blocks_instructions_in(uc_engine *core, uint64_t address, uint32_t bytes);
 
+/* Whether an IT instruction is among them. */
+bool blocks_set_conditions(uc_engine *core, uint64_t address, uint32_t bytes);
+
+/* Whether the program status holds conditions of an IT block. */
+bool blocks_has_conditions(uc_engine *core);
+
 /* The emulator may keep the conditions of an IT block that its end skips, as after
  * `ittee .. pop {pc}`: the next block would lose instructions. Whether it does so before the block
  * at this address: then it has to be stopped and the conditions to be dropped. */

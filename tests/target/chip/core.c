@@ -103,19 +103,34 @@ static void on_core_write(uc_engine *core, uint64_t offset, unsigned size, uint6
 
 /* ---- the core ---- */
 
-/* Each block of the flash is counted once. */
+/* Each block of the flash is counted once. Notes whether conditions may hold at its end. */
 static uint32_t instructions_in(chip_t *chip, uint64_t address, uint32_t size)
 {
     const bool in_flash = address - CHIP_FLASH_BASE < CHIP_FLASH_BYTES;
-    uint8_t *known = in_flash ? &chip->instructions[(address - CHIP_FLASH_BASE) / 2] : NULL;
-    if (known != NULL && *known != 0) {
-        return *known;
+    const size_t place = in_flash ? (address - CHIP_FLASH_BASE) / 2 : 0;
+    if (in_flash && chip->instructions[place] != 0) {
+        chip->may_have_conditions = chip->may_have_conditions || chip->sets_conditions[place];
+        return chip->instructions[place];
     }
     const uint32_t count = blocks_instructions_in(chip->core, address, size);
-    if (known != NULL && count < 256) {
-        *known = (uint8_t)count;
+    const bool sets_conditions = blocks_set_conditions(chip->core, address, size);
+    if (in_flash && count < 256) {
+        chip->instructions[place] = (uint8_t)count;
+        chip->sets_conditions[place] = sets_conditions;
     }
+    chip->may_have_conditions = chip->may_have_conditions || sets_conditions;
     return count;
+}
+
+/* Reading the program status before each block takes a fifth of the time, so only where the block
+ * before may have left conditions. Returns whether they are over. */
+static bool conditions_are_over(chip_t *chip, uint32_t address)
+{
+    if (!chip->may_have_conditions) {
+        return false;
+    }
+    chip->may_have_conditions = blocks_has_conditions(chip->core);
+    return chip->may_have_conditions && blocks_conditions_are_over(chip->core, address);
 }
 
 /* Before the block is executed; a stop leaves it for later. */
@@ -133,7 +148,7 @@ static void on_block(uc_engine *core, uint64_t address, uint32_t size, void *use
         (void)uc_emu_stop(core);
         return;
     }
-    if (blocks_conditions_are_over(core, (uint32_t)address)) {
+    if (conditions_are_over(chip, (uint32_t)address)) {
         chip->drops_conditions = true;
         (void)uc_emu_stop(core);
         return;
@@ -271,6 +286,7 @@ static void execute(chip_t *chip)
         blocks_drop_conditions(chip->core);
         chip->drops_conditions = false;
     }
+    chip->may_have_conditions = true; /* of what was interrupted */
     const uc_err error = uc_emu_start(chip->core, at | 1U, UINT32_MAX, 0, 0);
     if (error != UC_ERR_OK) {
         (void)uc_reg_read(chip->core, UC_ARM_REG_PC, &at);

@@ -144,10 +144,12 @@ struct chip {
     uint32_t core_word[CHIP_CORE_BYTES / 4];
     uint8_t flash_at_power_on[CHIP_FLASH_BYTES];
     uint8_t instructions[CHIP_FLASH_BYTES / 2]; /* of the block that begins there */
+    bool sets_conditions[CHIP_FLASH_BYTES / 2]; /* the block: of an IT instruction */
     chip_ticks_t now, deadline;
     uint32_t ticks_per_cycle;
-    bool needs_attention;  /* an exception may have become pending */
-    bool drops_conditions; /* of an IT block that is over */
+    bool needs_attention;     /* an exception may have become pending */
+    bool drops_conditions;    /* of an IT block that is over */
+    bool may_have_conditions; /* of an IT block before the next block */
     bool reset_requested;
     chip_reset_t reset_by; /* the next reset, if one is requested */
     bool has_power;
