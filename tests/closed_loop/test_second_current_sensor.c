@@ -205,12 +205,12 @@ static bool is_whole(void)
 static extent_t extent(void)
 {
     static const double GLITCHES_S[] = {0.001, 0.02, 0.2}, FEW_GLITCHES_S[] = {0.001, 0.2};
-    static const double DELAYS_S[] = {0.1, 0.3, 1.0, 3.0, 10.0, 60.0}, FEW_DELAYS_S[] = {0.1, 1.0};
+    static const double DELAYS_S[] = {0.1, 0.3, 1.0, 3.0, 10.0, 60.0}, FEW_DELAYS_S[] = {0.3};
     const bool whole = is_whole();
     const extent_t out = {
         .phases = whole ? 3 : 1,
         .glitches = whole ? 3 : 2,
-        .delays = whole ? 6 : 2,
+        .delays = whole ? 6 : 1,
         .glitch_s = whole ? GLITCHES_S : FEW_GLITCHES_S,
         .delay_s = whole ? DELAYS_S : FEW_DELAYS_S,
     };
@@ -353,7 +353,7 @@ void test_sensor_that_stays_wrong_stays_out_while_the_vehicle_drives_coasts_and_
         demand_nm = 2e-3 * config.motor.rated_torque_mNm;
         copy(&trunk, fixture_start(&params, &config));
         run_until(&trunk, RELEASED_S - 0.35);
-        for (int f = 0; f < 5; f++) {
+        for (int f = is_whole() ? 0 : k % 2; f < 5; f += is_whole() ? 1 : 2) {
             copy(&broken, &trunk);
             fail(&broken, &FAILURES[KINDS[f]], f % 3);
             run_until(&broken, BRAKES_S + 1.0);

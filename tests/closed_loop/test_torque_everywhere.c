@@ -16,7 +16,7 @@
 #include "unity.h"
 #include "vehicle_fixture.h"
 
-enum { SPEEDS = 6, SPEEDS_FOR_LONG = 12, TORQUES = 6 };
+enum { SPEEDS = 4, TORQUES = 4, SPEEDS_FOR_LONG = 12, TORQUES_FOR_LONG = 6 };
 static const double HEAVY_KG = 1e6; /* the speed stays */
 static const double SETTLED_s = 0.15;
 static const double MEAN_s = 0.1;
@@ -85,12 +85,14 @@ static mean_t settled(const stand_t *stand, double demand_nm)
 
 static void check(const char *name, double winding_c, double direction)
 {
-    const int speeds = getenv("HUBFOC_FOR_LONG") == NULL ? SPEEDS : SPEEDS_FOR_LONG;
+    const bool for_long = getenv("HUBFOC_FOR_LONG") != NULL;
+    const int speeds = for_long ? SPEEDS_FOR_LONG : SPEEDS;
+    const int torques = for_long ? TORQUES_FOR_LONG : TORQUES;
     for (int n = 1; n <= speeds; n++) {
         const stand_t stand = turning(name, direction * n / speeds, winding_c);
-        for (int k = -2 * TORQUES; k <= 2 * TORQUES; k++) {
+        for (int k = -2 * torques; k <= 2 * torques; k++) {
             /* none, most braking, none, most driving, none */
-            const double size = 1.0 - fabs((double)abs(k) - TORQUES) / TORQUES;
+            const double size = 1.0 - fabs((double)abs(k) - torques) / torques;
             const double share = k < 0 ? -size : size;
             const mean_t mean = settled(&stand, share * stand.most_nm);
             char text[160];
