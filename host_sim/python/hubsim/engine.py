@@ -115,6 +115,9 @@ class Engine:
         self._sim = self._ffi.gc(handle, self._lib.hubsim_delete)
         self._chosen: list[str] = []
         self._packets = self._ffi.new("unsigned char[]", _PACKETS_BYTES)
+        # Where the library writes an answer; runs of a millisecond ask thousands of times a second.
+        self._number = self._ffi.new("double *")
+        self._written = self._ffi.new("int64_t *")
         self.ended = False
 
     def __enter__(self) -> Self:
@@ -131,10 +134,9 @@ class Engine:
 
     def get(self, name: str) -> float:
         """Return a parameter."""
-        out = self._ffi.new("double *")
-        if self._lib.hubsim_get(self._sim, name.encode(), out) != self._lib.HUBSIM_OK:
+        if self._lib.hubsim_get(self._sim, name.encode(), self._number) != self._lib.HUBSIM_OK:
             raise HubsimError(f"{name}: no such parameter")
-        return float(out[0])
+        return float(self._number[0])
 
     def set_voltage_curve(self, soc: Sequence[float], voltage_v: Sequence[float]) -> None:
         """Set the battery's open-circuit voltage (V) over state of charge (0 to 1, rising).
@@ -298,14 +300,15 @@ class Engine:
         width = max(len(self._chosen), 1)
         capacity = int(duration_s / self.get("run.record_interval_s")) + 2 if self._chosen else 0
         rows: Rows = np.empty((capacity, width), dtype=np.float64)
-        written, remaining = self._ffi.new("int64_t *"), self._ffi.new("double *")
         buffer = self._ffi.from_buffer("double[]", rows.data) if capacity else self._ffi.NULL
-        status = self._lib.hubsim_run(self._sim, duration_s, buffer, capacity, written, remaining)
+        status = self._lib.hubsim_run(
+            self._sim, duration_s, buffer, capacity, self._written, self._number
+        )
         self._check(status)
         if status == self._lib.HUBSIM_FULL:
             raise AssertionError("the engine recorded more rows than the interval allows")
         self.ended = status == self._lib.HUBSIM_ENDED
-        return rows[: written[0], : len(self._chosen)]
+        return rows[: self._written[0], : len(self._chosen)]
 
     def advance(self, until_s: float) -> None:
         """Go on to a time, at most to the end of the run, and record nothing."""
@@ -349,10 +352,9 @@ class Engine:
 
     def value(self, name: str) -> float:
         """Return a signal now; of a rate, the account it is the rate of."""
-        out = self._ffi.new("double *")
-        if self._lib.hubsim_value(self._sim, name.encode(), out) != self._lib.HUBSIM_OK:
+        if self._lib.hubsim_value(self._sim, name.encode(), self._number) != self._lib.HUBSIM_OK:
             raise HubsimError(f"{name}: no such signal")
-        return float(out[0])
+        return float(self._number[0])
 
     def mode_text(self, mode: float) -> str:
         """Return the name of a controller's mode."""

@@ -168,24 +168,27 @@ class Timeline:
 
     def next_s(self, now_s: float) -> float:
         """Return when something has to be done next; infinity if never."""
-        times = (
-            [line.due_s for line in self._lines]
-            + [time for time, _, _ in self._returns]
-            + list(self._undo.values())
-        )
-        return min((time for time in times if time > now_s + _EARLY_S), default=math.inf)
+        later_s, next_s = now_s + _EARLY_S, math.inf
+        for line in self._lines:
+            if later_s < line.due_s < next_s:
+                next_s = line.due_s
+        for time in (*(time for time, _, _ in self._returns), *self._undo.values()):
+            if later_s < time < next_s:
+                next_s = time
+        return next_s
 
     def apply(self, vehicle: Engine, now_s: float) -> None:
         """Make the changes that are due."""
+        due_s = now_s + _EARLY_S
         for (event, name), at_s in list(self._undo.items()):
-            if at_s <= now_s + _EARLY_S:
+            if at_s <= due_s:
                 self._before[event, name] = vehicle.get(name)
                 del self._undo[event, name]
         for line in self._lines:
-            if line.due_s <= now_s + _EARLY_S:
+            if line.due_s <= due_s:
                 self._move(line, vehicle, now_s)
         for entry in sorted(self._returns):
-            if entry[0] <= now_s + _EARLY_S:
+            if entry[0] <= due_s:
                 vehicle.set(entry[2], self._before[entry[1:]])
                 self._returns.remove(entry)
 
