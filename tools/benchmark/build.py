@@ -170,7 +170,10 @@ def compile_program(
     shared: list[str],
     whole: bool = True,
 ) -> list[Path]:
-    """Compile a program for one core and link it with each of the configurations.
+    """Compile a program for one core and make it with each of the configurations.
+
+    It is linked with the first of them; in copies the bytes of the others, which are as many and
+    which no code was optimised for, are in their place.
 
     shared: the objects of `shared_sources` for this core. whole: on the core of the images the
     modules are optimised once more when they are linked, as there; else each function stays one.
@@ -184,7 +187,7 @@ def compile_program(
                 f"no configuration firmware/config/generated/{config}.c; ./tools/dev table makes it"
             )
     own = sorted((HERE / program).glob("*.c"))
-    objects = compile_sources(core, [*own, *images], directory)
+    objects = compile_sources(core, [*own, images[0]], directory)
     script = ROOT / "hal" / "qemu_mps2" / "link.ld"
     link = [
         core.optimise,
@@ -197,19 +200,20 @@ def compile_program(
         *(f"-Wl,--undefined={name}" for name in FUNCTIONS),
     ]
 
-    def link_one(config: str, config_object: str) -> Path:
-        elf = directory / f"{program}_{config}{'' if whole else '_parts'}.elf"
-        symbol = "".join(c if c.isalnum() else "_" for c in config).upper()
-        alias = f"-Wl,--defsym=CONFIG_IMAGE=CONFIG_{symbol}"
-        parts = [*shared, *objects[: len(own)], config_object]
-        run(
-            [compiler, *core.flags, *link, alias, *parts, "-lm", "-o", str(elf)],
-            f"linking {program} with {config} for {core.name}",
-        )
-        return elf
-
-    with ThreadPoolExecutor(max_workers=2) as pool:
-        return list(pool.map(link_one, configs, objects[len(own) :]))
+    elfs = [directory / f"{program}_{name}{'' if whole else '_parts'}.elf" for name in configs]
+    symbol = "".join(c if c.isalnum() else "_" for c in configs[0]).upper()
+    alias = f"-Wl,--defsym=CONFIG_IMAGE=CONFIG_{symbol}"
+    run(
+        [compiler, *core.flags, *link, alias, *shared, *objects, "-lm", "-o", str(elfs[0])],
+        f"linking {program} with {configs[0]} for {core.name}",
+    )
+    linked, first = elfs[0].read_bytes(), images[0].with_suffix(".bin").read_bytes()
+    for elf, image in zip(elfs[1:], images[1:], strict=True):
+        other = image.with_suffix(".bin").read_bytes()
+        if linked.count(first) != 1 or len(other) != len(first):
+            raise BenchError(f"{elfs[0].name}: not the bytes of {configs[0]}.bin, once")
+        elf.write_bytes(linked.replace(first, other))
+    return elfs
 
 
 def compile_plugin(interface: int, directory: Path) -> Path:

@@ -136,19 +136,20 @@ def measure_envelope(
     everything: list[int] = []
     each: dict[str, Any] = {}
     programs = build.compile_program(core, "envelope", configs, directory, shared)
+    functions = elf.functions(programs[0])  # only their configurations differ
     for config, program in zip(configs, programs, strict=True):
         found, text = count.calls(
             core,
             program,
             plugin,
-            elf.functions(program),
+            functions,
             [SLOW_STEP],
             BEGIN,
             [f"states={states}", "reasons=1"],
         )
         if core is build.CORES[0] and config == configs[0]:
             options = [f"states={states}"]
-            blocks.check_equal(program, elf.functions(program), found, BEGIN, EQUAL_STATES, options)
+            blocks.check_equal(program, functions, found, BEGIN, EQUAL_STATES, options)
         counts = found[SLOW_STEP]
         worst = {"index": max(range(len(counts)), key=counts.__getitem__)}
         each[config] = {**asdict(count.summary(counts)), "worst_state": worst}
