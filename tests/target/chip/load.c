@@ -29,7 +29,7 @@
 #include "planted.h"
 #include "rig.h"
 
-enum { NODES = 256, STARTS = 10, STARTS_APART = 4, SEEDS = 4, BYTES = 8 };
+enum { NODES = 256, STARTS = 10, STARTS_APART = 5, SEEDS = 4, BYTES = 8 };
 static const double WATCHED_S = 0.5;
 static const double URGENT_SHARE = 0.60, LOAD = 0.95;
 static const double WORST_GAP_ms = 20.5; /* a cycle left out, and a frame */
