@@ -50,9 +50,15 @@ static int32_t flux_at(const config_flux_map_t *map, const int16_t *psi_lsb, pla
                    between(next[0] * ONE, next[1] * ONE, q.share), d.share);
 }
 
+/* Saturated so that its sign may be changed. */
+static int32_t symmetric(int64_t x)
+{
+    return q_limit(q_saturate64(x), INT32_MAX);
+}
+
 static int32_t flux_nWb(const config_flux_map_t *map, int32_t flux)
 {
-    return q_saturate64(((int64_t)flux * (int32_t)(UINT32_C(1) << map->lsb_log2)) >> ONE_LOG2);
+    return symmetric(((int64_t)flux * (int32_t)(UINT32_C(1) << map->lsb_log2)) >> ONE_LOG2);
 }
 
 /* Places half a step on either side of a position, which is moved inwards where the axis ends. */
@@ -72,7 +78,7 @@ static around_t around(int32_t at, int32_t points)
 static int32_t inductance_nH(const config_flux_map_t *map, int32_t change, int32_t step_mA)
 {
     const uint32_t per_entry = (UINT32_C(1000) << 21) / (uint32_t)q_divisor(step_mA);
-    return q_saturate64(((int64_t)change * per_entry) >> (ONE_LOG2 + 21 - map->lsb_log2));
+    return symmetric(((int64_t)change * per_entry) >> (ONE_LOG2 + 21 - map->lsb_log2));
 }
 
 bool flux_map_present(const config_t *config)
@@ -134,7 +140,7 @@ static int32_t magnets(const config_t *config, int32_t winding_temperature_cC)
 int32_t flux_map_shift_mA(const config_t *config, int32_t winding_temperature_cC)
 {
     const config_flux_map_t *map = &config->flux_map;
-    if (!flux_map_present(config) || config->motor.flux_coefficient_ppm_K == 0) {
+    if (!flux_map_present(config)) {
         return 0;
     }
     const int32_t wanted = magnets(config, winding_temperature_cC);

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The flux map beside bilinear interpolation in double precision. */
-#include <math.h>
 #include <string.h>
 
 #include "motor/flux_map.h"
 #include "paper_vehicle.h"
 #include "random_values.h"
+#include "reference_flux_map.h"
 #include "unity.h"
 
 static config_t config;
@@ -42,74 +42,25 @@ static void random_map(uint64_t seed)
     }
 }
 
-/* Of two points, and beyond them along their line. */
-static double along(const int16_t *psi_lsb, double at_d, double at_q)
-{
-    const int d = (int)fmin(fmax(floor(at_d), 0.0), ROWS - 2);
-    const int q = (int)fmin(fmax(floor(at_q), 0.0), COLUMNS - 2);
-    const double x = at_d - d;
-    const double y = at_q - q;
-    const int16_t *row = &psi_lsb[d * COLUMNS + q];
-    return LSB_nWb * ((1.0 - x) * ((1.0 - y) * row[0] + y * row[1]) +
-                      x * ((1.0 - y) * row[COLUMNS] + y * row[COLUMNS + 1]));
-}
-
-static double clamp(double x, double low, double high)
-{
-    return fmin(fmax(x, low), high);
-}
-
-static double steps_d(int32_t i_d_mA)
-{
-    return clamp((double)i_d_mA / D_STEP_mA + BELOW, -0.5, ROWS - 0.5);
-}
-
-static double steps_q(int32_t i_q_mA)
-{
-    return clamp(fabs((double)i_q_mA) / Q_STEP_mA, -0.5, COLUMNS - 0.5);
-}
-
-/* In nH: nWb over a step in mA is uH. */
-static double slope_d(const int16_t *psi_lsb, int32_t i_d_mA, int32_t i_q_mA)
-{
-    const double middle = clamp(steps_d(i_d_mA), 0.5, ROWS - 1.5);
-    return (along(psi_lsb, middle + 0.5, steps_q(i_q_mA)) -
-            along(psi_lsb, middle - 0.5, steps_q(i_q_mA))) *
-           1000.0 / D_STEP_mA;
-}
-
-static double slope_q(const int16_t *psi_lsb, int32_t i_d_mA, int32_t i_q_mA)
-{
-    const double middle = clamp(steps_q(i_q_mA), 0.5, COLUMNS - 1.5);
-    return (along(psi_lsb, steps_d(i_d_mA), middle + 0.5) -
-            along(psi_lsb, steps_d(i_d_mA), middle - 0.5)) *
-           1000.0 / Q_STEP_mA;
-}
-
 void test_fluxes_and_inductances_are_those_of_bilinear_interpolation(void)
 {
     /* A position has 13 fraction bits: of steps of at most 4000 entries half an entry each axis. */
     const double flux_nWb = 2.0 * LSB_nWb;
     const double relative = 1e-3;
+    const double most_nH = 4000.0 * LSB_nWb * 1000.0 / D_STEP_mA;
     random_t random = random_seeded(20);
-    const int16_t *psi_d = config.flux_map.psi_d_lsb;
-    const int16_t *psi_q = config.flux_map.psi_q_lsb;
     for (uint64_t seed = 0; seed < 200; seed++) {
         random_map(seed);
         for (int n = 0; n < 50; n++) {
             const int32_t i_d_mA = random_between(&random, -70000, 45000);
             const int32_t i_q_mA = random_between(&random, -150000, 150000);
-            const double sign = i_q_mA < 0 ? -1.0 : 1.0;
             const flux_map_point_t at = flux_map_at(&config, i_d_mA, i_q_mA);
-            const double d = steps_d(i_d_mA);
-            const double q = steps_q(i_q_mA);
-            TEST_ASSERT_DOUBLE_WITHIN(flux_nWb, along(psi_d, d, q), at.d_nWb);
-            TEST_ASSERT_DOUBLE_WITHIN(flux_nWb, sign * along(psi_q, d, q), at.q_nWb);
-            const double most_nH = 4000.0 * LSB_nWb * 1000.0 / D_STEP_mA;
-            TEST_ASSERT_DOUBLE_WITHIN(relative * most_nH, slope_d(psi_d, i_d_mA, i_q_mA), at.d_nH);
-            TEST_ASSERT_DOUBLE_WITHIN(relative * most_nH, slope_q(psi_q, i_d_mA, i_q_mA), at.q_nH);
-            TEST_ASSERT_DOUBLE_WITHIN(2.0 * relative * most_nH,
-                                      sign * slope_q(psi_d, i_d_mA, i_q_mA), at.cross_nH);
+            const reference_flux_t want = reference_flux(&config.flux_map, i_d_mA, i_q_mA);
+            TEST_ASSERT_DOUBLE_WITHIN(flux_nWb, want.d_nWb, at.d_nWb);
+            TEST_ASSERT_DOUBLE_WITHIN(flux_nWb, want.q_nWb, at.q_nWb);
+            TEST_ASSERT_DOUBLE_WITHIN(relative * most_nH, want.d_nH, at.d_nH);
+            TEST_ASSERT_DOUBLE_WITHIN(relative * most_nH, want.q_nH, at.q_nH);
+            TEST_ASSERT_DOUBLE_WITHIN(2.0 * relative * most_nH, want.cross_nH, at.cross_nH);
         }
     }
 }
