@@ -188,7 +188,7 @@ def driving_while_braking(recording: Recording) -> Iterator[Finding]:
         yield Finding("", k, float(recording.time_s[at]), float(rows), WRONG_MS, "ms")
 
 
-def _held_nm(recording: Recording) -> Rows:
+def _slope_nm(recording: Recording) -> Rows:
     """Return what each wheel needs against the slope, uphill and just before it stands.
 
     A hill hold that has to act at standstill begins as much earlier as the brake follows late, and
@@ -211,7 +211,7 @@ def excess_braking(recording: Recording) -> Iterator[Finding]:
     and ahead of it as far as a slope needs it, there is a hill hold, whatever is demanded.
     """
     window = _rows(message_s(recording) + brakes_s(recording))
-    demand = motion.largest_of(np.maximum(demanded_nm(recording), _held_nm(recording)), window)
+    demand = motion.largest_of(np.maximum(demanded_nm(recording), _slope_nm(recording)), window)
     pressed = recording.signals["driver.brake_nm"] > PRESSED_NM
     moves = pressed & (np.abs(recording.speed) > _stands_m_per_s(recording))
     strong = max(1.0 - recording.parameters["brake.torque_loss"], 1.0)
