@@ -14,6 +14,7 @@ enum {
     ASKEW_TURN = 5461,     /* 30 degrees */
     LATE_TURN = 8374,      /* 46 degrees: 16 and halls that are 30 late */
     AGREED_TURN = 2185,    /* 12 degrees */
+    LATE_mrad_s = 45000,   /* electrical, of halls: in a sector a stop turns them by 16 degrees */
     OPPOSED_STEPS = 2,
     OPPOSED_SLOW_STEPS = 12,  /* below the observer's speed */
     LACKING_STEPS = 5,        /* without its flux */
@@ -144,17 +145,18 @@ static bool apart(const config_t *config, const rotor_view_t *in, int32_t turn)
 /* The angle tells a slip where the sensor turns as fast as the observer. Halls do not while they
  * know of an acceleration at their next edge only; halls that stand are 60 degrees off soon. Below
  * its speed an observer does not for a moment where the current changes, and with little current is
- * 35 degrees wrong; halls are half a sector late there. */
+ * 35 degrees wrong; halls are half a sector late there, and wherever a sector takes 23 ms. */
 static bool slips(const angle_choice_state_t *state, const config_t *config, const rotor_view_t *in)
 {
     const bool hall = config->rotor.sensor == CONFIG_ROTOR_HALL;
     const int32_t size_mrad_s = q_abs(in->observer_mrad_s);
     const bool as_fast = q_abs(size_mrad_s - q_abs(in->sensor_mrad_s)) <= size_mrad_s / 4;
     const int32_t slow_turn = hall ? OPPOSED_TURN : ASKEW_TURN;
+    const bool late = hall && size_mrad_s < LATE_mrad_s / config->motor.pole_pairs;
     return (as_fast || (state->confirmed && !hall)) &&
            (q_abs(state->current_steps) >= CURRENT_STEPS ||
             (state->confirmed && emf_exceeds(config, in, SLIPPED_SPEEDS))) &&
-           apart(config, in, state->confirmed ? SLIPPED_TURN : slow_turn);
+           apart(config, in, state->confirmed && !late ? SLIPPED_TURN : slow_turn);
 }
 
 /* Consecutive steps with a current of one direction, counted with its sign, and with a sensor that

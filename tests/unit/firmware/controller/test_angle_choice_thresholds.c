@@ -13,6 +13,35 @@ void setUp(void)
 
 void tearDown(void) {}
 
+/* ---- late halls ---- */
+
+/* Up to 45 rad/s electrical a stop, or a wait in the middle of the sector, is more than 16 degrees;
+ * no other sensor is late. */
+void test_slow_halls_have_not_slipped_by_less_than_60_degrees(void)
+{
+    static const struct {
+        int32_t sensor, speed_mrad_s, difference_turn;
+        bool slipped;
+    } CASES[] = {
+        {CONFIG_ROTOR_HALL, 11249, OPPOSED - 200, false},
+        {CONFIG_ROTOR_HALL, 11250, SLIPPED, true},
+        {CONFIG_ROTOR_HALL, 11249, OPPOSED + 200, true},
+        {CONFIG_ROTOR_ANGLE, 11249, SLIPPED, true},
+    };
+    for (int k = 0; k < 4; k++) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            rig_up_to_compare();
+            config.rotor.observer_speed_mrad_s = 4000;
+            config.motor.pole_pairs = 4;
+            config.rotor.sensor = CASES[k].sensor;
+            at.observer_mrad_s = at.sensor_mrad_s = sign * CASES[k].speed_mrad_s;
+            run(100);
+            run_at(SLIP_ms + 1, (int16_t)(sign * CASES[k].difference_turn));
+            TEST_ASSERT_EQUAL(CASES[k].slipped, seen.sensor_wrong);
+        }
+    }
+}
+
 /* ---- confirmation ---- */
 
 /* With the input of `at` and without a sensor. */
