@@ -10,10 +10,10 @@ enum {
     SETPOINT_PASSES = 2,     /* the loss of the bridge follows i_d */
     UNCERTAIN_PASSES = 3,    /* and what an uncertain angle may return */
     CIRCLE_RESERVE_LOG2 = 8, /* as the other bounds keep it */
-    /* Of hall sensors: electrical speed of a sector in 32 ms, 2^15 mrad/s, and four times it. */
+    /* Of hall sensors: electrical speed of a sector in 32 ms, 2^15 mrad/s, and eight times it. */
     SPEED_LOG2 = 5,
     WAITING_SPEED = 1 << 10,
-    EXTRAPOLATING_SPEED = 4 * WAITING_SPEED,
+    EXTRAPOLATING_SPEED = 8 * WAITING_SPEED,
     PER_Q_LOG2 = 8
 };
 
@@ -43,7 +43,7 @@ static int32_t on_circle_d_b(int32_t current_b, int32_t i_q_b)
     return -scaled_root(square(current_b) - square(i_q_b));
 }
 
-/* The lowest i_d beside an i_q, <= 0: beside hall sensors' angle none may drive. DERIVATIONS.md,
+/* The lowest i_d beside an i_q: beside hall sensors' angle none may drive. DERIVATIONS.md,
  * Loss braking. */
 static int32_t lowest_d_b(const motor_model_t *m, int32_t current_b, int32_t i_q_b)
 {
@@ -52,12 +52,9 @@ static int32_t lowest_d_b(const motor_model_t *m, int32_t current_b, int32_t i_q
         return circle_b;
     }
     const int32_t speed = scaled_shift(m->speed_b, -m->constants->speed_shift - SPEED_LOG2);
-    if (speed >= EXTRAPOLATING_SPEED) {
-        return circle_b;
-    }
-    const int32_t at_least = q_max(speed, WAITING_SPEED);
-    const uint16_t per_q_q8 = (uint16_t)(at_least * at_least * 7 / (1 << 14));
-    return q_max(circle_b, q_saturate64((int64_t)q_min(i_q_b, 0) * per_q_q8 / (1 << PER_Q_LOG2)));
+    const uint32_t times = (uint32_t)q_clamp(speed, WAITING_SPEED, EXTRAPOLATING_SPEED);
+    const int32_t per_q_q8 = (int32_t)(times * times * 7U >> 14);
+    return q_max(circle_b, q_saturate64((int64_t)q_min(i_q_b, 0) * per_q_q8 >> PER_Q_LOG2));
 }
 
 int32_t loss_braking_torque_mNm(const feasible_side_t *side, loss_braking_t *losses,

@@ -8,18 +8,18 @@ enum {
     CODES_LOG2 = 12 /* of the converter that measures the currents */
 };
 
-/* 3/2 R I^2 over the voltage: mA^2 uOhm / 10^6 = uW, and uW / mV = mA. */
-static int32_t copper_mA(const config_t *config)
+/* Half of 3/2 R I^2, over the voltage: mA^2 uOhm / 10^6 = uW, and uW / mV = mA. */
+static int32_t half_copper_mA(const config_t *config)
 {
     const config_motor_t *motor = &config->motor;
     const int64_t squared = (int64_t)motor->max_phase_current_mA * motor->max_phase_current_mA;
-    const int64_t copper_uW = squared / 1000 * motor->phase_resistance_uOhm / 1000 / 2 * 3;
+    const int64_t copper_uW = squared / 1000 * motor->phase_resistance_uOhm / 4000 * 3;
     return q_min(q_saturate64(copper_uW / q_divisor(config->battery.max_voltage_mV)), MOST_mA);
 }
 
 void charge_trim_init(charge_trim_state_t *state, const config_t *config)
 {
-    const charge_trim_state_t fresh = {.most_mA = copper_mA(config) / 2};
+    const charge_trim_state_t fresh = {.most_mA = half_copper_mA(config)};
     *state = fresh;
 }
 

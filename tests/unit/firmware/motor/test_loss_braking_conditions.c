@@ -268,16 +268,15 @@ void test_i_q_counts_forward_in_either_direction_of_rotation(void)
 }
 
 /* Two passes, three with an uncertain angle: the root of q d^2 + e d + excess from the last i_d,
- * down to the circle and, up to four times 32 ms a sector, to i_q over the tangent of its error. */
+ * down to the circle and to i_q over the tangent of that angle's error. */
 static void compare_setpoints(int passes, uint64_t seed)
 {
     random_t random = random_seeded(seed);
     int changed = 0;
     for (int n = 0; n < ROUNDS; n++) {
         drive_t d = any(&random);
-        const double times = random_real(&random, 0.0, 5.0); /* as fast as a sector in 32 ms */
-        const bool halls = passes == 3 && times < 4.0;
-        d.uncertain = halls ? 1.75 * fmax(1.0, times * times) : 0.0;
+        const double times = random_real(&random, 0.0, 9.0); /* as fast as a sector in 32 ms */
+        d.uncertain = passes == 3 ? 1.75 * fmin(fmax(1.0, times * times), 64.0) : 0.0;
         motor.model.speed_b = (int32_t)lround(32768.0 * times);
         apply(&d);
         const double x = random_real(&random, -1.5, -0.1);
