@@ -27,7 +27,7 @@ def test_sixty_seeds_hold_every_invariant(hubsim: Hubsim, tmp_path: Path) -> Non
     [
         *((seed, 400, False) for seed in (79, 170, 333)),
         (1200, 24, False),
-        *((seed, 400, True) for seed in (60079, 60220, 61360)),
+        *((seed, 400, True) for seed in (60079, 60220, 61360, 63728, 63808)),
     ],
 )
 def test_a_seed_that_was_mended_holds_every_invariant(
@@ -39,6 +39,8 @@ def test_a_seed_that_was_mended_holds_every_invariant(
     1200: one hall line bounces while the wheel rolls back and the driver acknowledges.
     60079, 60220: halls show the speed before a stop while the observer keeps a current's flux.
     61360: a road that slow halls showed too steep, and a hold beside the whole demand.
+    63728: all of the voltage on d, so that i_q stayed whatever the command was.
+    63808: slow halls that are late had slipped.
     """
     record = work.done({"seed": seed, "drives": drives, "healthy": healthy})
     assert record["violations"] == []
