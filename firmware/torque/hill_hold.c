@@ -5,8 +5,8 @@
 #include "core/ramp.h"
 
 enum {
-    ROLLING_SHARE = 8, /* of the road: rolling resistance slows a wheel down and helps to hold it */
-    SLOWER_SHARE = 3   /* of the speed: hall edges show a stop late */
+    TOLERANCE_SHARE = 8, /* of the demand: what the road is known to */
+    SLOWER_SHARE = 3     /* of the speed: hall edges show a stop late */
 };
 
 void hill_hold_init(hill_hold_state_t *state)
@@ -68,10 +68,10 @@ static void release(hill_hold_state_t *state, const config_t *config, drive_dire
 static bool is_ahead(hill_hold_state_t *state, const config_t *config, int32_t slower_mrad_s,
                      const hill_hold_wheel_t *wheel, int32_t braking_mNm, bool drives)
 {
-    const int32_t slope_mNm = wheel->road_mNm - wheel->road_mNm / ROLLING_SHARE;
+    const int32_t road_mNm = wheel->road_mNm;
     const int32_t speed_abs_mrad_s = q_abs(wheel->speed_mrad_s);
     const bool brakes = braking_mNm > 0 && !drives;
-    const bool rolls_off = slope_mNm > braking_mNm;
+    const bool rolls_off = road_mNm > braking_mNm - braking_mNm / TOLERANCE_SHARE;
     if (!brakes || speed_abs_mrad_s / 2 > state->begun_mrad_s) {
         state->begun_mrad_s = 0;
     }
@@ -79,7 +79,7 @@ static bool is_ahead(hill_hold_state_t *state, const config_t *config, int32_t s
         state->begun_mrad_s == 0) {
         state->begun_mrad_s = speed_abs_mrad_s;
         state->torque_mNm =
-            q_max(state->torque_mNm, q_min(slope_mNm, config->driver.hold_torque_mNm));
+            q_max(state->torque_mNm, q_min(road_mNm, config->driver.hold_torque_mNm));
     }
     return state->begun_mrad_s > 0;
 }

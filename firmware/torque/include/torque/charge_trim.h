@@ -22,12 +22,12 @@ typedef struct {
     int32_t most_mA;         /* of what the terminals show */
     int32_t terminals_q8_mA; /* bus current of the setpoint by the model, less the measured one */
     int32_t speed_abs_mrad_s;
-    int32_t commanded_mA;    /* of the latest setpoint by the model */
-    bool braking;            /* that setpoint brakes */
-    filter_t own;            /* measured, mA, negative while it returns power */
-    filter_t pack;           /* how much less the bridge loses than its model, mA */
-    int32_t message_mA;      /* what the battery's message may still show of the motor's charge */
-    int32_t hold_ms;         /* left until it falls */
+    int32_t commanded_mA; /* of the latest setpoint by the model */
+    bool braking;         /* that setpoint brakes */
+    filter_t own;         /* measured, mA, negative while it returns power */
+    filter_t pack;        /* how much less the bridge loses than its model, mA */
+    int32_t message_mA;   /* what the battery's message may still show of the motor's charge */
+    int32_t hold_ms;      /* left until it falls */
 } charge_trim_state_t;
 
 enum {

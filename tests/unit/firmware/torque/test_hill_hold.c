@@ -22,14 +22,14 @@ void test_hold_begins_at_standstill_while_braking(void)
     TEST_ASSERT_EQUAL_INT32(HOLD, step());
 }
 
-/* Before standstill what the road brakes with less an eighth, rolling resistance. */
-enum { ROAD = 16000, HOLD_AHEAD = 14000 };
+/* Before standstill what the road brakes with. */
+enum { HOLD_AHEAD = 14000 };
 
 /* Uphill, with less demanded than the slope pulls with. */
 static void stop_uphill(void)
 {
     demand.brake_torque_mNm = 10000;
-    road_mNm = ROAD;
+    road_mNm = HOLD_AHEAD;
     speed_mrad_s = 2000;
     split.slower_mrad_s = 1000;
     TEST_ASSERT_EQUAL_INT32(0, step());
@@ -53,10 +53,10 @@ void test_hold_begins_before_standstill_where_the_slope_pulls_with_more_than_the
 void test_a_demand_that_holds_the_slope_has_no_hold_before_standstill(void)
 {
     stop_uphill();
-    road_mNm = 11000; /* 9.6 N m, the rest is rolling resistance */
+    road_mNm = 8000; /* an eighth less than the demand, and a tolerance */
     TEST_ASSERT_EQUAL_INT32(0, step());
-    road_mNm = 12800;
-    TEST_ASSERT_EQUAL_INT32(11200, step());
+    road_mNm = 9000;
+    TEST_ASSERT_EQUAL_INT32(9000, step());
 }
 
 void test_hold_before_standstill_ends_with_the_braking_or_if_the_wheel_becomes_faster(void)
@@ -183,14 +183,14 @@ void test_before_standstill_any_braking_is_enough_and_any_driving_too_much(void)
     TEST_ASSERT_EQUAL_INT32(0, step());
 }
 
-/* 7/8 of 11 428 are 10 000, rounded up for the wheel. */
-void test_the_road_counts_where_seven_eighths_of_it_are_more_than_the_demand(void)
+/* An eighth of 10 N m less: more than 8.75 N m. */
+void test_the_road_counts_from_seven_eighths_of_the_demand_on(void)
 {
     stop_uphill();
-    road_mNm = 11428;
+    road_mNm = 8750;
     TEST_ASSERT_EQUAL_INT32(0, step());
-    road_mNm = 11429;
-    TEST_ASSERT_EQUAL_INT32(10001, step());
+    road_mNm = 8751;
+    TEST_ASSERT_EQUAL_INT32(8751, step());
 }
 
 /* At 1000 mrad/s what is left when the hydraulic brake has followed is at most 333. */
