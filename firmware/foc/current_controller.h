@@ -5,7 +5,7 @@
  *     u_d = PI(i_d* - i_d) - w L_q i_q            u_q = PI(i_q* - i_q) + w L_d i_d + w psi
  *
  * Voltages are in modulation units: the voltage limit is the unit circle. The d axis has priority
- * where its voltage weakens the field, but for 1/64, and beside what holds the q
+ * where its voltage weakens the field, but for 1/64 of it, and beside what holds the q
  * current where its voltage strengthens it; q gets the remaining voltage. Gains for the present bus
  * voltage and speed come from tuning.h.
  *
