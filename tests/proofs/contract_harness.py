@@ -165,10 +165,12 @@ CHECKS = (
     "--pointer-check",
     "--unwinding-assertions",
 )
-# Of a loop; some functions have longer ones, as those that see the findings.
+# Of a loop; some functions have longer ones, as those that see the findings, and one has a shorter
+# one whose passes the checker does not know as a constant.
 UNWIND = 20
 UNWIND_OF_TYPE = {"findings_t": 65, "controller_t": 65, "controller_slow_t": 65}
-UNWIND_OF = {"finding_times": 65, "recorder_init": 401, "recorder_slow": 70,
+UNWIND_OF = {"finding_times": 65, "loss_braking_setpoint": 5,
+             "recorder_init": 401, "recorder_slow": 70,
              "thermal_model_init": 34, "thermal_model_step": 34,
              "loss_maps_row_d_mA": 131, "loss_maps_row_rise_mA": 131}  # fmt: skip
 OVERFLOW_CHECKS = ("--signed-overflow-check", "--undefined-shift-check")
