@@ -68,19 +68,29 @@ set(chip_starts "${PROJECT_SOURCE_DIR}/build/host/tests/target/chip/chip_starts"
 add_test(NAME chip_counts_its_starts COMMAND "${chip_starts}" "$<TARGET_FILE:hubfoc_stm32f405>")
 set_tests_properties(chip_counts_its_starts PROPERTIES LABELS target TIMEOUT 120)
 
-# python-can and cantools drive it (chip/test_can_client.py).
-if(HUBFOC_PYTHON)
-  add_test(NAME chip_is_stopped_by_a_can_client
-    COMMAND "${HUBFOC_PYTHON}" -m pytest -q -p no:cacheprovider test_can_client.py
-    WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}/tests/target/chip")
-else()
-  add_test(NAME chip_is_stopped_by_a_can_client COMMAND "${CMAKE_COMMAND}" -DMISSING=python3
-    -P "${PROJECT_SOURCE_DIR}/tests/target/prerequisites.cmake")
-endif()
-set_tests_properties(chip_is_stopped_by_a_can_client PROPERTIES LABELS "target;python" TIMEOUT 120
-  ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1;PYTHONPATH=${PROJECT_SOURCE_DIR}/host_sim/python;\
+# python-can and cantools drive it, pyxcp reads and changes it (chip/wheel_on_bus.py).
+# chip_by_python(NAME TIMEOUT ARGUMENT...): of pytest
+function(chip_by_python name timeout)
+  if(HUBFOC_PYTHON)
+    add_test(NAME ${name} COMMAND "${HUBFOC_PYTHON}" -m pytest -q -p no:cacheprovider ${ARGN}
+      WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}/tests/target/chip")
+  else()
+    add_test(NAME ${name} COMMAND "${CMAKE_COMMAND}" -DMISSING=python3
+      -P "${PROJECT_SOURCE_DIR}/tests/target/prerequisites.cmake")
+  endif()
+  set(host "${PROJECT_SOURCE_DIR}/build/host")
+  set(path "${PROJECT_SOURCE_DIR}/host_sim/python:${PROJECT_SOURCE_DIR}/tools")
+  string(APPEND path ":${PROJECT_SOURCE_DIR}/tests/unit/host_sim/support")
+  set_tests_properties(${name} PROPERTIES LABELS "target;python" TIMEOUT ${timeout}
+    ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1;PYTHONPATH=${path};HUBFOC_BUILD_DIR=${host};\
 HUBFOC_CHIP_ELF=$<TARGET_FILE:hubfoc_stm32f405>;\
-HUBFOC_CHIP_BUS=${PROJECT_SOURCE_DIR}/build/host/tests/target/chip/chip_bus")
+HUBFOC_CHIP_BUS=${host}/tests/target/chip/chip_bus")
+endfunction()
+chip_by_python(chip_is_stopped_by_a_can_client 120 test_can_client.py)
+chip_by_python(chip_speaks_xcp_on_can 300 test_xcp_on_can.py)
+chip_by_python(chip_measures_by_xcp_for_long 1200 test_xcp_on_can.py -k gap)
+set_tests_properties(chip_measures_by_xcp_for_long PROPERTIES LABELS "target;python;full")
+set_property(TEST chip_measures_by_xcp_for_long APPEND PROPERTY ENVIRONMENT HUBFOC_FOR_LONG=1)
 
 # The supply fails in the middle of an update of the configuration (chip/cuts.c).
 set(chip_cuts "${PROJECT_SOURCE_DIR}/build/host/tests/target/chip/chip_cuts")

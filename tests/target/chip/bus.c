@@ -3,9 +3,10 @@
  * The flashable image in one wheel of the paper's vehicle, with its CAN bus at this program's
  * standard input and output: whoever is there is the vehicle.
  *
- *     chip_bus ELF
+ *     chip_bus ELF                   a stop
+ *     chip_bus ELF CONFIGURATION     at rest until the input ends, with this configuration
  *
- *     plan DISTANCE_m STORED_J     once: a stop by the bench's own controller
+ *     plan DISTANCE_m STORED_J     once, of a stop: by the bench's own controller
  *
  *     frame ID DATA                in each millisecond, both ways, hexadecimal: as on the bus
  *
@@ -16,8 +17,8 @@
  *     step PHASE SPEED_m_per_s DISTANCE_m STORED_J     ends a millisecond; answered by "step".
  * PHASE: rest, moving, from the first message of mode RUN on, or end
  *
- * The brake acts as WheelBrake says. Exit code 0: the vehicle has stopped, nothing that a manual
- * forbids has been seen.
+ * The brake acts as WheelBrake says. Exit code 0: the vehicle has stopped, or stood until the input
+ * ended, and nothing that a manual forbids has been seen.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -26,9 +27,10 @@
 #include "rig.h"
 
 static const double BRAKE_NM = 90.0;
-enum { LONGEST_STOP_s = 5, LINE_BYTES = 160 };
+enum { LONGEST_STOP_s = 5, LINE_BYTES = 160, DIGITS = 2 };
 
 static const char *phase = "rest";
+static bool ended; /* the input */
 
 static double stored_j(void)
 {
@@ -47,26 +49,36 @@ static void print_inputs(const slow_input_t *in)
     (void)fflush(stdout);
 }
 
-/* Frames until "step"; the end of the input ends the program. */
-static void read_frames(chip_t *chip)
+/* Digits, two a byte, or none of it. */
+static bool read_data(const char *text, chip_frame_t *frame)
+{
+    frame->length = (uint8_t)(strlen(text) / DIGITS);
+    for (unsigned i = 0; i < frame->length; i++) {
+        unsigned byte;
+        if (sscanf(text + (size_t)DIGITS * i, "%2x", &byte) != 1) {
+            return false;
+        }
+        frame->data[i] = (uint8_t)byte;
+    }
+    return true;
+}
+
+/* Frames until "step"; at the end of the input false. */
+static bool read_frames(chip_t *chip)
 {
     char line[LINE_BYTES];
     while (fgets(line, sizeof line, stdin) != NULL && strcmp(line, "step\n") != 0) {
         unsigned identifier;
-        unsigned long long data;
-        if (sscanf(line, "frame %x %llx", &identifier, &data) != 2) {
+        char data[DIGITS * sizeof(((chip_frame_t *)NULL)->data) + 1];
+        chip_frame_t frame = {.length = 0};
+        if (sscanf(line, "frame %x %16s", &identifier, data) != 2 || !read_data(data, &frame)) {
             (void)fprintf(stderr, "chip_bus: not a frame: %s", line);
             exit(2);
         }
-        chip_frame_t frame = {.identifier = (uint16_t)identifier, .length = sizeof frame.data};
-        for (unsigned i = 0; i < sizeof frame.data; i++) {
-            frame.data[i] = (uint8_t)(data >> 8U * (sizeof frame.data - 1U - i));
-        }
+        frame.identifier = identifier;
         chip_send(chip, &frame);
     }
-    if (feof(stdin)) {
-        exit(2);
-    }
+    return feof(stdin) == 0;
 }
 
 static void print_frame(const chip_frame_t *frame)
@@ -81,7 +93,10 @@ static void print_frame(const chip_frame_t *frame)
 static void exchange(drive_t *drive, const slow_input_t *in)
 {
     print_inputs(in);
-    read_frames(drive->chip);
+    ended = !read_frames(drive->chip);
+    if (ended && phase[0] == 'm') {
+        exit(2);
+    }
 }
 
 static double stop(void)
@@ -94,14 +109,10 @@ static double stop(void)
     return rig.bench.vehicle.distance_m;
 }
 
-int main(int argc, char **argv)
+static bool stopped(void)
 {
-    if (argc != 2) {
-        (void)fprintf(stderr, "usage: chip_bus ELF\n");
-        return 2;
-    }
-    if (!open_rig(argv[1]) || !drive_off(NULL)) {
-        return 1;
+    if (!drive_off(NULL)) {
+        return wrong("the bench's own controller does not run");
     }
     phase = "plan";
     const double direct_m = stop();
@@ -110,18 +121,41 @@ int main(int argc, char **argv)
     boot();
     rig.drive.exchange = exchange;
     rig.drive.seen = print_frame;
-    const bool runs = expect(drive_off(&rig.coupling), "comes to RUN");
-    phase = "moving";
-    bool good = runs;
-    if (good) {
-        (void)stop();
-        good = expect(rig.bench.vehicle.speed_m_per_s <= 0.01, "the vehicle stops") &&
-               expect(chip_resets(rig.chip) == 1, "runs without a reset") && obeys_the_manuals();
+    if (!expect(drive_off(&rig.coupling), "comes to RUN")) {
+        return false;
     }
+    phase = "moving";
+    (void)stop();
+    const bool good = expect(rig.bench.vehicle.speed_m_per_s <= 0.01, "the vehicle stops") &&
+                      expect(chip_resets(rig.chip) == 1, "runs without a reset");
     phase = "end";
     run(0.4);
+    return good;
+}
+
+static bool stood(void)
+{
+    boot();
+    rig.drive.exchange = exchange;
+    rig.drive.seen = print_frame;
+    (void)drive_off_to(&rig.coupling, 0.0); /* RUN or not is the client's affair */
+    while (!ended) {
+        run(1e-3);
+    }
+    return true;
+}
+
+int main(int argc, char **argv)
+{
+    if (argc < 2 || argc > 3) {
+        (void)fprintf(stderr, "usage: chip_bus ELF [CONFIGURATION]\n");
+        return 2;
+    }
+    const char *configuration = argc > 2 ? argv[2] : NULL;
+    const bool ready = use_board(NULL, configuration) && open_rig(argv[1]);
+    const bool good = ready && (configuration == NULL ? stopped() : stood()) && obeys_the_manuals();
     if (!good) {
-        (void)fprintf(stderr, "%s\n%s\n", rig.why, chip_text(rig.chip));
+        (void)fprintf(stderr, "%s\n%s\n", rig.why, rig.chip == NULL ? "" : chip_text(rig.chip));
     }
     chip_close(rig.chip);
     return good ? 0 : 1;

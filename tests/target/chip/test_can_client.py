@@ -9,17 +9,16 @@ which knows the protocol by ``hubfoc.dbc`` alone, its end-to-end protection besi
 from __future__ import annotations
 
 import math
-import os
-import subprocess
 import tomllib
 from collections import Counter
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import can
 import cantools
 from cantools.database.can import Database
 from hubsim import can_protocol
+from wheel_on_bus import Wheel
 
 ROOT = Path(__file__).resolve().parents[3]
 CYCLE_S = 0.010
@@ -114,52 +113,10 @@ class Client:
             )
 
 
-class Wheel:
-    """The program with the chip; its bus is the virtual one."""
-
-    def __init__(self, channel: str) -> None:
-        program = [os.environ["HUBFOC_CHIP_BUS"], os.environ["HUBFOC_CHIP_ELF"]]
-        self.process = subprocess.Popen(
-            program, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-        )
-        assert self.process.stdin is not None
-        assert self.process.stdout is not None
-        self.to_chip: IO[str] = self.process.stdin
-        self.from_chip: IO[str] = self.process.stdout
-        self.bus = can.Bus(channel, interface="virtual")
-        self.distance_m, self.stored_j = map(float, self.from_chip.readline().split()[1:])
-
-    def listen(self) -> tuple[list[int], int | None, list[str]] | None:
-        """Put the wheel's frames of a millisecond on the bus; None after the last one."""
-        battery, sensor = [0, 0, 0, 0], None
-        for line in self.from_chip:
-            word, *rest = line.split()
-            if word == "frame":
-                self.bus.send(
-                    can.Message(
-                        arbitration_id=int(rest[0], 16),
-                        data=bytes.fromhex(rest[1]),
-                        is_extended_id=False,
-                    )
-                )
-            elif word == "sensor":
-                sensor = int(rest[0])
-            elif word == "battery":
-                battery = [int(value) for value in rest]
-            else:
-                return battery, sensor, rest
-        return None
-
-    def answer(self) -> None:
-        """Give the wheel what is on the bus for it."""
-        while (frame := self.bus.recv(timeout=0)) is not None:
-            self.to_chip.write(f"frame {frame.arbitration_id:x} {frame.data.hex()}\n")
-        self.to_chip.write("step\n")
-        self.to_chip.flush()
-
-
 def test_a_client_of_the_bus_stops_the_vehicle() -> None:
     wheel, client = Wheel("wheel"), Client("wheel")
+    _, *plan = wheel.from_chip.readline().split()
+    planned_m, planned_j = map(float, plan)
     now_ms, speed_m_per_s, distance_m, stored_j = 0, 0.0, 0.0, 0.0
     try:
         while (received := wheel.listen()) is not None:
@@ -170,19 +127,16 @@ def test_a_client_of_the_bus_stops_the_vehicle() -> None:
             wheel.answer()
             now_ms += 1
     finally:
-        wheel.bus.shutdown()
         client.bus.shutdown()
-        wheel.to_chip.close()
-        status = wheel.process.wait(timeout=60)
-        wheel.from_chip.close()
+        status = wheel.close()
     print(f"{now_ms} ms, stop {distance_m:.3f} m, {stored_j:.1f} J stored; modes {client.modes}")
     print({name: dict(receiver.counts) for name, receiver in client.receivers.items()})
     assert status == 0
     assert speed_m_per_s <= 0.01
     # The client begins to brake when the wheel's message says that it turns: a cycle more.
     late_s = 3.0 * CYCLE_S
-    assert abs(distance_m - wheel.distance_m) < late_s * SPEED_M_PER_S + 0.002 * wheel.distance_m
-    assert abs(stored_j - wheel.stored_j) < BRAKE_NM * 9.0 * late_s
+    assert abs(distance_m - planned_m) < late_s * SPEED_M_PER_S + 0.002 * planned_m
+    assert abs(stored_j - planned_j) < BRAKE_NM * 9.0 * late_s
     assert client.modes[-1] == MODE_RUN
     assert client.least_torque_nm < -20.0, "the motor brakes"
     # Halls: less than a sixth of an electrical turn in the time since the stop, less two cycles.

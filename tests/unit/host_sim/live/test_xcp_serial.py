@@ -11,9 +11,10 @@ from hubfoc import addresses
 from pyxcp.config import create_application_from_config
 from pyxcp.master.master import Master
 from pyxcp.types import XcpResponseError
+from siphash import key_of
 
 from tests.unit.host_sim.live.support import TIMEOUT_S, running
-from tests.unit.host_sim.live.test_xcp import FIELDS, IN_FORCE, OF_TOOL, PLACES, STAGING, key_of
+from tests.unit.host_sim.live.test_xcp import FIELDS, IN_FORCE, OF_TOOL, PLACES, STAGING
 
 WHEEL = 1
 READY = 3
