@@ -485,6 +485,24 @@ def _write_without_products(folder: Path, planted: PlantedError | None) -> None:
         copy.write_text(lemmas.without_products(text), encoding="utf-8")
 
 
+def _write_inline(folder: Path, names: Iterable[str]) -> None:
+    """Write headers of inline functions under proof that call others by their contracts."""
+    known = contracts.known()
+    for one in (known[name] for name in names if known[name].inline):
+        text = one.header.read_text(encoding="utf-8")
+        called = [other for other in known.values()
+                  if not other.inline and re.search(rf"\b{other.name}\(", text)]  # fmt: skip
+        if not called or not one.part.startswith("core/"):
+            continue
+        text = with_calls_by_contract(text, [other.name for other in called])
+        end = text.rindex("#include")
+        end = text.index("\n", end) + 1
+        declared = "".join(f"{_prototype(other)};\n" for other in called)
+        copy = folder / one.header.as_posix().split("/include/")[1]
+        copy.parent.mkdir(exist_ok=True)
+        copy.write_text(text[:end] + declared + text[end:], encoding="utf-8")
+
+
 def command(
     folder: Path, names: list[str], ends: bool, planted: PlantedError | None = None
 ) -> list[str]:
@@ -506,6 +524,7 @@ def command(
         files[-1].write_text(_unit(folder, part, own, planted), encoding="utf-8")
     if set(names) & set(lemmas.LAWS):
         _write_without_products(folder, planted)
+    _write_inline(folder, names)
     includes = [folder, PROOFS, *FIRMWARE.glob("*/include")]
     includes += [path for path in FIRMWARE.iterdir() if path.is_dir()]
     core = [FIRMWARE / "core" / f"{name}.c" for name in CORE_SOURCES]
