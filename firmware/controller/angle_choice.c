@@ -37,6 +37,12 @@ static uint8_t counted(uint8_t steps, bool condition)
     return condition ? (uint8_t)q_min(steps + 1, UINT8_MAX) : (uint8_t)0;
 }
 
+/* Does the sensor show a rotor that turns, at half of the observer's speed? */
+static bool shows_turning(const config_t *config, const rotor_view_t *in)
+{
+    return q_abs(in->sensor_mrad_s / 2) >= config->rotor.observer_speed_mrad_s / 4;
+}
+
 /* Torque is permitted down to 15/16 of the speed from which it is. */
 static bool fast_enough(const angle_choice_state_t *state, const config_t *config,
                         int32_t speed_mrad_s)
@@ -52,9 +58,8 @@ static bool settled(const angle_choice_state_t *state, const config_t *config,
                     const rotor_view_t *in)
 {
     const int32_t half_change_mrad_s = in->observer_mrad_s / 2 - state->last_mrad_s / 2;
-    const int32_t least_mrad_s = config->rotor.observer_speed_mrad_s;
-    return q_abs(in->sensor_mrad_s / 2) >= least_mrad_s / 4 ||
-           q_abs(half_change_mrad_s) <= least_mrad_s / 8;
+    return shows_turning(config, in) ||
+           q_abs(half_change_mrad_s) <= config->rotor.observer_speed_mrad_s / 8;
 }
 
 /* A rotor that turns round passes through standstill, where it cannot be observed: a direction that
@@ -167,10 +172,9 @@ static void count_steps(angle_choice_state_t *state, const config_t *config, con
     const int32_t sign = (in->i_pu.q >= LEAST_PU) - (in->i_pu.q <= -LEAST_PU);
     const int32_t before = sign * state->current_steps > 0 ? state->current_steps : 0;
     state->current_steps = (int8_t)q_limit(before + sign, CURRENT_STEPS);
-    const int32_t half_mrad_s = q_abs(in->sensor_mrad_s / 2);
     const int32_t size_mrad_s = q_abs(in->observer_mrad_s);
     const bool more = in->acquired && q_abs(in->sensor_mrad_s) - size_mrad_s > size_mrad_s / 4;
-    const bool turns = half_mrad_s >= config->rotor.observer_speed_mrad_s / 4 && !more;
+    const bool turns = shows_turning(config, in) && !more;
     state->rest_steps = (uint8_t)q_clamp(state->rest_steps + (turns ? -1 : 1), 0, 2 * REST_STEPS);
 }
 
@@ -181,11 +185,15 @@ static int32_t opposed_turn(const config_t *config, const rotor_view_t *in)
     return stands ? STANDING_TURN : OPPOSED_TURN;
 }
 
-/* Is the sensor further from the observer than any healthy one? */
-static bool opposes(const config_t *config, const rotor_view_t *in)
+/* Is the sensor further from the observer than any healthy one? An observer that is not confirmed
+ * is of dead time alone where no current shows which sign that has, as in a wheel that has just
+ * stopped. */
+static bool opposes(const angle_choice_state_t *state, const config_t *config,
+                    const rotor_view_t *in)
 {
     const bool hall = config->rotor.sensor == CONFIG_ROTOR_HALL;
-    return q_abs(in->difference_turn) >= opposed_turn(config, in) &&
+    return (state->confirmed || state->current_steps != 0) &&
+           q_abs(in->difference_turn) >= opposed_turn(config, in) &&
            apart(config, in, hall ? LATE_TURN : SLIPPED_TURN);
 }
 
@@ -205,15 +213,14 @@ static int32_t opposed_steps(const angle_choice_state_t *state, const config_t *
 /* A sensor that is wrong agrees with the observer in passing: it has to for a long time. */
 static void compare(angle_choice_state_t *state, const config_t *config, const rotor_view_t *in)
 {
-    const bool lacks = state->lacks_flux && in->switching &&
-                       q_abs(in->sensor_mrad_s / 2) >= config->rotor.observer_speed_mrad_s / 4;
+    const bool lacks = state->lacks_flux && in->switching && shows_turning(config, in);
     if (!(lacks || watches(state, config, in)) || !in->sensor_valid) {
         state->opposed_steps = 0;
         state->slipped = 0;
         state->agreed_steps = 0;
         return;
     }
-    state->opposed_steps = counted(state->opposed_steps, lacks || opposes(config, in));
+    state->opposed_steps = counted(state->opposed_steps, lacks || opposes(state, config, in));
     if (slips(state, config, in)) {
         state->slipped = (uint8_t)q_min(state->slipped + (state->confirmed ? 1 : 2), SLIPPED_STEPS);
     } else if (state->slipped > 0) {
@@ -237,16 +244,14 @@ static void compare(angle_choice_state_t *state, const config_t *config, const r
 static void watch_return(angle_choice_state_t *state, const config_t *config,
                          const rotor_view_t *in)
 {
-    const int32_t half_mrad_s = q_abs(in->sensor_mrad_s / 2);
-    const int32_t least_mrad_s = config->rotor.observer_speed_mrad_s;
+    const bool slow = q_abs(in->sensor_mrad_s / 2) < config->rotor.observer_speed_mrad_s / 2;
     const bool fails = state->was_valid && config->rotor.sensor != CONFIG_ROTOR_ENCODER &&
                        !state->confirmed; /* if it is invalid now */
-    const bool creeps = half_mrad_s < least_mrad_s / 4 && !watches(state, config, in);
+    const bool creeps = !shows_turning(config, in) && !watches(state, config, in);
     if (in->switching && (in->sensor_valid ? state->failed : fails && creeps)) {
         state->sensor_wrong = true;
     }
-    state->failed = in->switching && !in->sensor_valid &&
-                    (state->failed || (fails && half_mrad_s < least_mrad_s / 2));
+    state->failed = in->switching && !in->sensor_valid && (state->failed || (fails && slow));
     state->was_valid = in->sensor_valid;
 }
 
