@@ -14,7 +14,9 @@ that for slow stops (as ``stored_share``). Where a limit of torque or phase curr
 on a motor whose parts are wrong by up to six hundredths, which come on top. Where the battery's
 limit decides there is no comparison: what flows beside it is an invariant of its own
 (``charge_current``). Nor where the controller derates by a temperature: at its start it takes the
-switches to be as hot as the winding, and the ideal has no temperature's limit.
+switches to be as hot as the winding, and the ideal has no temperature's limit. Nor in a stop that
+lasts less than ten times as long as its torque takes to rise: it takes as long to be handed over,
+before the blend-out's end, and the ideal's falls at once.
 """
 
 import math
@@ -28,7 +30,7 @@ from regen_table import limited_stop, models, packs
 from regen_table.errors import ConfigurationError
 from regen_table.schema import Drive
 
-from hubsim import reasons, run
+from hubsim import can_protocol, reasons, run
 from hubsim.engine import Rows
 from hubsim.errors import HubsimError
 from hubsim.scenario import Scenario, overrides
@@ -48,6 +50,8 @@ SLOW_SHARE, SLOW_HANDOVER = 0.3, 4.0  # of the largest speed; of where the blend
 RATED_SHARE = (0.25, 1.1)
 SOC = (0.2, 0.8)
 SPEED_SHARE = (0.3, 0.95)
+SHORTEST_RISES = 10.0
+DEMAND_NM = can_protocol.MESSAGES["Demand"].signals["brake_torque_nm"].step
 LONGEST_S = 600.0
 SECTIONS = ("motor", "inverter", "battery", "vehicle")
 EXACT = ("sensors.", "encoder.", "winding_sensor.", "switch_sensor.", "brake_sensor.", "bms.m")
@@ -64,7 +68,7 @@ LEFT_OUT = (
 
 @dataclass(frozen=True)
 class Stop:
-    """One stop: demand at the wheel, speed and winding temperature where it begins."""
+    """One stop: demand at the wheel as CAN carries it, speed and temperature where it begins."""
 
     demand_nm: float
     speed_kmh: float
@@ -76,7 +80,8 @@ def drawn(case: Case) -> Stop:
     """Return the stop that belongs to a run."""
     lot, drive = Lot(drives.SEED + 1, case.seed), case.drive
     return Stop(
-        demand_nm=lot.within(*RATED_SHARE) * drive.motor.rated_torque_nm,
+        demand_nm=DEMAND_NM
+        * max(round(lot.within(*RATED_SHARE) * drive.motor.rated_torque_nm / DEMAND_NM), 1),
         speed_kmh=3.6 * lot.within(*SPEED_SHARE) * top_m_per_s(drive),
         winding_c=lot.within(0.0, drive.motor.max_winding_temperature_c - 40.0),
         soc=lot.within(*SOC),
@@ -111,9 +116,9 @@ def braked(case: Case) -> Drive:
 def ideal_share(drive: Drive, true: Drive, stop: Stop) -> tuple[float, str] | None:
     """Return what the ideal of a drive's file stores in another vehicle, and what bounds it.
 
-    Share of the kinetic energy; None where the voltage makes the stop impossible, and near the
-    battery's limit. Wheel
-    speeds are those of the true vehicle; each step of speed lasts as long as the true torques take.
+    Share of the kinetic energy; None where the voltage makes the stop impossible, near the
+    battery's limit, and where the stop is short. Wheel speeds are those of the true vehicle; each
+    step of speed lasts as long as the true torques take.
     """
     limited = drive.model_copy(update={"battery": true.battery})  # by its messages
     radius, true_radius = drive.vehicle.wheel_radius_m, true.vehicle.wheel_radius_m
@@ -129,6 +134,8 @@ def ideal_share(drive: Drive, true: Drive, stop: Stop) -> tuple[float, str] | No
     made = trace.hydraulic_nm - state.torque_nm + _friction_nm(true, trace.speed_rad_s)
     inertia = true.vehicle.mass_kg * true_radius**2 / (drive.vehicle.mass_kg * radius**2)
     seconds = trace.seconds * inertia * planned / made
+    if np.sum(seconds) < SHORTEST_RISES * stop.demand_nm / drive.control.torque_rate_nm_per_s:
+        return None
     power_w = true.vehicle.driven_wheels * state.dc_power_w
     pack = packs.flow(true, packs.DYNAMIC, power_w, seconds, stop.soc)
     kinetic_j = 0.5 * true.vehicle.mass_kg * (stop.speed_kmh / 3.6) ** 2
