@@ -41,28 +41,36 @@ void pmsm_saturated_advance(const pmsm_t *machine, const equations_t *eq,
                             double h, plant_phasor_t half_turn, pmsm_flow_t *flow)
 {
     const stage_axes_t axes = stage_axes(state->axis, half_turn);
-    plant_dq_t flux = magnetics_flux(&machine->magnetics, state->i_t);
-    const opposed_stage_t o1 = stage_at(machine, eq, opposition, u, axes.start, flux);
-    const stage_t *s1 = &o1.stage;
+    const plant_dq_t begin = magnetics_flux(&machine->magnetics, state->i_t);
+    const opposed_stage_t first = stage_at(machine, eq, opposition, u, axes.start, begin);
+    const stage_t *s1 = &first.stage;
     const opposed_stage_t o2 =
-        stage_at(machine, eq, opposition, u, axes.middle, along(flux, 0.5 * h, s1->slope));
+        stage_at(machine, eq, opposition, u, axes.middle, along(begin, 0.5 * h, s1->slope));
     const stage_t *s2 = &o2.stage;
     const opposed_stage_t o3 =
-        stage_at(machine, eq, opposition, u, axes.middle, along(flux, 0.5 * h, s2->slope));
+        stage_at(machine, eq, opposition, u, axes.middle, along(begin, 0.5 * h, s2->slope));
     const stage_t *s3 = &o3.stage;
     const opposed_stage_t o4 =
-        stage_at(machine, eq, opposition, u, axes.end, along(flux, h, s3->slope));
-    const stage_t *s4 = &o4.stage;
-    flux = after(flux, h / 6.0, s1, s2, s3, s4);
-    state->i_t = magnetics_current(&machine->magnetics, flux);
-    const wires_t wires = wires_of(s1, s2, s3, s4, &axes);
+        stage_at(machine, eq, opposition, u, axes.end, along(begin, h, s3->slope));
+    const plant_dq_t end = after(begin, h / 6.0, s1, s2, s3, &o4.stage);
+
+    /* Energies by Simpson's rule over the states of the step, its middle by Hermite's cubic: where
+     * the zone's slope acts like a large resistance, the stages are too far from them. */
+    const opposed_stage_t last = stage_at(machine, eq, opposition, u, axes.end, end);
+    const plant_dq_t turn = along(s1->slope, -1.0, last.stage.slope);
+    const plant_dq_t middle = along(along(begin, 0.5, along(end, -1.0, begin)), 0.125 * h, turn);
+    const opposed_stage_t half = stage_at(machine, eq, opposition, u, axes.middle, middle);
+    const stage_t *sm = &half.stage;
+    const stage_t *sl = &last.stage;
+    const wires_t wires = wires_of(s1, sm, sm, sl, &axes);
+    state->i_t = magnetics_current(&machine->magnetics, end);
+    state->axis = axes.end;
+    state->terminal = wires.end;
     book_charge(charge_of(&wires, h / 6.0), flow);
     flow->rectified_as += rectified_of(&wires, h / 6.0);
-    state->axis = axes.end;
-    state->terminal = plant_inverse_park(
-        stage_at(machine, eq, opposition, u, axes.end, flux).stage.terminal, axes.end);
-    book_heat_and_torque(s1, s2, s3, s4, h / 6.0, flow);
-    flow->opposed_as += h / 6.0 * simpson(o1.opposed_a, o2.opposed_a, o3.opposed_a, o4.opposed_a);
+    book_heat_and_torque(s1, sm, sm, sl, h / 6.0, flow);
+    flow->opposed_as +=
+        h / 6.0 * simpson(first.opposed_a, half.opposed_a, half.opposed_a, last.opposed_a);
 }
 
 plant_dq_t pmsm_saturated_implicit(const pmsm_t *machine, double omega_rad_s, plant_dq_t before,
