@@ -50,6 +50,11 @@ void test_without_iron_loss_terminal_and_torque_current_are_the_same(void)
     TEST_ASSERT_EQUAL_INT32(1 << 19, m.voltage_q_b);
     TEST_ASSERT_EQUAL_INT32(SCALED_ONE / 4, m.voltage_q_per_x);
     TEST_ASSERT_EQUAL_INT32(1 << 19, m.voltage_q_per_d);
+    /* Also at the reactance and EMF of the highest speed. */
+    const motor_model_t fast = model_of(1 << 25);
+    TEST_ASSERT_EQUAL_INT32(0, fast.cross_d);
+    TEST_ASSERT_EQUAL_INT32(0, fast.cross_q);
+    TEST_ASSERT_EQUAL_INT32(0, fast.iron_current_b);
 }
 
 /* 4 Ohm less 4 2^-16, so that 2^32 / R_i is a little more than 2^14: a conductance of 1/4. w 2^20:
