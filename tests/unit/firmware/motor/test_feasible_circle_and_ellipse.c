@@ -206,6 +206,21 @@ void test_where_the_circle_does_not_meet_the_ellipse_it_is_left_only_towards_les
     }
 }
 
+/* No i_q is left at an i_d of the whole circle: one unit of it, on the side's own. */
+void test_the_end_of_the_circle_at_its_lowest_i_d_has_the_sign_of_its_side(void)
+{
+    const int32_t circle_b = (4 << 20) - (4 << 12);
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        feasible_circle_t circle = {
+            .known = true, .best_b = -circle_b, .lowest_b = -circle_b, .d_b = -circle_b};
+        feasible_side_t side = plain_side(&motor, (side_t)sign, 20 << 20);
+        motor.constants.torque_factor_q24 = SCALED_ONE;
+        (void)feasible_by_current_mNm(&side, &circle);
+        TEST_ASSERT_EQUAL_INT32(-circle_b, side.cap.d_b);
+        TEST_ASSERT_EQUAL_INT32(sign, side.cap.x_b);
+    }
+}
+
 /* ---- which of them bounds ---- */
 
 void test_a_cap_with_voltage_up_to_the_circle_itself_has_no_bound_by_current(void)

@@ -24,6 +24,18 @@ void test_a_coefficient_is_its_number_up_to_the_limit_and_the_limit_beyond(void)
     }
 }
 
+void test_a_sum_of_coefficients_is_one(void)
+{
+    for (int32_t rest = -2; rest <= 2; rest++) {
+        const int64_t sum = 2 * (MOST / 2) + rest;
+        TEST_ASSERT_EQUAL_INT32(limited(sum), coefficient_sum(MOST / 2, (int32_t)MOST / 2 + rest));
+        TEST_ASSERT_EQUAL_INT32(limited(-sum),
+                                coefficient_sum(-MOST / 2, -(int32_t)MOST / 2 - rest));
+    }
+    TEST_ASSERT_EQUAL_INT32(MOST, coefficient_sum(INT32_MAX, INT32_MAX));
+    TEST_ASSERT_EQUAL_INT32(-MOST, coefficient_sum(INT32_MIN, INT32_MIN));
+}
+
 /* A sum of products has 24 fraction bits more, which are rounded down. */
 void test_a_coefficient_of_products_is_that_of_their_whole_part(void)
 {

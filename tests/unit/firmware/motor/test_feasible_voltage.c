@@ -119,6 +119,30 @@ void test_the_circle_ends_field_weakening_from_the_flux_at_which_torque_per_volt
     TEST_ASSERT_DOUBLE_WITHIN(1e-3 * CIRCLE_b, wanted_b, weakest_b(CIRCLE_b / 4));
 }
 
+/* L_d above L_q takes the torque the other way: F_d = 2 F^2 s/(psi L_q + sqrt((psi L_q)^2 + 8 s^2
+ * F^2)) with s = L_d - L_q; L_d = 1, L_q = 1/2. */
+void test_field_weakening_of_a_larger_l_d_ends_at_maximum_torque_per_voltage(void)
+{
+    motor.model.inductance_d_b = SCALED_ONE;
+    motor.model.inductance_q_b = SCALED_ONE / 2;
+    motor.model.saliency_b = SCALED_ONE / 2;
+    motor.model.slope_saliency_b = motor.model.saliency_b;
+    motor.model.speed_b = SCALED_ONE;
+    motor.constants.weakening_most_b = CIRCLE_b;
+    for (int32_t share = 1; share < 16; share++) {
+        const double psi = share / 16.0 * CIRCLE_b;
+        motor.model.flux_b = (int32_t)psi;
+        motor.model.slope_flux_b = motor.model.flux_b;
+        for (int32_t voltage_b = CIRCLE_b / 16; voltage_b <= CIRCLE_b; voltage_b += CIRCLE_b / 16) {
+            const double f = voltage_b;
+            const double f_d =
+                f * f / (0.5 * psi + sqrt(0.25 * psi * psi + 2.0 * f * f)); /* 2 s = 1 */
+            const double wanted_b = fmax(fmin(f_d - psi, 0.0), -CIRCLE_b);
+            TEST_ASSERT_DOUBLE_WITHIN(1e-3 * CIRCLE_b, wanted_b, weakest_b(voltage_b));
+        }
+    }
+}
+
 /* One unit of voltage at standstill is a flux of one: sum = 1 + sqrt(3), i_d = (1 / sum - 1) / 4.
  */
 void test_standstill_counts_as_one_unit_of_speed(void)
@@ -172,6 +196,63 @@ void test_the_smallest_reactance_counts(void)
     motor.set.voltage_squared = 1 << 24;
     feasible_side_t side = plain_side(&motor, SIDE_DRIVING, 1 << 25);
     side.cap_has_voltage = false;
+    TEST_ASSERT_EQUAL_INT32(1 << 24, feasible_by_voltage_mNm(&side));
+}
+
+/* ---- to the last unit ---- */
+
+/* u_d = R d - x, u_q = 0, U = 2^24: the end of x with the i_d of a map that is flat. */
+static feasible_side_t ellipse_of_one(int32_t map_lsb, int32_t cap_b)
+{
+    motor.constants.current_most_b = 1 << 25;
+    motor.model.reactance_q_b = SCALED_ONE;
+    motor.set.voltage_squared = INT64_C(1) << 48;
+    for (int k = 0; k < 3; k++) {
+        motor.map_lsb[k] = (int16_t)map_lsb;
+    }
+    feasible_side_t side = plain_side(&motor, SIDE_DRIVING, cap_b);
+    side.cap_has_voltage = false;
+    return side;
+}
+
+void test_the_end_of_an_ellipse_of_powers_of_two_is_one(void)
+{
+    for (int32_t r_b = 0; r_b <= 1 << 26; r_b += 1 << 26) {
+        feasible_side_t side = ellipse_of_one(0, 1 << 25);
+        motor.model.resistance_b = r_b;
+        TEST_ASSERT_EQUAL_INT32(1 << 24, feasible_by_voltage_mNm(&side));
+        TEST_ASSERT_EQUAL_INT32(0, side.cap.d_b);
+        TEST_ASSERT_EQUAL_INT32(1 << 24, side.cap.x_b);
+    }
+}
+
+/* Entries of 2^14 mA are 2^15 units, down to the largest current of 2^25. */
+void test_the_end_of_the_ellipse_has_the_i_d_of_a_flat_map_to_the_unit(void)
+{
+    for (int32_t map_lsb = -(1 << 10); map_lsb < 0; map_lsb += 1 << 6) {
+        motor.set.row.weights.shift = 15 - 14;
+        feasible_side_t side = ellipse_of_one(map_lsb, 1 << 25);
+        TEST_ASSERT_EQUAL_INT32(1 << 24, feasible_by_voltage_mNm(&side));
+        TEST_ASSERT_EQUAL_INT32(map_lsb * (1 << 15), side.cap.d_b);
+    }
+}
+
+/* Entries of a milliampere, two units: 256 are the first of consequence. */
+void test_an_i_d_of_no_consequence_is_left(void)
+{
+    for (int32_t map_lsb = -130; map_lsb <= 0; map_lsb++) {
+        feasible_side_t side = ellipse_of_one(map_lsb, 1 << 25);
+        (void)feasible_by_voltage_mNm(&side);
+        TEST_ASSERT_EQUAL_INT32(map_lsb <= -128 ? 2 * map_lsb : 0, side.cap.d_b);
+    }
+}
+
+/* The same torque from the cap and from the end of the ellipse: nothing up to the cap is lost. */
+void test_a_cap_at_the_end_of_the_ellipse_is_no_bound(void)
+{
+    feasible_side_t side = ellipse_of_one(0, 1 << 24);
+    TEST_ASSERT_EQUAL_INT32(FEASIBLE_UNBOUNDED, feasible_by_voltage_mNm(&side));
+    side = ellipse_of_one(0, (1 << 24) + 1);
     TEST_ASSERT_EQUAL_INT32(1 << 24, feasible_by_voltage_mNm(&side));
 }
 
