@@ -86,6 +86,36 @@ void test_losses_at_standstill_make_all_torque_that_the_current_makes(void)
     TEST_ASSERT_EQUAL_INT32(MOST_b, torque_mNm(&losses, 0));
 }
 
+/* Up to a current of 2^25, beside a power of one unit at standstill. */
+void test_losses_of_one_unit_at_standstill_make_all_torque_that_a_large_current_makes(void)
+{
+    motor.set.power = (feasible_power_t){.c = 1};
+    loss_braking_t losses = {.current_b = 1 << 25};
+    TEST_ASSERT_EQUAL_INT32(1 << 25, torque_mNm(&losses, 0));
+}
+
+/* A power of 100 units at any current and an EMF of 2^16: two steps of 100 2^24 / 2^16. */
+void test_the_power_to_be_returned_or_drawn_counts_to_the_unit(void)
+{
+    motor.model.emf_b = 1 << 16;
+    motor.model.resistance_b = SCALED_ONE; /* of which the circle loses more */
+    motor.set.power = (feasible_power_t){.c = 100};
+    /* What the battery takes is not returned on the circle. */
+    for (int32_t power_b = 0; power_b <= 1000; power_b += 500) {
+        loss_braking_t losses = {.current_b = MOST_b, .returned = {.power_b = power_b}};
+        TEST_ASSERT_EQUAL_INT32(2 * 100 * 256, torque_mNm(&losses, 0));
+    }
+    loss_braking_t draws = {.current_b = MOST_b, .returned = {.power_b = -20}};
+    TEST_ASSERT_EQUAL_INT32(2 * 80 * 256, torque_mNm(&draws, 0));
+    /* What the motor draws beyond its model has been measured, with any angle. */
+    motor.constants.hall_angle_b = SCALED_ONE;
+    motor.model.speed_b = 1 << 20;
+    loss_braking_t more = {.current_b = MOST_b, .returned = {.drawn_b = 30}};
+    TEST_ASSERT_EQUAL_INT32(2 * 130 * 256, torque_mNm(&more, 0));
+    TEST_ASSERT_EQUAL_INT32(-2 * 130 * 256, more.at.x_b);
+    TEST_ASSERT_INT32_WITHIN(MOST_b >> 13, -MOST_b, more.at.d_b);
+}
+
 /* The header's magnitude of a current, at most 3 % too large. */
 static double magnitude(double i_d, double i_q)
 {
@@ -256,6 +286,65 @@ void test_i_q_is_what_i_d_leaves_of_the_phase_current(void)
         &motor.set, &losses, -400000, (current_setpoint_t){.i_d_mA = -60000, .i_q_mA = -80000});
     TEST_ASSERT_EQUAL_INT32(-60000, more.i_d_mA);
     TEST_ASSERT_INT32_WITHIN(8, -80000, more.i_q_mA);
+}
+
+/* Of what the battery takes, and of what the motor draws beyond its model, only the sum counts. */
+void test_a_setpoint_may_return_what_the_motor_draws_beyond_its_model(void)
+{
+    motor.set.power = (feasible_power_t){.c = -(1 << 18), .c_dd = SCALED_ONE / 4};
+    const current_setpoint_t map = {.i_d_mA = 0, .i_q_mA = -1000};
+    for (int32_t share = 0; share <= 4; share++) {
+        const loss_braking_t losses = {
+            .current_b = MOST_b,
+            .returned = {.power_b = share << 12, .drawn_b = (4 - share) << 12}};
+        /* i_d^2 / 4 of 2^18 - 2^14 */
+        const current_setpoint_t out = loss_braking_setpoint(&motor.set, &losses, -2000, map);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3 * MOST_b, -sqrt(15.0 / 16.0) * MOST_b, 2.0 * out.i_d_mA);
+    }
+}
+
+/* Currents of i_q -2^14: an i_d of 7/4 of it up to a speed of 2^15 mrad/s, and of 64 times that
+ * from 2^18 on. */
+void test_the_i_d_beside_an_uncertain_angle_is_a_multiple_of_i_q_to_the_last_digit(void)
+{
+    return_too_much();
+    motor.set.power.c = -(1 << 20); /* more than any i_d loses */
+    motor.constants.hall_angle_b = 1;
+    const loss_braking_t losses = {.current_b = MOST_b};
+    static const int32_t SPEEDS_mrad_s[] = {0, 1 << 15, 1 << 18, 1 << 22};
+    for (int n = 0; n < 4; n++) {
+        motor.model.speed_b = SPEEDS_mrad_s[n];
+        const int32_t i_d_b = n < 2 ? 7 << 12 : 64 * (7 << 12);
+        const current_setpoint_t map = {.i_d_mA = 0, .i_q_mA = -(1 << 13)};
+        const current_setpoint_t out = loss_braking_setpoint(&motor.set, &losses, -(1 << 14), map);
+        TEST_ASSERT_EQUAL_INT32(-i_d_b / 2, out.i_d_mA);
+    }
+}
+
+/* 112 times an i_q of 3/4 2^25 is beyond 32 bits: the circle of 2^25 is the limit. */
+void test_the_i_d_beside_a_large_i_q_ends_at_the_circle(void)
+{
+    motor.set.power = (feasible_power_t){.c = -(1 << 26), .c_dd = 1};
+    motor.constants.hall_angle_b = 1;
+    motor.model.speed_b = 1 << 22;
+    motor.config.motor.max_phase_current_mA = 1 << 24;
+    const loss_braking_t losses = {.current_b = 1 << 25};
+    const current_setpoint_t map = {.i_d_mA = 0, .i_q_mA = -(3 << 22)};
+    const current_setpoint_t out = loss_braking_setpoint(&motor.set, &losses, -(3 << 23), map);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3 * (1 << 24), -sqrt(7.0 / 16.0) * (1 << 24), out.i_d_mA);
+}
+
+/* The iron's current is as large as that of the torque: beside no i_q no i_d. */
+void test_beside_no_i_q_an_uncertain_angle_leaves_no_i_d(void)
+{
+    return_too_much();
+    motor.constants.hall_angle_b = 1;
+    motor.model.iron_current_b = 1000;
+    const loss_braking_t losses = {.current_b = MOST_b};
+    const current_setpoint_t map = {.i_d_mA = 0, .i_q_mA = 0};
+    const current_setpoint_t out = loss_braking_setpoint(&motor.set, &losses, -1000, map);
+    TEST_ASSERT_EQUAL_INT32(0, out.i_d_mA);
+    TEST_ASSERT_EQUAL_INT32(0, out.i_q_mA);
 }
 
 void test_i_q_counts_forward_in_either_direction_of_rotation(void)
