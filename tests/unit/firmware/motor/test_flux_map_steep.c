@@ -108,6 +108,19 @@ void test_any_currents_beside_any_step_end_within_32_bits(void)
     }
 }
 
+/* Twice 32 767 entries of 2^16 nWb over a milliampere, of either sign. */
+void test_an_inductance_beyond_32_bits_is_the_largest_number_of_either_sign(void)
+{
+    config_flux_map_t *map = &config.flux_map;
+    steep_map(1, 1, 16);
+    for (int k = 0; k < map->d_points * map->q_points; k++) {
+        map->psi_d_lsb[k] = (int16_t)(k % map->q_points % 2 == 0 ? MOST_lsb : -MOST_lsb);
+    }
+    TEST_ASSERT_EQUAL_INT32(-INT32_MAX, flux_map_at(&config, 0, 0).cross_nH);
+    TEST_ASSERT_EQUAL_INT32(-INT32_MAX, flux_map_at(&config, 0, -1000).cross_nH);
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, flux_map_at(&config, 0, 1000).cross_nH);
+}
+
 /* One steep cell behind 63 flat ones, in steps that divide 2^32 - 1: a position to the nearest of
  * 8192 in a step, half of one of 32 704 entries. */
 void test_positions_are_the_nearest_ones(void)

@@ -452,6 +452,104 @@ void test_a_number_of_points_that_flips_reads_nothing_beside_the_maps(void)
     }
 }
 
+/* On fine grids, so that every position of the axes is met. */
+static void flip(int32_t *points, int32_t value)
+{
+    random_map(1);
+    random_d_map(2, LAYERS);
+    config.regen_map.speed_step_log2 = 6;
+    config.regen_map.temperature_step_log2 = 6;
+    config.current_map.speed_step_log2 = 6;
+    config.current_map.temperature_step_log2 = 6;
+    random_t random = random_seeded(3);
+    for (int k = 0; k < CONFIG_REGEN_POINTS_MAX; k++) {
+        config.regen_map.torque_lsb[k] = (int16_t)random_between(&random, 0, INT16_MAX);
+    }
+    for (int k = 0; k < CONFIG_CURRENT_MAP_POINTS_MAX; k++) {
+        config.current_map.current_d_lsb[k] = (int16_t)random_between(&random, -32767, 32767);
+    }
+    *points = value;
+}
+
+/* The currents and the torque of a number of points are those of another number. */
+static void assert_as(int32_t *points, int32_t value, int32_t other)
+{
+    for (int32_t at = 0; at <= 70; at += 7) {
+        const int32_t speed_mrad_s = at * 64 + 16;
+        const int32_t winding_cC = at * 64 - 1000 - 32;
+        flip(points, value);
+        const int32_t torque_mNm = loss_maps_torque_mNm(&config, speed_mrad_s, winding_cC);
+        const int32_t d_mA = map_d_mA(&config, speed_mrad_s, winding_cC, at * 30 - 1000);
+        flip(points, other);
+        TEST_ASSERT_EQUAL_INT32(loss_maps_torque_mNm(&config, speed_mrad_s, winding_cC),
+                                torque_mNm);
+        TEST_ASSERT_EQUAL_INT32(map_d_mA(&config, speed_mrad_s, winding_cC, at * 30 - 1000), d_mA);
+    }
+}
+
+/* Of the five axes the temperatures of the d-current map may be a single one. */
+void test_a_number_of_points_beyond_an_axis_is_the_nearest_that_an_axis_has(void)
+{
+    int32_t *const points[] = {
+        &config.regen_map.speed_points,         &config.regen_map.temperature_points,
+        &config.current_map.torque_points,      &config.current_map.speed_points,
+        &config.current_map.temperature_points,
+    };
+    for (int field = 0; field < 5; field++) {
+        assert_as(points[field], INT32_MAX, 65);
+        assert_as(points[field], 66, 65);
+        if (field < 4) {
+            assert_as(points[field], INT32_MIN, 2);
+            assert_as(points[field], 0, 2);
+            assert_as(points[field], 1, 2);
+        }
+    }
+}
+
+void test_two_points_are_the_fewest_along_an_axis(void)
+{
+    random_map(11);
+    config.regen_map.speed_points = 2;
+    config.regen_map.temperature_points = 2;
+    for (int32_t t = 0; t < 2; t++) {
+        for (int32_t s = 0; s < 2; s++) {
+            TEST_ASSERT_EQUAL_INT32(
+                point_mNm(2 * t + s),
+                loss_maps_torque_mNm(&config, s * 5000, t == 0 ? INT32_MIN : INT32_MAX));
+        }
+    }
+}
+
+static void assert_last_torque(int32_t speed_points, int32_t temperature_points)
+{
+    config.regen_map.speed_points = speed_points;
+    config.regen_map.temperature_points = temperature_points;
+    TEST_ASSERT_EQUAL_INT32(point_mNm(CONFIG_REGEN_POINTS_MAX - 1),
+                            loss_maps_torque_mNm(&config, INT32_MAX, INT32_MAX));
+    TEST_ASSERT_EQUAL_INT32(point_mNm(CONFIG_REGEN_POINTS_MAX - 1),
+                            loss_maps_torque_mNm(&config, INT32_MAX, 63 * 64 - 1000));
+    TEST_ASSERT_EQUAL_INT32(point_mNm(CONFIG_REGEN_POINTS_MAX - 2),
+                            loss_maps_torque_mNm(&config, 0, INT32_MAX));
+}
+
+/* More points than there is room for: beyond the room its last cell counts. */
+void test_a_grid_beyond_the_room_of_its_map_ends_with_the_last_cell_of_the_room(void)
+{
+    flip(&config.current_map.torque_points, 65);
+    assert_last_torque(65, 65);
+    assert_last_torque(65, 1000);
+    config.current_map.speed_points = 65;
+    for (int32_t layers = 1; layers <= 65; layers += 64) {
+        config.current_map.temperature_points = layers;
+        const int16_t *lsb = config.current_map.current_d_lsb;
+        const int32_t last = CONFIG_CURRENT_MAP_POINTS_MAX - 1;
+        TEST_ASSERT_EQUAL_INT32(lsb[last] * CURRENT_LSB_mA,
+                                map_d_mA(&config, INT32_MAX, INT32_MAX, INT32_MAX));
+        TEST_ASSERT_EQUAL_INT32(lsb[last - 64] * CURRENT_LSB_mA,
+                                map_d_mA(&config, INT32_MAX, INT32_MAX, -INT32_MAX));
+    }
+}
+
 void test_d_current_of_the_paper_s_vehicle_is_that_of_least_iron_and_copper_loss(void)
 {
     /* L_d = L_q: i_d makes no torque. Without inverter the least of 3/2 R i_d^2 + 3/2 w^2 (L i_d +

@@ -288,6 +288,15 @@ void test_bus_current_is_power_over_the_bus_voltage_and_switching_beside_it(void
     TEST_ASSERT_EQUAL_INT32((int32_t)switching_mA, motor_model_switching_current_mA(&m, at, 48000));
 }
 
+/* Two thirds of c1 |i| + 3/2 c2 |i|^2: 2^16 times 2^20 and 1/16 of 2^40, over 2^24. */
+void test_the_loss_of_the_bridge_is_that_of_its_drop_and_of_its_resistance(void)
+{
+    constants.loss_b = 1 << 16;
+    constants.loss_resistance_b = SCALED_ONE / 16;
+    TEST_ASSERT_EQUAL_INT32((1 << 12) + (1 << 12), motor_model_bridge_loss_b(&constants, 1 << 20));
+    TEST_ASSERT_EQUAL_INT32((1 << 14) + (1 << 16), motor_model_bridge_loss_b(&constants, 1 << 22));
+}
+
 /* 2^13 times 2^12 is 2, three halves of it 3; over one unit of voltage 3 2^24. */
 void test_a_bus_voltage_of_zero_counts_as_one_unit(void)
 {

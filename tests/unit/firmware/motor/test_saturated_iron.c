@@ -7,6 +7,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "core/q15.h"
 #include "motor/current_setpoint.h"
 #include "motor/flux_map.h"
 #include "motor/motor_model.h"
@@ -98,6 +99,45 @@ void test_warm_magnets_move_the_map_along_i_d(void)
     const circuit_t want = circuit(0.0, shift_a(12500), -100.0, -200.0);
     TEST_ASSERT_DOUBLE_WITHIN(0.2, want.torque_nm,
                               motor_model_torque_mNm(&m, motor_model_point(&m, at)) * 1e-3);
+}
+
+static void assert_same_power(const feasible_power_t *want, const feasible_power_t *power)
+{
+    TEST_ASSERT_EQUAL_INT32(want->a, power->a);
+    TEST_ASSERT_EQUAL_INT32(want->b, power->b);
+    TEST_ASSERT_EQUAL_INT32(want->b_d, power->b_d);
+    TEST_ASSERT_EQUAL_INT32(want->c, power->c);
+    TEST_ASSERT_EQUAL_INT32(want->c_d, power->c_d);
+    TEST_ASSERT_EQUAL_INT32(want->c_dd, power->c_dd);
+}
+
+/* Model, power and lowest i_d; the voltage is its root, within 2^-14 of it. */
+void test_a_feasible_set_moved_to_currents_is_the_one_of_a_model_around_them(void)
+{
+    random_t random = random_seeded(2);
+    int differ = 0;
+    for (int n = 0; n < 200; n++) {
+        const int32_t speed_mrad_s = random_between(&random, 0, 1200000);
+        const int32_t phase_mV = random_between(&random, 50000, 220000);
+        const motor_current_t at = {.d_mA = random_between(&random, -390000, 0),
+                                    .q_mA = random_between(&random, -400000, 400000)};
+        motor_model_t m = motor_model_at(&constants, &config, speed_mrad_s, 2500);
+        feasible_set_t set = feasible_set_at(&m, phase_mV);
+        const int32_t before_b = set.weakest_d_b;
+        feasible_set_around(&set, &m, at);
+        const motor_model_t want_m =
+            motor_model_around(&constants, &config, speed_mrad_s, 2500, at);
+        const feasible_set_t want = feasible_set_at(&want_m, phase_mV);
+        TEST_ASSERT_EQUAL_INT32(want_m.flux_b, m.flux_b);
+        TEST_ASSERT_EQUAL_INT32(want_m.inductance_q_b, m.inductance_q_b);
+        TEST_ASSERT_EQUAL_INT32(want_m.voltage_q_b, m.voltage_q_b);
+        assert_same_power(&want.power, &set.power);
+        TEST_ASSERT_TRUE(want.voltage_squared == set.voltage_squared);
+        const int32_t near_b = constants.current_most_b >> 10;
+        TEST_ASSERT_INT32_WITHIN(near_b, want.weakest_d_b, set.weakest_d_b);
+        differ += q_abs(want.weakest_d_b - before_b) > 4 * near_b;
+    }
+    TEST_ASSERT_GREATER_THAN_INT(10, differ);
 }
 
 typedef struct {

@@ -217,6 +217,15 @@ void test_magnets_and_current_gain_take_their_share_of_the_torque(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.002, 0.02 * AT_40_A_nm / SQRT_3, stated_nm(0.0, 0.0, 40.0));
 }
 
+/* The iron takes its current from the magnets, which no sensor measures: zero stays zero. */
+void test_a_gain_of_the_sensors_makes_no_torque_where_no_current_flows(void)
+{
+    const config_tolerance_t gain = {.current_gain_q15 = 16384};
+    use(paper_vehicle(), gain);
+    TEST_ASSERT_DOUBLE_WITHIN(0.002, 0.0, stated_nm(44.4, 0.0, 0.0));
+    TEST_ASSERT_DOUBLE_WITHIN(0.02, 0.5 * AT_40_A_nm / SQRT_3, stated_nm(44.4, 0.0, -40.0));
+}
+
 /* A turned i_d acts as i_q; without i_d only the cosine counts, which is of second order. */
 void test_an_angle_error_makes_torque_of_the_weakening_current(void)
 {
