@@ -150,12 +150,12 @@ static plain_point_t end_of_steps(const plain_drive_t *d, double sign, const sta
     return at;
 }
 
-void test_the_end_of_the_circle_is_four_steps_from_any_start(void)
+static void compare_steps(uint64_t seed, plain_drive_t (*draw)(random_t *random))
 {
-    random_t random = random_seeded(92);
+    random_t random = random_seeded(seed);
     int ends = 0;
     for (int n = 0; n < 2 * ROUNDS; n++) {
-        const plain_drive_t d = any(&random);
+        const plain_drive_t d = draw(&random);
         const bool drives = random_chance(&random, 0.5);
         const double sign = drives ? 1.0 : -1.0;
         const double best = random_real(&random, -1.0, 3.9);
@@ -181,6 +181,31 @@ void test_the_end_of_the_circle_is_four_steps_from_any_start(void)
         TEST_ASSERT_DOUBLE_WITHIN(1e-2, at.x, plain_value(side.cap.x_b));
     }
     TEST_ASSERT_GREATER_THAN_INT(ROUNDS / 2, ends);
+}
+
+void test_the_end_of_the_circle_is_four_steps_from_any_start(void)
+{
+    compare_steps(92, any);
+}
+
+/* A resistance about as large as the reactances: the least voltage is on the side of braking, and
+ * steps towards a U that is nowhere go to and fro. */
+static plain_drive_t resistive(random_t *random)
+{
+    plain_drive_t out = {
+        .psi = random_real(random, 0.5, 2.0),
+        .r = random_real(random, 0.15, 0.3),
+        .x_d = random_real(random, 0.1, 0.2),
+        .emf = random_real(random, 1.8, 2.9),
+        .u = random_real(random, 0.2, 1.5),
+    };
+    out.x_q = out.x_d * random_real(random, 1.0, 1.5);
+    return out;
+}
+
+void test_steps_that_turn_by_more_than_half_of_the_step_before_end(void)
+{
+    compare_steps(93, resistive);
 }
 
 /* Without resistance, saliency and EMF |u| is the same all along the circle; an EMF of five units
@@ -221,6 +246,25 @@ void test_the_end_of_the_circle_at_its_lowest_i_d_has_the_sign_of_its_side(void)
     }
 }
 
+/* u_q = 5 + d, u_d = -x: on the circle never as little as U = 1/2. The step from an i_d of -3.9
+ * goes beyond i_q = 0, and ends before it. */
+void test_a_step_beyond_the_end_of_the_circle_ends_on_the_side_where_it_began(void)
+{
+    const plain_drive_t d = {
+        .psi = 1.0, .x_d = 1.0, .x_q = 1.0, .emf = 5.0, .u = 0.5, .lowest = -4.0};
+    drive_apply(&d, &motor);
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        feasible_circle_t circle = {.known = true,
+                                    .best_b = plain_units(3.0),
+                                    .lowest_b = plain_units(-4.0),
+                                    .d_b = plain_units(-3.9)};
+        feasible_side_t side = plain_side(&motor, (side_t)sign, 20 << 20);
+        (void)feasible_by_current_mNm(&side, &circle);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3, -CIRCLE, plain_value(side.cap.d_b));
+        TEST_ASSERT_EQUAL_INT32(sign, side.cap.x_b);
+    }
+}
+
 /* ---- which of them bounds ---- */
 
 void test_a_cap_with_voltage_up_to_the_circle_itself_has_no_bound_by_current(void)
@@ -233,6 +277,23 @@ void test_a_cap_with_voltage_up_to_the_circle_itself_has_no_bound_by_current(voi
     side = plain_side(&motor, SIDE_DRIVING, circle_b + 1);
     TEST_ASSERT_LESS_THAN_INT32(FEASIBLE_UNBOUNDED, feasible_by_current_mNm(&side, &circle));
     TEST_ASSERT_TRUE(circle.known);
+}
+
+/* With an i_d of one unit the cap is outside the circle, whose end makes the same torque. */
+void test_a_cap_of_the_torque_of_the_circle_s_end_keeps_its_point(void)
+{
+    const int32_t circle_b = (4 << 20) - (4 << 12);
+    motor.constants.torque_factor_q24 = SCALED_ONE;
+    feasible_circle_t circle = {.known = true};
+    feasible_side_t side = plain_side(&motor, SIDE_DRIVING, circle_b);
+    side.cap.d_b = -1;
+    TEST_ASSERT_EQUAL_INT32(circle_b, feasible_by_current_mNm(&side, &circle));
+    TEST_ASSERT_EQUAL_INT32(-1, side.cap.d_b);
+    circle = (feasible_circle_t){.known = true};
+    side = plain_side(&motor, SIDE_DRIVING, circle_b + 1);
+    side.cap.d_b = -1;
+    TEST_ASSERT_EQUAL_INT32(circle_b, feasible_by_current_mNm(&side, &circle));
+    TEST_ASSERT_EQUAL_INT32(0, side.cap.d_b);
 }
 
 /* u_q = 2 + d, u_d = -x, U = 2: a torque of 1 takes i_d = sqrt(3) - 2; the circle leaves 2.6. */
@@ -348,6 +409,41 @@ static void compare_d_of_torque(uint64_t seed, double lowest_map, double highest
 void test_a_torque_beyond_the_circle_of_the_map_s_point_has_the_i_d_of_three_steps(void)
 {
     compare_d_of_torque(71, -2.0, 0.0, 10.0);
+}
+
+/* More torque than the circle makes: maximum torque per ampere, whatever the map has. */
+void test_a_torque_beyond_the_largest_of_the_circle_has_the_i_d_of_that(void)
+{
+    random_t random = random_seeded(74);
+    for (int n = 0; n < ROUNDS / 4; n++) {
+        plain_drive_t d = any(&random);
+        d.iron = 0.0;
+        d.saliency = random_real(&random, -0.4, -0.05);
+        drive_apply(&d, &motor);
+        motor.set.voltage_squared = INT64_C(1) << 60;
+        const double map = plain_entry_value(random_real(&random, -3.9, 0.0));
+        for (int k = 0; k < 3; k++) {
+            motor.map_lsb[k] = plain_entry(&motor, PLAIN_UNIT_LOG2, map);
+        }
+        if (fabs(map - best_d(&d)) < 0.1) {
+            continue; /* as much torque within the scale's coarseness */
+        }
+        const double most = torque(&d, on_circle(&d, 1.0, best_d(&d)));
+        const double sign = n % 2 == 0 ? 1.0 : -1.0;
+        const motor_point_t found =
+            feasible_point(&motor.set, plain_units(sign * random_real(&random, 1.01, 2.0) * most));
+        TEST_ASSERT_DOUBLE_WITHIN(4e-4, best_d(&d), plain_value(found.d_b));
+    }
+}
+
+/* The iron takes twice the phase current: no torque along the rotation is left on the circle. */
+void test_an_iron_current_beyond_the_circle_leaves_the_i_d_of_most_torque(void)
+{
+    motor.model.iron_current_b = plain_units(8.0);
+    for (int32_t sign = -1; sign <= 1; sign++) {
+        const motor_point_t found = feasible_point(&motor.set, plain_units(sign));
+        TEST_ASSERT_EQUAL_INT32(0, found.d_b);
+    }
 }
 
 /* From an i_d near the circle's end, where the torque is far from a parabola: without saliency the

@@ -168,3 +168,18 @@ void test_an_i_d_that_moves_by_a_32nd_of_the_phase_current_is_corrected_once(voi
     motor.constants.current_most_b = (1 << 22) - 32;
     TEST_ASSERT_NOT_EQUAL_INT32(-(1 << 17), corrected(1 << 19).d_b);
 }
+
+/* u_q = 2^24 + i_d, u_d = 0, no voltage: only an i_d of -2^24 has it. */
+void test_the_i_d_of_a_bound_on_an_ellipse_of_one_point_is_that_point(void)
+{
+    motor_point_t found;
+    motor.constants.current_most_b = 1 << 25;
+    motor.model.voltage_q_b = SCALED_ONE;
+    motor.model.voltage_q_per_d = SCALED_ONE;
+    motor.set.voltage_squared = 0;
+    motor.set.weakest_d_b = -(1 << 25);
+    const feasible_side_t side = plain_side(&motor, SIDE_DRIVING, 1 << 21);
+    const feasible_cap_power_t cap = feasible_cap_power(&side);
+    TEST_ASSERT_EQUAL_INT32(1 << 20, feasible_by_drawn_at(&side, &cap, 1 << 20, &found));
+    TEST_ASSERT_EQUAL_INT32(-SCALED_ONE, found.d_b);
+}

@@ -347,6 +347,25 @@ void test_beside_no_i_q_an_uncertain_angle_leaves_no_i_d(void)
     TEST_ASSERT_EQUAL_INT32(0, out.i_q_mA);
 }
 
+/* The iron's current is larger than that of the torque, i_q driving. A map that raises the flux is
+ * left for no i_d. */
+void test_beside_a_driving_i_q_an_uncertain_angle_takes_i_d_to_zero(void)
+{
+    return_too_much();
+    motor.set.power.c = -(1 << 20);
+    motor.constants.hall_angle_b = 1;
+    motor.model.iron_current_b = 2000;
+    motor.model.speed_b = 1 << 22;
+    const loss_braking_t losses = {.current_b = MOST_b};
+    for (int32_t i_q_b = 0; i_q_b <= 1000; i_q_b += 1000) {
+        const current_setpoint_t map = {.i_d_mA = 1000, .i_q_mA = i_q_b / 2};
+        const current_setpoint_t out =
+            loss_braking_setpoint(&motor.set, &losses, i_q_b - 2000, map);
+        TEST_ASSERT_EQUAL_INT32(0, out.i_d_mA);
+        TEST_ASSERT_EQUAL_INT32(i_q_b / 2, out.i_q_mA);
+    }
+}
+
 void test_i_q_counts_forward_in_either_direction_of_rotation(void)
 {
     return_too_much();
