@@ -347,8 +347,8 @@ void test_beside_no_i_q_an_uncertain_angle_leaves_no_i_d(void)
     TEST_ASSERT_EQUAL_INT32(0, out.i_q_mA);
 }
 
-/* The iron's current is larger than that of the torque, i_q driving. A map that raises the flux is
- * left for no i_d. */
+/* The iron's current is larger than that of the torque, i_q driving: the positive i_d of a map goes
+ * to zero and no lower. */
 void test_beside_a_driving_i_q_an_uncertain_angle_takes_i_d_to_zero(void)
 {
     return_too_much();

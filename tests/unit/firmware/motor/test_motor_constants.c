@@ -327,8 +327,9 @@ void test_every_shift_counts_in_the_constants_with_its_sign(void)
     TEST_ASSERT_EQUAL_INT32(1, k.voltage_shift);
     TEST_ASSERT_EQUAL_INT32(-1, k.speed_shift);
     TEST_ASSERT_EQUAL_INT32(2, k.torque_shift);
-    TEST_ASSERT_EQUAL_INT32(34 - 1 - 1, k.flux_unit_shift);
-    TEST_ASSERT_EQUAL_INT32(20 - 1 + 2 - 1, k.inductance_unit_shift);
+    /* 2^58 / 10^9 a nanoweber and 2^68 / 10^12 a nanohenry: 1/4 Wb and 1 uH as the constants. */
+    TEST_ASSERT_EQUAL_INT32(k.flux_b, exact(1, 58 - 2 - k.flux_unit_shift, 1));
+    TEST_ASSERT_EQUAL_INT32(k.inductance_d_b, exact(1, 68 - k.inductance_unit_shift, 1000000000));
     TEST_ASSERT_EQUAL_INT32(exact(1, 39, 100000000), k.resistance_rise_b); /* 1 mOhm, 1e-3 */
     TEST_ASSERT_EQUAL_INT32(exact(1, 42 - 2, 100000), k.flux_fall_b);      /* 1/4 Wb, 1e-3 */
     TEST_ASSERT_EQUAL_INT32(exact(10, 15, 1), k.iron_q16_b);

@@ -179,7 +179,7 @@ void test_the_end_s_i_d_counts_from_a_cap_of_the_torque_without_i_d_on(void)
     TEST_ASSERT_DOUBLE_WITHIN(32.0, ldexp(by_map, 24), found_mNm(&d, SIDE_BRAKING));
 }
 
-/* Currents that cancel the flux along the rotor to the last picoweber, and none across it. */
+/* Currents that cancel the flux along the rotor but for a nanoweber, and make none across it. */
 void test_without_active_flux_and_current_across_l_q_explains_no_angle(void)
 {
     config_t config = {
