@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Images with an error planted in their driver (chip/README.md), linked of the same objects as the
-# image, but not optimised whole.
+# image, but not optimised whole where the flash holds that.
 
 # planted_source(RESULT NAME FOLDER FILE OLD NEW [SOURCE]): FILE with OLD replaced by NEW; SOURCE
 # includes it, if it is a header. RESULT: what has to be compiled.
@@ -53,7 +53,13 @@ function(planted_image name chip folder file old new)
   if(port MATCHES "stm32g431$")
     set(stack 3328)
   endif()
-  target_link_options(${target} PRIVATE -fno-lto -nostartfiles --specs=nano.specs
+  if(chip STREQUAL "stm32g431")
+    hubfoc_optimise_whole(${target})
+    hubfoc_link_whole(${target})
+  else()
+    target_link_options(${target} PRIVATE -fno-lto)
+  endif()
+  target_link_options(${target} PRIVATE -nostartfiles --specs=nano.specs
     "-T${port}/link.ld" "-L${PROJECT_SOURCE_DIR}/hal/stm32"
     "-Wl,--defsym=link_stack_size=${stack}")
   set_target_properties(${target} PROPERTIES SUFFIX .elf LINK_DEPENDS "${port}/link.ld")
