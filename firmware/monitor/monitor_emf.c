@@ -101,8 +101,8 @@ static int32_t missing_q20(int64_t apart_nV, int64_t expected_nV)
 }
 
 /* Halls measure the mean of up to an electrical turn. While that changes by more than an eighth
- * within a turn, as at the end of a hard stop, it is not the rotor's speed, and no EMF can be
- * expected of it. */
+ * within a turn, as at the end of a stop, it is not the rotor's speed, and no EMF can be expected
+ * of it. Other sensors measure the speed itself. */
 static bool is_steady(monitor_emf_state_t *state, const config_t *config, int32_t speed_mrad_s)
 {
     const int32_t speed_abs_mrad_s = q_abs(speed_mrad_s);
@@ -113,8 +113,9 @@ static bool is_steady(monitor_emf_state_t *state, const config_t *config, int32_
     } else if (state->steady_steps < UINT16_MAX) {
         state->steady_steps++;
     }
-    return (int64_t)state->steady_steps * bases_electrical_mrad_s(config, speed_abs_mrad_s) >=
-           TURN_urad;
+    return config->rotor.sensor != CONFIG_ROTOR_HALL ||
+           (int64_t)state->steady_steps * bases_electrical_mrad_s(config, speed_abs_mrad_s) >=
+               TURN_urad;
 }
 
 /* Steps beyond the tolerance less steps within it; below 0 weak, above strong. */
@@ -153,11 +154,11 @@ static void watch_flux(monitor_emf_state_t *state, const config_t *config, const
 
 /* Of a step that counts against the angle. A rotor may be slower than its sensor says, or stand:
  * DERIVATIONS.md, Angle check. */
-static int32_t weight_of(const view_t *view)
+static int32_t weight_of(const view_t *view, bool steady)
 {
     const int64_t half_nV = view->emf_nV / 2;
-    return magnitude(view->across_nV) >= half_nV || -view->along_nV >= half_nV ? MONITOR_EMF_SEEN
-                                                                               : 1;
+    const bool seen = magnitude(view->across_nV) >= half_nV || -view->along_nV >= half_nV;
+    return steady && seen ? MONITOR_EMF_SEEN : 1;
 }
 
 /* A salient motor at full current has e within U up to any speed, and with |i_d| > psi/(L_q - L_d)
@@ -167,8 +168,7 @@ static int32_t weight_of(const view_t *view)
 static bool opposite(const view_t *view, const config_t *config, const measured_t *now, bool steady)
 {
     const config_motor_t *motor = &config->motor;
-    const bool known = config->rotor.sensor != CONFIG_ROTOR_HALL || steady;
-    if (view->along_nV >= 0 || motor->q_inductance_nH <= motor->d_inductance_nH || !known) {
+    if (view->along_nV >= 0 || motor->q_inductance_nH <= motor->d_inductance_nH || !steady) {
         return false;
     }
     const int64_t least_nV = uncertain_along_nV(view, config, now);
@@ -192,7 +192,7 @@ bool monitor_emf_step(monitor_emf_state_t *state, const config_t *config, const 
         watch_flux(state, config, now, &view);
     }
     const bool counts = judged && wrong && !now->report->voltage_limited;
-    const int32_t weight = counts ? weight_of(&view) : -MONITOR_EMF_SEEN;
+    const int32_t weight = counts ? weight_of(&view, steady) : -MONITOR_EMF_SEEN;
     const int32_t most = MONITOR_EMF_SEEN * config->monitor.angle_fault_time_ms;
     state->level = (uint16_t)q_clamp(state->level + weight, 0, most);
     return state->level >= most;

@@ -6,6 +6,7 @@
 
 #include <math.h>
 
+#include "core/q15.h"
 #include "monitor/monitor_emf.h"
 #include "monitor_case.h"
 #include "paper_vehicle.h"
@@ -66,16 +67,22 @@ static inline monitor_case_t measured(double rpm, double i_d_a, double i_q_a, do
     return emf_measured(&config, rpm, i_d_a, i_q_a, offset_deg, plant);
 }
 
-/* Milliseconds until the fault, or -1 within a second. */
-static inline int time_to_fault(const monitor_case_t *in)
+/* Milliseconds until the fault, or -1 within a second; from the state as it is. */
+static inline int time_to_fault_now(const monitor_case_t *in)
 {
-    state.level = 0;
     for (int n = 1; n <= 1000; n++) {
         if (monitor_emf_step(&state, &config, measured_of(in))) {
             return n;
         }
     }
     return -1;
+}
+
+/* The same at a speed that has long not moved. */
+static inline int time_to_fault(const monitor_case_t *in)
+{
+    state = emf_steady_at(q_abs(in->now.speed_mrad_s));
+    return time_to_fault_now(in);
 }
 
 #endif

@@ -47,6 +47,7 @@ void test_angle_fault_time_qualifies_an_angle_against_the_back_emf(void)
     turned.now.latest_u_d_mV = turned.now.latest_u_q_mV; /* the EMF on the wrong axis */
     turned.now.latest_u_q_mV = 0;
     monitor_emf_state_t level = {.level = 0};
+    config.rotor.sensor = CONFIG_ROTOR_ANGLE; /* whose speed is known at once */
     config.monitor.angle_fault_time_ms = 9;
     for (int n = 1; n < 9; n++) {
         TEST_ASSERT_FALSE(monitor_emf_step(&level, &config, measured_of(&turned)));

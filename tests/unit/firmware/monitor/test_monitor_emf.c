@@ -79,7 +79,7 @@ void test_parameter_errors_are_no_fault(void)
 void test_reversed_direction_of_rotation_is_a_fault_within_40_ms(void)
 {
     for (double rpm = 100.0; rpm <= 640.0; rpm += 13.0) {
-        state.level = 0;
+        state = emf_steady_at(mrad_s_of_rpm(rpm));
         const double w = rpm * 2.0 * PI / 60.0 * config.motor.pole_pairs;
         int n = 0;
         bool fault = false;
@@ -186,6 +186,7 @@ void test_slow_monitor_reports_the_fault(void)
     finding_times(&config, times);
     findings_t findings;
     findings_init(&findings, times, false);
+    config.rotor.sensor = CONFIG_ROTOR_ANGLE; /* whose speed is known at once */
     monitor_case_t wrong = measured(400.0, 0.0, 10.0, 90.0, &AS_CONFIGURED);
     for (int n = 1; n <= 30; n++) {
         wrong.report.sequence = (uint16_t)(wrong.report.sequence + 20U);

@@ -68,8 +68,8 @@ void test_halls_half_a_turn_wrong_are_a_fault_after_a_turn(void)
     for (double rpm = 560.0; rpm <= 11000.0; rpm *= 1.2) {
         state = emf_steady_at(mrad_s_of_rpm(1.5 * rpm));
         const int turn_ms = (int)ceil(60e3 / (rpm * config.motor.pole_pairs));
-        const int after_ms = time_to(rpm, 107.0, 169.0, 180.0);
-        TEST_ASSERT_INT_WITHIN(1, turn_ms + 20, after_ms);
+        const monitor_case_t in = measured(rpm, 107.0, 169.0, 180.0, &AS_CONFIGURED);
+        TEST_ASSERT_INT_WITHIN(1, turn_ms + 20, time_to_fault_now(&in));
     }
 }
 

@@ -77,3 +77,23 @@ void test_shortest_qualify_time_outlasts_halls_that_still_show_a_speed(void)
     in.now.latest_u_q_mV = 0;
     TEST_ASSERT_GREATER_THAN_INT(HALLS_STANDSTILL_ms, time_to_fault(&in));
 }
+
+/* Without a current none of the dead-time voltage may be compensated, and beside a rotor that is
+ * much slower than its halls show, e is what is left of it: half of w psi in any direction. Halls
+ * whose speed moves by more than an eighth a turn are not believed so much. */
+void test_dead_time_beside_a_braked_rotor_is_no_fault(void)
+{
+    config.rotor.sensor = CONFIG_ROTOR_HALL;
+    for (double rpm = 60.0; rpm <= 120.0; rpm += 10.0) {
+        for (double offset_deg = 0.0; offset_deg < 360.0; offset_deg += 15.0) {
+            const plant_t plant = {
+                .resistance = 1.0, .inductance = 1.0, .flux = 1.0, .dead_time_share = 1.0};
+            state.level = 0;
+            for (int n = 0; n < 250; n++) {
+                monitor_case_t in = measured(0.1 * rpm, 0.0, 0.0, offset_deg, &plant);
+                in.now.speed_mrad_s = mrad_s_of_rpm(rpm * pow(0.8, n / 30));
+                TEST_ASSERT_FALSE(monitor_emf_step(&state, &config, measured_of(&in)));
+            }
+        }
+    }
+}

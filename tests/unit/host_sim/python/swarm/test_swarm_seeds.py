@@ -27,7 +27,7 @@ def test_sixty_seeds_hold_every_invariant(hubsim: Hubsim, tmp_path: Path) -> Non
     [
         *((seed, 400, False) for seed in (79, 170, 333)),
         (1200, 24, False),
-        *((seed, 400, True) for seed in (60079, 60220, 61360, 63728, 63808, 64533)),
+        *((seed, 400, True) for seed in (60079, 60220, 61360, 63728, 63808, 64533, 65146)),
     ],
 )
 def test_a_seed_that_was_mended_holds_every_invariant(
@@ -41,6 +41,7 @@ def test_a_seed_that_was_mended_holds_every_invariant(
     61360: a road that slow halls showed too steep, and a hold beside the whole demand.
     63728: all of the voltage on d, so that i_q stayed whatever the command was.
     63808: slow halls that are late had slipped.
+    65146: halls at the end of a stop, and the dead time's voltage beside their EMF.
     64533: a wheel that had just stopped without a current turned for the observer.
     """
     record = work.done({"seed": seed, "drives": drives, "healthy": healthy})
