@@ -34,7 +34,7 @@ static int32_t best_d_b(const motor_model_t *m)
 {
     const int32_t per_flux_b = scaled_multiply(m->slope_saliency_b, m->constants->current_most_b);
     const int32_t root_b = scaled_root(square(m->slope_flux_b) + 8 * square(per_flux_b));
-    const int32_t d_of_most = scaled_ratio(2 * per_flux_b, q_max(root_b + m->slope_flux_b, 1));
+    const int32_t d_of_most = scaled_ratio(2 * per_flux_b, root_b + m->slope_flux_b);
     return scaled_multiply(d_of_most, m->constants->current_most_b);
 }
 
@@ -55,7 +55,7 @@ static feasible_circle_t circle_start(const feasible_set_t *set)
     const int32_t root = q_max(scaled_root(square(half) - (int64_t)squared * excess), 1);
     const int32_t best_b = best_d_b(m);
     const int32_t lowest_b = q_max(q_min(set->weakest_d_b, best_b), -most_b);
-    const int32_t d_b = q_limit(-scaled_ratio(excess, q_max(half + root, 1)), most_b - most_b / 64);
+    const int32_t d_b = q_limit(-scaled_ratio(excess, half + root), most_b - most_b / 64);
     const int32_t at_b = q_clamp(d_b, lowest_b, best_b);
     const int32_t i_q_b = scaled_root(square(most_b) - square(at_b));
     const int32_t across_b =
@@ -85,7 +85,7 @@ static int32_t circle_root(const feasible_set_t *set, const line_t *line)
     const int32_t squared =
         coefficient_of_products(square(line->slope_d) + square(line->slope_q) - inwards);
     const int32_t root = scaled_root(square(half) - (int64_t)squared * excess);
-    const int32_t t = half > 0 ? scaled_ratio(-excess, q_max(half + root, 1))
+    const int32_t t = half > 0 ? scaled_ratio(-excess, half + root)
                                : scaled_ratio(root - half, q_max(squared, 1));
     return q_limit(t, SCALED_ONE / 2);
 }

@@ -235,12 +235,13 @@ int32_t feasible_by_returned_at(const feasible_side_t *side, const feasible_cap_
         at.x_b = near_root_b(&p, -p.c, -1);
         at.d_b = clamped_b(p.offset_b + scaled_multiply(p.slope, at.x_b));
         if (last) {
-            *found = at;
             const int32_t missing_b = m->constants->negligible_power_b - q_max(returned.power_b, 0);
             const int32_t least_b = coefficient_sum(p.c, q_max(missing_b, 0));
-            return p.b <= 0 || square(p.b) < 4 * (int64_t)p.a * least_b
-                       ? FEASIBLE_UNBOUNDED
-                       : feasible_magnitude_mNm(side, motor_model_airgap_b(m, at));
+            if (p.b <= 0 || square(p.b) < 4 * (int64_t)p.a * least_b) {
+                return FEASIBLE_UNBOUNDED;
+            }
+            *found = at;
+            return feasible_magnitude_mNm(side, motor_model_airgap_b(m, at));
         }
         at.x_b = q_max(at.x_b, side->cap.x_b);
         last = !corrected(side->set, &at, true, &p) || pass == CORRECTIONS - 1;

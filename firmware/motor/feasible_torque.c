@@ -149,8 +149,7 @@ static int32_t voltage_best_d_b(const motor_model_t *m, int32_t voltage_b)
     }
     const int32_t reluctance = coefficient_of_products((int64_t)m->saliency_b * flux_b);
     const int32_t sum = magnet + scaled_root(square(magnet) + 8 * square(reluctance));
-    const int32_t d_flux_b =
-        scaled_multiply(2 * flux_b, q_limit(scaled_ratio(reluctance, q_max(sum, 1)), SCALED_ONE));
+    const int32_t d_flux_b = scaled_multiply(2 * flux_b, scaled_ratio(reluctance, q_max(sum, 1)));
     return scaled_ratio(clamped_b(d_flux_b) - m->flux_b, q_max(l_d, 1));
 }
 

@@ -37,10 +37,10 @@ typedef struct {
     int32_t slope_flux_b, slope_saliency_b;
 } flux_t;
 
-static flux_t of_constants(const motor_constants_t *k, const config_motor_t *motor, int32_t rise_cK)
+static flux_t of_constants(const motor_constants_t *k, int32_t rise_cK)
 {
-    const int32_t change_b = motor->flux_coefficient_ppm_K < 0 ? -k->flux_fall_b : k->flux_fall_b;
-    const int32_t flux_b = q_max(at_temperature_b(k->flux_b, change_b, rise_cK), LEAST_FLUX_b);
+    const int32_t flux_b =
+        q_max(at_temperature_b(k->flux_b, -k->flux_fall_b, rise_cK), LEAST_FLUX_b);
     const flux_t out = {.flux_b = flux_b,
                         .d_b = k->inductance_d_b,
                         .q_b = k->inductance_q_b,
@@ -177,7 +177,7 @@ motor_model_t motor_model_around(const motor_constants_t *constants, const confi
     const int32_t conductance = conductance_at(k, w_b);
     const flux_t flux = flux_map_present(config) ? flux_around(k, config, w_b, conductance,
                                                                winding_temperature_cC, around)
-                                                 : of_constants(k, motor, rise_cK);
+                                                 : of_constants(k, rise_cK);
     motor_model_t m = {
         .constants = k,
         .config = config,
