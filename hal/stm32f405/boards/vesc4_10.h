@@ -30,7 +30,7 @@
 
 enum {
     BOARD_CRYSTAL_Hz = 8000000,
-    BOARD_DEAD_TIME_LEAST_ns = 300, /* as vesc6_common.h */
+    BOARD_DEAD_TIME_LEAST_ns = 360, /* as vesc6_common.h */
     BOARD_SHUNTS = BOARD_SHUNTS_LOW_SIDE,
     BOARD_CURRENT_CHANNELS = 2,
     BOARD_SHUNT_nOhm = 1000000,

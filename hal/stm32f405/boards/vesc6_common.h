@@ -8,9 +8,9 @@
 
 enum {
     BOARD_CRYSTAL_Hz = 8000000,
-    /* Below it both switches of a leg could conduct together. Switches of this class are off within
-     * 200 ns of their gate driver's input; VESC takes 360 ns. Measure before you lower it. */
-    BOARD_DEAD_TIME_LEAST_ns = 300,
+    /* Below it both switches of a leg could conduct together. HW_DEAD_TIME_NSEC where a board sets
+     * none, motor/mc_interface.h (vesc6_mk3.h). Measure before you lower it. */
+    BOARD_DEAD_TIME_LEAST_ns = 360,
     BOARD_SHUNT_nOhm = 500000,
     BOARD_AMPLIFIER_GAIN = 20,
     BOARD_CURRENT_INVERTED = 1, /* the amplifiers' output falls with current into the motor */

@@ -86,9 +86,15 @@ def test_the_tools_read_from_a_header_what_a_compiler_makes_of_it(
 
 
 # V_REG, CURRENT_SHUNT_RES, CURRENT_AMP_GAIN, VIN_R1, VIN_R2, HW_DEAD_TIME_NSEC and the ends of
-# HW_LIM_CURRENT_ABS and HW_LIM_VIN of vedderb/bldc, commit b9d287b: hwconf/trampa/75_300/
-# hw_75_300_core.h and hwconf/makerbase/84_200_HP/hw_mksesc_84_200_hp.h.
+# HW_LIM_CURRENT_ABS and HW_LIM_VIN of vedderb/bldc, commit b9d287b: hwconf/trampa/vesc6/
+# hw_60_core.h, hwconf/other/vesc4/hw_410.h, hwconf/trampa/75_300/hw_75_300_core.h and
+# hwconf/makerbase/84_200_HP/hw_mksesc_84_200_hp.h; without a dead time of its own a board has that
+# of motor/mc_interface.h. Of the first two the limit of the voltage is the gate driver's 60 V
+# (SLOS719, SLES267) in place of 57 V.
 SOURCES = {
+    "vesc6_mk3": (3.30, 0.0005, 20.0, 39e3, 2.2e3, 360.0, 160.0, 60.0),
+    "vesc6_mk6": (3.30, 0.0005, 20.0, 39e3, 2.2e3, 360.0, 160.0, 60.0),
+    "vesc4_10": (3.30, 0.001, 10.0, 39e3, 2.2e3, 360.0, 150.0, 60.0),
     "vesc75_300": (3.44, 0.0005 / 3.0, 20.0, 56e3, 2.2e3, 1000.0, 480.0, 72.0),
     "mks84_200_hp": (3.30, 0.0005 / 3.0, 20.0, 56e3, 2.2e3, 660.0, 450.0, 120.0),
 }
@@ -105,7 +111,12 @@ def test_scales_dead_time_and_limits_of_a_board_are_those_of_its_source(name: st
     assert 1e9 * read.dead_time_s == pytest.approx(dead_ns)
     assert read.current_most_a == most_a <= read.current_full_scale_a
     assert read.voltage_most_v == int(min(most_v, read.voltage_full_scale_v))
-    assert read.min_pulse_s is None
+    assert (read.min_pulse_s is None) == (name != "vesc4_10")  # HW_HAS_PHASE_SHUNTS
+
+
+def test_every_board_that_exists_is_compared_with_its_source() -> None:
+    """The B-G431B-ESC1 below; the gate board is a description."""
+    assert {*SOURCES, "b_g431b_esc1", boards.DESCRIPTION} == set(boards.known())
 
 
 def test_the_gate_board_shows_a_kiloampere_and_800_volts() -> None:
