@@ -18,10 +18,9 @@ if TYPE_CHECKING:
     from regen_table.sections import Drive
 
 TIMER_CLOCK_HZ = {"stm32f405": 168_000_000, "stm32g431": 170_000_000}  # CLOCK_TIMER1_Hz
-SAMPLING_S = {"stm32f405": 714e-9, "stm32g431": 302e-9}  # ANALOG_SAMPLING_ns
+SAMPLING_S = {"stm32f405": 714e-9, "stm32g431": 294e-9}  # ANALOG_SAMPLING_ns
 HOT_OVER_COLD = 1.6  # resistance of a silicon MOSFET at 125 degC over that at 25 degC
 DESCRIPTION = "gate_board"  # of an inverter of one's own: no board that exists
-WINDOW_MARGIN_S = 10e-9  # a count of the timer and the rounding to it
 
 _CONSTANT = re.compile(r"\bBOARD_(\w+) = (-?\d+)\b")
 _INCLUDED = re.compile(r'#include "boards/(\w+)\.h"')
@@ -41,7 +40,7 @@ class Board:
         Largest bus voltage that it may have; the converter's range where the header names none.
     dead_time_s : float
         The least that its switches permit.
-    min_pulse_s : float or None
+    settled_s : float or None
         What low-side shunts need to settle and be sampled; None: shunts in the phases, which need
         no window.
     switch_resistance_ohm : float or None
@@ -60,11 +59,18 @@ class Board:
     voltage_most_v: float
     dead_time_s: float
     timer_clock_hz: int
-    min_pulse_s: float | None
+    settled_s: float | None
     switch_resistance_ohm: float | None
     offset_tolerance_codes: int | None
     switch_sensor_beta_k: float
     switch_sensor_divider_ohm: float
+
+    def window_s(self, dead_time_s: float) -> float | None:
+        """Return what the low side has to conduct before the top; None: no shunt needs it.
+
+        With current into the board it conducts half the dead time less.
+        """
+        return None if self.settled_s is None else self.settled_s + dead_time_s / 2.0
 
 
 def fitting(drive: "Drive", over_current_margin: float) -> str:
@@ -102,11 +108,7 @@ def _read(path: Path) -> Board:
         facts["DIVIDER_LOWER_Ohm"],
     )
     full_scale_v = reference_v * (upper + lower) / lower
-    dead_time_s, settling_s = (
-        facts["DEAD_TIME_LEAST_ns"] * 1e-9,
-        facts["AMPLIFIER_SETTLING_ns"] * 1e-9,
-    )
-    window_s = settling_s + SAMPLING_S[port] + dead_time_s / 2.0 + WINDOW_MARGIN_S
+    settling_s = facts["AMPLIFIER_SETTLING_ns"] * 1e-9
     hot = facts.get("SWITCH_HOT_uOhm")
     return Board(
         name=path.stem,
@@ -115,9 +117,9 @@ def _read(path: Path) -> Board:
         voltage_full_scale_v=full_scale_v,
         current_most_a=float(facts["CURRENT_MOST_A"]),
         voltage_most_v=float(facts.get("VOLTAGE_MOST_V", full_scale_v)),
-        dead_time_s=dead_time_s,
+        dead_time_s=facts["DEAD_TIME_LEAST_ns"] * 1e-9,
         timer_clock_hz=TIMER_CLOCK_HZ[port],
-        min_pulse_s=window_s if settling_s > 0.0 else None,
+        settled_s=settling_s + SAMPLING_S[port] if settling_s > 0.0 else None,
         switch_resistance_ohm=None if hot is None else hot * 1e-6 / HOT_OVER_COLD,
         offset_tolerance_codes=facts.get("OFFSET_TOLERANCE_codes"),
         switch_sensor_beta_k=float(facts["SWITCH_NTC_BETA_K"]),

@@ -23,6 +23,7 @@ MODULATION = 0.85  # of the bus voltage between lines, dead times and shortest p
 HALVINGS = 60  # of an interval that holds a root
 PERIODS_IN_A_TURN = 18.0  # envelope: 16 at 5 % above the largest speed
 TRANSITION_S = 150e-9  # overlap of voltage and current in a switch
+WINDOW_MARGIN_S = 10e-9  # a count of the timer and the rounding to it
 OVERCURRENT_MARGIN = 1.05  # of the trip above the largest reference (refusals)
 CAR_KG = 300.0  # from here on a vehicle has the drag of a car
 AMBIENT_C = 40.0
@@ -228,7 +229,8 @@ def timer_clock(known: Known) -> int | None:
 def min_pulse(known: Known) -> float | None:
     """Return what low-side shunts need to settle and be sampled; else max(1 us, 2 dead times)."""
     of_board = board(known)
-    return None if of_board is None else of_board.min_pulse_s
+    window_s = None if of_board is None else of_board.window_s(known("inverter.dead_time_s"))
+    return None if window_s is None else window_s + WINDOW_MARGIN_S
 
 
 def max_switch_temperature(known: Known) -> float | None:
@@ -243,9 +245,6 @@ def offset_tolerance(known: Known) -> int | None:
     """Return what the board's header states; absent: 200 codes."""
     of_board = board(known)
     return None if of_board is None else of_board.offset_tolerance_codes
-
-
-# ---- [monitor] ----
 
 
 def switch_sensor_beta(known: Known) -> float | None:

@@ -447,7 +447,7 @@ def _by_size() -> Iterator[boards.Board]:
     shipped = (board for board in boards.known().values() if board.name != boards.DESCRIPTION)
     yield from sorted(
         shipped,
-        key=lambda board: (board.voltage_most_v, board.min_pulse_s is not None, board.name),
+        key=lambda board: (board.voltage_most_v, board.settled_s is not None, board.name),
     )
 
 

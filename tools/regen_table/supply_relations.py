@@ -4,7 +4,7 @@
 import itertools
 from collections.abc import Iterator
 
-from regen_table import boards, derived
+from regen_table import boards, derived, loops
 from regen_table.section import at_most
 from regen_table.sections import Drive
 from regen_table.suggest import suggestion
@@ -13,7 +13,7 @@ FULL_SCALE_TOLERANCE = 0.05  # as boot.c
 
 
 def board(drive: Drive) -> Iterator[str]:
-    """Refuse another board's full scales, as the start of its firmware does."""
+    """Refuse another board's full scales and window, as the start of its firmware does."""
     inverter, named = drive.inverter, drive.inverter.board
     if named is None:
         return
@@ -32,6 +32,13 @@ def board(drive: Drive) -> Iterator[str]:
         yield (
             f"inverter.dead_time_s: {inverter.dead_time_s:g} s, accepted: at least"
             f" {board.dead_time_s:g} s, the least of {named}"
+        )
+    window_s = board.window_s(inverter.dead_time_s)
+    if window_s is not None and loops.min_pulse_s(drive) < window_s * (1.0 - 1e-9):
+        yield (
+            f"inverter.min_pulse_s: {loops.min_pulse_s(drive):g} s, accepted: at least"
+            f" {window_s:.4g} s, in which the low-side shunts of {named} settle and are sampled"
+            f" with dead_time_s = {inverter.dead_time_s:g} s"
         )
     if drive.battery.max_voltage_v > board.voltage_most_v:
         yield (

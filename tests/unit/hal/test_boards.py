@@ -79,10 +79,13 @@ def test_the_tools_read_from_a_header_what_a_compiler_makes_of_it(
     assert 1e9 * read.dead_time_s == pytest.approx(found["BOARD_DEAD_TIME_LEAST_ns"])
     assert read.timer_clock_hz == found["CLOCK_TIMER1_Hz"]
     settling_ns = found["BOARD_AMPLIFIER_SETTLING_ns"]
-    assert (read.min_pulse_s is None) == (settling_ns == 0)
-    if read.min_pulse_s is not None:
-        window_ns = settling_ns + found["ANALOG_SAMPLING_ns"] + 5e8 * read.dead_time_s
-        assert window_ns < 1e9 * read.min_pulse_s < window_ns + 50.0
+    assert (read.settled_s is None) == (settling_ns == 0)
+    for dead_time_s in (read.dead_time_s, 1e-6):
+        window_s = read.window_s(dead_time_s)
+        assert (window_s is None) == (settling_ns == 0)
+        if window_s is not None:
+            window_ns = settling_ns + found["ANALOG_SAMPLING_ns"] + 5e8 * dead_time_s
+            assert 1e9 * window_s == pytest.approx(window_ns, abs=1.0)
 
 
 # V_REG, CURRENT_SHUNT_RES, CURRENT_AMP_GAIN, VIN_R1, VIN_R2, HW_DEAD_TIME_NSEC and the ends of
@@ -111,7 +114,7 @@ def test_scales_dead_time_and_limits_of_a_board_are_those_of_its_source(name: st
     assert 1e9 * read.dead_time_s == pytest.approx(dead_ns)
     assert read.current_most_a == most_a <= read.current_full_scale_a
     assert read.voltage_most_v == int(min(most_v, read.voltage_full_scale_v))
-    assert (read.min_pulse_s is None) == (name != "vesc4_10")  # HW_HAS_PHASE_SHUNTS
+    assert (read.settled_s is None) == (name != "vesc4_10")  # HW_HAS_PHASE_SHUNTS
 
 
 def test_every_board_that_exists_is_compared_with_its_source() -> None:

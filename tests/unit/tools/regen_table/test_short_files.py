@@ -183,11 +183,23 @@ def test_a_board_is_known_and_only_its_own_scales_are_accepted() -> None:
     assert "stands" in refusals({"battery.cells": 15})["battery.max_voltage_v"]
 
 
-def test_low_side_shunts_get_their_window_and_shunts_in_the_phases_none() -> None:
-    low_side, in_phases = short({"inverter.board": "vesc4_10"}), short()
-    board = boards.known()["vesc4_10"]
-    assert low_side.inverter.min_pulse_s == board.min_pulse_s
+@pytest.mark.parametrize("dead_time_s", [None, 1e-6])
+def test_low_side_shunts_get_their_window_and_shunts_in_the_phases_none(
+    dead_time_s: float | None,
+) -> None:
+    """Of a VESC 4: 0.3 us to settle, 15 cycles of 21 MHz to sample, and half the dead time."""
+    given = {} if dead_time_s is None else {"inverter.dead_time_s": dead_time_s}
+    low_side, in_phases = short({"inverter.board": "vesc4_10", **given}), short(given)
+    window_s = 0.3e-6 + 15 / 21e6 + low_side.inverter.dead_time_s / 2.0
+    assert low_side.inverter.min_pulse_s is not None
+    assert window_s < low_side.inverter.min_pulse_s < window_s + 50e-9
     assert in_phases.inverter.min_pulse_s is None
+
+
+def test_a_window_in_which_low_side_shunts_are_not_sampled_is_refused() -> None:
+    found = refusals({"inverter.board": "vesc4_10", "inverter.min_pulse_s": 1e-6})
+    assert "vesc4_10 settle" in found["inverter.min_pulse_s"]
+    short({"inverter.min_pulse_s": 1e-6})
 
 
 def test_the_boards_that_fit_a_drive_are_named_with_what_the_others_would_cost() -> None:
