@@ -426,9 +426,10 @@ class DevCommandTest(DevFixture):
         for port in ("qemu", "stm32f405"):
             self.assert_refused(self.run_dev("firmware", port, "--board", boards[-1][1]), "--board")
         for port, board in boards:
-            self.assert_refused(
-                self.run_dev("flash", board, "--dry-run"), f"{port}, accepted: --board {board}"
-            )
+            for command in (["firmware"], ["flash", "--dry-run"]):
+                self.assert_refused(
+                    self.run_dev(*command, board), f"{port}, accepted: --board {board}"
+                )
 
         path, environment = self.pretend_everything_is_installed()
         generated = self.home / "firmware/config/generated"
@@ -451,7 +452,9 @@ class DevCommandTest(DevFixture):
     def test_the_configuration_of_another_board_is_refused_before_anything_is_built(self) -> None:
         """Within 5 % of the full scales that the board's own header gives, as the board itself.
 
-        And within 5 K at the code of 25 degrees Celsius that its switch sensor's divider has.
+        And within 5 K at the code of 25 degrees Celsius that its switch sensor's divider has, its
+        dead time, and the window of its shunts: a VESC 4's settle for 300 ns and are sampled for
+        714 ns, with half of 1 us of dead time less than the pulse.
         """
         compiler = shutil.which("arm-none-eabi-gcc")
         if compiler is None:
@@ -465,32 +468,58 @@ class DevCommandTest(DevFixture):
         (self.home / "build/stm32f405").mkdir(parents=True)
         for suffix in ("bin", "hex"):
             (self.home / f"build/stm32f405/hubfoc_stm32f405.{suffix}").touch()
-        at_code_2048, none = 32, (1, 0)
-        for current_ma, voltage_mv, codes, shown_cc, wrong in (
-            (165_000, 61_800, (167, 4031), 2500, ""),
-            (173_200, 58_800, none, 0, ""),  # 4.97 and 4.85 % beside
-            (173_300, 61_800, none, 0, "current_full_scale_mA is 173300, that of vesc6_mk3 is 165"),
-            (165_000, 58_700, none, 0, "voltage_full_scale_mV is 58700, that of vesc6_mk3 is 618"),
-            (280_000, 500_000, none, 0, "current_full_scale_mA is 280000"),
-            (165_000, 61_800, (167, 4031), 2999, ""),
-            (165_000, 61_800, (167, 4031), 4524, "the divider of vesc6_mk3, as 45 degC"),
-            (165_000, 61_800, (167, 2047), 2500, "is for another board"),
+        fitting = {
+            **{"current_full_scale_mA": 165_000, "voltage_full_scale_mV": 61_800},
+            **{"dead_time_ns": 1000, "min_pulse_ns": 500},
+            **{"switch_lowest_code": 167, "switch_highest_code": 4031},
+        }
+        at_code_2048 = 32
+        none = {"switch_lowest_code": 1, "switch_highest_code": 0}
+        mk3, vesc4 = "vesc6_mk3", "vesc4_10"
+        for board, values, shown_cc, wrong in (
+            (mk3, {}, 2500, ""),
+            # 4.97 and 4.85 % beside
+            (
+                mk3,
+                {"current_full_scale_mA": 173_200, "voltage_full_scale_mV": 58_800} | none,
+                0,
+                "",
+            ),
+            (
+                mk3,
+                {"current_full_scale_mA": 173_300} | none,
+                0,
+                "is 173300, that of vesc6_mk3 is 165",
+            ),
+            (
+                mk3,
+                {"voltage_full_scale_mV": 58_700} | none,
+                0,
+                "is 58700, that of vesc6_mk3 is 618",
+            ),
+            (mk3, {"current_full_scale_mA": 280_000}, 0, "current_full_scale_mA is 280000"),
+            (mk3, {}, 2999, ""),
+            (mk3, {}, 4524, "the divider of vesc6_mk3, as 45 degC"),
+            (mk3, {"switch_highest_code": 2047}, 2500, "is for another board"),
+            (mk3, {"dead_time_ns": 360}, 2500, ""),
+            (mk3, {"dead_time_ns": 359}, 2500, "dead_time_ns is 359, accepted: at least 360"),
+            (vesc4, {}, 2500, "min_pulse_ns is 500, accepted: at least 1514"),
+            (vesc4, {"min_pulse_ns": 1513}, 2500, "min_pulse_ns is 1513"),
+            (vesc4, {"min_pulse_ns": 1514}, 2500, ""),
         ):
             points = [0] * 64
             points[at_code_2048] = shown_cc
             (generated / "mine.c").write_text(
-                f"  .current_full_scale_mA = {current_ma},\n"
-                f"  .voltage_full_scale_mV = {voltage_mv},\n"
-                f"  .switch_lowest_code   = {codes[0]}, /* [code] */\n"
-                f"  .switch_highest_code  = {codes[1]}, /* [code] */\n"
-                f"  .switch_cC = {{{', '.join(map(str, points))}}},\n",
+                "".join(f"  .{key}  = {n}, /* [.] */\n" for key, n in (fitting | values).items())
+                + f"  .switch_cC = {{{', '.join(map(str, points))}}},\n",
                 encoding="utf-8",
             )
             for command in (["firmware"], ["flash", "--dry-run"]):
                 (self.base / "calls").write_text("", encoding="utf-8")
                 result = self.run_dev(
-                    *command, "--config", "mine", path=path, environment=environment
-                )
+                    *command, "--config", "mine", "--board", board,
+                    path=path, environment=environment,
+                )  # fmt: skip
                 self.assertEqual(result.returncode, USAGE if wrong else 0, result.stderr)
                 self.assertIn(wrong, result.stderr)
                 self.assertEqual([] if wrong else ["--build"], [

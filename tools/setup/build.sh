@@ -168,41 +168,75 @@ default_config() {
     if [[ $1 == stm32g431 ]]; then echo wheel24v; else echo "$DEFAULT_CONFIG"; fi
 }
 
-# board_scale PORT BOARD NAME: a full scale of a board, as its header computes it.
-board_scale() {
-    arm-none-eabi-gcc -x c -S -o - -I "$ROOT/hal/$1" -I "$ROOT/hal/stm32" -I "$ROOT/hal/include" \
+# board_fact PORT BOARD EXPRESSION: a number of a board, as its header computes it. Of a zero the
+# compiler writes no word.
+board_fact() {
+    local found
+    found=$(arm-none-eabi-gcc -x c -S -o - -I "$ROOT/hal/$1" -I "$ROOT/hal/stm32" -I "$ROOT/hal/include" \
         "-DHUBFOC_BOARD_HEADER=\"boards/$2.h\"" - <<<"#include \"board.h\"
-const int full_scale = BOARD_$3;" | sed -n 's/^[[:space:]]*\.word[[:space:]]*//p'
+#include \"analog_start.h\"
+const int fact = $3;" | sed -n 's/^[[:space:]]*\.word[[:space:]]*//p')
+    printf '%s' "${found:-0}"
 }
 
-# check_scales COMMAND PORT BOARD CONFIG: refuses the configuration of another board, which the
-# board would refuse as well (boot.c), within the same 5 %.
+# table_value CONFIG FIELD: a number of a configuration; 0 if it has no such field.
+table_value() {
+    local found
+    found=$(sed -n "s/^ *\.$2 *= \([0-9]*\),.*/\1/p" "$ROOT/firmware/config/generated/$1.c")
+    printf '%s' "${found:-0}"
+}
+
+# check_board COMMAND PORT BOARD CONFIG: refuses the configuration of another board, as the board
+# itself would (board_check.c, inverter.c).
+check_board() {
+    check_scales "$@"
+    check_switch_sensor "$@"
+    check_dead_time "$@"
+}
+
+# check_scales COMMAND PORT BOARD CONFIG: full scales within 5 %.
 check_scales() {
-    local field macro own of_board table=$ROOT/firmware/config/generated/$4.c
+    local field macro own of_board
     for field in current_full_scale_mA voltage_full_scale_mV; do
         macro=${field%_*}
-        of_board=$(board_scale "$2" "$3" "${macro^^}_${field##*_}")
-        own=$(sed -n "s/^ *\.$field *= \([0-9]*\),.*/\1/p" "$table")
-        : "${own:=0}" "${of_board:=0}"
+        of_board=$(board_fact "$2" "$3" "BOARD_${macro^^}_${field##*_}")
+        own=$(table_value "$4" "$field")
         ((20 * (own - of_board) <= of_board && 20 * (of_board - own) <= of_board)) ||
             usage_fail "$1: $4 is for another board: its $field is $own, that of $3 is $of_board," \
                 "accepted: within 5 %"
     done
 }
 
-# check_switch_sensor COMMAND PORT BOARD CONFIG: likewise one whose sensor beside the switches is in
-# another divider: the board's code of 25 degrees has to be within 5 K of them.
+# check_switch_sensor COMMAND PORT BOARD CONFIG: the sensor beside the switches is in the board's
+# divider: its code of 25 degrees has to be within 5 K of them.
 check_switch_sensor() {
     local table=$ROOT/firmware/config/generated/$4.c code lowest highest points shown
-    code=$(board_scale "$2" "$3" SWITCH_25C_code)
-    lowest=$(sed -n 's/^ *\.switch_lowest_code *= \([0-9]*\),.*/\1/p' "$table")
-    highest=$(sed -n 's/^ *\.switch_highest_code *= \([0-9]*\),.*/\1/p' "$table")
-    ((${lowest:-1} <= ${highest:-0})) || return 0
+    code=$(board_fact "$2" "$3" BOARD_SWITCH_25C_code)
+    lowest=$(table_value "$4" switch_lowest_code)
+    highest=$(table_value "$4" switch_highest_code)
+    ((highest > 0 && lowest <= highest)) || return 0
     IFS=', ' read -r -a points < <(sed -n 's/^ *\.switch_cC = {\(.*\)},$/\1/p' "$table")
     shown=$((points[code / 64] + (points[code / 64 + 1] - points[code / 64]) * (code % 64) / 64))
     ((code >= lowest && code <= highest && shown >= 2000 && shown <= 3000)) ||
         usage_fail "$1: $4 is for another board: its switch_sensor reads the code $code, 25 degC" \
             "by the divider of $3, as $((shown / 100)) degC, accepted: within 5 K"
+}
+
+# check_dead_time COMMAND PORT BOARD CONFIG: at least what the board's switches need, and of low-side
+# shunts a window in which they settle and are sampled, with current into the board.
+check_dead_time() {
+    local own least settled window
+    own=$(table_value "$4" dead_time_ns)
+    least=$(board_fact "$2" "$3" BOARD_DEAD_TIME_LEAST_ns)
+    ((own >= least)) ||
+        usage_fail "$1: $4 is for another board: its dead_time_ns is $own, accepted: at least" \
+            "$least, the least of $3"
+    settled=$(board_fact "$2" "$3" \
+        "BOARD_AMPLIFIER_SETTLING_ns ? BOARD_AMPLIFIER_SETTLING_ns + ANALOG_SAMPLING_ns : 0")
+    window=$(table_value "$4" min_pulse_ns)
+    ((settled == 0 || window >= settled + own / 2)) ||
+        usage_fail "$1: $4 is for another board: its min_pulse_ns is $window, accepted: at least" \
+            "$((settled + own / 2)), in which the low-side shunts of $3 are sampled"
 }
 
 # port_of_board BOARD: nothing if there is no such board.
