@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING
 from regen_table import installation
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from regen_table.sections import Drive
 
 TIMER_CLOCK_HZ = {"stm32f405": 168_000_000, "stm32g431": 170_000_000}  # CLOCK_TIMER1_Hz
@@ -73,8 +75,14 @@ class Board:
         return None if self.settled_s is None else self.settled_s + dead_time_s / 2.0
 
 
-def fitting(drive: "Drive", over_current_margin: float) -> str:
-    """Return which boards bear a drive as it is, and what the others would cost it."""
+def fitting(
+    drive: "Drive", over_current_margin: float, refusing: "Callable[[Drive, str], list[str]]"
+) -> str:
+    """Return which boards bear a drive as it is, and what the others would cost it.
+
+    ``refusing`` names the keys for which the drive is refused with another board. The ranges of
+    the description are those of whoever builds it.
+    """
     volts, amperes = drive.battery.max_voltage_v, drive.motor.max_phase_current_a
     fits, costs = [], []
     for board in sorted(known().values(), key=lambda one: (one.voltage_most_v, one.name)):
@@ -83,6 +91,8 @@ def fitting(drive: "Drive", over_current_margin: float) -> str:
             costs.append(f"{board.name} bears {board.voltage_most_v:g} of {volts:g} V")
         elif amperes > carried:
             costs.append(f"{board.name} carries {carried:.0f} of {amperes:g} A")
+        elif board.name != DESCRIPTION and (keys := refusing(drive, board.name)):
+            costs.append(f"{board.name} takes other {', '.join(keys)}")
         else:
             fits.append(board.name)
     return "; ".join([f"boards that fit: {', '.join(fits) or 'none'}", *costs])

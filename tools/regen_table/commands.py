@@ -9,7 +9,7 @@ import argparse
 import json
 import sys
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -52,9 +52,7 @@ def run_new(options: argparse.Namespace) -> int:
     given = {name: value for name, value in vars(options).items() if value is not None}
     if sys.stdin.isatty() and sys.stdout.isatty():
         given |= questions.ask(given)
-    written = label.short_file(options.name, given)
-    data, folder = tomllib.loads(written.text), path.parent
-    drive = schema.parse(data, path.stem, str(path), beside=folder).found_in(folder)
+    written, drive = _of_label(options.name, given, path)
     image.build(drive)
     outputs.write_text(path, written.text)
     for line in written.estimated:
@@ -62,6 +60,50 @@ def run_new(options: argparse.Namespace) -> int:
     _print_assumptions(drive)
     print(path)
     return 0
+
+
+def _of_label(
+    name: str, given: Mapping[str, Any], path: Path
+) -> tuple[label.Written, schema.Drive]:
+    """Return a label's file and its drive, with the board that is given or one that accepts it."""
+    if "board" not in given:
+        return _with_a_board(name, given, path)
+    written = label.short_file(name, given)
+    try:
+        return written, _parsed(written, path)
+    except ConfigurationError as error:
+        lines = [str(error), *_another_board(name, given, path)]
+        raise ConfigurationError("\n".join(lines)) from error
+
+
+def _with_a_board(
+    name: str, given: Mapping[str, Any], path: Path
+) -> tuple[label.Written, schema.Drive]:
+    """Return a label's file and its drive, with the first proposed board that accepts it."""
+    refused: dict[str, ConfigurationError] = {}
+    while True:
+        written = label.short_file(name, given, refused)
+        try:
+            return written, _parsed(written, path)
+        except ConfigurationError as error:
+            refused[written.board] = error
+            if written.board == label.OWN_BOARD:
+                raise next(iter(refused.values())) from error
+
+
+def _another_board(name: str, given: Mapping[str, Any], path: Path) -> Iterator[str]:
+    """Say which board accepts what the given one refuses."""
+    unnamed = {key: value for key, value in given.items() if key != "board"}
+    try:
+        accepts = _with_a_board(name, unnamed, path)[0].board
+    except ConfigurationError:
+        return
+    yield f"{path}: --board: {given['board']}, accepted for this motor: {accepts}"
+
+
+def _parsed(written: label.Written, path: Path) -> schema.Drive:
+    drive = schema.parse(tomllib.loads(written.text), path.stem, str(path), beside=path.parent)
+    return drive.found_in(path.parent)
 
 
 def run_explain(options: argparse.Namespace) -> int:

@@ -31,6 +31,7 @@ from regen_table import (
     margins,
     outputs,
     refusals,
+    schema,
     service_key,
     shortcomings,
     thermometers,
@@ -283,7 +284,7 @@ def make_report(drive: Drive) -> Report:
         d_current_power_loss_worst=current_audit.worst_power_loss(drive, currents),
         bus_voltage_loss=current_audit.bus_voltage_loss(drive),
         temperature_sensors=thermometers.describe(drive),
-        boards=boards.fitting(drive, defaults.OVERCURRENT_MARGIN),
+        boards=boards.fitting(drive, defaults.OVERCURRENT_MARGIN, schema.refused_with),
     )
 
 

@@ -8,7 +8,7 @@ the rest of the drive is assumed when the file is read (``defaults``). Standard 
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from regen_table import boards, defaults
@@ -186,9 +186,12 @@ class Written:
 
     text: str
     estimated: list[str]
+    board: str
 
 
-def short_file(name: str, given: Mapping[str, float | str]) -> Written:
+def short_file(
+    name: str, given: Mapping[str, float | str], refused: Collection[str] = ()
+) -> Written:
     """Return the TOML file of a label.
 
     Parameters
@@ -197,6 +200,8 @@ def short_file(name: str, given: Mapping[str, float | str]) -> Written:
         Of the drive.
     given : mapping
         Options by name ("line_resistance"), those that are known.
+    refused : collection of str
+        Boards that are not proposed, because the drive is refused with them.
 
     Raises
     ------
@@ -216,9 +221,12 @@ def short_file(name: str, given: Mapping[str, float | str]) -> Written:
     motor_kg = _motor_mass(known, sheet, rated)
     _winding(known, sheet, pairs, flux, rated, motor_kg)
     _no_load(known, sheet, pairs, flux, rated, cells)
-    _rest(known, sheet, pairs, flux, rated, cells)
+    board = known.get("board") or proposed_board(rated / (1.5 * pairs * flux), cells, refused)
+    if "board" not in known:
+        sheet.estimated.append(f"inverter.board: {board}: {_why(str(board), refused)}")
+    _rest(known, sheet, str(board), cells)
     head = f"# {name}: from a label (regen_table new); what is absent is assumed (generate says so)"
-    return Written("\n".join([head, *sheet.lines]) + "\n", sheet.estimated)
+    return Written("\n".join([head, *sheet.lines]) + "\n", sheet.estimated, str(board))
 
 
 def _number(known: Mapping[str, float | str], name: str) -> float | None:
@@ -228,7 +236,8 @@ def _number(known: Mapping[str, float | str], name: str) -> float | None:
 
 def _missing(name: str, instead: str = "") -> str:
     about = next(quantity for quantity in QUANTITIES if quantity.name == name)
-    return f"{about.option}: missing, accepted: {about.text}{instead}"
+    unit = f", {about.unit}" if about.unit else ""
+    return f"{about.option}: missing, accepted: {about.text}{unit}{instead}"
 
 
 def _magnets(known: Mapping[str, float | str], sheet: _Sheet) -> tuple[int | None, float | None]:
@@ -401,20 +410,10 @@ def _no_load(
     sheet.add("motor.friction_torque_nm", friction, "the other 20 % of the no-load loss")
 
 
-def _rest(
-    known: Mapping[str, float | str],
-    sheet: _Sheet,
-    pairs: int,
-    flux: float,
-    rated: float,
-    cells: int,
-) -> None:
+def _rest(known: Mapping[str, float | str], sheet: _Sheet, board: str, cells: int) -> None:
     """Write board, pack, vehicle and sensors."""
-    board = known.get("board") or proposed_board(rated / (1.5 * pairs * flux), cells)
-    if "board" not in known:
-        sheet.estimated.append(f"inverter.board: {board}: {_why(str(board))}")
     if board != OWN_BOARD:
-        sheet.add("inverter.board", str(board), "its header" if "board" in known else "proposed")
+        sheet.add("inverter.board", board, "its header" if "board" in known else "proposed")
     sheet.add("battery.cells", cells, "in series", estimated="cells" not in known)
     if (capacity := _number(known, "capacity")) is not None:
         sheet.add("battery.capacity_ah", capacity, "label")
@@ -433,10 +432,12 @@ def _rest(
         sheet.add("monitor.winding_sensor", sensor, how)
 
 
-def proposed_board(rated_peak_a: float, cells: int) -> str:
+def proposed_board(rated_peak_a: float, cells: int, but: Collection[str] = ()) -> str:
     """Return the first board that stands the pack and carries the rated current, or "own"."""
     for board in _by_size():
         carried = board.current_most_a / defaults.OVERCURRENT_MARGIN
+        if board.name in but:
+            continue
         if cells * defaults.CELL_FULL_V <= board.voltage_most_v and rated_peak_a <= carried:
             return board.name
     return OWN_BOARD
@@ -451,10 +452,12 @@ def _by_size() -> Iterator[boards.Board]:
     )
 
 
-def _why(board: str) -> str:
+def _why(board: str, refused: Collection[str]) -> str:
+    others = f"; not {', '.join(refused)}: --board says why" if refused else ""
     if board == OWN_BOARD:
+        other = "other " if refused else ""
         return (
-            "no board with a header stands this pack and current; a bridge of one's own, such as"
-            f" {boards.DESCRIPTION} describes"
+            f"no {other}board with a header stands this pack and current; a bridge of one's own,"
+            f" such as {boards.DESCRIPTION} describes{others}"
         )
-    return "the smallest that stands the pack and carries the rated current"
+    return f"the smallest that stands the pack and carries the rated current{others}"

@@ -16,7 +16,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from regen_table import filling, inputs, installation, refusals, settings
+from regen_table import filling, inputs, installation, refusals, settings, supply_relations
 from regen_table.errors import ConfigurationError
 from regen_table.sections import Drive, bounds, range_of
 from regen_table.suggest import suggestion
@@ -91,6 +91,27 @@ def parse(data: Mapping[str, Any], name: str, source: str, beside: Path = _HERE)
     if mistakes:
         raise _refusal(source, [_with_origin(line, filled.assumed) for line in mistakes])
     return drive
+
+
+_OF_BOARD = {
+    *("current_full_scale_a", "voltage_full_scale_v", "pwm_timer_clock_hz", "dead_time_s"),
+    *("min_pulse_s", "switch_resistance_ohm", "diode_resistance_ohm"),
+}
+
+
+def refused_with(drive: Drive, board: str) -> list[str]:
+    """Return the keys for which a drive is refused with another board; none: it is accepted.
+
+    What the drive says of its own bridge gives way to what follows from the board.
+    """
+    data = drive.model_dump(exclude_none=True, exclude_unset=True)
+    kept = {key: value for key, value in data["inverter"].items() if key not in _OF_BOARD}
+    data["inverter"] = {**kept, "board": board}
+    try:
+        parse(data, drive.name, "", drive.folder)
+    except ConfigurationError as error:
+        return list(dict.fromkeys(line.split(":")[1].strip() for line in str(error).splitlines()))
+    return []
 
 
 # Keys of [motor] that another key of it stands for, with values that may hold their place.
@@ -184,7 +205,7 @@ def _single_mistakes(
     try:
         low, middle, high = (_of_the_rest(data, found, name, share) for share in (0.0, 0.5, 1.0))
     except (ValidationError, ConfigurationError, KeyError, TypeError):
-        return answers
+        return answers + _unknown_board(data)
     wrong = [key.rpartition(".")[2] for key in lines]
     always = {line.partition(":")[0] for line in low}
     always &= {line.partition(":")[0] for line in high}
@@ -194,6 +215,13 @@ def _single_mistakes(
         if line.partition(":")[0] in always - filled.assumed
         and not any(key in line for key in wrong)
     ]
+
+
+def _unknown_board(data: Mapping[str, Any]) -> list[str]:
+    """Return the line for a board that no one knows, which nothing else is needed for."""
+    inverter = data.get("inverter")
+    named = inverter.get("board") if isinstance(inverter, Mapping) else None
+    return list(supply_relations.unknown_board(named)) if isinstance(named, str) else []
 
 
 def _of_the_rest(

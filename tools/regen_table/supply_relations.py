@@ -17,9 +17,9 @@ def board(drive: Drive) -> Iterator[str]:
     inverter, named = drive.inverter, drive.inverter.board
     if named is None:
         return
+    yield from unknown_board(named)
     board = boards.known().get(named)
     if board is None:
-        yield f"inverter.board: no {named!r}, {suggestion(named, boards.known())}"
         return
     for key, unit in (("current_full_scale_a", "A"), ("voltage_full_scale_v", "V")):
         value, of_board = getattr(inverter, key), getattr(board, key)
@@ -50,6 +50,12 @@ def board(drive: Drive) -> Iterator[str]:
             f"motor.max_phase_current_a: {drive.motor.max_phase_current_a:g} A, accepted: at most"
             f" {board.current_most_a:g} A, which {named} carries"
         )
+
+
+def unknown_board(named: str) -> Iterator[str]:
+    """Refuse a board without a header."""
+    if named not in boards.known():
+        yield f"inverter.board: no {named!r}, {suggestion(named, boards.known())}"
 
 
 def battery(drive: Drive) -> Iterator[str]:

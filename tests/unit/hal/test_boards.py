@@ -48,7 +48,7 @@ def compiled(folder: Path, port: str, header: str, facts: Sequence[str]) -> dict
     lines += ["#include <stdio.h>", "int main(void) {"]
     lines += [f'printf("{name} %lld\\n", (long long){name});' for name in facts]
     (folder / "facts.c").write_text("\n".join([*lines, "return 0; }"]))
-    options = [f"-I{HAL / name}" for name in (port, "stm32")]
+    options = [f"-I{path}" for path in (folder, HAL / port, HAL / "stm32")]
     options.append(f'-DHUBFOC_BOARD_HEADER="boards/{header}.h"')
     command = ["cc", "-std=c11", "-Wno-int-to-pointer-cast", *options]
     subprocess.run([*command, "-o", folder / "facts", folder / "facts.c"], check=True)
@@ -126,6 +126,34 @@ def test_the_gate_board_shows_a_kiloampere_and_800_volts() -> None:
     read = boards.known()["gate_board"]
     assert read.current_full_scale_a > 1000.0 == read.current_most_a
     assert read.voltage_full_scale_v > 800.0 == read.voltage_most_v
+
+
+@pytest.mark.parametrize("name", ["elaphe700", "leaf"])
+def test_a_copy_of_the_gate_board_with_a_drives_ranges_is_a_board_for_that_drive(
+    name: str, tmp_path: Path
+) -> None:
+    """Drives of 400 V, for which there is no other: only numbers that are marked "own" change."""
+    drive = schema.load(name)
+    inverter = drive.inverter
+    own = {
+        "DEAD_TIME_LEAST_ns": round(1e9 * inverter.dead_time_s),
+        "SHUNT_nOhm": round(1.65e9 / inverter.current_full_scale_a),
+        "DIVIDER_UPPER_Ohm": round(1e3 * (inverter.voltage_full_scale_v / 3.3 - 1.0)),
+        "CURRENT_MOST_A": int(drive.motor.max_phase_current_a) + 1,
+        "VOLTAGE_MOST_V": int(drive.battery.max_voltage_v) + 1,
+    }
+    text = (HAL / "stm32f405/boards/gate_board.h").read_text(encoding="utf-8")
+    for fact, number in own.items():
+        text, count = re.subn(rf"BOARD_{fact} = \d+", f"BOARD_{fact} = {number}", text)
+        assert count == 1, fact
+    (tmp_path / "boards").mkdir()
+    (tmp_path / "boards/own.h").write_text(text, encoding="utf-8")
+    found = compiled(tmp_path, "stm32f405", "own", READ)
+    full_scale_a = found["BOARD_CURRENT_FULL_SCALE_mA"] / 1e3
+    full_scale_v = found["BOARD_VOLTAGE_FULL_SCALE_mV"] / 1e3
+    assert full_scale_a == pytest.approx(inverter.current_full_scale_a, rel=0.05)
+    assert full_scale_v == pytest.approx(inverter.voltage_full_scale_v, rel=0.05)
+    assert full_scale_a > found["BOARD_CURRENT_MOST_A"] >= drive.motor.max_phase_current_a
 
 
 @pytest.fixture(scope="module")

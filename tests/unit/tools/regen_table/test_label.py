@@ -142,6 +142,10 @@ def test_everything_missing_is_named_at_once_and_nothing_is_written(
     assert [found[1] for found in named if found] == [
         *("--pole-pairs", "--kv", "--cells", "--rated-torque", "--wheel-diameter", "--mass")
     ]
+    assert lines[1].startswith(
+        "mine: --kv: missing, accepted: no-load speed per volt, r/min per V;"
+    )
+    assert lines[4].endswith("outer diameter of the tyre, m")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -236,6 +240,31 @@ def test_the_proposed_board_stands_the_pack_and_carries_the_current() -> None:
                 and 1.05 * current <= board.current_most_a
             ]
             assert name in fits or (name == label.OWN_BOARD and not fits)
+
+
+SMALL = {"kv": 9.0, "magnets": 46.0, "cells": 20.0, "wheel_diameter": 0.66, "mass": 100.0}
+
+
+@pytest.mark.parametrize("rated_nm", [2.0, 4.0, 8.0, 15.0, 40.0, 100.0])
+def test_no_board_is_proposed_that_refuses_the_motor(
+    rated_nm: float, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """20 cells take a board of 450 A, which sees a motor of 7 A by 20 codes."""
+    options = [
+        word
+        for option, value in (SMALL | {"rated_torque": rated_nm}).items()
+        for word in (f"--{option.replace('_', '-')}", f"{value:g}")
+    ]
+    assert new("mine", tmp_path / "mine.toml", *options) == 0
+    said = next(line for line in capsys.readouterr().out.splitlines() if "inverter.board:" in line)
+    board = schema.load(tmp_path / "mine.toml").inverter.board
+    assert (board == "mks84_200_hp") == (rated_nm > 10.0)
+    assert board is not None or ("own: " in said and "not mks84_200_hp" in said)
+    if board is None:
+        path = tmp_path / "other.toml"
+        assert new("mine", path, *options, "--board", "mks84_200_hp") == 2
+        last = capsys.readouterr().err.splitlines()[-1]
+        assert last == f"{path}: --board: mks84_200_hp, accepted for this motor: own"
 
 
 # ---- labels of real motors ----

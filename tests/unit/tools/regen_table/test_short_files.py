@@ -151,6 +151,20 @@ def test_what_follows_from_a_wrong_key_is_no_mistake_of_its_own(key: str, value:
     assert set(refusals({key: value})) == {key}
 
 
+def test_mistakes_of_every_kind_are_named_in_one_answer() -> None:
+    """Missing, misspelt, of another kind, out of range, and a board that nobody knows."""
+    changes = {
+        **{
+            "motor.d_inductance_h": None,
+            "motor.flux_linkage_wb": None,
+            "motor.flux_linkge_wb": 0.02,
+        },
+        **{"motor.phase_resistance_ohm": "0.1", "motor.pole_pairs": 0, "battery.cells": 10.5},
+        **{"vehicle.mass_kg": -3.0, "inverter.board": "vesc6_mk"},
+    }
+    assert set(refusals(changes)) == set(changes) - {"motor.flux_linkage_wb"}
+
+
 def test_a_refusal_says_of_each_key_in_it_that_was_assumed_from_what() -> None:
     torque = refusals({"motor.rated_torque_nm": 90.0})["motor.rated_torque_nm"]
     assert "at most max_torque_nm = 73" in torque
@@ -206,7 +220,7 @@ def test_the_boards_that_fit_a_drive_are_named_with_what_the_others_would_cost()
     """Of the public drives: 84 V and 320 A; 403 V and 370 A. Over-currents trip 5 % above."""
     folder = Path(__file__).parents[4] / "tools" / "motors" / "public"
     named = {
-        name: boards.fitting(schema.load(folder / f"{name}.toml"), 1.05)
+        name: boards.fitting(schema.load(folder / f"{name}.toml"), 1.05, schema.refused_with)
         for name in ("qs273", "elaphe700", "mxus3k")
     }
     assert named["qs273"].startswith("boards that fit: mks84_200_hp, gate_board;")
@@ -221,4 +235,35 @@ def test_each_public_drive_has_a_board() -> None:
     files = sorted(folder.glob("*.toml"))
     assert len(files) == 6
     for file in files:
-        assert "none" not in boards.fitting(schema.load(file), 1.05).partition(";")[0]
+        found = boards.fitting(schema.load(file), 1.05, schema.refused_with)
+        assert "none" not in found.partition(";")[0]
+
+
+@pytest.mark.parametrize("path", DRIVES, ids=lambda path: path.stem)
+def test_a_board_is_said_to_fit_if_and_only_if_the_drive_is_accepted_with_it(path: Path) -> None:
+    """With the board's own facts in place of the file's; the description's ranges are nobody's."""
+    drive = schema.load(path)
+    found = boards.fitting(drive, 1.05, schema.refused_with)
+    fits = found.partition(";")[0].removeprefix("boards that fit: ").split(", ")
+    of_bridge = ("current_full_scale_a", "voltage_full_scale_v", "pwm_timer_clock_hz")
+    for board in boards.known().values():
+        if board.name == boards.DESCRIPTION:
+            continue
+        tree = tomllib.loads(path.read_text(encoding="utf-8"))
+        for key in (*of_bridge, "dead_time_s", "min_pulse_s", "switch_resistance_ohm"):
+            tree["inverter"].pop(key, None)
+        tree["inverter"] |= {"board": board.name, "diode_resistance_ohm": 0.001}
+        try:
+            image.build(schema.parse(tree, path.stem, path.name))
+        except ConfigurationError:
+            assert board.name not in fits
+        else:
+            within = drive.motor.max_phase_current_a <= board.current_most_a / 1.05
+            assert (board.name in fits) == within
+
+
+def test_a_board_whose_ranges_are_too_large_is_named_with_the_keys_that_it_takes() -> None:
+    """Of a small wheel, whose inductance times 516 A in 50 us is far beyond 91 V."""
+    found = boards.fitting(schema.load("hoverboard"), 1.05, schema.refused_with)
+    assert found.startswith("boards that fit: vesc4_10, vesc6_mk3, vesc6_mk6, gate_board;")
+    assert "vesc75_300 takes other control.current_bandwidth_hz" in found
