@@ -80,6 +80,34 @@ add_test(NAME chip_vesc6_mk3_reads_its_sensors COMMAND "${boards_programs}/chip_
   "$<TARGET_FILE:hubfoc_stm32f405>" vesc6_mk3 "${boards_shipped}")
 set_tests_properties(chip_vesc6_mk3_reads_its_sensors PROPERTIES LABELS target TIMEOUT 120)
 
+# The paper's vehicle with winding sensors of each kind; the table's points are those of
+# chip/thermometers.c.
+foreach(kind ntc pt1000 kty84 table none)
+  set(points "")
+  if(kind STREQUAL table)
+    set(points "winding_sensor_points = [[-20.0, 97e3], [25.0, 10e3], [60.0, 2488.0], [120.0, 389.0],
+  [150.0, 200.0]]")
+  endif()
+  set(folder "${CMAKE_CURRENT_BINARY_DIR}/winding_${kind}")
+  file(CONFIGURE OUTPUT "${folder}/winding_${kind}.toml" @ONLY CONTENT "${boards_toml}
+[monitor]
+winding_sensor = \"${kind}\"
+${points}
+")
+  add_test(NAME winding_${kind}_configuration_is_generated
+    COMMAND "${HUBFOC_PYTHON}" -m regen_table generate "${folder}/winding_${kind}.toml"
+      -o "${folder}" WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}/tools")
+  set_tests_properties(winding_${kind}_configuration_is_generated PROPERTIES LABELS target
+    TIMEOUT 120 FIXTURES_SETUP winding_${kind} ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+  add_test(NAME chip_reads_a_winding_sensor_of_kind_${kind}
+    COMMAND "${boards_programs}/chip_thermometers" "$<TARGET_FILE:hubfoc_stm32f405>" vesc6_mk3
+      ${kind} "${folder}/winding_${kind}.bin")
+  set_tests_properties(chip_reads_a_winding_sensor_of_kind_${kind} PROPERTIES LABELS target
+    TIMEOUT 120 FIXTURES_REQUIRED winding_${kind})
+  hubfoc_run_when_changed(chip_reads_a_winding_sensor_of_kind_${kind} hal tests/target
+    tools/regen_table)
+endforeach()
+
 # Boards with sensors in the phases, without a gate driver's bus: the paper's vehicle with their
 # full scales.
 # scaled_board(BOARD CURRENT_A VOLTAGE_V DEAD_TIME_S BANDWIDTH_HZ LABELS)
