@@ -500,3 +500,32 @@ void test_sensors_that_are_wired_otherwise_than_configured_are_noticed(void)
         }
     }
 }
+
+/* Whatever the wiring, a line that rests is seen within an electrical turn as with the default one:
+ * states that do not exist or sectors that are skipped. 60 degrees apart all states but two exist,
+ * and those two are others. */
+void test_a_broken_line_is_noticed_with_every_wiring(void)
+{
+    static bench_t bench;
+    const double turn_periods = PERIODS_PER_S / (100.0 / 60.0 * 23.0);
+    for (int32_t lines = 0; lines < 16; lines++) {
+        for (int line = 0; line < 6; line++) {
+            TEST_ASSERT_EQUAL_INT(BENCH_READY, start_wired(&bench, lines, lines));
+            bench.params.driver.drive_demand_nm = 10.0;
+            fixture_run(&bench, 0.3);
+            TEST_ASSERT_FALSE(rotor_fault_reported(&bench));
+            *(line < 3 ? &bench.params.sensors.hall_stuck_low
+                       : &bench.params.sensors.hall_stuck_high) = 1 << line % 3;
+            bench_refresh(&bench);
+            int periods = 0;
+            while (!rotor_fault_reported(&bench) && periods < 20000) {
+                bench_period(&bench);
+                periods++;
+            }
+            char text[64];
+            (void)snprintf(text, sizeof text, "lines %d, line %d: after %d periods", (int)lines,
+                           line, periods);
+            TEST_ASSERT_TRUE_MESSAGE(periods < turn_periods + 20.0, text);
+        }
+    }
+}
