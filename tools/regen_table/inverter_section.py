@@ -43,7 +43,9 @@ class Inverter(Section):
         float,
         number(0.0, 1e-5, "s", "between the two switches of a leg"),
         Assumed(
-            defaults.dead_time, "twice: 0.14 %, but 8 % where it takes the voltage (3 us at 12 kHz)"
+            defaults.dead_time,
+            "twice: up to 0.7 %; 3 to 12 % near the largest speed and on an empty pack, where the"
+            " EMF needs the voltage of which it takes 10 t_d f (DERIVATIONS, Dead time)",
         ),
     ]
     pwm_frequency_hz: Annotated[

@@ -151,7 +151,8 @@ def _handover(drive: Drive) -> Iterator[str]:
 
 
 _CHECKS: tuple[Callable[[Drive], Iterator[str]], ...] = (
-    supply_relations.board, motor_relations.inductances, motor_relations.saliency,
+    supply_relations.board, supply_relations.low_pulses, motor_relations.inductances,
+    motor_relations.saliency,
     motor_relations.inverse_saliency, motor_relations.magnets, motor_relations.iron,
     motor_relations.iron_at_speed, motor_relations.iron_when_slow, motor_relations.drag,
     motor_relations.emf_of_surface_magnets, motor_relations.torques, _currents,

@@ -10,6 +10,7 @@ from regen_table.sections import Drive
 from regen_table.suggest import suggestion
 
 FULL_SCALE_TOLERANCE = 0.05  # as boot.c
+LONGEST_PULSE_SHARE = 0.1  # of the PWM period, as validate.c
 
 
 def board(drive: Drive) -> Iterator[str]:
@@ -50,6 +51,21 @@ def board(drive: Drive) -> Iterator[str]:
             f"motor.max_phase_current_a: {drive.motor.max_phase_current_a:g} A, accepted: at most"
             f" {board.current_most_a:g} A, which {named} carries"
         )
+
+
+def low_pulses(drive: Drive) -> Iterator[str]:
+    """Refuse shortest pulses beyond a tenth of the PWM period, as the firmware does."""
+    inverter, pulse_s = drive.inverter, loops.min_pulse_s(drive)
+    most_s = LONGEST_PULSE_SHARE / inverter.pwm_frequency_hz
+    if pulse_s <= most_s * (1.0 + 1e-9):
+        return
+    key, value, most = "min_pulse_s", pulse_s, most_s
+    if inverter.min_pulse_s is None:
+        key, value, most = "dead_time_s", inverter.dead_time_s, most_s / 2.0
+    yield (
+        f"inverter.{key}: {value:g} s, accepted: at most {most:.4g} s; beyond, the shortest pulse"
+        " takes more than a tenth of the PWM period"
+    )
 
 
 def unknown_board(named: str) -> Iterator[str]:

@@ -20,6 +20,7 @@ from regen_table import (
     ideal,
     joint,
     limited_stop,
+    loops,
     models,
     schema,
     stop_limits,
@@ -243,3 +244,36 @@ def test_neither_steps_nor_searches_matter(
             exact = limited_stop.stop(*arguments).stored_share_of_kinetic
         assert fine == pytest.approx(coarse, abs=1e-4)
         assert exact == pytest.approx(fine, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("changes", "stored_percent"),
+    [
+        ((), (81.5, 82.7)),
+        (("inverter.dead_time_s=1e-6",), (81.1, 74.3)),
+        (("inverter.dead_time_s=1e-6", "inverter.min_pulse_s=1e-6"), (81.1, 81.4)),
+    ],
+)
+def test_a_dead_time_costs_by_the_voltage_that_its_shortest_pulse_takes(
+    changes: tuple[str, ...], stored_percent: tuple[float, float]
+) -> None:
+    """Figures of DERIVATIONS, Dead time: from half and 95 % of the largest speed, nearly empty."""
+    drive = schema.load("m365", changes)
+    top_kmh = 3.6 * drive.motor.max_speed_rpm * math.pi / 30.0 * drive.vehicle.wheel_radius_m
+    for share, percent in zip((0.5, 0.95), stored_percent, strict=True):
+        at = (drive, SERIES, 0.5 * drive.motor.rated_torque_nm, share * top_kmh, 25.0, 0.1)
+        stop = limited_stop.stop(*at, tuple(STOP_LIMITS))
+        assert 100.0 * stop.stored_share_of_kinetic == pytest.approx(percent, abs=0.06)
+
+
+@pytest.mark.parametrize("frequency_hz", [12e3, 20e3])
+def test_ten_dead_times_a_period_are_the_share_of_the_voltage_that_is_missing(
+    frequency_hz: float,
+) -> None:
+    """Two on either side of the top and half a one of compensation, in half periods."""
+    for dead_s in (1e-6, 2e-6):
+        drive = schema.load(
+            "leaf", (f"inverter.dead_time_s={dead_s}", f"inverter.pwm_frequency_hz={frequency_hz}")
+        )
+        share = 10.0 * dead_s * frequency_hz
+        assert 1.0 - loops.modulation_limit(drive) == pytest.approx(share, rel=0.02)

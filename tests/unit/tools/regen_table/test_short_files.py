@@ -2,6 +2,7 @@
 """A file with the numbers that people have is a drive; what was assumed is reported."""
 
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -208,6 +209,18 @@ def test_low_side_shunts_get_their_window_and_shunts_in_the_phases_none(
     assert low_side.inverter.min_pulse_s is not None
     assert window_s < low_side.inverter.min_pulse_s < window_s + 50e-9
     assert in_phases.inverter.min_pulse_s is None
+
+
+def test_a_dead_time_is_accepted_up_to_the_shortest_pulse_that_the_firmware_takes(
+    validated: Callable[[bytes], str],
+) -> None:
+    """Two dead times on either side of the top, at most a tenth of 50 us."""
+    longest = short({"inverter.dead_time_s": 2.5e-6})
+    assert validated(image.build(longest)) == ""
+    too_long = {"inverter.dead_time_s": 2.51e-6}
+    assert "at most 2.5e-06 s" in refusals(too_long)["inverter.dead_time_s"]
+    given = refusals({**too_long, "inverter.min_pulse_s": 5.1e-6})
+    assert "at most 5e-06 s" in given["inverter.min_pulse_s"]
 
 
 def test_a_window_in_which_low_side_shunts_are_not_sampled_is_refused() -> None:
