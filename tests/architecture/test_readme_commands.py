@@ -71,6 +71,7 @@ WRITTEN = (
     *("stop.json", "udds.csv", "grid.parquet"),
     "tools/motors/mine.toml",
     *("firmware/config/generated/mine.c", "firmware/config/generated/mine.bin"),
+    "firmware/config/generated/mine_front_right.c",
     "build/STM32F41x.svd",
 )
 
@@ -103,7 +104,9 @@ def commands() -> list[str]:
 
 
 def form_of(command: str) -> Form | None:
-    """Return the form of the longest beginning that a command has."""
+    """Return the form of the longest beginning that a command has; None of a dry run."""
+    if "--dry-run" in command:
+        return None
     beginnings = [begin for begin in FORMS if command == begin or command.startswith(begin)]
     return FORMS[max(beginnings, key=len)] if beginnings else None
 
@@ -172,6 +175,8 @@ class ReadmeCommandsTest(DevFixture):
             done = self.run_command(form.run if form is not None else command)
             self.assertEqual(done.returncode, 0, f"{command}\n{done.stdout}\n{done.stderr}")
             self.assertNotIn("Traceback", done.stderr)
+            if "vehicle.wheel_position=front_right" in command:
+                self.assertIn("Configuration: mine_front_right,", done.stderr)
         for name in WRITTEN:
             self.assertTrue((self.home / name).is_file(), name)
 
