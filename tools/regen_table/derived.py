@@ -87,6 +87,19 @@ def line_emf_v(drive: Drive) -> float:
     return math.sqrt(3.0) * drive.motor.flux_linkage_wb * omega_max(drive)
 
 
+def towing_speed_m_per_s(drive: Drive) -> float:
+    """Return the speed below which a bridge that is off takes nothing from a wheel that is turned.
+
+    There the line-to-line EMF of the coldest magnets peaks at the voltage of an empty pack; beyond
+    it the diodes charge the pack, or the bus alone.
+    """
+    motor = drive.motor
+    colder_k = drive.table.temperature_range_c[0] - motor.reference_temperature_c
+    share = 1.0 + (motor.flux_temperature_coefficient_per_k or 0.0) * min(colder_k, 0.0)
+    electrical = drive.battery.min_voltage_v / (math.sqrt(3.0) * motor.flux_linkage_wb * share)
+    return electrical / motor.pole_pairs * drive.vehicle.wheel_radius_m
+
+
 def pack_share(drive: Drive) -> float:
     """Return the share of the pack's limits that this motor may use."""
     share = drive.vehicle.pack_share

@@ -22,6 +22,7 @@ from regen_table import (
     current_audit,
     current_map,
     defaults,
+    derived,
     envelope,
     flux_constants,
     image,
@@ -256,6 +257,8 @@ class Report:
     bus_voltage_loss: float
     temperature_sensors: list[str]
     boards: str
+    towing_kmh: float
+    towing_v: float
 
 
 def make_report(drive: Drive) -> Report:
@@ -285,6 +288,8 @@ def make_report(drive: Drive) -> Report:
         bus_voltage_loss=current_audit.bus_voltage_loss(drive),
         temperature_sensors=thermometers.describe(drive),
         boards=boards.fitting(drive, defaults.OVERCURRENT_MARGIN, schema.refused_with),
+        towing_kmh=3.6 * derived.towing_speed_m_per_s(drive),
+        towing_v=drive.battery.min_voltage_v,
     )
 
 
@@ -357,6 +362,10 @@ def report_text(report: Report) -> str:
         f" ({costliest.manoeuvre}), bus voltage as an axis would save {report.bus_voltage_loss:.3%}"
     )
     lines += [*report.temperature_sensors, f"{report.name}: {report.boards}"]
+    lines.append(
+        f"{report.name}: towing: up to {report.towing_kmh:.1f} km/h nothing flows; beyond, the"
+        f" diodes charge a pack of {report.towing_v:g} V, with nothing to stop them"
+    )
     return "\n".join(lines)
 
 

@@ -15,7 +15,9 @@ from regen_table import (
     STOP_LIMITS,
     boards,
     cli,
+    derived,
     filling,
+    generate,
     image,
     label,
     limited_stop,
@@ -65,6 +67,24 @@ def test_at_its_no_load_speed_the_line_emf_peaks_at_the_bus_voltage() -> None:
     flux = label.flux_linkage_wb(16.0, 15, "dc", "sine")
     assert line_emf_v(flux, 15, 16.0 * 36.0).max() == pytest.approx(36.0, rel=1e-5)
     assert flux == pytest.approx(0.02297, rel=1e-3)  # which ODrive's guide measured
+
+
+@pytest.mark.parametrize("name", ["hoverboard", "leaf"])
+def test_at_the_towing_speed_the_line_emf_of_cold_magnets_peaks_at_the_empty_packs_voltage(
+    name: str,
+) -> None:
+    drive = schema.load(name)
+    motor = drive.motor
+    speed_rpm = derived.towing_speed_m_per_s(drive) / drive.vehicle.wheel_radius_m * 30.0 / math.pi
+    cold_k = 25.0 - drive.table.temperature_range_c[0]
+    flux = motor.flux_linkage_wb * (
+        1.0 - (motor.flux_temperature_coefficient_per_k or 0.0) * cold_k
+    )
+    emf = line_emf_v(flux, motor.pole_pairs, speed_rpm)
+    assert emf.max() == pytest.approx(drive.battery.min_voltage_v, rel=1e-5)
+    kmh = speed_rpm * math.pi / 30.0 * drive.vehicle.wheel_radius_m * 3.6
+    printed = generate.report_text(generate.make_report(drive))
+    assert f"{name}: towing: up to {kmh:.1f} km/h nothing flows" in printed
 
 
 def test_volts_rms_between_lines_are_rms_volts() -> None:
