@@ -248,6 +248,8 @@ def _references(drive: Drive) -> list[_Reference]:
             (f"{cycle.name} driving", moving & ~brakes),
             (f"{cycle.name} braking", brakes & brakes_on),
         ):
+            if not part.any():  # a vehicle so slow that a cycle ends its braking below that speed
+                continue
             limit = braking.torque_limit_nm(drive, asked.speed_rad_s[part])
             manoeuvres[name] = (
                 asked.speed_rad_s[part],

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from regen_table import boards, filling, image, schema
+from regen_table import boards, filling, generate, image, schema
 from regen_table.errors import ConfigurationError
 
 ROOT = Path(__file__).resolve().parents[4]
@@ -209,6 +209,14 @@ def test_low_side_shunts_get_their_window_and_shunts_in_the_phases_none(
     assert low_side.inverter.min_pulse_s is not None
     assert window_s < low_side.inverter.min_pulse_s < window_s + 50e-9
     assert in_phases.inverter.min_pulse_s is None
+
+
+@pytest.mark.parametrize("max_speed_rpm", [200.0, 40.0])
+def test_a_vehicle_at_walking_speed_gets_a_table(max_speed_rpm: float) -> None:
+    """6 and 1.2 km/h: in the cycles, scaled to it, no braking from where the motor does."""
+    drive = short({"motor.max_speed_rpm": max_speed_rpm})
+    report = generate.make_report(drive)
+    assert max(loss.stored for loss in report.d_current_losses) < 2e-4
 
 
 def test_a_dead_time_is_accepted_up_to_the_shortest_pulse_that_the_firmware_takes(
