@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * What the image of a board makes of a winding sensor of the configured kind, of its open and
- * shorted line, and of a sensor of another kind in its place.
+ * shorted line, and of a sensor of another kind in its place; likewise of the switches' sensor.
  *
  *     chip_thermometers ELF BOARD ntc|pt1000|kty84|table|none CONFIGURATION.bin
  *
@@ -86,14 +86,12 @@ static bool is_named(seen_t seen)
     return seen.warning == (unsigned)REASON_WINDING_SENSOR;
 }
 
-/* What WheelHealth says once the sensor has shown this code for long enough. At the start it is
- * that of an NTC (drive_begin()). */
-static seen_t with_code(uint16_t code, bool whole)
+/* What WheelHealth says once a sensor has shown this code for long enough. */
+static seen_t with_code_at(uint8_t channel, uint16_t code, int after_ms)
 {
-    static seen_t seen = {NAN, (unsigned)REASON_WINDING_SENSOR};
-    const int after_ms = whole && is_named(seen) ? HEALED_ms : SHOWN_ms;
+    static seen_t seen;
     chip_frame_t frame;
-    chip_inputs(rig.chip)->analog_code[boards_chosen()->winding_channel] = code;
+    chip_inputs(rig.chip)->analog_code[channel] = code;
     for (int ms = 0; ms < after_ms; ms++) {
         chip_run(rig.chip, 1000U * CHIP_TICKS_PER_US);
         while (chip_receive(rig.chip, &frame)) {
@@ -104,7 +102,17 @@ static seen_t with_code(uint16_t code, bool whole)
             }
         }
     }
-    printf("code %u: %.1f degC, warning %u\n", (unsigned)code, seen.winding_c, seen.warning);
+    printf("channel %u, code %u: winding %.1f degC, warning %u\n", (unsigned)channel,
+           (unsigned)code, seen.winding_c, seen.warning);
+    return seen;
+}
+
+/* The same of the winding's sensor. At the start its code is that of an NTC (drive_begin()). */
+static seen_t with_code(uint16_t code, bool whole)
+{
+    static seen_t seen = {NAN, (unsigned)REASON_WINDING_SENSOR};
+    const int after_ms = whole && is_named(seen) ? HEALED_ms : SHOWN_ms;
+    seen = with_code_at(boards_chosen()->winding_channel, code, after_ms);
     return seen;
 }
 
@@ -132,6 +140,21 @@ static bool names_broken_lines(const kind_t *kind)
     return good;
 }
 
+/* The switches' NTC is the board's, whatever the winding has. */
+static bool names_broken_lines_of_the_switches(void)
+{
+    const uint8_t channel = boards_chosen()->switch_channel;
+    const uint16_t whole = chip_inputs(rig.chip)->analog_code[channel];
+    bool good = true;
+    for (int end = 0; end < 2; end++) {
+        const seen_t seen = with_code_at(channel, end == 0 ? CODE_SHORTED : CODE_OPEN, SHOWN_ms);
+        good = good && expect(seen.warning == (unsigned)REASON_SWITCH_SENSOR,
+                              "an open or a shorted line of the switches' sensor is named");
+    }
+    return good && expect(with_code_at(channel, whole, HEALED_ms).warning == 0U,
+                          "the switches' sensor heals");
+}
+
 /* Named where its resistance at 25 degC is none of the configured kind's, and only there. */
 static bool names_other_kinds(const kind_t *kind)
 {
@@ -154,8 +177,8 @@ static bool try_kind(const char *elf, const kind_t *kind)
     }
     boot();
     return expect(says("configuration accepted"), "boots and accepts its configuration") &&
-           measures(kind) && names_broken_lines(kind) && names_other_kinds(kind) &&
-           obeys_the_manuals();
+           measures(kind) && names_broken_lines_of_the_switches() && names_broken_lines(kind) &&
+           names_other_kinds(kind) && obeys_the_manuals();
 }
 
 int main(int argc, char **argv)
