@@ -175,7 +175,7 @@ static void check_failure(const failure_t *failure, const bench_t *after_glitch,
         const bool first_ends = broken.wheel[0].first_fault != REASON_NONE;
         copy(&healthy, after_glitch);
         const outcome_t out = second(failure, failing);
-        char where[200];
+        char where[256];
         snprintf(where, sizeof where,
                  "%s, then %s of %d: %.1f ms of driving torque, current %.2f of the trip, %.2f as "
                  "the first fault",
