@@ -85,8 +85,8 @@ set_tests_properties(chip_vesc6_mk3_reads_its_sensors PROPERTIES LABELS target T
 foreach(kind ntc pt1000 kty84 table none)
   set(points "")
   if(kind STREQUAL table)
-    set(points "winding_sensor_points = [[-20.0, 97e3], [25.0, 10e3], [60.0, 2488.0], [120.0, 389.0],
-  [150.0, 200.0]]")
+    set(points "winding_sensor_points = [[-20.0, 97e3], [25.0, 10e3], [60.0, 2488.0],
+  [120.0, 389.0], [150.0, 200.0]]")
   endif()
   set(folder "${CMAKE_CURRENT_BINARY_DIR}/winding_${kind}")
   file(CONFIGURE OUTPUT "${folder}/winding_${kind}.toml" @ONLY CONTENT "${boards_toml}

@@ -172,7 +172,8 @@ default_config() {
 # compiler writes no word.
 board_fact() {
     local found
-    found=$(arm-none-eabi-gcc -x c -S -o - -I "$ROOT/hal/$1" -I "$ROOT/hal/stm32" -I "$ROOT/hal/include" \
+    found=$(arm-none-eabi-gcc -x c -S -o - \
+        -I "$ROOT/hal/$1" -I "$ROOT/hal/stm32" -I "$ROOT/hal/include" \
         "-DHUBFOC_BOARD_HEADER=\"boards/$2.h\"" - <<<"#include \"board.h\"
 #include \"analog_start.h\"
 const int fact = $3;" | sed -n 's/^[[:space:]]*\.word[[:space:]]*//p')
@@ -222,8 +223,8 @@ check_switch_sensor() {
             "by the divider of $3, as $((shown / 100)) degC, accepted: within 5 K"
 }
 
-# check_dead_time COMMAND PORT BOARD CONFIG: at least what the board's switches need, and of low-side
-# shunts a window in which they settle and are sampled, with current into the board.
+# check_dead_time COMMAND PORT BOARD CONFIG: at least what the board's switches need, and of
+# low-side shunts a window in which they settle and are sampled, with current into the board.
 check_dead_time() {
     local own least settled window
     own=$(table_value "$4" dead_time_ns)

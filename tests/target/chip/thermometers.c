@@ -28,7 +28,7 @@ enum {
 };
 static const double DIVIDER_Ohm = 10e3; /* to the supply, the sensor to ground */
 static const double TEMPERATURE_ERROR_K = 2.5;
-static const double ROOM_C = 25.0;
+static const double AMBIENT_C = 25.0;
 
 /* R of 10 kOhm at 25 degC, B = 3380 K. */
 static double ntc_Ohm(double celsius)
@@ -161,7 +161,7 @@ static bool names_other_kinds(const kind_t *kind)
     bool good = true;
     for (int k = 0; k < KINDS && kind->ohm != NULL; k++) {
         if (KIND[k].ohm != NULL && &KIND[k] != kind) {
-            const double ohm = KIND[k].ohm(ROOM_C);
+            const double ohm = KIND[k].ohm(AMBIENT_C);
             const bool known = ohm < kind->lowest_Ohm || ohm > kind->highest_Ohm;
             good = good && expect(is_named(with_code(code_of(ohm), !known)) == known,
                                   "a sensor of another kind is named where it can be known");

@@ -276,10 +276,11 @@ def test_no_board_is_proposed_that_refuses_the_motor(
         for word in (f"--{option.replace('_', '-')}", f"{value:g}")
     ]
     assert new("mine", tmp_path / "mine.toml", *options) == 0
-    said = next(line for line in capsys.readouterr().out.splitlines() if "inverter.board:" in line)
+    lines = capsys.readouterr().out.splitlines()
+    proposed = next(line for line in lines if "inverter.board:" in line)
     board = schema.load(tmp_path / "mine.toml").inverter.board
     assert (board == "mks84_200_hp") == (rated_nm > 10.0)
-    assert board is not None or ("own: " in said and "not mks84_200_hp" in said)
+    assert board is not None or ("own: " in proposed and "not mks84_200_hp" in proposed)
     if board is None:
         path = tmp_path / "other.toml"
         assert new("mine", path, *options, "--board", "mks84_200_hp") == 2
