@@ -94,6 +94,23 @@ void test_a_configuration_for_another_board_is_refused(void)
     assert_says("the configuration is as it was");
 }
 
+/* Pulses that low-side shunts are not sampled in, and a sensor in another divider. */
+void test_a_configuration_for_another_window_or_divider_is_refused(void)
+{
+    scale.low_side_least_ns = CONFIG_IMAGE.drive.min_pulse_ns;
+    send(&CONFIG_IMAGE, sizeof CONFIG_IMAGE);
+    TEST_ASSERT_EQUAL_INT(INSTALLER_REFUSED, installer.state);
+    installer_text(&installer, &line);
+    assert_says("drive.min_pulse_ns on this board");
+    scale.low_side_least_ns = 0;
+    scale.switch_25C_code = 1309; /* 4.7 kOhm to ground */
+    text_clear(&line);
+    send(&CONFIG_IMAGE, sizeof CONFIG_IMAGE);
+    TEST_ASSERT_EQUAL_INT(INSTALLER_REFUSED, installer.state);
+    installer_text(&installer, &line);
+    assert_says("temperature.switch_cC of this board's divider");
+}
+
 void test_a_configuration_that_the_validator_refuses_is_refused_with_its_field(void)
 {
     config_t config = CONFIG_IMAGE;
