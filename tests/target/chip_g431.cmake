@@ -131,7 +131,7 @@ function(chip_g431_planted_tests)
     "names dead comparators" ${trip})
   planted_g431(an_over_current_that_is_no_fault ${shared} inverter.c
     "return tripped || break_acted()" "return tripped"
-    "an over-current is a fault, and lasts" ${trip})
+    "the over-current is the power stage's" ${trip})
   planted_g431(a_program_that_can_be_written ${own} protected.h "PROTECTED_NOT_EIGHTHS 0xC0U"
     "PROTECTED_NOT_EIGHTHS 0xE0U" "the program is not written" chip_protect_g431)
   planted_g431(sectors_that_cannot_be_written ${own} protected.h "PROTECTED_NOT_EIGHTHS 0xC0U"

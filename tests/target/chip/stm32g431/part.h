@@ -15,7 +15,7 @@ enum {
     CHIP_INTERRUPTS = 102,
     CHIP_LSI_TICKS = 42500, /* 32 kHz */
     CHIP_CELL_WORDS = 2,    /* programmed by one operation */
-    CHIP_UPDATE_ERASES = 5  /* of an update of the configuration: pages of 2 KiB */
+    CHIP_UPDATE_ERASES = 4  /* of an update of the configuration: pages of 2 KiB */
 };
 
 enum { INTERRUPT_PVD = 16 + 1, INTERRUPT_ADC = 16 + 18, INTERRUPT_SERIAL = 16 + 38 };

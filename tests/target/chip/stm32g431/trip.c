@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "core/reason.h"
 #include "planted.h"
 #include "rig.h"
 
@@ -89,6 +90,8 @@ static bool protects(void)
     run(0.02);
     return expect(rig.bench.wheel[0].slow.mode == MODE_FAULT && !chip_outputs_on(rig.chip),
                   "an over-current is a fault, and lasts") &&
+           expect(rig.bench.wheel[0].first_fault == REASON_HARDWARE_BREAK,
+                  "the over-current is the power stage's") &&
            expect(chip_resets(rig.chip) == 1, "runs without a reset") && obeys_the_manuals();
 }
 
