@@ -3,6 +3,7 @@
 
 #include "core/angle.h"
 #include "core/q15.h"
+#include "core/scaled.h"
 #include "core/sqrt3.h"
 
 enum {
@@ -98,12 +99,13 @@ int32_t monitor_open_edge_pu(const config_t *config, const measured_t *now)
     if (config->rotor.sensor != CONFIG_ROTOR_HALL) {
         return 0;
     }
-    /* Of the voltage's share, in Q31, over the gain in Q16. */
-    const int64_t u_mV_q31 =
-        q_abs(now->latest_u_q_mV) * ((INT64_C(1) << 31) / MONITOR_OPEN_EDGE_SHARE);
-    const int64_t gain_mV_q16 = (int64_t)q_divisor(config->drive.voltage_full_scale_mV) *
-                                q_divisor(config->current_loop.proportional_d_pu_q16);
-    return q_min(q_saturate64(u_mV_q31 / gain_mV_q16), MONITOR_OPEN_MOST_EDGE_PU);
+    /* Of the voltage's share, in Q24, over the gain in Q16, to Q15. */
+    const int32_t share_q24 = q_min(
+        scaled_ratio(q_abs(now->latest_u_q_mV), q_divisor(config->drive.voltage_full_scale_mV)),
+        SCALED_ONE);
+    return q_min(share_q24 * ((1 << 7) / MONITOR_OPEN_EDGE_SHARE) /
+                     q_divisor(config->current_loop.proportional_d_pu_q16),
+                 MONITOR_OPEN_MOST_EDGE_PU);
 }
 
 reason_t monitor_open_step(monitor_open_state_t *state, const measured_t *now, dq_t reference_pu,
