@@ -15,8 +15,8 @@ on a motor whose parts are wrong by up to six hundredths, which come on top. Whe
 limit decides there is no comparison: what flows beside it is an invariant of its own
 (``charge_current``). Nor where the controller derates by a temperature: at its start it takes the
 switches to be as hot as the winding, and the ideal has no temperature's limit. Nor in a stop that
-lasts less than ten times as long as its torque takes to rise: it takes as long to be handed over,
-before the blend-out's end, and the ideal's falls at once.
+lasts less than ten times as long as its torque takes to rise and the hydraulic brake to follow: it
+is handed over so much before the blend-out, and the ideal's falls at once.
 """
 
 import math
@@ -50,7 +50,7 @@ SLOW_SHARE, SLOW_HANDOVER = 0.3, 4.0  # of the largest speed; of where the blend
 RATED_SHARE = (0.25, 1.1)
 SOC = (0.2, 0.8)
 SPEED_SHARE = (0.3, 0.95)
-SHORTEST_RISES = 10.0
+SHORTEST_RAMPS = 10.0
 DEMAND_NM = can_protocol.MESSAGES["Demand"].signals["brake_torque_nm"].step
 LONGEST_S = 600.0
 SECTIONS = ("motor", "inverter", "battery", "vehicle")
@@ -134,7 +134,7 @@ def ideal_share(drive: Drive, true: Drive, stop: Stop) -> tuple[float, str] | No
     made = trace.hydraulic_nm - state.torque_nm + _friction_nm(true, trace.speed_rad_s)
     inertia = true.vehicle.mass_kg * true_radius**2 / (drive.vehicle.mass_kg * radius**2)
     seconds = trace.seconds * inertia * planned / made
-    if np.sum(seconds) < SHORTEST_RISES * stop.demand_nm / drive.control.torque_rate_nm_per_s:
+    if np.sum(seconds) < SHORTEST_RAMPS * _ramp_s(drive, stop):
         return None
     power_w = true.vehicle.driven_wheels * state.dc_power_w
     pack = packs.flow(true, packs.DYNAMIC, power_w, seconds, stop.soc)
@@ -146,6 +146,11 @@ def ideal_share(drive: Drive, true: Drive, stop: Stop) -> tuple[float, str] | No
     del by_reason["demand"]
     main = max(by_reason, key=lambda name: by_reason[name], default="")
     return -pack.chemical_j / kinetic_j, main if by_reason[main] > 0.0 else ""
+
+
+def _ramp_s(drive: Drive, stop: Stop) -> float:
+    rises_s = stop.demand_nm / drive.control.torque_rate_nm_per_s
+    return rises_s + drive.brake.hydraulic_dead_time_s + drive.brake.hydraulic_time_constant_s
 
 
 def _friction_nm(drive: Drive, speed_rad_s: Rows) -> Rows:
