@@ -360,16 +360,19 @@ def changes(recording: Recording) -> Iterator[Finding]:
     """How often mode, fault, warning or limit change within a second, a start's sequence apart."""
     start = [_mode(name) for name in START]
     quiet = {
-        f"wheel{k}.mode": _without(recording.wheel(k, "mode"), start)
+        f"wheel{k}.{name}": _without(
+            recording.wheel(k, name), np.isin(recording.wheel(k, "mode"), start)
+        )
         for k in range(recording.wheels)
+        for name in ("mode", "reason")
     }
     seen = replace(recording, signals={**recording.signals, **quiet})
     yield from _most_changes(seen, ("mode", "fault_reason", "warning_reason", "reason"))
 
 
-def _without(values: Rows, codes: Sequence[int]) -> Rows:
-    """Return a signal that stays what it was where it shows one of these codes."""
-    rows = np.where(np.isin(values, codes), -1, np.arange(len(values)))
+def _without(values: Rows, apart: np.typing.NDArray[np.bool_]) -> Rows:
+    """Return a signal that stays what it was in some of its rows."""
+    rows = np.where(apart, -1, np.arange(len(values)))
     before = np.maximum.accumulate(rows)
     return np.where(before >= 0, values[np.maximum(before, 0)], -1.0)
 

@@ -273,7 +273,9 @@ def test_modes_and_reasons_that_flicker(times: int, wrong: bool) -> None:
 def test_the_sequence_of_a_start_is_no_flicker() -> None:
     start = steps(*((2000 + 10 * k, float(mode)) for k, mode in enumerate((0, 1, 2, 3, 4, 5, 4))))
     mode = np.where(np.arange(ROWS) < 2000, RUN, start)
-    assert "changes" not in violated(with_signals(quiet(), {"wheel0.mode": mode}))
+    reason = np.where(mode == RUN, 0.0, mode)
+    signals = {"wheel0.mode": mode, "wheel0.reason": reason}
+    assert "changes" not in violated(with_signals(quiet(), signals))
 
 
 @pytest.mark.parametrize(
