@@ -4,6 +4,7 @@
 #include <stdbool.h>
 
 #include "hal/analog.h"
+#include "hal/inverter.h"
 
 /* Shunts and dividers have a tolerance, and a configuration may hold what was measured. */
 enum { SCALE_TOLERANCE = 20 };
@@ -18,6 +19,17 @@ static bool scale_fits(const char *field, int32_t value, int32_t of_board, confi
         return true;
     }
     *result = config_result_range("", field, value, of_board - tolerance, of_board + tolerance);
+    return false;
+}
+
+/* Below the least of the board both switches of a leg could conduct together. */
+static bool dead_time_fits(const config_drive_t *drive, int32_t least_ns, config_result_t *result)
+{
+    if (drive->dead_time_ns >= least_ns) {
+        return true;
+    }
+    *result = config_result_range("", "drive.dead_time_ns on this board", drive->dead_time_ns,
+                                  least_ns, 125000000 / drive->pwm_frequency_Hz);
     return false;
 }
 
@@ -61,7 +73,8 @@ config_result_t board_check_config(const config_t *config, uint32_t size_bytes)
                    board.current_full_scale_mA, &result) &&
         scale_fits("drive.voltage_full_scale_mV on this board", config->drive.voltage_full_scale_mV,
                    board.voltage_full_scale_mV, &result) &&
-        divider_fits(&config->temperature, board.switch_25C_code, &result)) {
+        divider_fits(&config->temperature, board.switch_25C_code, &result) &&
+        dead_time_fits(&config->drive, (int32_t)inverter_dead_time_least_ns(), &result)) {
         (void)window_fits(&config->drive, board.low_side_least_ns, &result);
     }
     return result;

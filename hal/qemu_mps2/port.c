@@ -50,6 +50,11 @@ uint32_t inverter_timer_Hz(void)
     return TIMER_Hz;
 }
 
+uint32_t inverter_dead_time_least_ns(void)
+{
+    return 0;
+}
+
 static bool frequency_fits(const inverter_settings_t *settings)
 {
     const uint32_t frequency_Hz = TIMER_Hz / (2U * settings->pwm_period_counts);

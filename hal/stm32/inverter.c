@@ -53,6 +53,11 @@ uint32_t inverter_timer_Hz(void)
     return CLOCK_TIMER1_Hz;
 }
 
+uint32_t inverter_dead_time_least_ns(void)
+{
+    return BOARD_DEAD_TIME_LEAST_ns;
+}
+
 static bool frequency_fits(const inverter_settings_t *settings)
 {
     const uint32_t frequency_Hz = CLOCK_TIMER1_Hz / (2U * settings->pwm_period_counts);
@@ -147,7 +152,7 @@ COLD inverter_status_t inverter_init(const inverter_settings_t *settings)
         return INVERTER_FREQUENCY_UNSUPPORTED;
     }
     uint8_t dead_time_code;
-    if (settings->dead_time_ns < BOARD_DEAD_TIME_LEAST_ns ||
+    if (settings->dead_time_ns < inverter_dead_time_least_ns() ||
         !dead_time_encode(settings->dead_time_ns, CLOCK_TIMER1_Hz, &dead_time_code) ||
         dead_time_clocks(dead_time_code) >= settings->pwm_period_counts) {
         return INVERTER_DEAD_TIME_UNSUPPORTED;

@@ -35,6 +35,11 @@ analog_scale_t analog_scale(void)
     return any;
 }
 
+uint32_t inverter_dead_time_least_ns(void)
+{
+    return 0;
+}
+
 static const config_t *const CONFIGS[] = {&CONFIG_LU2013, &CONFIG_EBIKE36V, &CONFIG_SCOOTER48V,
                                           &CONFIG_IPM400V};
 

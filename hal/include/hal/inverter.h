@@ -71,6 +71,10 @@ enum {
  * context, also before inverter_init(). */
 uint32_t inverter_timer_Hz(void);
 
+/* Least dead time at which the two switches of a leg of this board do not conduct together. 0: any,
+ * this port has no switches. Constant. Any context, also before inverter_init(). */
+uint32_t inverter_dead_time_least_ns(void);
+
 /* Pins, timer, converters and their trigger; the bridge is off and there are no up-calls yet.
  * Background context, once. On anything but INVERTER_OK inverter_start() must not be called. */
 inverter_status_t inverter_init(const inverter_settings_t *settings);

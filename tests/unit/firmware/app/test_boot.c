@@ -20,6 +20,7 @@ static struct {
 } sector;
 static flash_image_t sector_a;
 static analog_scale_t scale;
+static uint32_t dead_time_least_ns;
 static bool rotor_sensor_there, brown_out_low;
 static volatile uint32_t window[16];
 
@@ -74,6 +75,12 @@ static analog_scale_t scale_of_board(int calls)
     return scale;
 }
 
+static uint32_t dead_time_of_board(int calls)
+{
+    (void)calls;
+    return dead_time_least_ns;
+}
+
 void setUp(void)
 {
     sector.config = CONFIG_IMAGE;
@@ -82,6 +89,8 @@ void setUp(void)
     scale.low_side_least_ns = 0;
     scale.switch_25C_code = 0;
     analog_scale_Stub(scale_of_board);
+    dead_time_least_ns = 0;
+    inverter_dead_time_least_ns_Stub(dead_time_of_board);
     rotor_sensor_there = true;
     brown_out_low = false;
 }
@@ -201,6 +210,31 @@ void test_a_configuration_whose_low_pulses_are_too_short_for_the_shunts_is_refus
                                      report.config_result.field);
             TEST_ASSERT_EQUAL_INT32(1513, report.config_result.value);
             TEST_ASSERT_EQUAL_INT32(1514, report.config_result.lowest);
+        }
+    }
+}
+
+/* At 20 kHz an eighth of the period is 6250 ns. */
+void test_a_configuration_with_less_dead_time_than_the_switches_need_is_refused(void)
+{
+    sector.config.drive.pwm_frequency_Hz = 20000;
+    dead_time_least_ns = 660;
+    for (int32_t dead_ns = 659; dead_ns <= 660; dead_ns++) {
+        sector.config.drive.dead_time_ns = dead_ns;
+        sector.config.crc32 = config_crc32(&sector.config, (uint32_t)offsetof(config_t, crc32));
+        expect_board(true, &sector.config, sizeof sector.config, (uint32_t)GOOD_CRC32);
+        if (dead_ns == 660) {
+            expect_ports(INVERTER_OK);
+        }
+        const boot_report_t report = boot_run();
+        TEST_ASSERT_EQUAL(dead_ns == 660, boot_may_control(&report));
+        if (dead_ns == 659) {
+            TEST_ASSERT_EQUAL_INT(WAITS_FOR_CONFIGURATION, boot_waits_for(&report));
+            TEST_ASSERT_EQUAL_STRING("drive.dead_time_ns on this board",
+                                     report.config_result.field);
+            TEST_ASSERT_EQUAL_INT32(659, report.config_result.value);
+            TEST_ASSERT_EQUAL_INT32(660, report.config_result.lowest);
+            TEST_ASSERT_EQUAL_INT32(6250, report.config_result.highest);
         }
     }
 }

@@ -56,6 +56,7 @@ void setUp(void)
 {
     static const analog_scale_t ANY = {.switch_25C_code = 0};
     analog_scale_IgnoreAndReturn(ANY);
+    inverter_dead_time_least_ns_IgnoreAndReturn(0);
     boot = successful_boot();
     output = output_in_ready();
     torque_limits_state_t state;

@@ -13,6 +13,7 @@
 static installer_t installer;
 static text_t line;
 static analog_scale_t scale; /* of the board; 0: any */
+static uint32_t dead_time_least_ns;
 
 static analog_scale_t scale_of_board(int calls)
 {
@@ -20,11 +21,19 @@ static analog_scale_t scale_of_board(int calls)
     return scale;
 }
 
+static uint32_t dead_time_of_board(int calls)
+{
+    (void)calls;
+    return dead_time_least_ns;
+}
+
 void setUp(void)
 {
     const analog_scale_t any = {.switch_25C_code = 0};
     scale = any;
     analog_scale_Stub(scale_of_board);
+    dead_time_least_ns = 0;
+    inverter_dead_time_least_ns_Stub(dead_time_of_board);
     text_clear(&line);
     installer_init(&installer);
 }
@@ -109,6 +118,19 @@ void test_a_configuration_for_another_window_or_divider_is_refused(void)
     TEST_ASSERT_EQUAL_INT(INSTALLER_REFUSED, installer.state);
     installer_text(&installer, &line);
     assert_says("temperature.switch_cC of this board's divider");
+}
+
+void test_a_configuration_with_less_dead_time_than_the_switches_need_is_refused(void)
+{
+    dead_time_least_ns = (uint32_t)CONFIG_IMAGE.drive.dead_time_ns;
+    send(&CONFIG_IMAGE, sizeof CONFIG_IMAGE);
+    TEST_ASSERT_NOT_EQUAL(INSTALLER_REFUSED, installer.state);
+    dead_time_least_ns++;
+    send(&CONFIG_IMAGE, sizeof CONFIG_IMAGE);
+    TEST_ASSERT_EQUAL_INT(INSTALLER_REFUSED, installer.state);
+    installer_text(&installer, &line);
+    assert_says("drive.dead_time_ns on this board");
+    assert_says("the configuration is as it was");
 }
 
 void test_a_configuration_that_the_validator_refuses_is_refused_with_its_field(void)

@@ -65,6 +65,7 @@ void setUp(void)
     rotor_sensor_angle_turn_IgnoreAndReturn(0);
     rotor_sensor_hall_state_IgnoreAndReturn(5);
     inverter_timer_Hz_IgnoreAndReturn(168000000);
+    inverter_dead_time_least_ns_IgnoreAndReturn(0);
     inverter_init_IgnoreAndReturn(INVERTER_OK);
     inverter_start_StubWithCallback(start);
     inverter_set_StubWithCallback(set);
