@@ -121,13 +121,25 @@ def _voltages(drive: Drive) -> Iterator[str]:
 def with_fitting_bandwidth(drive: Drive) -> Drive:
     """Return a drive whose current loop was not given with one that fits its number formats.
 
-    A little below the fastest that does: the firmware judges gains that are rounded.
+    A little below the fastest that does: the firmware judges gains that are rounded. Where slower
+    ones soon do not fit either, in the middle of those that do.
     """
     name = "control.current_bandwidth_hz"
     if relations.mistakes(drive) or _fits(drive):
         return drive
-    enough = _nearest_good(drive, name, range_of(name)[1], _fits)
-    return drive if enough is None else with_value(drive, name, ROUNDING_SHARE * enough)
+    beyond = {proof.quantity for proof in envelope.proofs(drive) if not proof.holds}
+
+    def none_beyond(other: Drive) -> bool:
+        failed = (proof.quantity for proof in envelope.proofs(other) if not proof.holds)
+        return beyond.isdisjoint(failed) and not relations.mistakes(other)
+
+    enough = _nearest_good(drive, name, range_of(name)[1], none_beyond)
+    if enough is None or not _fits(with_value(drive, name, enough)):
+        return drive
+    slower = ROUNDING_SHARE * enough
+    if not _fits(with_value(drive, name, slower)):
+        slower = math.sqrt(enough * _last_good(drive, name, enough, slower, _fits))
+    return with_value(drive, name, slower)
 
 
 def _formats(drive: Drive) -> list[str]:
@@ -245,16 +257,22 @@ def _nearest_good(
         if not good(with_value(drive, name, step)):
             bad = step
             continue
-        enough = step
-        for _ in range(HALVINGS):
-            middle = math.sqrt(bad * enough)
-            if good(with_value(drive, name, middle)):
-                enough = middle
-            else:
-                bad = middle
-        rounded = _rounded(enough, end < value)
+        rounded = _rounded(_last_good(drive, name, step, bad, good), end < value)
         return rounded if good(with_value(drive, name, rounded)) else None
     return None
+
+
+def _last_good(
+    drive: Drive, name: str, enough: float, bad: float, good: Callable[[Drive], bool]
+) -> float:
+    """Return the good value next to the bad ones, between one that is good and one that is not."""
+    for _ in range(HALVINGS):
+        middle = math.sqrt(bad * enough)
+        if good(with_value(drive, name, middle)):
+            enough = middle
+        else:
+            bad = middle
+    return enough
 
 
 def _rounded(value: float, down: bool) -> float:

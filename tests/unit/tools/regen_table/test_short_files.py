@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """A file with the numbers that people have is a drive; what was assumed is reported."""
 
+import dataclasses
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
-from regen_table import boards, filling, generate, image, schema
+from regen_table import boards, envelope, filling, generate, image, schema
+from regen_table import refusals as refusals_module
 from regen_table.errors import ConfigurationError
 
 ROOT = Path(__file__).resolve().parents[4]
@@ -186,6 +188,34 @@ def test_a_bandwidth_that_was_not_given_fits_the_number_formats() -> None:
         "control.current_bandwidth_hz"
     }
     assert short({"motor.phase_resistance_ohm": 0.1}).control.current_bandwidth_hz == 1000.0
+
+
+@pytest.mark.parametrize("width", [1e-3, 3e-3, 0.015, 0.03, 0.3])
+def test_a_bandwidth_that_was_not_given_fits_however_narrow_the_range_is(
+    width: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Above the range one quantity leaves its number format, below it another."""
+    fastest = 432.1
+
+    @dataclasses.dataclass(frozen=True)
+    class Proof:
+        quantity: str
+        holds: bool
+
+    def proofs(drive: schema.Drive) -> list[Proof]:
+        bandwidth_hz = drive.control.current_bandwidth_hz
+        return [
+            Proof("gain", bandwidth_hz <= fastest),
+            Proof("pole", bandwidth_hz >= (1.0 - width) * fastest),
+        ]
+
+    drive = short()
+    faster = refusals_module.with_value(drive, "control.current_bandwidth_hz", 1000.0)
+    monkeypatch.setattr(envelope, "proofs", proofs)
+    taken = refusals_module.with_fitting_bandwidth(faster).control.current_bandwidth_hz
+    assert (1.0 - width) * fastest <= taken <= fastest
+    if width > 0.02:
+        assert taken == pytest.approx(0.98 * fastest, rel=1e-3)
 
 
 def test_a_board_is_known_and_only_its_own_scales_are_accepted() -> None:
