@@ -72,7 +72,7 @@ planted(gates_of_another_timer inverter.c "BOARD_AF_GATE_LOW_C, GPIO" "BOARD_AF_
   "leg 2: only some of its gates are driven" full)
 planted(swapped_currents analog.c
   "CURRENT_C : BOARD_CHANNEL_CURRENT_B" "CURRENT_C : BOARD_CHANNEL_CURRENT_C"
-  "fault: phase currents do not add up to zero" full)
+  "stops in mode RUN" full)
 planted(a_current_of_wrong_sign analog.c
   "BOARD_CURRENT_INVERTED != 0" "BOARD_CURRENT_INVERTED == 0" "fault: phase over-current"
   full)
@@ -89,7 +89,7 @@ planted(a_wrong_can_filter can.c "<< 5; /*" "<< 4; /*" "comes to RUN")
 planted(an_identifier_of_29_bits_elsewhere can.c "CAN_TIR_EXID_Pos |" "CAN_TIR_STID_Pos |"
   "VESC status frames as the port has them")
 planted(frames_in_the_order_of_their_requests can.c "CAN_MCR_ABOM;" "CAN_MCR_ABOM | (1U << 2);"
-  "WheelBrake comes in time" full)
+  "DAQ makes no gap of WheelBrake longer" full)
 planted(frames_that_give_no_place can_places.h "least ? i : highest" "least ? highest : highest"
   "WheelBrake comes in time" full)
 planted(a_watchdog_not_fed watchdog.c "void watchdog_feed(void)
