@@ -478,7 +478,7 @@ void test_permanently_low_break_input_is_a_fault(void)
  * has to lie in the middle of the low pulses, half the dead time after the top. */
 void test_currents_are_held_in_the_middle_of_the_low_pulses(void)
 {
-    for (uint32_t dead_ns = 300; dead_ns <= 6000; dead_ns += 57) {
+    for (uint32_t dead_ns = BOARD_DEAD_TIME_LEAST_ns; dead_ns <= 6000; dead_ns += 57) {
         TEST_ASSERT_EQUAL_INT(INVERTER_OK, init_with_dead_time(dead_ns));
         const uint32_t mode = (TIM1->CCMR2 >> TIM_CCMR2_OC4M_Pos) & 7U;
         const double before_top = (double)TOP - (double)TIM1->CCR4;
