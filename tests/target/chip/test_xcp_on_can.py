@@ -18,14 +18,11 @@ from typing import Any
 import can
 import cantools
 import pytest
+from daq_packets import Kept
 from hubfoc import addresses
 from hubsim import cli
 from pyxcp.config import create_application_from_config
 from pyxcp.master.master import Master
-from pyxcp.transport.transport_ext import (  # type: ignore[import-not-found]
-    FrameAcquisitionPolicy,
-    FrameCategory,
-)
 from pyxcp.types import XcpResponseError
 from regen_table import image, schema, service_key
 from siphash import key_of
@@ -43,22 +40,6 @@ CHANNELS = (f"xcp {number}" for number in itertools.count())
 ANSWERS_S = 20.0  # the model is slower than the chip
 
 
-class Samples(FrameAcquisitionPolicy):  # type: ignore[misc] # pyxcp has no types
-    """The packets of DAQ lists."""
-
-    def __init__(self) -> None:
-        super().__init__(set())
-        self.packets: list[bytes] = []
-
-    def feed(self, category: FrameCategory, _counter: int, _time: int, payload: bytes) -> None:
-        """Keep one."""
-        if category == FrameCategory.DAQ:
-            self.packets.append(bytes(payload))
-
-    def finalize(self) -> None:
-        """Do what a policy does at the end: nothing."""
-
-
 @dataclass
 class Tool:
     """A connected master on the wheel's bus."""
@@ -66,7 +47,7 @@ class Tool:
     master: Any  # pyxcp has no types
     bus: can.BusABC
     image: bytes
-    samples: Samples
+    samples: Kept
 
     def word(self, address: int) -> int:
         return int.from_bytes(self.master.shortUpload(4, address), "little", signed=True)
@@ -97,7 +78,7 @@ class Tool:
             assert time.monotonic() < end_s, value
 
 
-def master_of(channel: str, key: bytes, samples: Samples) -> Any:  # noqa: ANN401
+def master_of(channel: str, key: bytes, samples: Kept) -> Any:  # noqa: ANN401
     identifier = schema.load(cli.DEFAULT_CONFIG).service.can_base
     application = create_application_from_config(
         {
@@ -127,7 +108,7 @@ def tool(tmp_path: Path) -> Iterator[Tool]:
     configuration = tmp_path / "configuration.bin"
     configuration.write_bytes(whole)
     with standing(channel, configuration), can.Bus(channel, interface="virtual") as bus:
-        master = master_of(channel, key, samples := Samples())
+        master = master_of(channel, key, samples := Kept())
         master.transport.connect()
         master.connect()
         tool = Tool(master, bus, whole, samples)

@@ -14,16 +14,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from daq_packets import Kept
 from hubfoc import HubfocError, addresses, cli
 from hubfoc.live.vehicle import SimulatedVehicle
 from hubfoc.live.xcp import Gateways
 from hubfoc.measuring import Trigger
 from hubfoc.service import Service, Udp
 from hubsim import cli as hubsim_cli
-from pyxcp.transport.transport_ext import (  # type: ignore[import-not-found]
-    FrameAcquisitionPolicy,
-    FrameCategory,
-)
 from pyxcp.types import XcpResponseError
 from regen_table import schema
 
@@ -36,22 +33,6 @@ WATCHED_MS = 60_000 if "HUBFOC_FOR_LONG" in os.environ else 6_000
 AHEAD_MS = 10
 PARTS = 4
 SLOW, FAST = 0, 1
-
-
-class Kept(FrameAcquisitionPolicy):  # type: ignore[misc] # pyxcp has no types
-    """The packets of DAQ lists."""
-
-    def __init__(self) -> None:
-        super().__init__(set())
-        self.packets: list[bytes] = []
-
-    def feed(self, category: FrameCategory, _counter: int, _time: int, payload: bytes) -> None:
-        """Keep one."""
-        if category == FrameCategory.DAQ:
-            self.packets.append(bytes(payload))
-
-    def finalize(self) -> None:
-        """Do what a policy does at the end: nothing."""
 
 
 @dataclass
