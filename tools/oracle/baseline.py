@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Self
 
 ROOT = Path(__file__).resolve().parents[2]
-STORED = ROOT / "tests" / "oracle" / "360b908e.json"
+STORED = ROOT / "tests" / "oracle" / "d6b76bd7.json"
 FORMAT = 1
 KINDS = ("fast", "slow", "events", "bytes")
 

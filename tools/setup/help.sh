@@ -243,7 +243,7 @@ Runs both control steps through many thousand drives and hashes every value that
                     it (fast, slow, events, bytes), and the first entry that differs
   --quick           a part of everything, for every commit: no long cycle, a third of the random
                     drives and of the faults
-  --baseline FILE   compare with this file; default: tests/oracle/360b908e.json
+  --baseline FILE   compare with this file; default: tests/oracle/d6b76bd7.json
   -o FILE           write the hashes into a file
   --part PART       only this one, several with several options: sequences, random_slow,
                     random_fast, application, scenarios, cycle, faults
